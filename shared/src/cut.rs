@@ -1,8 +1,8 @@
-//! Which moves of a program cut what: the job's `[[cut]]` rules.
+//! Cut rules of a job (`[[cut]]`): the moves to which a feed law applies, and the stock there.
 //!
-//! A ring's arc is recognised by what it turns about (its radius is the ring's inner or outer radius within 0.1 %) and its
-//! sense; an end mill's move by whether it is an arc, in which sense, or a line. A rule may be narrowed by sequence number
-//! or level. The rules of the tool in the spindle are tried in order; the first that fits counts.
+//! A rule matches a ring's arc by its radius (the ring's inner or outer radius within 0.1 %) and its sense, and an end
+//! mill's move by its shape (line or arc) and the arc's sense. A range of sequence numbers or of levels may restrict
+//! it further. The rules of the tool in the spindle are tried in order; the first match applies.
 
 use crate::knots::KnotRange;
 use crate::nc::modal::Turn;
@@ -13,21 +13,21 @@ use crate::units::{MmPerTooth, Nm};
 
 /// Most rules in a job.
 pub const RULES_MAX: usize = 16;
-/// How far an arc's radius may lie from the ring's, relative.
+/// Largest relative difference of an arc's radius from the ring's.
 pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 
 /// One `[[cut]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
-    /// Place of its tool among the job's.
+    /// Index of its tool in the job.
     pub tool: u8,
-    /// Which moves.
+    /// Moves to which it applies.
     pub moves: Moves,
-    /// What they cut.
+    /// Material that they cut, and the cutting edge.
     pub work: Work,
-    /// Wanted feed per tooth, where it is not its tool's.
+    /// Target feed per tooth; `None` means the tool's.
     pub feed_per_tooth: Option<MmPerTooth>,
-    /// Its knots among the job's, for the table law.
+    /// Its knots in the job's store, for the table law.
     pub table: Option<KnotRange>,
     /// First and last sequence number, if restricted.
     pub sequence: Option<(i64, i64)>,
@@ -35,7 +35,7 @@ pub struct CutRule {
     pub level: Option<(Nm, Nm)>,
 }
 
-/// The moves that a rule speaks of.
+/// Moves to which a rule applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moves {
     /// Arcs of a ring about a point on one of its circles.
@@ -46,33 +46,34 @@ pub enum Moves {
     Lines,
 }
 
-/// What a move cuts.
+/// Material that a move cuts, and the cutting edge.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and a job has few rules")]
 pub enum Work {
-    /// A ring, with one of its circles, up to the stock's limit. An end mill is a ring without a bore: its circle is the outer one.
+    /// A ring cuts this stock with one of its circles. An end mill counts as a ring without a bore: it cuts with the
+    /// outer circle.
     Ring(Edge, Stock),
-    /// An end mill, along a contour.
+    /// An end mill cuts along a contour.
     Mill {
-        /// Which side of the contour it runs on.
+        /// Side of the contour on which the tool runs.
         side: Side,
         /// Radial depth of cut, ae.
         radial_depth: Nm,
     },
 }
 
-/// Which side of a contour a tool runs on.
+/// Side of a contour on which a tool runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Inside a concave arc: the contour is longer than the centre's path.
+    /// Inside a concave arc: the contour is longer than the path of the tool's centre.
     Inside,
-    /// Outside a convex one.
+    /// Outside a convex arc: the contour is shorter than the path of the tool's centre.
     Outside,
-    /// Both walls at once. They demand the opposite; the thicker chip wins, which is the inside one's.
+    /// Both walls at once. Their demands oppose each other; the inside wall has the thicker chip and decides.
     Slot,
 }
 
-/// What the tool centre turns about (Petean table 5.1).
+/// Circle of the ring on which the rotation centre lies (Petean table 5.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rotation {
     /// A point on the inner circle: the arc has the inner radius.
@@ -82,7 +83,7 @@ pub enum Rotation {
 }
 
 impl CutRule {
-    /// Whether this rule speaks of `segment`.
+    /// Whether this rule applies to `segment`.
     pub fn fits(&self, segment: &Segment, tool: &Tool) -> bool {
         let [_, _, z] = segment.start.linear;
         let in_sequence =
@@ -91,7 +92,7 @@ impl CutRule {
         in_sequence && in_level && self.moves.include(segment, tool)
     }
 
-    /// Whether what its moves cut is told with each of them.
+    /// Whether the engagement is given with each of its moves.
     pub const fn is_told_along(&self) -> bool {
         matches!(self.work, Work::Ring(_, Stock::Along))
     }

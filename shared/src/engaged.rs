@@ -1,17 +1,16 @@
-//! The engaged arc of each circle of a ring as a table over the path travelled, computed beforehand from the removed
-//! material.
+//! Table of a ring's engaged arcs, one for each circle, over the path travelled. It is computed beforehand from the
+//! removed material.
 //!
 //! *Frame.* A direction from the tool's centre is an angle from the direction towards the rotation centre A (on a line: to
 //! the left of the motion), positive towards the side on which the circle's edges advance: with the motion for the outer
 //! circle, against it for the inner one. 90 degrees is straight ahead for either; the angles are those of the contact.
 //! The engaged arc runs from `from` in the positive sense to `to`.
 //!
-//! *Between knots* both ends are linear in the path; before the first knot and behind the last they are level. Where `from`
-//! is not less than `to` nothing is engaged: an arc that shrinks to nothing on the way to an empty one is gone where
-//! its ends meet.
+//! *Between knots* both ends are linear in the path; before the first knot and after the last they are constant. Where
+//! `from` is not less than `to` nothing is engaged: an arc that shrinks to an empty one ends where its two ends meet.
 //!
-//! Angles are whole multiples of 1/90 degree: no NaN can be among them, and a table for both circles takes the place of
-//! eight stock lines.
+//! Angles are whole multiples of 1/90 degree, so none is NaN. A table for both circles needs as much memory as eight
+//! stock lines.
 
 use heapless::Vec;
 
@@ -23,13 +22,13 @@ use crate::units::Mm;
 pub const ENGAGED_KNOTS_MAX: usize = 16;
 /// Units of an angle in a degree.
 const UNITS_PER_DEGREE: f64 = 90.0;
-/// The turn; neither end of an arc lies beyond it, and no arc is wider.
+/// Full turn: the largest magnitude of an arc's ends, and the largest width of an arc.
 const TURN_DEG: f64 = 360.0;
-/// The same in units.
+/// Full turn in units of 1/90 degree.
 const TURN: u16 = (TURN_DEG * UNITS_PER_DEGREE) as u16;
 /// One unit in radians.
 const UNIT_RAD: f32 = (core::f64::consts::PI / (180.0 * UNITS_PER_DEGREE)) as f32;
-/// Units of a right angle, and of straight ahead, either way round.
+/// Right angle in units, and the feed direction as a positive and as a negative angle.
 const QUARTER: f32 = 8_100.0;
 const AHEAD: [f32; 2] = [QUARTER, -3.0 * QUARTER];
 
@@ -52,9 +51,9 @@ pub struct EngagedSpan {
 pub struct EngagedKnot {
     /// Path from the segment's start.
     pub travelled: Mm,
-    /// Of the outer circle.
+    /// Engaged arc of the outer circle.
     pub outer: EngagedInterval,
-    /// Of the inner circle.
+    /// Engaged arc of the inner circle.
     pub inner: EngagedInterval,
 }
 
@@ -64,21 +63,21 @@ pub struct EngagedTable {
     knots: Vec<EngagedKnot, ENGAGED_KNOTS_MAX>,
 }
 
-/// Why knots are refused.
+/// Reason why knots are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EngagedError {
-    /// None, or more than [`ENGAGED_KNOTS_MAX`].
+    /// There is no knot, or there are more than [`ENGAGED_KNOTS_MAX`].
     Count,
-    /// The path of this knot is not larger than the one before, or no number.
+    /// The path of this knot is not larger than that of the previous knot, or is not a finite number.
     Order(usize),
 }
 
 impl EngagedInterval {
-    /// Nothing is engaged.
+    /// Empty interval: nothing is engaged.
     pub const EMPTY: Self = EngagedInterval { from: 0, to: 0 };
 
-    /// From its two ends, rounded to 1/90 degree; `None` for ends beyond +-360 degrees, arcs wider than 360 and what is no
-    /// number.
+    /// Interval between two ends, rounded to 1/90 degree; `None` for ends beyond +-360 degrees, arcs wider than 360
+    /// degrees and NaN.
     pub fn from_degrees(from_deg: f64, to_deg: f64) -> Option<Self> {
         let units = |degrees: f64| {
             let is_within = (-TURN_DEG..=TURN_DEG).contains(&degrees);
@@ -88,7 +87,7 @@ impl EngagedInterval {
         (to_deg - from_deg <= TURN_DEG).then_some(interval)
     }
 
-    /// From and to, degrees, as they were rounded.
+    /// From and to, degrees, after rounding.
     pub fn degrees(self) -> [f64; 2] {
         [self.from, self.to].map(|units| f64::from(units) / UNITS_PER_DEGREE)
     }
@@ -98,14 +97,14 @@ impl EngagedInterval {
         [self.from, self.to]
     }
 
-    /// From [`Self::units`]; `None` where [`Self::from_degrees`] has none.
+    /// Interval from [`Self::units`]; `None` in the same cases as [`Self::from_degrees`].
     pub fn from_units([from, to]: [i16; 2]) -> Option<Self> {
         let width = i32::from(to) - i32::from(from);
         let is_arc = [from, to].iter().all(|end| end.unsigned_abs() <= TURN) && width <= i32::from(TURN);
         is_arc.then_some(EngagedInterval { from, to })
     }
 
-    /// The arc at this part of the way from one knot to the next; `None` where it is empty.
+    /// Arc at this fraction of the path between two knots; `None` where it is empty.
     fn between(self, other: Self, ratio: f32) -> Option<EngagedSpan> {
         let part = |a: i16, b: i16| f32::from(a) + (f32::from(b) - f32::from(a)) * ratio;
         let span = EngagedSpan { from: part(self.from, other.from), to: part(self.to, other.to) };
@@ -119,7 +118,7 @@ impl EngagedSpan {
         [self.from, self.to].map(|units| units / UNITS_PER_DEGREE as f32)
     }
 
-    /// Whether the direction of the edges' advance along the motion, k v, is engaged.
+    /// Whether the feed direction (the direction k v of the edges' advance) is engaged.
     pub fn holds_ahead(&self) -> bool {
         AHEAD.iter().any(|ahead| (self.from..=self.to).contains(ahead))
     }
@@ -130,7 +129,7 @@ impl EngagedSpan {
     }
 }
 
-/// Sine and cosine of so many units. What is left of whole right angles is exact.
+/// Sine and cosine of an angle in units; exact at whole right angles.
 fn direction(units: f32) -> [f32; 2] {
     let quarters = fmath::ceil(units / QUARTER - 0.5);
     let [cos, sin] = fmath::cos_sin_of_octant((units - quarters * QUARTER) * UNIT_RAD);
@@ -163,7 +162,7 @@ impl EngagedTable {
         Ok(table)
     }
 
-    /// A table of one knot, for those that come one by one.
+    /// A table of one knot, to which [`Self::push`] adds the others.
     ///
     /// # Errors
     /// [`EngagedError::Order`].
@@ -173,7 +172,7 @@ impl EngagedTable {
         Ok(table)
     }
 
-    /// Adds a knot behind the others; nothing is changed where it is refused.
+    /// Appends a knot. The table does not change if the knot is rejected.
     ///
     /// # Errors
     /// See [`EngagedError`].

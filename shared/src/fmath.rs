@@ -1,10 +1,10 @@
-//! The one place for f32 maths: the same bits on the host and on the chip.
+//! All f32 maths of the project: bit-identical on the host and on the chip.
 //!
 //! `sqrt` is correctly rounded everywhere (IEEE 754), so the FPU's instruction and `libm`'s routine agree to the bit.
 //! `atan2` is `libm`'s, plain f32 on every target. Rounding is micromath's, which is exact up to 2^31; its square root
 //! (6 % off) and its trigonometry (3e-3 rad off) are not used for anything: see docs/laws.md.
 
-/// The bit of the sign.
+/// Sign bit.
 const SIGN: u32 = 1 << 31;
 
 /// Square root; NaN below zero.
@@ -32,7 +32,7 @@ pub fn sqrt(x: f32) -> f32 {
     f32::from_bits(bits)
 }
 
-/// The nearest f32 of each of two whole numbers: `x as f32`, by the chip's one instruction where 32 bits hold both.
+/// The nearest f32 of each of two whole numbers (`x as f32`). Uses the chip's single instruction if both fit 32 bits.
 #[inline(always)]
 pub fn from_pair([x, y]: [i64; 2]) -> [f32; 2] {
     let (short_x, short_y) = (x as i32, y as i32);
@@ -40,14 +40,14 @@ pub fn from_pair([x, y]: [i64; 2]) -> [f32; 2] {
     if lost == 0 { [short_x as f32, short_y as f32] } else { long_pair([x, y]) }
 }
 
-/// Never inline: the compiler would run the long route beside the short one and then choose.
+/// Not inlined: otherwise the compiler executes both conversions and then selects one.
 #[cold]
 #[inline(never)]
 fn long_pair(pair: [i64; 2]) -> [f32; 2] {
     pair.map(|x| x as f32)
 }
 
-/// The nearest f32 of a whole number that has no sign; see [`from_pair`].
+/// The nearest f32 of an unsigned whole number; see [`from_pair`].
 pub fn from_u64(x: u64) -> f32 {
     match u32::try_from(x) {
         Ok(short) => short as f32,
@@ -61,27 +61,27 @@ fn unsigned_long_to_f32(x: u64) -> f32 {
     x as f32
 }
 
-/// Whether `x` is a finite number above zero, and not a subnormal one. By its sign and exponent: `x > 0.0 &&
-/// x.is_finite()` becomes 25 instructions on the chip, this is 5.
+/// Whether `x` is finite, normal and above zero. Tests sign and exponent, which takes 5 instructions on the chip; `x >
+/// 0.0 && x.is_finite()` takes 25.
 #[inline(always)]
 pub fn is_positive(x: f32) -> bool {
     let sign_and_exponent = x.to_bits().cast_signed() >> (f32::MANTISSA_DIGITS - 1);
     (sign_and_exponent - 1).cast_unsigned() < f32::MAX_EXP.cast_unsigned() * 2 - 2
 }
 
-/// The size of `x` with the sign of `sign`.
+/// The magnitude of `x` with the sign of `sign`.
 #[inline(always)]
 pub fn with_sign_of(x: f32, sign: f32) -> f32 {
     f32::from_bits(x.to_bits() & !SIGN | sign.to_bits() & SIGN)
 }
 
-/// The smaller one; `b` where one of them is NaN. `f32::min` is a call on the chip, this is a comparison and a move.
+/// The smaller of two numbers; `b` if one is NaN. `f32::min` is a call on the chip, this is a comparison and a move.
 #[inline(always)]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger one; `b` where one of them is NaN. See [`min`].
+/// The larger of two numbers; `b` if one is NaN. See [`min`].
 #[inline(always)]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -102,8 +102,8 @@ pub fn cos(x_rad: f32) -> f32 {
     libm::cos(f64::from(x_rad)) as f32
 }
 
-/// Cosine and sine of an angle of up to an eighth of a turn either way, radians: Taylor's series, so far that f32 does not see
-/// the rest. For the tick: `libm`'s go through f64.
+/// Cosine and sine of an angle within +-1/8 turn, radians. Taylor series whose remainder is below the resolution of
+/// f32. For the tick: the functions of `libm` compute in f64.
 pub fn cos_sin_of_octant(x_rad: f32) -> [f32; 2] {
     let square = x_rad * x_rad;
     let series = |divisors: [f32; 4]| divisors.iter().rev().fold(1.0, |rest, d| 1.0 - square * (1.0 / d) * rest);
@@ -116,7 +116,7 @@ pub fn asin(x: f32) -> f32 {
     libm::asinf(x)
 }
 
-/// The least whole number not below `x`, exact for |x| < 2^31.
+/// The smallest whole number not below `x`, exact for |x| < 2^31.
 pub fn ceil(x: f32) -> f32 {
     micromath::F32(x).ceil().0
 }

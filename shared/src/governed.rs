@@ -1,7 +1,7 @@
-//! Whether a feed law may govern a move that a cut rule matches.
+//! Decides whether a feed law may govern a move that a cut rule matches.
 //!
-//! A law of the tool's side describes motion across the tool's axis, at a known spindle speed, with a tool of the job. The rules
-//! of that tool are tried. Any other move keeps its programmed feed:
+//! A law for peripheral cutting describes motion across the tool's axis, at a known spindle speed, with a tool of the
+//! job. The rules of that tool are tried. Any other move keeps its programmed feed:
 //!
 //! ```text
 //! plunge, ramp, helix:  |path along the axis| > sin(1 degree) * path       (1)
@@ -11,7 +11,7 @@
 //! spindle:              off, at S0, or at a speed that neither the program nor the job states
 //! ```
 //!
-//! The table law has its feed from elsewhere and may follow any path. Source: docs/safety-case.md.
+//! The table law takes its feed from the job and may follow any path. Source: docs/safety-case.md.
 
 use crate::cut::CutRule;
 use crate::job::{Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
@@ -23,48 +23,48 @@ use crate::units::{MmPerMin, Nm, RevPerMin};
 /// Largest sine of the angle between a governed path and the plane across the tool's axis: 1 degree. (1)
 pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
 
-/// What a job says of a move.
+/// Result of matching a move with a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match<'r> {
     /// No cut rule matches it.
     NoRule,
     /// A cut rule matches it, but it keeps its programmed feed.
     Excluded {
-        /// Index of the rule.
+        /// Index of the rule in the job.
         index: usize,
-        /// Why.
+        /// Reason.
         why: Exclusion,
     },
     /// The law governs it.
     Governed(Governing<'r>),
 }
 
-/// What governs a move.
+/// Cut rule and spindle speed that govern a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Governing<'r> {
-    /// Index of the cut rule among the job's.
+    /// Index of the cut rule in the job.
     pub index: usize,
-    /// That rule.
+    /// The cut rule.
     pub rule: &'r CutRule,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
 }
 
-/// Why a move that a cut rule matches keeps its programmed feed.
+/// Reason why a move that a cut rule matches keeps its programmed feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Exclusion {
     /// It runs along the tool's axis, or turns about a line across it.
     Axial,
-    /// A rotary axis turns with it: its F is no feed along the path.
+    /// A rotary axis turns with it: its F is not a feed along the path.
     Rotary,
-    /// The program has loaded another tool than the job's.
+    /// The program has loaded a tool that the job does not have.
     Tool,
     /// The spindle is off, or its speed is stated nowhere.
     Spindle,
 }
 
 impl<'r> Match<'r> {
-    /// What governs the move, if anything does.
+    /// Rule and speed that govern the move, if any.
     pub fn governing(self) -> Option<Governing<'r>> {
         match self {
             Match::Governed(governing) => Some(governing),
@@ -74,7 +74,7 @@ impl<'r> Match<'r> {
 }
 
 impl Job {
-    /// What this job says of a move, with tool and spindle as the program has commanded them.
+    /// Matches a move with the cut rules, with tool and spindle as the program has commanded them.
     pub fn match_move(&self, segment: &Segment, machining: &Machining) -> Match<'_> {
         let Some((index, rule)) = self.rule_for(segment, machining.tool) else { return Match::NoRule };
         let setup = self.tool_of(rule);
@@ -88,8 +88,8 @@ impl Job {
         }
     }
 
-    /// The first rule of the tool in the spindle that fits a move, with its place among the rules. With a tool that the job
-    /// doesn't have, the first rule that would fit with its own.
+    /// The first rule of the tool in the spindle that matches a move, with its index. For a tool that the job does not
+    /// have: the first rule that would match with its own tool.
     pub fn rule_for(&self, segment: &Segment, tool: ToolInSpindle) -> Option<(usize, &CutRule)> {
         let loaded = self.tool_in(tool);
         let is_tried = |rule: &CutRule| loaded.is_none_or(|index| usize::from(rule.tool) == index);
@@ -97,13 +97,13 @@ impl Job {
         self.rules.iter().enumerate().find(|(_, rule)| fits(rule))
     }
 
-    /// The setup of the tool in the spindle; the job's first one where it has no such tool.
+    /// The setup of the tool in the spindle; the job's first setup if it has no such tool.
     pub fn setup_in(&self, tool: ToolInSpindle) -> &ToolSetup {
         self.tool_in(tool).and_then(|index| self.tools.get(index)).unwrap_or(self.tools.first())
     }
 
-    /// Place of the tool in the spindle among the job's; `None` if it has no such tool. A job for one tool is for the one that
-    /// the operator has loaded, where the program loads none.
+    /// Index of the spindle's tool in the job; `None` if the job has no such tool. Where the program loads no tool, a
+    /// job for one tool assumes that the operator has loaded it.
     pub fn tool_in(&self, tool: ToolInSpindle) -> Option<usize> {
         match tool {
             ToolInSpindle::Unstated => (self.tools.len() == 1).then_some(0),
@@ -112,7 +112,7 @@ impl Job {
         }
     }
 
-    /// The fastest feed on a move that a law governs; `programmed` is its F in the program.
+    /// Upper limit of the feed on a move that a law governs; `programmed` is its F in the program.
     pub fn feed_limit(&self, segment: &Segment, programmed: Option<Nm>) -> Option<FeedLimit> {
         let feed = MmPerMin(self.ceiling.feed_mm_per_min(programmed) as f32);
         let ceiling = Some(FeedLimit { feed, by: LimitedBy::Ceiling }).filter(|_| feed.0.is_finite());
@@ -124,7 +124,7 @@ impl Job {
 }
 
 impl ToolSetup {
-    /// The spindle speed of a governed move: the program's, or the job's where the operator sets it.
+    /// Spindle speed of a governed move: the program's, or the job's if the operator sets the speed.
     pub fn speed(&self, command: SpindleCommand) -> Option<RevPerMin> {
         match (command, self.speed_source) {
             (SpindleCommand::RevPerMin(speed), _) => Some(RevPerMin(speed as f32)),
@@ -192,7 +192,7 @@ mod tests {
         Segment { sequence: None, start: Pose::default(), end, feed: Feed::Missing, path: Path::Line }
     }
 
-    /// A quarter about a point 10 mm away, with the plane's normal moving this far.
+    /// A quarter turn of radius 10 mm that rises by this much along the plane's normal.
     fn arc(plane: Plane, rise_mm: f64) -> Segment {
         let (first, second, normal) = plane.axes();
         let mut end = Pose::default();

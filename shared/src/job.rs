@@ -1,4 +1,4 @@
-//! What a job adds to a program: tool, spindle, law, limits, cut rules. Read from `JOB.toml` in `host`.
+//! Job: tools, spindle speeds, laws, limits and cut rules that belong to a program. `host` reads it from `JOB.toml`.
 
 use heapless::Vec;
 
@@ -14,57 +14,59 @@ pub const TOOLS_MAX: usize = 8;
 /// A job, validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
-    /// The unit the program starts in and reports speak.
+    /// Unit in which the program starts and in which reports are written.
     pub unit: LengthUnit,
-    /// The tools that it governs, each with its law.
+    /// Tools of the job, each with its law.
     pub tools: Tools,
-    /// How the wanted feed reaches the control.
+    /// Way in which the target feed reaches the control.
     pub policy: FeedPolicy,
     /// Bounds of the override.
     pub limits: OverrideLimits,
-    /// What no governed feed exceeds.
+    /// Upper limit of governed feeds.
     pub ceiling: FeedCeiling,
-    /// What the machine can follow.
+    /// Feed limits of the machine.
     pub machine: MachineLimits,
-    /// Which arcs cut what.
+    /// Cut rules.
     pub rules: Vec<CutRule, RULES_MAX>,
     /// The knots of all rules' tables.
     pub knots: Knots,
 }
 
 impl Job {
-    /// The tool that a rule is for.
+    /// The tool of a rule.
     pub fn tool_of(&self, rule: &CutRule) -> &ToolSetup {
         self.tools.get(usize::from(rule.tool)).unwrap_or(self.tools.first())
     }
 
-    /// The wanted feed per tooth of a rule.
+    /// The target feed per tooth of a rule.
     pub fn feed_per_tooth_of(&self, rule: &CutRule) -> MmPerTooth {
         rule.feed_per_tooth.unwrap_or(self.tool_of(rule).feed_per_tooth)
     }
 }
 
-/// A tool of the job: how the program calls it, what turns it, and the law that feeds it.
+/// A tool of the job: its T number, axis, spindle speed and feed law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolSetup {
     /// The cutter.
     pub tool: Tool,
-    /// Its T number; without one it is the tool that the operator has loaded, up to the first M6. Of several tools each has one.
+    /// T number. `None` means the tool that the operator has loaded, until the first M6; a job with several tools
+    /// numbers each.
     pub number: Option<i64>,
-    /// Its axis in the program's coordinates.
+    /// Tool axis in the program's coordinates.
     pub axis: ToolAxis,
-    /// Spindle speed: for plans and reports, and on the machine where the operator sets it.
+    /// Spindle speed for plans and reports; also the speed on the machine if the operator sets it.
     pub spindle: RevPerMin,
-    /// Who sets the spindle's speed.
+    /// Source of the spindle speed.
     pub speed_source: SpeedSource,
     /// The feed law.
     pub law: LawKind,
-    /// a: wanted feed per tooth, where the law says (on the circumference, at the contour), or chip thickness.
+    /// a: target feed per tooth at the point that the law defines (on the circumference, at the contour), or target
+    /// chip thickness.
     pub feed_per_tooth: MmPerTooth,
 }
 
 impl ToolSetup {
-    /// A tool along Z, without a number, whose speed the program sets.
+    /// A tool along Z without a number; the program sets its speed.
     pub const fn new(tool: Tool, spindle: RevPerMin, law: LawKind, feed_per_tooth: MmPerTooth) -> Self {
         let (number, axis, speed_source) = (None, ToolAxis::Z, SpeedSource::Program);
         ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth }
@@ -84,41 +86,41 @@ impl Tools {
         Tools { first: setup, more: Vec::new() }
     }
 
-    /// Adds a tool behind the others.
+    /// Appends a tool.
     ///
     /// # Errors
-    /// The tool, where there are [`TOOLS_MAX`] of them.
+    /// Returns the tool if there are already [`TOOLS_MAX`].
     pub fn push(&mut self, setup: ToolSetup) -> Result<(), ToolSetup> {
         self.more.push(setup)
     }
 
-    /// The tool in the first place.
+    /// The first tool.
     pub const fn first(&self) -> &ToolSetup {
         &self.first
     }
 
-    /// The tool in the first place, to change.
+    /// The first tool, mutable.
     pub const fn first_mut(&mut self) -> &mut ToolSetup {
         &mut self.first
     }
 
-    /// The tool in the last place, to change.
+    /// The last tool, mutable.
     pub fn last_mut(&mut self) -> &mut ToolSetup {
         self.more.last_mut().unwrap_or(&mut self.first)
     }
 
-    /// The tool in a place, counted from 0.
+    /// The tool with this index, from 0.
     pub fn get(&self, index: usize) -> Option<&ToolSetup> {
         self.iter().nth(index)
     }
 
-    /// How many there are; at least 1.
+    /// Number of tools; at least 1.
     #[allow(clippy::len_without_is_empty, reason = "it is never empty")]
     pub fn len(&self) -> usize {
         1 + self.more.len()
     }
 
-    /// All of them, in order.
+    /// All tools, in order.
     pub fn iter(&self) -> impl Iterator<Item = &ToolSetup> {
         core::iter::once(&self.first).chain(&self.more)
     }
@@ -143,22 +145,22 @@ impl ToolAxis {
     }
 }
 
-/// Who sets the spindle's speed.
+/// Source of the spindle speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpeedSource {
     /// The program's S and M words.
     #[default]
     Program,
-    /// The operator, to the job's speed, where the program does not.
+    /// The operator sets the job's speed where the program commands none.
     Operator,
 }
 
-/// What no governed feed exceeds: neither a written F nor F times the override.
+/// Upper limit of governed feeds: both of the sent F and of F times the override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedCeiling {
-    /// Along the path.
+    /// Largest feed along the path.
     pub max_feed: Option<MmPerMin>,
-    /// Over the programmed F.
+    /// Largest feed relative to the programmed F.
     pub max_raise_ratio: f32,
 }
 
@@ -166,7 +168,7 @@ impl FeedCeiling {
     /// Largest raise of a programmed feed where the job states none.
     pub const DEFAULT_RAISE_RATIO: f32 = 2.0;
 
-    /// The fastest feed of a governed move with this programmed F; infinite without any bound.
+    /// Largest feed of a governed move with this programmed F; infinite without any limit.
     pub fn feed_mm_per_min(&self, programmed: Option<Nm>) -> f64 {
         let raised = programmed.map_or(f64::INFINITY, |feed| feed.to_mm() * f64::from(self.max_raise_ratio));
         raised.min(self.max_feed.map_or(f64::INFINITY, |feed| f64::from(feed.0)))
@@ -193,38 +195,39 @@ pub enum LawKind {
     Contour {
         /// Whether outside arcs keep the feed instead of a raised one.
         inside_only: bool,
-        /// Least part of the feed, however tight the arc.
+        /// Lower limit of the feed as a fraction, for tight arcs.
         floor_ratio: f32,
     },
     /// Constant chip thickness of an end mill.
     Engagement,
-    /// A feed per tooth at the centre computed beforehand, rule by rule.
+    /// Feed per tooth at the centre from a table of the cut rule.
     Table,
     /// The program's own feed.
     Programmed,
 }
 
-/// How the wanted feed reaches the control.
+/// Way in which the target feed reaches the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedPolicy {
-    /// Blocks are sent with the least feed the law wants; the override raises it. A lost override only thins chips.
+    /// Blocks are sent with the smallest feed that the law demands; the override raises it. If the override is lost,
+    /// chips only get thinner.
     SafeBase,
-    /// The program's own F stays; the override does it all, within its limits.
+    /// The programmed F stays; the override alone varies the feed, within its limits.
     OverrideOnly,
-    /// The override stays at 100 %: arcs are sent in pieces, each with the least feed the law wants on it.
+    /// The override stays at 100 %: arcs are sent in pieces, each with the smallest feed that the law demands on it.
     RewriteOnly(PieceSettings),
 }
 
-/// How finely arcs are cut into pieces.
+/// Rules for cutting arcs into pieces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceSettings {
-    /// From one feed of an arc to the next, %: its feeds are its least one times powers of this.
+    /// Step between feeds of an arc, %: the feeds are the smallest one times powers of this step.
     pub step_percent: f32,
-    /// A rise of F by less than this is not made, %.
+    /// Smallest rise of F, %; smaller rises are left out.
     pub hysteresis_percent: f32,
-    /// No piece is shorter.
+    /// Minimum length of a piece.
     pub least_length: Nm,
-    /// No arc has more pieces.
+    /// Maximum number of pieces of an arc.
     pub most: u16,
 }
 

@@ -1,7 +1,7 @@
-//! The knots of the table law: feeds per tooth over the path travelled.
+//! Knots of the table law: feeds per tooth over the path travelled.
 //!
-//! A job holds them in one store that its rules point into: a table in each rule would make room for 16 times 32
-//! knots on the chip's stack, where a job has a handful of tables.
+//! A job holds them in one store; its rules hold ranges of it. A table in each rule would reserve 16 times 32 knots on
+//! the chip's stack, although a job has only a few tables.
 
 use heapless::Vec;
 
@@ -12,10 +12,10 @@ pub const TABLE_KNOTS_MAX: usize = 32;
 /// Most knots of all tables of a job.
 pub const JOB_KNOTS_MAX: usize = 64;
 
-/// At this path from the segment's start, this feed per tooth at the centre.
+/// Path from the segment's start, and feed per tooth at the tool's centre there.
 pub type Knot = (Mm, MmPerTooth);
 
-/// Which of a store's knots.
+/// Range of knots of a store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KnotRange {
     first: u8,
@@ -29,36 +29,36 @@ pub struct Knots {
 }
 
 impl KnotRange {
-    /// So many knots from this one on.
+    /// Range of `count` knots that begins at index `first`.
     pub const fn new(first: u8, count: u8) -> Self {
         KnotRange { first, count }
     }
 
-    /// The first, and how many.
+    /// Index of the first knot, and number of knots.
     pub const fn bounds(self) -> [u8; 2] {
         [self.first, self.count]
     }
 }
 
 impl Knots {
-    /// None.
+    /// An empty store.
     pub const fn new() -> Self {
         Knots { knots: Vec::new() }
     }
 
-    /// Takes a table in; `None` where there is no room for it.
+    /// Adds a table; `None` if it does not fit.
     pub fn add(&mut self, table: &[Knot]) -> Option<KnotRange> {
         let range = KnotRange { first: u8::try_from(self.knots.len()).ok()?, count: u8::try_from(table.len()).ok()? };
         self.knots.extend_from_slice(table).ok()?;
         Some(range)
     }
 
-    /// All of them, table after table.
+    /// All knots, table after table.
     pub fn all(&self) -> &[Knot] {
         &self.knots
     }
 
-    /// A table; none that is not there.
+    /// Knots of a table; empty if the range lies outside the store.
     pub fn table(&self, KnotRange { first, count }: KnotRange) -> &[Knot] {
         let first = usize::from(first);
         self.knots.get(first..first + usize::from(count)).unwrap_or_default()

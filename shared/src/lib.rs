@@ -1,10 +1,9 @@
-//! What both ends of arcfeed must agree on.
+//! Code that the host program and the feed board share.
 //!
-//! Modules stand in the order in which data flows; a module imports only from those above it:
-//! NC text -> [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then what a job adds
-//! to the program ([`machine`], `kinematics`, [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`], [`governed`]) and what comes back from the machine
-//! ([`telemetry`], [`report`]), and
-//! the line to a board ([`wire`]).
+//! Modules are listed in the order of the data flow; a module imports only from those above it: NC text ->
+//! [`nc::word`] -> [`nc::block`] -> [`nc::modal`] -> [`radius`] -> [`segment`] -> [`reader`], then the data of a job
+//! ([`machine`], `kinematics`, [`tool`], [`engaged`], [`stock`], [`knots`], [`cut`], [`job`], [`governed`]), the
+//! machine's reports ([`telemetry`], [`report`]), and the link to a board ([`wire`]).
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 

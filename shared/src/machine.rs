@@ -1,7 +1,7 @@
-//! What the machine and its control allow: the fastest feed on a segment.
+//! Feed limits of the machine and its control: the largest feed on a segment.
 //!
-//! The feed counts along the path, on a helix along the arc in its plane. With d_i the part of an axis in a unit of that way,
-//! V_i its fastest speed, and r the radius of an arc:
+//! The feed is measured along the path; on a helix, along the arc in its plane. With d_i the distance that axis i
+//! covers per unit of that path, V_i its maximum speed, and r the radius of an arc:
 //!
 //! ```text
 //! axes:       v <= V_i / max |d_i|                          (1)
@@ -15,46 +15,46 @@ use crate::nc::modal::Turn;
 use crate::segment::{Arc, Path, Segment};
 use crate::units::{DegPerMin, MicroDeg, Mm, MmPerMin, NM_PER_MM, Nm};
 
-/// What limits the feed of a machine; `None` where nothing is known to.
+/// Feed limits of a machine; `None` where a limit is not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MachineLimits {
-    /// Fastest cutting feed of X, Y, Z.
+    /// Maximum cutting feed of X, Y, Z.
     pub linear: [Option<MmPerMin>; 3],
-    /// Fastest feed of A, B, C.
+    /// Maximum feed of A, B, C.
     pub rotary: [Option<DegPerMin>; 3],
-    /// The control's own clamp on arcs.
+    /// Clamp of the control on arcs.
     pub arc_clamp: Option<ArcClamp>,
 }
 
-/// The control's clamp of the feed on arcs.
+/// Clamp of the feed by arc radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcClamp {
-    /// V: the fastest feed at the radius R.
+    /// V: maximum feed at the radius R.
     pub feed: MmPerMin,
-    /// R.
+    /// R: reference radius.
     pub radius: Mm,
-    /// No arc is clamped below this feed.
+    /// Lower limit of the clamped feed.
     pub floor: MmPerMin,
 }
 
-/// The fastest feed on a segment.
+/// Largest feed on a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedLimit {
-    /// Along the path, on a helix along its arc.
+    /// Feed along the path; on a helix, along its arc.
     pub feed: MmPerMin,
-    /// What sets it.
+    /// Cause of the limit.
     pub by: LimitedBy,
 }
 
-/// What sets a limit.
+/// Cause of a feed limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitedBy {
-    /// A linear or rotary axis at its fastest.
+    /// A linear or rotary axis at its maximum feed.
     Axis,
     /// The control's clamp on arcs.
     ArcClamp,
-    /// The job: its fastest feed, or its largest raise of the programmed one.
+    /// The job: its maximum feed, or its largest raise of the programmed feed.
     Ceiling,
 }
 
@@ -67,7 +67,7 @@ impl FeedLimit {
 }
 
 impl ArcClamp {
-    /// The fastest feed on an arc. (2)
+    /// Largest feed on an arc. (2)
     pub fn feed_at(&self, radius: Mm) -> MmPerMin {
         let part = libm::sqrt(f64::from(radius.0) / f64::from(self.radius.0));
         MmPerMin((f64::from(self.feed.0) * part).max(f64::from(self.floor.0)) as f32)
@@ -75,9 +75,9 @@ impl ArcClamp {
 }
 
 impl MachineLimits {
-    /// The fastest feed on a cutting move; `None` where nothing limits it, and on rapids.
+    /// Largest feed on a cutting move; `None` for rapids and where no limit is known.
     pub fn feed_limit(&self, segment: &Segment) -> Option<FeedLimit> {
-        // Said first, as a chip has f64 in software.
+        // Early return: the chip computes f64 in software.
         if segment.path == Path::Rapid || *self == MachineLimits::default() {
             return None;
         }
@@ -92,7 +92,7 @@ impl MachineLimits {
         }
     }
 
-    /// The axis that would set the limit if the control's clamp did not: `X` to `Z`, `A` to `C`.
+    /// The axis with the lowest limit, the arc clamp aside: `X` to `Z`, `A` to `C`.
     pub fn limiting_axis(&self, segment: &Segment) -> Option<char> {
         let feeds = ['X', 'Y', 'Z', 'A', 'B', 'C'].into_iter().zip(self.axis_feeds(segment));
         let known = feeds.filter_map(|(name, feed)| Some((name, feed?)));
@@ -105,7 +105,7 @@ impl MachineLimits {
         feeds.reduce(f64::min).map(|feed| MmPerMin(feed as f32))
     }
 
-    /// What X, Y, Z, A, B, C allow along the path, mm/min.
+    /// Feed along the path that each of X, Y, Z, A, B, C allows, mm/min.
     fn axis_feeds(&self, segment: &Segment) -> impl Iterator<Item = Option<f64>> {
         let way = segment.feed_length_mm();
         let linear =
@@ -116,13 +116,13 @@ impl MachineLimits {
         let rotary = turned.zip(self.rotary.map(|limit| limit.map(|DegPerMin(feed)| feed)));
         linear.chain(rotary).map(|(part, limit)| {
             let part = libm::fabs(part);
-            // An axis that does not move, or moves while nothing else does, sets no limit along the path.
+            // An axis that does not move sets no limit along the path, nor does one on a path of length zero.
             limit.filter(|_| part > 0.0 && part.is_finite()).map(|limit| f64::from(limit) / part)
         })
     }
 }
 
-/// The largest part that each linear axis has in a unit of the way.
+/// Largest distance that each linear axis covers per unit of the path.
 fn linear_parts(segment: &Segment, way: f64) -> [f64; 3] {
     let moved = |axis: usize| {
         let at = |linear: &[Nm; 3]| linear.get(axis).copied().unwrap_or_default();
@@ -140,8 +140,8 @@ fn linear_parts(segment: &Segment, way: f64) -> [f64; 3] {
     parts
 }
 
-/// The largest parts of an arc's two axes in its tangent: 1 where the radius passes square to the axis, so that the tangent
-/// runs along it.
+/// Largest components of an arc's tangent along its two axes: 1 where the tangent runs along the axis at some point of
+/// the arc.
 fn largest_parts(arc: &Arc) -> [f64; 2] {
     let radius_mm = arc.radius_mm();
     let [x, y] = arc.from.map(|Nm(nm)| nm as f64 / NM_PER_MM as f64 / radius_mm);
@@ -155,7 +155,7 @@ fn largest_parts(arc: &Arc) -> [f64; 2] {
     [largest([0.0, 1.0], y, end_y), largest([1.0, 0.0], x, end_x)]
 }
 
-/// Whether a direction lies on the counter-clockwise way from one to another.
+/// Whether a direction lies on the counter-clockwise sweep from one direction to another.
 fn lies_between(from: [f64; 2], direction: [f64; 2], to: [f64; 2]) -> bool {
     let cross = |[x, y]: [f64; 2], [to_x, to_y]: [f64; 2]| x * to_y - y * to_x;
     if cross(from, to) >= 0.0 {

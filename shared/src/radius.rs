@@ -1,4 +1,4 @@
-//! Arcs given by R: where their centre is.
+//! Centre of an arc given by its radius R.
 //!
 //! With c the chord from start to end and R the radius, the centre lies at
 //!
@@ -7,12 +7,12 @@
 //! ```
 //!
 //! to the left of the chord for a counter-clockwise arc of up to 180 degrees, to the right for a clockwise one, on the
-//! other side for R < 0. The root's argument is formed in integers, so that near half a turn, where the control's own
-//! manual warns of errors, nothing cancels: the centre is the exact one, rounded to nanometres.
+//! other side for R < 0. The argument of the root is computed in integers. Therefore nothing cancels near half a turn,
+//! where the control's own manual warns of errors: the result is the exact centre, rounded to nanometres.
 //!
-//! A chord longer than 2 R by no more than parameter 3410 allows (twice, for the diameter) is taken as half a turn about
-//! its middle. The published lists know no alarm for longer ones but that for radii out of tolerance; 023, which reads as
-//! if it were meant, is a lathe's for R < 0.
+//! A chord that exceeds 2 R by at most twice the tolerance of parameter 3410 is taken as half a turn about its
+//! midpoint. For longer chords the published alarm lists have only the alarm for radii out of tolerance; alarm 023
+//! seems to fit, but is the lathe's alarm for R < 0.
 //!
 //! Source: Fanuc 15i-MA operator's manual B-63324EN, 4.4; plane geometry.
 
@@ -20,10 +20,10 @@ use crate::nc::alarm::Alarm;
 use crate::nc::modal::Turn;
 use crate::units::Nm;
 
-/// The centre relative to the start, for the way `chord` from start to end; `tolerance` is that of the radius.
+/// Centre relative to the start, for the vector `chord` from start to end; `tolerance` applies to the radius.
 ///
 /// # Errors
-/// PS0022 a radius of nothing, PS0020 a chord longer than the diameter.
+/// PS0022 for a radius of zero, PS0020 for a chord longer than the diameter.
 pub fn center_offset(chord: [Nm; 2], radius: Nm, turn: Turn, tolerance: Nm) -> Result<[Nm; 2], Alarm> {
     if radius.0 == 0 {
         return Err(Alarm::NoRadius);

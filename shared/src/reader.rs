@@ -1,4 +1,4 @@
-//! Lines to what they do: a program's modal state carried from line to line.
+//! Reader of a program: interprets each line and carries the modal state from line to line.
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use crate::nc::before::Before;
@@ -9,51 +9,52 @@ use crate::nc::settings::{Preset, Scope, Settings, Tables};
 use crate::segment::{Path, Segment};
 use crate::units::LengthUnit;
 
-/// Reads a program line by line; the state is that of the control after the lines read so far.
+/// Reads a program line by line; its state is that of the control after the lines read so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reader {
     modal: Modal,
     settings: Settings,
     tables: Tables,
-    /// Axes whose position is unknown, because a block that would have moved them was refused.
+    /// Axes whose position is unknown because a block that would have moved them was rejected.
     lost: [bool; 3],
-    /// X and Y, as long as the program has not stated them and the start of its first move is unknown.
+    /// X and Y while the program has not stated them yet, so that the start of its first move is unknown.
     unstated: [bool; 2],
 }
 
-/// A line, understood.
+/// An interpreted line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Understood {
-    /// Its words and notices.
+    /// Words and notices of the line.
     pub parsed: Parsed,
-    /// What it does to the control; nothing for marks, titles and blocks that a block-delete switch skips.
+    /// Effect on the control; empty for marks, titles and blocks that a block-delete switch skips.
     pub step: Step,
-    /// Its move, geometry checked. Those of a block with several are in the step's series.
+    /// The move, with its geometry checked. If a block makes several moves, they are in the step's series.
     pub segment: Option<Segment>,
-    /// Its cutting move begins where no line so far has put the tool; an arc has no segment then.
+    /// Whether its cutting move starts at a position that no line so far has stated; an arc has no segment then.
     pub starts_unknown: bool,
 }
 
 impl Reader {
-    /// At power-on, a 16i in its standard settings; refuses what is more than a plain move (see [`Scope`]).
+    /// A reader at power-on with the standard settings of a 16i; it rejects anything beyond plain moves (see
+    /// [`Scope`]).
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
         Reader::with(Settings::preset(Preset::Fanuc16i, unit, reading), Tables::default())
     }
 
-    /// At power-on, in these settings.
+    /// A reader at power-on with these settings.
     pub fn with(settings: Settings, tables: Tables) -> Self {
         let mut modal = Modal::at_power_on(settings.unit);
         modal.settle(&tables);
         Reader { modal, settings, tables, lost: [false; 3], unstated: [false; 2] }
     }
 
-    /// The same with the axes anywhere: X and Y are unknown until a block states them.
+    /// The same reader at an unknown position: X and Y are unknown until a block states them.
     #[must_use]
     pub fn from_anywhere(self) -> Self {
         Reader { unstated: [true; 2], ..self }
     }
 
-    /// Whether another reader goes on in the same state; its settings do not count.
+    /// Whether another reader has the same state; settings are not compared.
     pub fn stands_like(&self, other: &Reader) -> bool {
         let state = |reader: &Reader| (reader.lost, reader.unstated);
         self.modal == other.modal && self.tables == other.tables && state(self) == state(other)
@@ -64,33 +65,33 @@ impl Reader {
         &self.modal
     }
 
-    /// The offsets as they are now.
+    /// The current offsets.
     pub fn tables(&self) -> &Tables {
         &self.tables
     }
 
-    /// Turns the block-delete switches: bit n for `/n`.
+    /// Sets the block-delete switches: bit n for `/n`.
     pub fn set_delete_switches(&mut self, switches: u16) {
         self.settings.delete_switches = switches;
     }
 
-    /// Turns each block-delete switch the other way.
+    /// Inverts each block-delete switch.
     pub fn flip_delete_switches(&mut self) {
         self.settings.delete_switches = !self.settings.delete_switches;
     }
 
-    /// Sets the offsets, as a macro statement does; the axes stay where they are.
+    /// Sets the offsets, as a macro statement does; the axes keep their machine position.
     pub fn set_tables(&mut self, tables: &Tables) {
         self.tables = *tables;
         self.modal.settle(&self.tables);
     }
 
-    /// Where the axes stand, in machine coordinates.
+    /// Position of the axes in machine coordinates.
     pub fn machine(&self) -> Pose {
         self.modal.machine(&self.tables)
     }
 
-    /// The modal state is that of power-on again; offsets and axes stay.
+    /// Resets the modal state to that of power-on; offsets and axis positions stay.
     pub fn restart(&mut self) {
         let position = self.modal.position;
         self.modal = Modal::at_power_on(self.settings.unit);
@@ -98,7 +99,7 @@ impl Reader {
         self.stand_at(position);
     }
 
-    /// The axes stand here, wherever the lines read so far have led.
+    /// Sets the position of the axes, whatever the lines read so far have commanded.
     pub fn stand_at(&mut self, pose: Pose) {
         self.modal.stand_at(pose);
         (self.lost, self.unstated) = ([false; 3], [false; 2]);
@@ -107,16 +108,16 @@ impl Reader {
     /// Reads the next line, which must not contain its line end.
     ///
     /// # Errors
-    /// The first fault of the line. One fault does not make the next block another: after an arc with bad geometry the
-    /// state stands at its programmed end, and after a block that could not be read no arc is judged until X and Y, and Z
-    /// if it stood there, are given again.
+    /// The first fault of the line. A fault does not affect later blocks: after an arc with bad geometry the state is
+    /// at its programmed end. After a block that could not be read, arcs are not checked until X and Y (and Z, if that
+    /// block named it) are given again.
     pub fn read(&mut self, text: &[u8]) -> Result<Understood, Fault> {
         let mut understood = Understood::default();
         self.read_into(text, &mut understood)?;
         Ok(understood)
     }
 
-    /// [`Reader::read`] in place of a line understood before; behind a fault what stands there is of no use.
+    /// [`Reader::read`] into an existing line. After a fault its contents are meaningless.
     ///
     /// # Errors
     /// As [`Reader::read`].
@@ -159,8 +160,8 @@ impl Reader {
         executed
     }
 
-    /// Takes a block before X and Y are both stated: whether its move cuts from a place that is unknown. Such an arc has no
-    /// segment.
+    /// Handles a block before X and Y are both stated. Returns whether its move cuts from an unknown position; such an
+    /// arc has no segment.
     fn begin_somewhere(&mut self, block: &Block, step: &Step, segment: &mut Option<Segment>) -> bool {
         let is_cut = step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);
         let is_arc = step.motion.is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
@@ -176,7 +177,7 @@ impl Reader {
         is_unknown
     }
 
-    /// Carries out a block: the state moves on.
+    /// Executes a block and advances the state.
     ///
     /// # Errors
     /// As [`Reader::read`].
@@ -217,7 +218,8 @@ impl Reader {
         Ok(())
     }
 
-    /// A block that moves cannot be read: it moved in X and Y, whatever it names, and in Z if it names that.
+    /// Marks the axes as unknown that a block which could not be read may have moved: X and Y if it names any axis, Z
+    /// if it names Z.
     fn lose(&mut self, text: &[u8]) {
         let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
         let has = |axis| code.contains(&axis);
@@ -227,7 +229,7 @@ impl Reader {
     }
 }
 
-/// Whether a fault is about where a move starts and ends, not about what is written.
+/// Whether a fault concerns the geometry of a move, not the text of the block.
 fn is_geometry(cause: Cause) -> bool {
     matches!(
         cause,
@@ -237,7 +239,7 @@ fn is_geometry(cause: Cause) -> bool {
 }
 
 impl Understood {
-    /// Whether this is a cutting move for which no feed was ever given: PS0011.
+    /// Whether this is a cutting move for which the program has given no feed (PS0011).
     pub fn lacks_feed(&self) -> bool {
         self.step.lacks_feed()
     }

@@ -1,18 +1,18 @@
-//! Figures over a run, added up sample by sample.
+//! Statistics of a run, accumulated sample by sample.
 
-/// A chip thinner than its target by more than this, as a part, is thin.
+/// A chip is thin if it falls short of its target by more than this fraction.
 pub const THIN_RATIO: f64 = 0.02;
 
 /// Chip load on the circumference relative to its target, over samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipFigures {
-    /// Least of chip / target.
+    /// Smallest ratio of chip to target.
     pub min_ratio: f64,
-    /// Largest of chip / target.
+    /// Largest ratio of chip to target.
     pub max_ratio: f64,
-    /// Samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Those with a thin chip.
+    /// Number of samples with a thin chip.
     pub thin: u64,
     square_sum: f64,
 }
@@ -24,7 +24,7 @@ impl Default for ChipFigures {
 }
 
 impl ChipFigures {
-    /// Adds one sample of chip / target.
+    /// Adds one sample of the ratio of chip to target.
     pub fn add(&mut self, ratio: f64) {
         self.min_ratio = self.min_ratio.min(ratio);
         self.max_ratio = self.max_ratio.max(ratio);
@@ -53,19 +53,19 @@ impl ChipFigures {
     }
 }
 
-/// Samples that do not count, by cause.
+/// Excluded samples, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeftOut {
     /// The machine was not within 0.5 % of the commanded feed throughout the tooth's cut.
     pub not_steady: u64,
     /// The block ended within the tooth's cut.
     pub block_end: u64,
-    /// The cutting circle met no stock, or past the validity of the contact.
+    /// The cutting circle met no stock, or met it where the contact is not valid.
     pub no_contact: u64,
 }
 
 impl LeftOut {
-    /// All of them.
+    /// Number of all excluded samples.
     pub fn total(&self) -> u64 {
         self.not_steady + self.block_end + self.no_contact
     }

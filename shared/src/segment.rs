@@ -1,11 +1,11 @@
-//! Motions to segments: geometry checked, absolute, exact.
+//! Segments: motions with checked geometry, in absolute and exact coordinates.
 //!
 //! Coordinates are integer nanometres. An arc's programmed start and end never lie on exactly one circle; the centre
 //! is what the program says, the radius is the one at the start, and the difference at the end is checked against
 //! parameter 3410.
 //!
-//! An arc whose start and end differ across its plane is a helix of at most one turn. Its F counts along the arc in the
-//! plane (parameter 1403, bit 5, HTG = 0: the control's default), and so does everything that looks at feed.
+//! An arc whose start and end differ across its plane is a helix of at most one turn. Its F is measured along the arc
+//! in the plane (parameter 1403, bit 5, HTG = 0: the control's default); all feeds follow this convention.
 //!
 //! Source: Fanuc 15i operator's manual B-63324EN, 4.5, and connection manual B-63783EN-1, 6.7 (there HTG is 1401, bit 2).
 
@@ -22,33 +22,33 @@ pub const RADIUS_TOLERANCE: Nm = Nm(30_000);
 pub struct Segment {
     /// `N` of its block.
     pub sequence: Option<i64>,
-    /// From.
+    /// Start position.
     pub start: Pose,
-    /// To.
+    /// End position.
     pub end: Pose,
-    /// As programmed.
+    /// Programmed feed.
     pub feed: Feed,
-    /// How.
+    /// Shape of the path.
     pub path: Path,
 }
 
 /// The shape of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Path {
-    /// Positioning; the way there is the machine's.
+    /// Positioning; the machine decides the path.
     Rapid,
     /// Straight, all axes together.
     Line,
-    /// On a circle in one plane, and evenly across it if start and end lie apart there.
+    /// On a circle in one plane; linear along the plane's normal if start and end differ there.
     Arc(Arc),
 }
 
 /// A circular arc, in the two axes of its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
-    /// Its plane.
+    /// Plane of the arc.
     pub plane: Plane,
-    /// Its sense.
+    /// Sense of rotation.
     pub turn: Turn,
     /// The rotation centre.
     pub center: [Nm; 2],
@@ -61,9 +61,9 @@ pub struct Arc {
 /// The angles of an arc in its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcAngles {
-    /// Of its start, from the plane's first axis.
+    /// Angle of the start from the plane's first axis.
     pub start_rad: f64,
-    /// From start to end, positive counter-clockwise.
+    /// Angle from start to end, positive counter-clockwise.
     pub turned_rad: f64,
 }
 
@@ -71,18 +71,18 @@ impl Segment {
     /// Checks the geometry of a motion.
     ///
     /// # Errors
-    /// PS0020 radius difference above [`RADIUS_TOLERANCE`], or ends that no circle of radius R reaches; PS0022 no radius
-    /// at all; arcs that also turn a rotary axis, or have no angle, are not modelled.
+    /// PS0020 for a radius difference above [`RADIUS_TOLERANCE`], or for ends that no circle of radius R reaches;
+    /// PS0022 for no radius at all. Arcs that also turn a rotary axis, or have no angle, are not modelled.
     pub fn from_motion(motion: &Motion, sequence: Option<i64>) -> Result<Self, Fault> {
         Ok(Segment::along(Path::of(motion)?, motion, sequence))
     }
 
-    /// Of a motion whose path has been found.
+    /// A segment from a motion and its path.
     pub(crate) fn along(path: Path, motion: &Motion, sequence: Option<i64>) -> Self {
         Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path }
     }
 
-    /// The same move elsewhere, or seen from elsewhere.
+    /// The same move, shifted by `by`.
     #[must_use]
     pub fn shifted(&self, by: Pose) -> Self {
         let mut path = self.path;
@@ -101,21 +101,21 @@ impl Segment {
         }
     }
 
-    /// How far an arc leads across its plane, along the plane's normal; nothing for lines.
+    /// Displacement of an arc along the plane's normal; 0 for lines.
     pub fn rise(&self) -> Nm {
         let Path::Arc(arc) = &self.path else { return Nm(0) };
         let (_, _, normal) = arc.plane.axes();
         Nm(pick(&self.end.linear, normal).0.saturating_sub(pick(&self.start.linear, normal).0))
     }
 
-    /// How high an arc's plane lies at its start, along the plane's normal; 0 for lines.
+    /// Position of an arc's start along the plane's normal; 0 for lines.
     pub fn height(&self) -> Nm {
         let Path::Arc(arc) = &self.path else { return Nm(0) };
         let (_, _, normal) = arc.plane.axes();
         pick(&self.start.linear, normal)
     }
 
-    /// Length along which F counts, mm: that of the path, of a helix that of its arc in the plane (HTG = 0).
+    /// Length along which F is measured, mm: the length of the path; for a helix, of its arc in the plane (HTG = 0).
     pub fn feed_length_mm(&self) -> f64 {
         match &self.path {
             Path::Arc(arc) => arc.length_mm(),
@@ -123,7 +123,7 @@ impl Segment {
         }
     }
 
-    /// Length of the tool centre's path, mm; rotary axes do not count.
+    /// Length of the tool centre's path, mm, without rotary axes.
     pub fn length_mm(&self) -> f64 {
         match &self.path {
             Path::Arc(arc) => libm::hypot(arc.length_mm(), self.rise().to_mm()),
@@ -217,7 +217,7 @@ impl Arc {
         self.angles().direction_at(ratio)
     }
 
-    /// Where it begins and how far it turns, for many points on it.
+    /// Start angle and sweep, for the computation of many points on the arc.
     pub fn angles(&self) -> ArcAngles {
         let [x, y] = self.from.map(Nm::to_mm);
         ArcAngles { start_rad: libm::atan2(y, x), turned_rad: f64::from(self.turn.sign()) * self.sweep_rad() }
@@ -231,7 +231,7 @@ impl ArcAngles {
         [cos, sin]
     }
 
-    /// Cosine and sine of one of so many equal steps of the sweep.
+    /// Cosine and sine of one step, for a sweep divided into `steps` equal steps.
     pub fn step(&self, steps: usize) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.turned_rad / steps as f64);
         [cos, sin]
@@ -252,8 +252,8 @@ fn subtract(a: [Nm; 2], b: [Nm; 2]) -> [Nm; 2] {
     [Nm(ax.0.saturating_sub(bx.0)), Nm(ay.0.saturating_sub(by.0))]
 }
 
-/// Whether the lengths a and b of two vectors differ by [`RADIUS_TOLERANCE`] t at most. As (a + b)^2 >= a^2 + b^2, it is enough
-/// that (a^2 - b^2)^2 <= t^2 (a^2 + b^2), which takes no root and holds of nearly every arc.
+/// Whether the lengths a and b of two vectors differ by [`RADIUS_TOLERANCE`] t at most. As (a + b)^2 >= a^2 + b^2, it
+/// is sufficient that (a^2 - b^2)^2 <= t^2 (a^2 + b^2). This condition needs no root and holds for nearly every arc.
 fn are_equally_long(a: [Nm; 2], b: [Nm; 2]) -> bool {
     let square = |vector: [Nm; 2]| {
         let [x, y] = vector.map(|Nm(nm)| nm as f64);

@@ -1,6 +1,5 @@
-//! Stock in the plane of a segment: half planes, convex pieces, round blanks, or what is left of them as a table of
-//! engaged arcs. Coordinates are those of the plane's first
-//! and second axis: X and Y in G17, Z and X in G18, Y and Z in G19.
+//! Stock in the plane of a segment: half planes, convex pieces, round blanks, or a table of engaged arcs. Coordinates
+//! are those of the plane's first and second axis: X and Y in G17, Z and X in G18, Y and Z in G19.
 
 use heapless::Vec;
 
@@ -9,34 +8,34 @@ use crate::engaged::EngagedTable;
 /// Most edges of a convex piece of stock.
 pub const EDGES_MAX: usize = 8;
 
-/// A piece of stock in the plane of the segments that cut it, mm in the program's coordinates.
+/// Stock in the plane of the segments that cut it, mm in the program's coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stock {
-    /// The intersection of the material sides of up to eight lines: one is a half plane, three bound it, more are a
-    /// convex polygon, none the whole plane.
+    /// Intersection of the material sides of up to eight lines: none is the whole plane, one a half plane, three or
+    /// more a convex polygon.
     Convex(Vec<StockLine, EDGES_MAX>),
     /// A round blank.
     Disc {
-        /// Its centre.
+        /// Centre.
         center_mm: [f64; 2],
-        /// Its radius.
+        /// Radius.
         radius_mm: f64,
     },
-    /// No shape, but the arcs in which the tool's circles meet it along the segment.
+    /// Not a shape, but the engaged arcs of the tool's circles along the segment.
     Engaged(EngagedTable),
-    /// The same, told with each segment: no two are alike. Nothing is known of a segment without such a table.
+    /// Engaged arcs that are given with each segment. The engagement of a segment without such a table is unknown.
     Along,
 }
 
-/// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of the
-/// segment's plane. A plane face that leans is one line with a rise for all levels.
+/// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of
+/// the segment's plane. An inclined plane face is one line with a rise for all levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLine {
-    /// Unit normal, in the arc's plane.
+    /// Unit normal in the plane of the segment.
     pub normal: [f64; 2],
     /// Distance of the line from the program's origin along the normal at height 0, mm.
     pub offset_mm: f64,
-    /// How much the offset grows per millimetre of height: Z in G17, Y in G18, X in G19.
+    /// Growth of the offset per millimetre of height: Z in G17, Y in G18, X in G19.
     pub rise_ratio: f64,
 }
 
@@ -47,13 +46,14 @@ impl StockLine {
         StockLine { normal: [cos, sin], offset_mm, rise_ratio: 0.0 }
     }
 
-    /// The line at a height, mm: from there on it has no rise.
+    /// The line at a height, mm, without rise.
     #[must_use]
     pub fn at_height(&self, height_mm: f64) -> Self {
         StockLine { offset_mm: self.offset_mm + self.rise_ratio * height_mm, rise_ratio: 0.0, ..*self }
     }
 
-    /// How far the line at height 0 lies from `point` (mm) along its normal; positive if the point is inside the material.
+    /// Distance of the line at height 0 from `point` (mm) along its normal; positive if the point is inside the
+    /// material.
     pub fn distance_mm(&self, point: [f64; 2]) -> f64 {
         let ([nx, ny], [x, y]) = (self.normal, point);
         self.offset_mm - (nx * x + ny * y)
@@ -61,20 +61,20 @@ impl StockLine {
 }
 
 impl Stock {
-    /// Everything on the material side of a line.
+    /// Stock on the material side of a line.
     pub fn half_plane(line: StockLine) -> Self {
         let mut lines = Vec::new();
-        // There is room for one; `from_iter` would bring a panic along.
+        // One line always fits; `from_iter` would add a panic path.
         let _room = lines.push(line);
         Stock::Convex(lines)
     }
 
-    /// No limit anywhere.
+    /// Stock without limits.
     pub fn everywhere() -> Self {
         Stock::Convex(Vec::new())
     }
 
-    /// The line, if that is all there is.
+    /// The line of a half plane; `None` for other stock.
     pub fn line(&self) -> Option<&StockLine> {
         match self {
             Stock::Convex(lines) => match lines.as_slice() {

@@ -1,4 +1,4 @@
-//! What the machine reports, once a millisecond.
+//! Reports of the machine, one each millisecond.
 
 use crate::nc::modal::Pose;
 use crate::units::{Micros, MmPerMin};
@@ -6,13 +6,13 @@ use crate::units::{Micros, MmPerMin};
 /// One report of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// When.
+    /// Time of the sample.
     pub at: Micros,
-    /// Where the axes are.
+    /// Position of the axes.
     pub position: Pose,
-    /// Count of executed blocks up to and including the one being executed; 0 before the first.
+    /// Number of executed blocks, including the one in execution; 0 before the first.
     pub block: u32,
-    /// Programmed feed times override; zero while nothing moves or at rapid.
+    /// Programmed feed times override; zero at standstill and at rapid.
     pub commanded: MmPerMin,
     /// The override in effect, %.
     pub override_percent: u8,

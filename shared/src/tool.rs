@@ -2,7 +2,7 @@
 
 use crate::units::{Mm, Nm};
 
-/// What turns in the spindle.
+/// Cutter in the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tool {
     /// A ring.
@@ -12,7 +12,7 @@ pub enum Tool {
 }
 
 impl Tool {
-    /// Teeth that cut.
+    /// Number of teeth that cut.
     pub const fn active_teeth(&self) -> u16 {
         match self {
             Tool::CupMill(mill) => mill.active_teeth,
@@ -24,24 +24,25 @@ impl Tool {
 /// An ordinary end mill, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndMill {
-    /// r.
+    /// r: cutting radius.
     pub radius: Nm,
-    /// Its teeth.
+    /// Number of teeth.
     pub teeth: u16,
 }
 
 /// A ring-shaped cutter, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CupMill {
-    /// R.
+    /// R: radius of the outer cutting circle.
     pub outer_radius: Nm,
-    /// r.
+    /// r: radius of the inner cutting circle.
     pub inner_radius: Nm,
-    /// Teeth that cut on one side: half of the inserts where they alternate outside and inside.
+    /// Number of teeth that cut on one side: half of the inserts if they alternate between the outer and the inner
+    /// circle.
     pub active_teeth: u16,
 }
 
-/// The circle of the ring that cuts.
+/// Cutting circle of a ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
     /// Radius R; edges advance outward.
@@ -70,7 +71,7 @@ impl CupMill {
         }
     }
 
-    /// The same in millimetres, for the tick.
+    /// Cutting radius in millimetres, for the tick.
     pub fn radius_mm(&self, edge: Edge) -> Mm {
         Mm(self.radius(edge).to_mm() as f32)
     }

@@ -1,8 +1,8 @@
-//! Units as types at boundaries, conversion factors in one place.
+//! Unit types for interfaces, and conversion factors.
 //!
-//! Lengths of a program are exact integers ([`Nm`]); what enters a formula is a bare float whose name carries the
-//! unit (`_mm`, `_mm_per_min`, `_mm_per_tooth`, `_rad`, `_us`, `_ratio`). The newtypes have no arithmetic of their
-//! own: a formula unwraps, computes, and wraps its result.
+//! Lengths of a program are exact integers ([`Nm`]). Formulas use plain floats whose names carry the unit (`_mm`,
+//! `_mm_per_min`, `_mm_per_tooth`, `_rad`, `_us`, `_ratio`). The newtypes have no arithmetic: a formula unwraps its
+//! inputs, computes, and wraps its result.
 
 /// Nanometres in a millimetre.
 pub const NM_PER_MM: i64 = 1_000_000;
@@ -85,58 +85,57 @@ pub struct MmPerTooth(pub f32);
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RevPerMin(pub f32);
 
-/// A point in time or a span of it, microseconds.
+/// An instant or a duration, microseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micros(pub u64);
 
-/// A short span of time, microseconds: what passes between two ticks, the age of a sample. Longer than 71 minutes is as
-/// good as for ever.
+/// A short duration, microseconds, such as a tick's period or the age of a sample. Saturates at 71 minutes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Span(pub u32);
 
 impl Micros {
-    /// The same span in seconds.
+    /// The same duration in seconds.
     pub fn to_s(self) -> f64 {
         self.0 as f64 / US_PER_S as f64
     }
 
-    /// A span of whole milliseconds.
+    /// A duration of whole milliseconds.
     pub const fn from_ms(ms: u64) -> Self {
         Micros(ms.saturating_mul(US_PER_MS))
     }
 
-    /// This point in time, moved on by `span`.
+    /// The instant `span` later.
     pub const fn after(self, span: Micros) -> Self {
         Micros(self.0.saturating_add(span.0))
     }
 
-    /// Time since `earlier`, zero if that lies ahead.
+    /// Time since `earlier`; zero if `earlier` is later.
     pub const fn since(self, earlier: Micros) -> Self {
         Micros(self.0.saturating_sub(earlier.0))
     }
 }
 
 impl Span {
-    /// A span of whole milliseconds.
+    /// A duration of whole milliseconds.
     pub const fn from_ms(ms: u32) -> Self {
         Span(ms.saturating_mul(US_PER_MS as u32))
     }
 
-    /// This span, longer by `more`.
+    /// This duration plus `more`.
     #[must_use]
     pub const fn longer_by(self, more: Span) -> Self {
         Span(self.0.saturating_add(more.0))
     }
 
-    /// What is left of this span when `less` of it is over.
+    /// This duration minus `less`, at least zero.
     #[must_use]
     pub const fn shorter_by(self, less: Span) -> Self {
         Span(self.0.saturating_sub(less.0))
     }
 
-    /// Microseconds as a number.
+    /// Microseconds as a plain number.
     pub const fn us(self) -> f32 {
         self.0 as f32
     }
@@ -148,7 +147,7 @@ impl From<Micros> for Span {
     }
 }
 
-/// The unit system a program or a job speaks (G20 / G21).
+/// Unit system of a program or a job (G20 / G21).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LengthUnit {
@@ -159,7 +158,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// Nanometres in one of these.
+    /// Nanometres per unit.
     pub const fn nm(self) -> i64 {
         match self {
             LengthUnit::Inch => NM_PER_INCH,
@@ -167,7 +166,7 @@ impl LengthUnit {
         }
     }
 
-    /// Millimetres in one of these.
+    /// Millimetres per unit.
     pub const fn mm(self) -> f64 {
         match self {
             LengthUnit::Inch => MM_PER_INCH,
@@ -175,7 +174,7 @@ impl LengthUnit {
         }
     }
 
-    /// How a length is labelled in this system.
+    /// Label of the unit.
     pub const fn label(self) -> &'static str {
         match self {
             LengthUnit::Inch => "in",

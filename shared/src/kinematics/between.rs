@@ -1,4 +1,4 @@
-//! Between two points: what the tool does while the axes run in a straight line.
+//! Deviation of the tool from its path between two points, while the axes run in a straight line.
 //!
 //! | mode | the control interpolates | the tip leaves its line | the tool axis leaves its arc |
 //! |---|---|---|---|
@@ -6,8 +6,9 @@
 //! | `PartRotary` | tip and rotary axes | no | yes |
 //! | `Machine` | all axes | yes | yes |
 //!
-//! The line is that between the two tips, the arc the great circle between the two directions. Both deviations are the greatest
-//! of many points of the move, none more than a degree of either axis apart, refined about the greatest.
+//! The line connects the two tips, the arc is the great circle between the two directions. Both deviations are the
+//! maximum over many points of the move, at most one degree of either axis apart, with a finer search about the
+//! maximum.
 //!
 //! Source: Tournier, 2 and 4.1.1 ("kinematical errors"); the measure is ours.
 
@@ -15,16 +16,16 @@ use super::forward::{Axes, Pose, Setup};
 use super::machine::Machine;
 use super::vector::{Vector, difference, dot, length, off_arc_deg, scaled, sum};
 
-/// Least number of points looked at on a move.
+/// Minimum number of steps of the coarse search.
 const POINTS_MIN: usize = 16;
-/// Greatest number.
+/// Maximum number of steps of the coarse search.
 const POINTS_MAX: usize = 2_000;
-/// Steps of the search about the greatest: each leaves 0.618 of the way.
+/// Steps of the golden-section search about the maximum; each reduces the interval to 0.618 of its length.
 const REFINEMENTS: usize = 30;
-/// The golden section.
+/// Golden ratio of the search.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Who coordinates the axes, and in which frame the program is written.
+/// Interpolation mode: which coordinates the control interpolates, and the frame of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// Tip and direction in the part's frame: the control computes the axes.
@@ -35,21 +36,21 @@ pub enum Mode {
     Machine,
 }
 
-/// A point of the path: the pose asked for and where the axes stand.
+/// A point of the path: the programmed pose and the positions of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// As the path asks.
+    /// Programmed pose.
     pub pose: Pose,
-    /// As the machine stands.
+    /// Positions of the axes.
     pub axes: Axes,
 }
 
-/// How far the tool leaves its path between two points.
+/// Deviation of the tool from its path between two points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// The tip from its straight line.
+    /// Distance of the tip from its straight line.
     pub tip_mm: f64,
-    /// The tool axis from its arc.
+    /// Angle of the tool axis from its arc.
     pub axis_deg: f64,
 }
 
@@ -71,7 +72,8 @@ impl Machine {
         Deviation { tip_mm: greatest(points(from.axes.rotary_deg, to.axes.rotary_deg), off_line), axis_deg }
     }
 
-    /// How far the tool axis leaves the arc between two directions while the rotary axes run in a straight line.
+    /// Largest angle of the tool axis from the arc between two directions while the rotary axes run in a straight
+    /// line.
     pub fn axis_departure_deg(&self, from_deg: [f64; 2], to_deg: [f64; 2], directions: [Vector; 2]) -> f64 {
         let off_arc = |part: f64| {
             let at = [0, 1].map(|axis: usize| between(pick(from_deg, axis), pick(to_deg, axis), part));
@@ -81,7 +83,7 @@ impl Machine {
     }
 }
 
-/// Positions at a part of the way.
+/// Positions at a fraction of a straight move.
 pub fn mixed(from: &Axes, to: &Axes, part_ratio: f64) -> Axes {
     let [first, second] = [0, 1].map(|at| between(pick(from.rotary_deg, at), pick(to.rotary_deg, at), part_ratio));
     let way = difference(to.linear_mm, from.linear_mm);
@@ -96,13 +98,14 @@ fn pick(pair: [f64; 2], at: usize) -> f64 {
     if at == 0 { pair[0] } else { pair[1] }
 }
 
-/// One more than a point for each degree of the axis that turns further.
+/// Number of steps: one for each degree of the axis that turns further, plus one, within the limits.
 fn points(from_deg: [f64; 2], to_deg: [f64; 2]) -> usize {
     let turned = libm::fabs(to_deg[0] - from_deg[0]).max(libm::fabs(to_deg[1] - from_deg[1]));
     (turned as usize).saturating_add(1).clamp(POINTS_MIN, POINTS_MAX)
 }
 
-/// The greatest value of a function on [0, 1], looked for at `points` steps and about the greatest of them.
+/// Maximum of a function on [0, 1]: coarse search in `points` steps, then a golden-section search about the best of
+/// them.
 fn greatest(points: usize, value: impl Fn(f64) -> f64) -> f64 {
     let step = 1.0 / points as f64;
     let (mut best, mut at) = (0.0, 0.0);
@@ -123,7 +126,7 @@ fn greatest(points: usize, value: impl Fn(f64) -> f64) -> f64 {
     best
 }
 
-/// The distance of a point from a stretch.
+/// Distance of a point from a line segment.
 fn off_line_mm(point: Vector, from: Vector, to: Vector) -> f64 {
     let (way, there) = (difference(to, from), difference(point, from));
     let square = dot(way, way);

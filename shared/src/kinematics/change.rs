@@ -1,11 +1,12 @@
-//! Changes of branch: moves on which the tool would swing through the part.
+//! Branch changes: moves on which the tool would swing through the part.
 //!
-//! A move is a *swing* where the tool axis, while the rotary axes run in a straight line, leaves the arc between the two directions
-//! by more than is allowed: (A, C) -> (-A, C + 180) sweeps over 2 A. A crossing 0 with C continuous is none, although the sign
-//! of the branch changes. A swing that the machine would not make if points were added along the arc, because it then arrives
-//! where it should, is only *coarse*; any other is a change of branch and never to be made in the cut.
+//! A move is a *swing* if the tool axis, while the rotary axes run in a straight line, leaves the arc between the two
+//! directions by more than is allowed: (A, C) -> (-A, C + 180) sweeps over 2 A. A move on which A crosses 0 with C
+//! continuous is not a swing, although the sign of the branch changes. A swing is only *coarse* if added points along
+//! the arc would lead the axes to the same end position. Any other swing is a branch change, which must not be made in
+//! the cut.
 //!
-//! Source: Tournier, 4.1.1; telling the two apart by following the arc is ours.
+//! Source: Tournier, 4.1.1; the distinction by following the arc is ours.
 
 use alloc::vec::Vec;
 
@@ -15,58 +16,59 @@ use super::vector::{Vector, along_arc, angle_deg, scaled, sum};
 
 /// Steps along the arc for each degree of it.
 const STEPS_PER_DEG: f64 = 20.0;
-/// Least number of steps.
+/// Minimum number of steps.
 const STEPS_MIN: f64 = 64.0;
-/// Two places this close to each other are the same.
+/// Tolerance for the comparison of two positions.
 const SAME_DEG: f64 = 1e-3;
 
-/// What the machine does on a move between two points.
+/// Behaviour of the tool axis on a move between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Passage {
     /// The tool axis keeps to its arc.
     Smooth,
-    /// It would with points added between.
+    /// It would keep to its arc with added points.
     Coarse {
-        /// How far it leaves the arc without them.
+        /// Largest angle from the arc without them.
         departure_deg: f64,
     },
-    /// A change of branch, or a turn back by whole turns.
+    /// A branch change, or a rotation back by whole turns.
     Change(Change),
 }
 
-/// A change of branch.
+/// A branch change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// The point of the path that the move ends at.
+    /// Index of the point at which the move ends.
     pub point: usize,
-    /// Where the rotary axes stand before it.
+    /// Positions of the rotary axes before it.
     pub from_deg: [f64; 2],
-    /// Where they stand after it.
+    /// Positions of the rotary axes after it.
     pub to_deg: [f64; 2],
-    /// How far the tool axis would leave its arc.
+    /// Largest angle of the tool axis from its arc.
     pub departure_deg: f64,
-    /// The axis whose range forces it, and the point at which it would be left; `None`: the way is only shorter.
+    /// The axis whose range forces the change, and the point at which it would leave its range; `None` if the change
+    /// only shortens the path.
     pub forced_by: Option<(Letter, usize)>,
 }
 
-/// The way round a change of branch: nothing of it is in the cut but the end.
+/// Moves that replace a branch change: out of the cut, reorientation, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WayRound {
-    /// Along the tool axis, out of the part.
+    /// After the retraction along the tool axis, out of the part.
     pub retract: Axes,
-    /// On to the upper end of Z, where its range is known; the retracted place where not.
+    /// At the upper end of Z if its range is known, otherwise the retracted position.
     pub clear: Axes,
-    /// Rotary axes only.
+    /// After the move of the rotary axes alone.
     pub reorient: Axes,
-    /// Above the point to return to.
+    /// Above the point of return.
     pub above: Axes,
-    /// Along the tool axis, back into the cut.
+    /// At the point of return, after the approach along the tool axis.
     pub back: Axes,
 }
 
 impl Machine {
-    /// What each move of a path does, the first being that to the second point; `allowed_deg` is how far the tool axis may leave
-    /// its arc.
+    /// Classifies each move of a path; the first entry belongs to the move to the second point. `allowed_deg` is the
+    /// allowed angle of the tool axis from its arc.
     pub fn passages(&self, poses: &[Pose], course: &[[f64; 2]], allowed_deg: f64) -> Vec<Passage> {
         let moves = poses.windows(2).zip(course.windows(2)).enumerate();
         let passage = |(before, (poses_of, places)): (usize, (&[Pose], &[[f64; 2]]))| {
@@ -86,7 +88,7 @@ impl Machine {
         moves.map(passage).collect()
     }
 
-    /// The way round a change: out of the part by `distance_mm`, reorient there, and back.
+    /// Moves that replace a branch change: retraction by `distance_mm`, reorientation, and return.
     pub fn way_round(&self, change: &Change, poses: [&Pose; 2], setup: &Setup, distance_mm: f64) -> WayRound {
         let off = |pose: &Pose, rotary_deg: [f64; 2], by_mm: f64| {
             let tip_mm = sum(pose.tip_mm, scaled(pose.axis, by_mm));
@@ -107,7 +109,7 @@ impl Machine {
         }
     }
 
-    /// Where the axes arrive if they follow the arc step by step, within their ranges; `None` where a step is a swing.
+    /// End positions of the axes if they follow the arc step by step within their ranges; `None` if a step is a swing.
     fn follow(&self, directions: [Vector; 2], from_deg: [f64; 2], allowed_deg: f64) -> Option<[f64; 2]> {
         let steps = libm::ceil(angle_deg(directions[0], directions[1]) * STEPS_PER_DEG).max(STEPS_MIN) as usize;
         let (mut at, mut before) = (from_deg, directions[0]);
@@ -122,7 +124,7 @@ impl Machine {
         Some(at)
     }
 
-    /// Who would leave its range, and where, if the axes went on without a change.
+    /// The axis that would leave its range without a branch change, and the point at which it would.
     fn end_of_range(&self, poses: &[Pose], point: usize, from_deg: [f64; 2]) -> Option<(Letter, usize)> {
         let mut at = from_deg;
         for (index, pose) in poses.iter().enumerate().skip(point) {

@@ -1,16 +1,18 @@
-//! The rotary axes over a whole path: the least travel within their ranges.
+//! Branch selection: positions of the rotary axes over a whole path, with the least travel within their ranges.
 //!
-//! Each point of the path has up to two branches, each with as many whole turns as the range of its axes allows. Over all of them
-//! the shortest way through the points is searched for (dynamic programming), its length being the sum of what both axes turn:
+//! Each point of the path has up to two branches, each with as many whole turns as the range of its axes allows.
+//! Dynamic programming finds the shortest sequence of positions through all points. Its length is the sum of the
+//! angles by which both axes turn:
 //!
 //! ```text
 //! cost of a move = |q0' - q0| + |q1' - q1|,   of an axis without end the shorter way round        (1)
 //! ```
 //!
-//! In a pole's cone the first axis is free: it stays where it was, which by the triangle inequality costs no more than any other
-//! place. A path that begins there begins where the first point outside needs it. Equal costs: the smaller angles.
+//! In a pole's cone the first axis is free and keeps its position, which by the triangle inequality costs no more than
+//! any other. A path that begins in the cone begins at the position that the first point outside the cone needs. Of
+//! equal costs, the smaller angles are selected.
 //!
-//! Source: Tournier, 2 (choice among the solutions as an optimisation); the search is Bellman's.
+//! Source: Tournier, 2 (selection of a solution as an optimisation); the search is Bellman's.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -20,19 +22,19 @@ use super::inverse::{Angles, Unreachable};
 use super::machine::{Machine, RotaryAxis, TURNS_MAX};
 use super::vector::{TURN_DEG, wrapped_deg};
 
-/// Travels that differ by less are equal.
+/// Tolerance for the comparison of two costs.
 const SAME_DEG: f64 = 1e-9;
 
-/// A point that no positions reach.
+/// A point of the path that the machine cannot reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unreached {
-    /// Which one of the path.
+    /// Index of the point.
     pub point: usize,
-    /// Why.
+    /// Reason.
     pub why: Unreachable,
 }
 
-/// A way to have a point, and the best way to get there.
+/// Positions for a point, with the least cost to reach them.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     rotary_deg: [f64; 2],
@@ -41,8 +43,8 @@ struct Candidate {
 }
 
 impl Machine {
-    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel; from `start_deg`, or from
-    /// wherever is best.
+    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel. The path begins at
+    /// `start_deg` if given, otherwise at the best position.
     ///
     /// # Errors
     /// The first point that cannot be reached.
@@ -65,7 +67,7 @@ impl Machine {
         Ok(self.unwrapped(backtrack(&layers), start_deg))
     }
 
-    /// What both axes turn from one place to another. (1)
+    /// Sum of the angles by which both axes turn between two positions. (1)
     pub fn travel_deg(&self, from_deg: [f64; 2], to_deg: [f64; 2]) -> f64 {
         let [first, second] = self.rotary();
         let turned = |axis: &RotaryAxis, from: f64, to: f64| match axis.range_deg {
@@ -75,7 +77,7 @@ impl Machine {
         turned(first, from_deg[0], to_deg[0]) + turned(second, from_deg[1], to_deg[1])
     }
 
-    /// Where the axes may stand at each point.
+    /// Possible positions of the axes at each point.
     fn places(&self, poses: &[Pose], start_deg: Option<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, Unreached> {
         let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(poses.len());
         for (point, pose) in poses.iter().enumerate() {
@@ -94,7 +96,7 @@ impl Machine {
         Ok(places)
     }
 
-    /// All places of a point outside the poles' cones, the smallest angles first.
+    /// All positions for a point outside the poles' cones, the smallest angles first.
     fn turns(&self, pose: &Pose) -> Result<Vec<[f64; 2]>, Unreachable> {
         let [first, second] = self.rotary();
         let angles = self.angles(pose.axis);
@@ -121,7 +123,7 @@ impl Machine {
         }
     }
 
-    /// All places of a point in a pole's cone with the first axis at one of `firsts`.
+    /// All positions for a point in a pole's cone with the first axis at one of `firsts`.
     fn pole_places(&self, pose: &Pose, mut firsts: Vec<f64>) -> Result<Vec<[f64; 2]>, Unreachable> {
         let [_, second] = self.rotary();
         let Angles::Any { second_deg } = self.angles(self.nearest_pole(pose.axis)) else {
@@ -137,21 +139,21 @@ impl Machine {
         if places.is_empty() { Err(out) } else { Ok(places) }
     }
 
-    /// Where the first point outside the poles' cones needs the first axis.
+    /// Positions of the first axis that the first point outside the poles' cones needs.
     fn firsts_ahead(&self, poses: &[Pose]) -> Vec<f64> {
         let ahead = poses.iter().find(|pose| !self.is_in_pole_cone(pose.axis)).and_then(|pose| self.turns(pose).ok());
         let firsts: Vec<f64> = ahead.into_iter().flatten().map(|place| place[0]).collect();
         if firsts.is_empty() { alloc::vec![self.free_first(0.0)] } else { firsts }
     }
 
-    /// The best way from the candidates before.
+    /// The cheapest transition from the candidates of the previous point.
     fn arrival(&self, before: &[Candidate], rotary_deg: [f64; 2]) -> Option<Candidate> {
         let costs = before.iter().map(|candidate| candidate.cost + self.travel_deg(candidate.rotary_deg, rotary_deg));
         let (from, cost) = cheapest(costs)?;
         Some(Candidate { rotary_deg, cost, from })
     }
 
-    /// Axes without end, each point on the shorter way from the one before.
+    /// Unwraps the positions of endless axes, so that each point is reached the shorter way from the previous one.
     fn unwrapped(&self, mut chosen: Vec<[f64; 2]>, start_deg: Option<[f64; 2]>) -> Vec<[f64; 2]> {
         let [first, second] = self.rotary();
         let mut before = start_deg;
@@ -169,7 +171,7 @@ impl Machine {
     }
 }
 
-/// The positions that an angle has in the range of its axis; of an axis without end one.
+/// Positions of an angle in the range of its axis; one position for an endless axis.
 fn turns_of(axis: &RotaryAxis, angle_deg: f64) -> impl Iterator<Item = f64> {
     let lowest = axis.nearest_in_range(angle_deg, axis.range_deg.map_or(angle_deg, |[least, _]| least));
     let turns = if axis.range_deg.is_some() { TURNS_MAX + 1 } else { 1 };
@@ -178,7 +180,7 @@ fn turns_of(axis: &RotaryAxis, angle_deg: f64) -> impl Iterator<Item = f64> {
     positions.take_while(move |position| axis.allows(*position))
 }
 
-/// The cheapest way through the layers.
+/// Traces the cheapest sequence back through the layers.
 fn backtrack(layers: &[Vec<Candidate>]) -> Vec<[f64; 2]> {
     let ends = layers.last().and_then(|layer| cheapest(layer.iter().map(|candidate| candidate.cost)));
     let mut at = ends.map_or(0, |(at, _)| at);
@@ -190,7 +192,7 @@ fn backtrack(layers: &[Vec<Candidate>]) -> Vec<[f64; 2]> {
     chosen
 }
 
-/// The first of the least costs; what rounding makes of equal ones does not count.
+/// The first of the smallest costs, with a tolerance for rounding.
 fn cheapest(costs: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     costs.enumerate().reduce(|best, next| if next.1 < best.1 - SAME_DEG { next } else { best })
 }

@@ -1,30 +1,30 @@
-//! The feed that the axes allow on a move.
+//! Feed limit of the axes on a move.
 //!
-//! With dq_i what axis i covers, V_i its greatest speed and s the way that the feed counts along,
+//! With dq_i the travel of axis i, V_i its maximum speed and s the length along which the feed is measured,
 //!
 //! ```text
 //! F = min over the axes of V_i s / |dq_i|                          (1)
 //! ```
 //!
-//! Round a leading edge of radius r the tool axis turns by s/r: F = V r, V in radians. Tournier's 65 450 deg/min at 2 m/min are
-//! r = 1.751 mm.
+//! Around a leading edge of radius r the tool axis turns by s/r: F = V r, V in radians. Tournier's 65 450 deg/min at 2
+//! m/min corresponds to r = 1.751 mm.
 //!
 //! Source: Tournier, 3.
 
 use super::forward::Axes;
 use super::machine::{AxisName, Machine};
 
-/// The fastest feed on a move and the axis that sets it.
+/// Largest feed on a move, and the axis that limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisFeed {
-    /// Along the way.
+    /// Feed along the path.
     pub feed_mm_per_min: f64,
-    /// The axis at its fastest.
+    /// Limiting axis.
     pub axis: AxisName,
 }
 
 impl Machine {
-    /// The fastest feed on a move of a way that the feed counts along; `None` where nothing is known to limit it. (1)
+    /// Largest feed on a move of length `way_mm` along the path; `None` if no limit is known. (1)
     pub fn axis_feed(&self, from: &Axes, to: &Axes, way_mm: f64) -> Option<AxisFeed> {
         let linear = self.linear().iter().zip(from.linear_mm.iter().zip(to.linear_mm)).enumerate();
         let linear =

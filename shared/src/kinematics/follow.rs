@@ -1,4 +1,5 @@
-//! What the linear axes do while the control keeps the tip on its line (G43.4): they follow the rotary ones, and are not evenly fast.
+//! Feed limit of the tip under tool centre point control (G43.4): the linear axes follow the rotary ones at a varying
+//! speed.
 //!
 //! On a straight move the tip goes evenly from x to x + x' and the rotary axes from q to q + q', over s from 0 to 1. With u, c, w
 //! the direction of a rotary axis, its point and its turn over the move in radians, each axis of the table takes a point p that
@@ -8,17 +9,18 @@
 //! p -> c + R(-q)(p - c)       p' -> R(-q) p' - w u x (R(-q)(p - c))                       (1)
 //! ```
 //!
-//! and each of the head, its tip held still, likewise by R(q) and +w; L' is the difference of the two. L' is looked at in n + 1
-//! places. Between two of them a component is no greater than at one of the two by more than an eighth of the square of
-//! their distance times its greatest second derivative, which, with W the sum of all |w| and l the tool's length, is
+//! and each axis of the head, with its tip at rest, likewise by R(q) and +w; L' is the difference of the two. L' is
+//! sampled at n + 1 points. Between two samples a component exceeds the larger sample by at most an eighth of the
+//! square of their distance times its largest second derivative, which, with W the sum of all |w| and l the tool's
+//! length, is
 //!
 //! ```text
 //! |L'''| <= W^2 (W (|x| + l + 2 |c0| + 2 |c1|) + 3 |x'|)                                  (2)
 //! F = |x'| / max over the axes of (max |L'| + |L'''| / (8 n^2)) / V                         (3)
 //! ```
 //!
-//! n is doubled until (2) is worth a thousandth of the whole: F is never above what the axes can follow, and no more than 0.1 %
-//! below it on moves of up to some hundred turns.
+//! n is doubled until the term of (2) is below a thousandth of the whole. Therefore F never exceeds the limit of the
+//! axes, and is at most 0.1 % below it on moves of up to some hundred turns.
 //!
 //! Source: (1) is the derivative of `forward`'s chain; (2) the bound of linear interpolation on its third derivative.
 
@@ -27,23 +29,23 @@ use super::forward::Setup;
 use super::machine::{AxisName, Carries, Machine, RotaryAxis};
 use super::vector::{Vector, cross, difference, length, scaled, sum, turned};
 
-/// Least number of steps on a move on which a rotary axis turns.
+/// Minimum number of steps on a move on which a rotary axis turns.
 const STEPS_MIN: u32 = 16;
-/// Greatest number.
+/// Maximum number of steps.
 const STEPS_MAX: u32 = 1 << 14;
-/// What may be given away, of the whole.
+/// Allowed shortfall of the feed, as a fraction.
 const SLACK_RATIO: f64 = 1e-3;
 
 /// A straight move of the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipMove {
-    /// From and to, in the part's frame.
+    /// Start and end of the tip, in the part's frame.
     pub tip_mm: [Vector; 2],
-    /// The rotary axes at both ends, from the part to the tool.
+    /// Positions of the rotary axes at both ends, in the order from the part to the tool.
     pub rotary_deg: [[f64; 2]; 2],
 }
 
-/// A point and what it covers in a unit of s.
+/// A point and its derivative by s.
 #[derive(Clone, Copy, Debug)]
 struct Moving {
     point: Vector,
@@ -51,7 +53,7 @@ struct Moving {
 }
 
 impl TipMove {
-    /// The length that its feed counts along.
+    /// Length along which the feed is measured.
     pub fn way_mm(&self) -> f64 {
         length(self.tip_rate())
     }
@@ -67,7 +69,7 @@ impl TipMove {
 }
 
 impl Machine {
-    /// The fastest feed of the tip on a move; `None` where nothing is known to limit it, or the tip stays where it is. (3)
+    /// Largest feed of the tip on a move; `None` if no limit is known or the tip does not move. (3)
     pub fn tip_feed(&self, of: &TipMove, setup: &Setup) -> Option<AxisFeed> {
         let [first, second] = of.turned_deg();
         let bound_mm = self.third_derivative_mm(of, setup);
@@ -83,7 +85,7 @@ impl Machine {
         }
     }
 
-    /// What X, Y, Z cover in a unit of s at one place of a move. (1)
+    /// Derivative of X, Y, Z by s at one point of a move. (1)
     fn linear_rate(&self, of: &TipMove, setup: &Setup, s: f64) -> Vector {
         let [turned_first, turned_second] = of.turned_deg();
         let [from, _] = of.rotary_deg;
@@ -105,7 +107,8 @@ impl Machine {
         difference(on_table.rate, held.rate)
     }
 
-    /// The axis that needs longest for a move, minutes: with what it may be slower between the places looked at, and without.
+    /// The axis that needs the longest time for a move, with that time in minutes: with and without the allowance for
+    /// the intervals between the samples.
     fn longest(&self, of: &TipMove, setup: &Setup, (steps, slack_mm): (u32, f64)) -> Option<(AxisName, f64, f64)> {
         let mut greatest = [0.0_f64; 3];
         for step in 0..=steps {
@@ -126,7 +129,7 @@ impl Machine {
         (longest.1 > 0.0).then_some(longest)
     }
 
-    /// (2)
+    /// Bound of the third derivative. (2)
     fn third_derivative_mm(&self, of: &TipMove, setup: &Setup) -> f64 {
         let whole: f64 = of.turned_deg().iter().map(|turned| libm::fabs(turned.to_radians())).sum();
         let out = of.tip_mm.map(|tip| length(sum(tip, setup.part_zero_mm)));

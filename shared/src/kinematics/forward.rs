@@ -1,4 +1,4 @@
-//! From positions of the axes to the pose of the tool, and the linear axes for given rotary ones.
+//! Forward kinematics: pose of the tool from the positions of the axes, and linear positions for given rotary ones.
 //!
 //! With T_i(v) the turn of v by the position q_i about axis i (through its point), h the tip as the head holds it, L the
 //! positions of X, Y, Z and p0 the part's zero point in the machine frame, both axes of the table, one or none applied:
@@ -15,30 +15,30 @@
 use super::machine::{Carries, Machine, RotaryAxis};
 use super::vector::{Vector, difference, scaled, sum, turned};
 
-/// Where tip and tool axis are, in the part's frame.
+/// Pose of the tool in the part's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The tool's tip.
+    /// Tool tip.
     pub tip_mm: Vector,
     /// (i, j, k): unit vector from the tip to the holder.
     pub axis: Vector,
 }
 
-/// Where the axes are.
+/// Positions of all axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     /// X, Y, Z: the gauge point of the spindle in the machine frame.
     pub linear_mm: Vector,
-    /// The rotary axes, from the part to the tool.
+    /// The rotary axes, in the order from the part to the tool.
     pub rotary_deg: [f64; 2],
 }
 
-/// How part and tool are set up.
+/// Set-up of part and tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
     /// The part's zero point in the machine frame, all axes at zero.
     pub part_zero_mm: Vector,
-    /// From the gauge point to the tip.
+    /// Distance from the gauge point to the tip.
     pub tool_length_mm: f64,
 }
 
@@ -68,12 +68,12 @@ impl Machine {
         difference(point, self.held(rotary_deg, setup))
     }
 
-    /// (1)
+    /// The tip as the head holds it. (1)
     fn held(&self, rotary_deg: [f64; 2], setup: &Setup) -> Vector {
         self.through(Carries::Tool, rotary_deg, scaled(self.tool(), -setup.tool_length_mm))
     }
 
-    /// A point through the axes of one side, the one next to the tool first.
+    /// Applies the axes of one side to a point, the one next to the tool first.
     fn through(&self, side: Carries, rotary_deg: [f64; 2], point_mm: Vector) -> Vector {
         let [first, second] = self.rotary();
         let mut point = point_mm;

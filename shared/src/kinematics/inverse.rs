@@ -1,4 +1,4 @@
-//! From a pose to the positions of the axes: all solutions.
+//! Inverse kinematics: all positions of the axes for a pose.
 //!
 //! Wanted are q0, q1 with R_0(q0) R_1(q1) t0 = t. With the directions u0, u1 of the axes, w = R_1(q1) t0 lies on the circle of t0
 //! about u1 and on that of t about u0:
@@ -9,8 +9,8 @@
 //! q1: angle from t0 to w about u1,    q0: angle from w to t about u0                            (3)
 //! ```
 //!
-//! |d| > p: no angles reach t. t x u0 = 0: t is a *pole*, it lies along the first axis and any q0 serves. The root is formed
-//! from t x u0, so that nothing cancels beside a pole, where acos(k) would lose half of the digits.
+//! If |d| > p, no angles reach t. If t x u0 = 0, t is a *pole*: it lies along the first axis, and any q0 is a solution.
+//! The root is computed from t x u0, so that nothing cancels near a pole, where acos(k) would lose half of the digits.
 //!
 //! Source: two circles on a sphere (the second of the problems named after Paden and Kahan); for A/C tables the two solutions
 //! are those of Tournier, table 1.
@@ -21,21 +21,21 @@ use super::forward::{Axes, Pose, Setup};
 use super::machine::{AxisName, Letter, Machine, RotaryAxis};
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, length, scaled, sum, wrapped_deg};
 
-/// Directions are taken for a pole, or for the very end of what the axes reach, below this.
+/// Tolerance below which a direction counts as a pole, or as the limit of the reachable directions.
 const NOTHING: f64 = 1e-15;
 
-/// Positions of the rotary axes that give a direction, without whole turns and whatever their ranges.
+/// Positions of the rotary axes that give a direction, without whole turns and regardless of their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Angles {
     /// No angles reach it.
     None,
-    /// The very end of what they reach.
+    /// The direction is at the limit of the reachable directions.
     One([f64; 2]),
     /// The two branches.
     Two([[f64; 2]; 2]),
-    /// A pole: the second axis stands here, the first anywhere.
+    /// A pole: the position of the second axis is given, that of the first is free.
     Any {
-        /// The second axis.
+        /// Position of the second axis.
         second_deg: f64,
     },
 }
@@ -43,32 +43,32 @@ pub enum Angles {
 /// Positions of all axes for a pose, the rotary ones in their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solutions {
-    /// None, and why.
+    /// No positions, and the reason.
     None(Unreachable),
-    /// One.
+    /// One solution.
     One(Axes),
-    /// One of each branch.
+    /// One solution for each branch.
     Two([Axes; 2]),
-    /// Infinitely many: this one has the first rotary axis where it was asked to be near.
+    /// Infinitely many solutions; in this one the first rotary axis is as near as possible to the requested position.
     Any(Axes),
 }
 
-/// Why no positions give a direction.
+/// Reason why no positions give a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unreachable {
-    /// No angles of these two axes do.
+    /// No angles of these two axes give it.
     Direction,
-    /// The range of this axis leaves them out.
+    /// The required position lies outside the range of this axis.
     Range {
         /// The axis.
         letter: Letter,
-        /// Where it would have to stand.
+        /// Required position.
         position_deg: f64,
     },
 }
 
 impl Machine {
-    /// All angles for a direction, a unit vector in the part's frame. (1) to (3)
+    /// All angles for a direction, which is a unit vector in the part's frame. (1) to (3)
     pub fn angles(&self, direction: Vector) -> Angles {
         let [u0, u1] = self.rotary().map(|axis| axis.direction);
         let t0 = self.tool();
@@ -119,7 +119,7 @@ impl Machine {
     /// Angles moved into the ranges by whole turns.
     ///
     /// # Errors
-    /// The axis whose range leaves its angle out.
+    /// The axis whose range excludes its angle.
     pub fn in_range(&self, angles_deg: [f64; 2], near_deg: [f64; 2]) -> Result<[f64; 2], Unreachable> {
         let [first, second] = self.rotary();
         let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
@@ -129,7 +129,7 @@ impl Machine {
         Ok([place(first, angles_deg[0], near_deg[0])?, place(second, angles_deg[1], near_deg[1])?])
     }
 
-    /// The positions for a direction that lie nearest to where the axes stand; the ranges count only where asked to.
+    /// The positions for a direction that are nearest to `near_deg`; the ranges are respected only if `ranged`.
     pub fn nearest(&self, direction: Vector, near_deg: [f64; 2], ranged: bool) -> Option<[f64; 2]> {
         let [first, second] = self.rotary();
         let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
@@ -151,7 +151,7 @@ impl Machine {
         found.into_iter().flatten().min_by(|one, other| way(one).total_cmp(&way(other)))
     }
 
-    /// The axes that stand outside their ranges.
+    /// The axes that are outside their ranges.
     pub fn over_limits(&self, axes: &Axes) -> impl Iterator<Item = AxisName> {
         let linear = self.linear().iter().zip(axes.linear_mm).enumerate();
         let linear = linear.filter(|(_, (axis, at))| !axis.allows(*at)).map(|(index, _)| AxisName::Linear(index));
@@ -159,7 +159,7 @@ impl Machine {
         linear.chain(rotary.map(|(axis, _)| AxisName::Rotary(axis.letter)))
     }
 
-    /// Where the first axis stays while a direction leaves it free.
+    /// Position of the first axis for a direction that leaves it free: `near_deg`, limited to its range.
     pub fn free_first(&self, near_deg: f64) -> f64 {
         let [first, _] = self.rotary();
         first.range_deg.map_or(near_deg, |[least, greatest]| near_deg.clamp(least, greatest))
@@ -172,14 +172,14 @@ impl Machine {
         angle.min(HALF_TURN_DEG - angle)
     }
 
-    /// Half the opening of the cone about a pole in which the axes cannot tell directions apart: one step of the second axis
-    /// there moves the tool axis by that much.
+    /// Half the opening of the cone about a pole in which the axes cannot resolve directions: one step of the second
+    /// axis moves the tool axis by this angle there.
     pub fn pole_cone_deg(&self) -> f64 {
         let [_, second] = self.rotary();
         second.resolution_deg * length(cross(second.direction, self.tool()))
     }
 
-    /// Whether a direction lies in a pole's cone, and the poles are within reach.
+    /// Whether a direction lies in a pole's cone.
     pub fn is_in_pole_cone(&self, direction: Vector) -> bool {
         self.from_pole_deg(direction) <= self.pole_cone_deg()
     }
@@ -191,7 +191,7 @@ impl Machine {
     }
 }
 
-/// The angle about u that brings v to w, which lie equally far along u.
+/// Angle about u that rotates v to w; both must have the same component along u.
 fn turn_about(u: Vector, v: Vector, w: Vector) -> f64 {
     let across = |x: Vector| difference(x, scaled(u, dot(u, x)));
     let (v, w) = (across(v), across(w));

@@ -1,11 +1,13 @@
-//! Points added to a path so that straight moves of the axes keep it to a tolerance.
+//! Linearisation: adds points to a path so that straight moves of the axes keep within a tolerance.
 //!
-//! A move that leaves its line or its arc by more than the tolerance is halved: tip in the middle of the line; where the tool axis keeps
-//! its tolerance, rotary axes in the middle of theirs; where it does not, direction in the middle of the arc and rotary axes nearest to the
-//! middle of theirs. The deviation falls with the square of the length, so that a few halvings
-//! do; a move that is still out after the last one is a swing ([`super::change`]) or passes a pole too closely ([`super::singularity`]).
+//! A move that leaves its line or its arc by more than the tolerance is halved. The new tip is the midpoint of the
+//! line. If the tool axis is within its tolerance, the rotary axes take the midpoint of their move; otherwise the
+//! direction is the midpoint of the arc, with the rotary positions nearest to the midpoint of their move. The
+//! deviation falls with the square of the length, so that a few halvings suffice. A move that is still out of
+//! tolerance after the last halving is a swing ([`super::change`]) or passes a pole too closely
+//! ([`super::singularity`]).
 //!
-//! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the plain way.
+//! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the simplest method.
 
 use alloc::vec::Vec;
 use core::fmt;
@@ -15,24 +17,24 @@ use super::forward::{Axes, Pose, Setup};
 use super::machine::Machine;
 use super::vector::{along_arc, scaled, sum};
 
-/// Halvings of one move: 4096 points.
+/// Maximum number of halvings of one move: 4096 points.
 const HALVINGS: u32 = 12;
 
-/// What a path may be off.
+/// Tolerance of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// The tip off its line.
+    /// Distance of the tip from its line.
     pub tip_mm: f64,
-    /// The tool axis off its arc.
+    /// Angle of the tool axis from its arc.
     pub axis_deg: f64,
 }
 
-/// A move that no points make straight enough.
+/// A move that added points do not bring within the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotStraight {
-    /// The point of the path that it ends at.
+    /// Index of the point at which the move ends.
     pub point: usize,
-    /// What is left.
+    /// Remaining deviation.
     pub left: Deviation,
 }
 
@@ -43,10 +45,10 @@ impl Tolerance {
 }
 
 impl Machine {
-    /// A path with points added until each move keeps to the tolerance.
+    /// Adds points to a path until each move is within the tolerance.
     ///
     /// # Errors
-    /// A move that none make straight.
+    /// A move that added points do not bring within the tolerance.
     pub fn linearise(
         &self,
         mode: Mode,
@@ -74,7 +76,7 @@ impl Machine {
         Ok(path)
     }
 
-    /// The point in the middle of a move.
+    /// Midpoint of a move.
     fn middle(&self, setup: &Setup, [from, to]: [&Stop; 2], keeps_axis: bool) -> Option<Stop> {
         let tip_mm = scaled(sum(from.pose.tip_mm, to.pose.tip_mm), 0.5);
         let between_deg = mixed(&from.axes, &to.axes, 0.5).rotary_deg;

@@ -1,17 +1,18 @@
-//! A machine as data: two rotary axes, three linear ones at right angles, and the tool's direction.
+//! Description of a five-axis machine: two rotary axes, three perpendicular linear axes, and the tool's direction.
 //!
-//! The chain runs part - rotary axes of the table - X, Y, Z - rotary axes of the head - tool; every structure in which no
-//! linear axis rides on a rotary one is of this kind (RRTTT, RTTTR, TTTRR, whichever side moves along X, Y and Z).
+//! The kinematic chain is part - rotary axes of the table - X, Y, Z - rotary axes of the head - tool. It covers every
+//! structure in which no linear axis is carried by a rotary one (RRTTT, RTTTR, TTTRR, whichever side moves along X, Y
+//! and Z).
 
 use core::fmt;
 
 use super::vector::{TURN_DEG, Vector, angle_deg, cross, length, unit};
 
-/// Cosine's side: rotary axes closer to parallel than this span no directions.
+/// Rotary axes closer to parallel than this are rejected.
 const PARALLEL_DEG: f64 = 0.1;
-/// Whole turns in the widest range; axes that turn further are taken for endless.
+/// Number of turns of the widest range; an axis that turns further must be declared endless.
 pub const TURNS_MAX: u32 = 16;
-/// How far a position may lie behind the end of its range by rounding.
+/// Tolerance of range ends, for rounding.
 const RANGE_SLACK: f64 = 1e-9;
 
 /// The name of a rotary axis.
@@ -34,7 +35,7 @@ pub enum AxisName {
     Rotary(Letter),
 }
 
-/// What a rotary axis turns.
+/// Object that a rotary axis turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carries {
     /// The part: an axis of the table.
@@ -46,30 +47,32 @@ pub enum Carries {
 /// A rotary axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotaryAxis {
-    /// Its address in the program.
+    /// Address of the axis in the program.
     pub letter: Letter,
-    /// On which side of the linear axes it stands.
+    /// Whether it belongs to the table or to the head.
     pub carries: Carries,
-    /// Unit vector in the machine frame, all axes at zero; positive turns the tool relative to the part about it.
+    /// Unit vector in the machine frame with all axes at zero; a positive angle turns the tool relative to the part
+    /// about it.
     pub direction: Vector,
-    /// A point on the axis, all axes at zero: in the machine frame for the table, from the gauge point for the head.
+    /// A point on the axis with all axes at zero: in the machine frame for the table, relative to the gauge point for
+    /// the head.
     pub point_mm: Vector,
-    /// Least and greatest position; `None` turns for ever.
+    /// Smallest and largest position; `None` for an endless axis.
     pub range_deg: Option<[f64; 2]>,
-    /// The least step.
+    /// Resolution.
     pub resolution_deg: f64,
-    /// The greatest speed, degrees per minute; `None` where nobody says.
+    /// Maximum speed, degrees per minute; `None` if unknown.
     pub speed_deg_per_min: Option<f64>,
 }
 
 /// A linear axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearAxis {
-    /// Least and greatest position of the gauge point.
+    /// Smallest and largest position of the gauge point.
     pub range_mm: Option<[f64; 2]>,
-    /// The least step.
+    /// Resolution.
     pub resolution_mm: f64,
-    /// The greatest speed; `None` where nobody says.
+    /// Maximum speed; `None` if unknown.
     pub speed_mm_per_min: Option<f64>,
 }
 
@@ -81,23 +84,23 @@ pub struct Machine {
     tool: Vector,
 }
 
-/// Why a description is of no machine.
+/// Reason why a description of a machine is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MachineError {
-    /// A direction without length, or a value that is no number.
+    /// A direction without length, or a value that is not a finite number.
     NoDirection,
-    /// The rotary axes, or the second one and the tool, are parallel: they span no directions.
+    /// The rotary axes, or the second one and the tool, are parallel: they do not span the directions.
     Parallel {
         /// The angle between them.
         angle_deg: f64,
     },
-    /// An axis of the head before one of the table: the order is from the part to the tool.
+    /// An axis of the head is listed before one of the table; the order is from the part to the tool.
     Order,
     /// Both rotary axes have the same letter.
     SameLetter(Letter),
-    /// The end of a range lies below its beginning.
+    /// The upper end of a range is below its lower end.
     Range(AxisName),
-    /// A range of more turns than there can be to choose from.
+    /// A range of more than [`TURNS_MAX`] turns.
     TooWide(Letter),
     /// A resolution or a speed that is not above zero.
     NotPositive(AxisName),
@@ -113,7 +116,7 @@ impl Machine {
     /// to its holder at zero of all axes.
     ///
     /// # Errors
-    /// The rotary axes span no directions, their order is wrong, or a value makes no sense.
+    /// The rotary axes do not span the directions, their order is wrong, or a value is invalid.
     pub fn new(rotary: [RotaryAxis; 2], linear: [LinearAxis; 3], tool: Vector) -> Result<Self, MachineError> {
         let direction = |v: Vector| unit(v).ok_or(MachineError::NoDirection);
         let [mut first, mut second] = rotary;
@@ -145,7 +148,8 @@ impl Machine {
         &self.linear
     }
 
-    /// The same machine with other greatest speeds, mm/min and degrees per minute; one that is not above zero counts as unknown.
+    /// The same machine with other maximum speeds, mm/min and degrees per minute; a speed that is not above zero
+    /// counts as unknown.
     #[must_use]
     pub fn with_speeds(mut self, linear: [Option<f64>; 3], rotary: [Option<f64>; 2]) -> Self {
         let known = |speed: Option<f64>| speed.filter(|speed| *speed > 0.0 && speed.is_finite());
@@ -158,7 +162,7 @@ impl Machine {
         self
     }
 
-    /// From the tool's tip to its holder at zero of all axes: a unit vector.
+    /// Unit vector from the tool's tip to its holder, with all axes at zero.
     pub fn tool(&self) -> Vector {
         self.tool
     }
@@ -170,12 +174,12 @@ impl RotaryAxis {
         within(self.range_deg, position_deg)
     }
 
-    /// The position nearest to `near_deg` that is `position_deg` but for whole turns, in the range or not.
+    /// The position nearest to `near_deg` that differs from `position_deg` by whole turns, regardless of the range.
     pub fn nearest_turn(position_deg: f64, near_deg: f64) -> f64 {
         position_deg + TURN_DEG * libm::round((near_deg - position_deg) / TURN_DEG)
     }
 
-    /// The same within the range; `None` where no whole turn brings it there.
+    /// The same within the range; `None` if no whole number of turns leads into it.
     pub fn nearest_in_range(&self, position_deg: f64, near_deg: f64) -> Option<f64> {
         let Some([least, greatest]) = self.range_deg else {
             return Some(Self::nearest_turn(position_deg, near_deg));

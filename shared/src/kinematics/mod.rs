@@ -1,4 +1,4 @@
-//! Five-axis machines: from poses of the tool to positions of the axes and back, and what lies between two poses.
+//! Kinematics of five-axis machines: poses of the tool, positions of the axes, and the motion between two poses.
 //!
 //! Everything is f64. Lengths are millimetres, angles degrees. Frames:
 //!

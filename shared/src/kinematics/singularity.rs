@@ -1,23 +1,25 @@
-//! Incoherent movement beside a pole, and its repair.
+//! Singularities: incoherent movement (Tournier's term) near a pole, and its repair.
 //!
-//! In the plane across the first rotary axis, for an A/C table that of (i, j), a direction has a radius (its angle from the pole)
-//! and an azimuth, and the first axis turns with the azimuth alone. A path that passes the pole at a small radius makes that axis
-//! race although the tool hardly turns. With dpsi the angle between the directions of two points,
+//! In the plane across the first rotary axis (for an A/C table the plane of (i, j)) a direction has a radius (its
+//! angle from the pole) and an azimuth, and the first axis follows the azimuth alone. If a path passes the pole at a
+//! small radius, that axis turns very fast although the tool hardly turns. With dpsi the angle between the directions
+//! of two points,
 //!
 //! ```text
 //! gain = |dq0| / dpsi,    incoherent where it is above a limit                                  (1)
 //! ```
 //!
-//! Repair: directions within such a stretch move on their circles about the pole, so that the second axis keeps its positions; their
-//! azimuths run evenly, by dpsi, from that of the last coherent point to that of the next. If these two lie more than a quarter turn
-//! apart, the path goes through the pole: behind it the azimuth is that opposite, and the second axis changes its sign while the
-//! first runs on. The stretch is widened until (1) holds.
+//! Repair: the directions within such an interval move on their circles about the pole, so that the second axis keeps
+//! its positions. Their azimuths change uniformly with dpsi, from that of the last coherent point to that of the next.
+//! If these two azimuths differ by more than a quarter turn, the path goes through the pole: beyond it the azimuth is
+//! the opposite one, and the second axis changes its sign while the first continues. The interval is widened until the
+//! gain (1) is below the limit.
 //!
-//! A ball end mill keeps its contact if its centre stays, so its tip moves by r (t - t'). Any other tool changes the surface with its
-//! direction: beyond a tolerance the repair is refused.
+//! A ball end mill keeps its contact if its centre does not move, so its tip moves by r (t - t'). For any other tool a
+//! change of direction changes the surface: beyond a tolerance the repair is rejected.
 //!
-//! Source: Tournier, 4.1.2 (the circle, and that only ball end mills are free). The circle's radius is hypot(i, j) itself; the
-//! source's sqrt(1 - k^2) is 5 % off at its printed digits. Widening and the even run of the azimuth are ours.
+//! Source: Tournier, 4.1.2 (the circle, and the restriction to ball end mills). The circle's radius is hypot(i, j)
+//! itself; the source's sqrt(1 - k^2) is 5 % off at its printed digits. The widening and the uniform azimuth are ours.
 
 use alloc::vec::Vec;
 
@@ -25,69 +27,71 @@ use super::forward::Pose;
 use super::machine::Machine;
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, scaled, sum, turned, unit, wrapped_deg};
 
-/// Turns of the first axis below this are nobody's trouble.
+/// Rotations of the first axis below this are ignored.
 const TURN_MIN_DEG: f64 = 1.0;
 /// A quarter turn.
 const QUARTER_DEG: f64 = 90.0;
 
-/// The cutting end of the tool.
+/// Shape of the tool's cutting end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToolEnd {
-    /// A ball.
+    /// A ball end mill.
     Ball {
-        /// Its radius.
+        /// Radius of the ball.
         radius_mm: f64,
     },
-    /// Any other.
+    /// Any other shape.
     Other,
 }
 
-/// What counts as incoherent, and what a repair may cost.
+/// Limits of detection and repair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairLimits {
-    /// Degrees of the first axis for each degree of the tool. (1)
+    /// Largest coherent gain: degrees of the first axis per degree of the tool. (1)
     pub gain_ratio: f64,
-    /// How far the tool axis may leave its arc between two points before the move is a swing, which no repair is for.
+    /// Largest angle of the tool axis from its arc between two points; a move beyond it is a swing, which is not
+    /// repaired.
     pub departure_deg: f64,
-    /// The greatest change of direction for a tool that is no ball end mill.
+    /// Largest change of direction for a tool that is not a ball end mill.
     pub error_deg: f64,
 }
 
 impl Default for RepairLimits {
-    /// 10 degrees a degree; half a degree of swing; 0.01 degree for tools that are no ball.
+    /// Gain of 10, half a degree of swing, 0.01 degree for tools other than ball end mills.
     fn default() -> Self {
         RepairLimits { gain_ratio: 10.0, departure_deg: 0.5, error_deg: 0.01 }
     }
 }
 
-/// A stretch of incoherent movement.
+/// An interval of incoherent movement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
-    /// The last coherent point before it.
+    /// Index of the last coherent point before it.
     pub before: usize,
-    /// The next one after it.
+    /// Index of the next coherent point after it.
     pub after: usize,
-    /// The greatest gain found. (1)
+    /// Largest gain found. (1)
     pub gain_ratio: f64,
-    /// The greatest change of direction that its repair takes.
+    /// Largest change of direction of its repair.
     pub error_deg: f64,
-    /// What came of it.
+    /// Result of the repair.
     pub outcome: RepairOutcome,
 }
 
-/// What came of a stretch.
+/// Result of a repair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepairOutcome {
-    /// The directions within have moved.
+    /// The directions within the interval were changed.
     Repaired,
-    /// The tool is no ball end mill and the error above the tolerance: nothing has moved.
+    /// The tool is not a ball end mill and the error exceeds the tolerance: nothing was changed.
     Refused,
-    /// No room on the path: it begins or ends within the stretch, or nothing lies within.
+    /// The path begins or ends within the interval, or no point lies within it.
     NoRoom,
 }
 
 impl Machine {
-    /// Finds stretches of incoherent movement and repairs their poses; the course is to be chosen anew afterwards.
+    /// Finds intervals of incoherent movement and repairs their poses. The branches have to be selected again
+    /// afterwards.
     pub fn repair(
         &self,
         poses: &mut [Pose],
@@ -109,7 +113,7 @@ impl Machine {
         found
     }
 
-    /// The next stretch behind a point: its ends and the greatest gain.
+    /// The next interval after a point: its ends and its largest gain.
     fn stretch(
         &self,
         poses: &[Pose],
@@ -136,7 +140,7 @@ impl Machine {
         stretch
     }
 
-    /// (1); nothing for small turns and for swings.
+    /// Gain of a move; 0 for small rotations and for swings. (1)
     fn gain(&self, directions: [Vector; 2], places: [[f64; 2]; 2], departure_deg: f64) -> f64 {
         let [from, to] = places;
         let turned = libm::fabs(to[0] - from[0]);
@@ -146,8 +150,8 @@ impl Machine {
         turned / angle_deg(directions[0], directions[1])
     }
 
-    /// New directions for the points within a stretch, widened until they are coherent but not to before `floor`, and the point
-    /// before the first.
+    /// New directions for the points within an interval, and the point before the first. The interval is widened until
+    /// they are coherent, but not beyond `floor`.
     fn mended(&self, poses: &[Pose], ends: [usize; 2], floor: usize, gain_ratio: f64) -> Option<(usize, Vec<Vector>)> {
         let [mut before, mut after] = ends;
         loop {
@@ -161,7 +165,8 @@ impl Machine {
         }
     }
 
-    /// The directions between the first and the last of `poses` with azimuths that run evenly; `None` where those race too.
+    /// The directions between the first and the last of `poses` with a uniformly changing azimuth; `None` if their
+    /// gain is still too large.
     fn evened(&self, poses: &[Pose], gain_ratio: f64) -> Option<Vec<Vector>> {
         let [axis, _] = self.rotary().map(|axis| axis.direction);
         let (first, last) = (poses.first()?.axis, poses.last()?.axis);
@@ -178,14 +183,14 @@ impl Machine {
         for (pose, step) in poses.iter().skip(1).zip(&steps).take(poses.len() - 2) {
             gone += step;
             let wanted = start + whole * gone / way;
-            // In the pole itself there is no azimuth to change.
+            // In the pole itself the azimuth is undefined.
             let by_deg = self.azimuth_deg(pose.axis).map_or(0.0, |own| folded_deg(wanted - own));
             directions.push(turned(pose.axis, axis, by_deg));
         }
         Some(directions)
     }
 
-    /// The angle of a direction about the first axis; `None` in a pole's cone.
+    /// Angle of a direction about the first axis; `None` in a pole's cone.
     fn azimuth_deg(&self, direction: Vector) -> Option<f64> {
         if self.is_in_pole_cone(direction) {
             return None;
@@ -196,7 +201,7 @@ impl Machine {
     }
 }
 
-/// The same line through the pole, whichever way along it: above -90 and up to 90.
+/// Folds an angle by half turns into (-90, 90]: the same line through the pole.
 fn folded_deg(angle_deg: f64) -> f64 {
     let wrapped = wrapped_deg(angle_deg);
     if wrapped > QUARTER_DEG {
@@ -208,7 +213,7 @@ fn folded_deg(angle_deg: f64) -> f64 {
     }
 }
 
-/// Gives the points behind `before` their new directions, if the tool may have them.
+/// Sets the new directions of the points after `before` if the tool allows it.
 fn apply(
     poses: &mut [Pose],
     before: usize,

@@ -1,4 +1,4 @@
-//! Vectors of three, as much of them as a chain of axes needs.
+//! Three-dimensional vectors for kinematic chains.
 //!
 //! ```text
 //! turned:   v cos q + (u x v) sin q + u (u.v) (1 - cos q)          (1)
@@ -46,7 +46,7 @@ pub fn length(v: Vector) -> f64 {
     libm::sqrt(dot(v, v))
 }
 
-/// v / |v|; `None` for nothing, and for what is no number.
+/// v / |v|; `None` for a zero vector and for vectors that are not finite.
 pub fn unit(v: Vector) -> Option<Vector> {
     let length = length(v);
     (length > 0.0 && length.is_finite()).then(|| v.map(|component| component / length))
@@ -63,7 +63,7 @@ pub fn angle_deg(v: Vector, w: Vector) -> f64 {
     (2.0 * libm::atan2(length(difference(v, w)), length(sum(v, w)))).to_degrees()
 }
 
-/// The unit vector at a part of the way along the shorter arc from v to w; `None` between opposite ones.
+/// Unit vector at a fraction of the shorter arc from v to w; `None` for opposite vectors.
 pub fn along_arc(v: Vector, w: Vector, part_ratio: f64) -> Option<Vector> {
     let Some(about) = unit(cross(v, w)) else {
         return (dot(v, w) > 0.0).then_some(v);
@@ -71,7 +71,7 @@ pub fn along_arc(v: Vector, w: Vector, part_ratio: f64) -> Option<Vector> {
     unit(turned(v, about, angle_deg(v, w) * part_ratio))
 }
 
-/// The angle by which a unit vector lies off the shorter arc from v to w.
+/// Angle of a unit vector from the shorter arc between v and w.
 pub fn off_arc_deg(direction: Vector, v: Vector, w: Vector) -> f64 {
     let ends = angle_deg(direction, v).min(angle_deg(direction, w));
     let Some(normal) = unit(cross(v, w)) else { return ends };
@@ -83,7 +83,7 @@ pub fn off_arc_deg(direction: Vector, v: Vector, w: Vector) -> f64 {
     libm::fabs(libm::asin(across.clamp(-1.0, 1.0)).to_degrees()).min(ends)
 }
 
-/// An angle without whole turns, above -180 and up to 180.
+/// An angle reduced by whole turns to (-180, 180].
 pub fn wrapped_deg(angle_deg: f64) -> f64 {
     angle_deg - TURN_DEG * libm::ceil((angle_deg - HALF_TURN_DEG) / TURN_DEG)
 }

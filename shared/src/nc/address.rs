@@ -1,20 +1,20 @@
-//! Which numbers may stand behind which letters.
+//! Rules for the numbers of each address letter.
 //!
-//! Least and most digits differ from series to series (see [`super::settings::Settings`]); that only axes, feeds, radii and
-//! G take a decimal point, and only axes and radii a minus sign, does not.
+//! The numbers of digits differ between the series of controls (see [`super::settings::Settings`]). In all of them
+//! only axes, feeds, radii and G accept a decimal point, and only axes and radii a minus sign.
 
 use super::alarm::{Alarm, Fault};
 use super::block::{Block, letters};
 use super::settings::OFFSETS;
 use super::word::Word;
 
-/// Most digits of S (parameter 3031).
+/// Largest S (parameter 3031).
 const SPINDLE_MAX: i64 = 99_999;
 
-/// Letters whose numbers may be neither negative nor broken.
+/// Letters whose numbers must be whole and not negative.
 const RESTRICTED: u32 = letters(b"DHLMPST");
 
-/// Checks the words of a block that is no macro call, G apart: see `check_sign`.
+/// Checks the words of a block that is not a macro call, except G: see `check_sign`.
 ///
 /// # Errors
 /// PS0003, PS0006, PS0007, PS0030.
@@ -37,7 +37,7 @@ fn check_word(word: &Word) -> Result<(), Fault> {
     }
 }
 
-/// For words whose numbers may be broken but not negative: F and G.
+/// Rejects a negative number, for words that may have a fraction: F and G.
 pub(super) fn check_sign(word: &Word) -> Result<(), Fault> {
     if word.number.is_negative() {
         return Err(Fault::alarm(Alarm::MinusSign, word.column + 1));

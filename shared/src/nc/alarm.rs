@@ -1,13 +1,13 @@
-//! What a control would stop with, and what this crate cannot read yet.
+//! Alarms of the control, and constructs that this crate does not interpret yet.
 //!
-//! Numbers and wording follow the program-error (PS) list of the Fanuc 16i/30i family; a sentence of ours says what
-//! to do. Where the families differ the 16i's meaning is taken.
+//! Numbers and wording follow the program-error (PS) list of the Fanuc 16i/30i family; a sentence of ours gives the
+//! remedy. Where the families differ, the 16i's meaning applies.
 
 use core::fmt;
 
 use super::macro_alarm::MacroAlarm;
 
-/// Declares [`Alarm`] from its table: number, when the control raises it, what to do.
+/// Declares [`Alarm`] from its table: number, condition, remedy.
 macro_rules! alarms {
     ($($name:ident = $number:literal: $when:literal, $remedy:literal;)*) => {
         /// A program alarm of the control.
@@ -17,7 +17,7 @@ macro_rules! alarms {
         }
 
         impl Alarm {
-            /// All of them, by number.
+            /// All alarms, by number.
             pub const ALL: &'static [Alarm] = &[$(Alarm::$name),*];
 
             /// The number on the control's screen.
@@ -25,17 +25,17 @@ macro_rules! alarms {
                 match self { $(Alarm::$name => $number,)* }
             }
 
-            /// When it is raised.
+            /// Condition under which the control raises it.
             pub const fn when(self) -> &'static str {
                 match self { $(Alarm::$name => $when,)* }
             }
 
-            /// What to do about it.
+            /// Remedy.
             pub const fn remedy(self) -> &'static str {
                 match self { $(Alarm::$name => $remedy,)* }
             }
 
-            /// What it means and what to do, one sentence.
+            /// Meaning and remedy in one sentence.
             pub const fn explanation(self) -> &'static str {
                 match self { $(Alarm::$name => concat!($when, "; ", $remedy),)* }
             }
@@ -80,7 +80,7 @@ alarms! {
     EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
 
-/// What a control may well accept but this version does not interpret.
+/// Construct that a control may accept but this version does not interpret.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotModelled {
     /// A G code of the control, in tenths (G43.4 is 434).
@@ -89,7 +89,7 @@ pub enum NotModelled {
     MoveUnder(u16),
     /// After G68 or G69, a move in the plane that does not give both its axes in absolute terms.
     AfterRotation,
-    /// An M code that changes which block comes next (M98, M99).
+    /// An M code that changes the order of the blocks (M98, M99).
     MCode(u16),
     /// Macro statements beyond `#variable=number`.
     Macro,
@@ -103,21 +103,21 @@ pub enum NotModelled {
     LongBlock,
 }
 
-/// Why a block cannot be executed.
+/// Reason why a block cannot be executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The control would stop with this alarm.
     Alarm(Alarm),
     /// The control would stop with this alarm of a custom macro or a call.
     Macro(MacroAlarm),
-    /// The control may accept it; arcfeed does not interpret it, and refuses rather than guesses.
+    /// The control may accept it; arcfeed does not interpret it and rejects the program.
     NotModelled(NotModelled),
 }
 
-/// A cause and where in its line it stands.
+/// Cause of a fault and its column in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// What is wrong.
+    /// Cause.
     pub cause: Cause,
     /// Column of the offending byte, counted from 1; 0 for the block as a whole.
     pub column: u16,
@@ -134,7 +134,7 @@ impl Fault {
         Fault { cause: Cause::Macro(alarm), column }
     }
 
-    /// Something not modelled at `column`.
+    /// A construct that is not modelled at `column`.
     pub const fn not_modelled(what: NotModelled, column: u16) -> Self {
         Fault { cause: Cause::NotModelled(what), column }
     }

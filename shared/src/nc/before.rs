@@ -1,27 +1,27 @@
-//! The modal state before a block, to go back to when the block is refused.
+//! Rollback: copy of the modal state before a block, restored if the block is rejected.
 //!
-//! Most blocks are G0 to G3 with axes and a feed: of them the little that they can change is kept, which costs a fraction
-//! of a copy of the whole state. What makes a block another kind keeps the whole.
+//! Most blocks are G0 to G3 with axes and a feed. For them only the few fields that they can change are copied, which
+//! costs a fraction of a copy of the whole state. Any other block copies the whole state.
 
 use super::block::{Block, letters};
 use super::modal::{Modal, MotionKind, Pose};
 use crate::units::Nm;
 
-/// All that stands in a plain block.
+/// Letters of a plain block.
 const PLAIN_LETTERS: u32 = letters(b"ABCFGIJKXYZ");
 
-/// The state as it was.
+/// Saved state.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and the large one is the rare one")]
 pub(crate) enum Before {
-    /// As far as a plain block can change it.
+    /// The fields that a plain block can change.
     Plain { motion: MotionKind, feed: Option<Nm>, position: Pose, program: Pose },
-    /// All of it.
+    /// The whole state.
     Whole(Modal),
 }
 
 impl Before {
-    /// Ahead of a block of which no G code has been looked at.
+    /// Saves the state before a block whose G codes have not been applied yet.
     #[inline]
     pub fn new(modal: &Modal, block: &Block) -> Self {
         let is_plain = modal.cycle.is_none() && modal.polar.is_none() && !modal.starts_up && !modal.is_unsettled;
@@ -32,7 +32,8 @@ impl Before {
         Before::Plain { motion, feed, position, program }
     }
 
-    /// A G code beyond G0 to G3 follows, and nothing but such has changed `modal`.
+    /// Extends the copy to the whole state, before a G code other than G0 to G3 is applied. Only G0 to G3 may have
+    /// changed `modal` so far.
     #[inline(never)]
     pub fn keep_whole(&mut self, modal: &Modal) {
         if let Before::Plain { motion, .. } = *self {
@@ -40,7 +41,7 @@ impl Before {
         }
     }
 
-    /// Goes back.
+    /// Restores the saved state.
     #[cold]
     pub fn restore(self, modal: &mut Modal) {
         *modal = match self {

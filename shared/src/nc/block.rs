@@ -1,7 +1,7 @@
-//! A line of NC text to a block: its words, and where in the text they stand.
+//! Parser of a line of NC text into a block: its words and their columns.
 //!
-//! Lenient reading passes what shops send every day and a control may refuse: a CAM title behind `O`, characters
-//! outside the control's code in a comment. It reports them as [`Notice`]s. Strict reading gives the alarm instead.
+//! Lenient reading accepts common deviations that a control may reject: a CAM title after `O`, and characters outside
+//! the control's code in a comment. It reports them as [`Notice`]s. Strict reading raises the alarm instead.
 
 use heapless::Vec;
 
@@ -12,19 +12,19 @@ use super::number::POWERS_OF_TEN;
 use super::settings::Settings;
 use super::word::{LINE_MAX, Piece, Token, Word, Words, column, is_control_character, plain_word};
 
-/// Most words in one block.
+/// Maximum number of words in a block.
 pub const WORDS_MAX: usize = 32;
-/// Most notices kept for one line.
+/// Maximum number of notices kept for a line.
 pub const NOTICES_MAX: usize = 4;
 
-/// What a line is.
+/// Kind of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Line {
     /// `%`.
     ProgramMark,
-    /// A CAM title (`O` without a number): no block for the control. Lenient reading only.
+    /// A CAM title (`O` without a number), which the control does not execute. Lenient reading only.
     Title,
-    /// Anything else, also a line with nothing but a comment or nothing at all.
+    /// Any other line, including an empty line and a line with only a comment.
     #[default]
     Block,
 }
@@ -36,24 +36,24 @@ pub struct Block {
     pub sequence: Option<i64>,
     /// `O`, only as the first word.
     pub program: Option<i64>,
-    /// The switch of a `/`.
+    /// Block-delete switch of a `/`.
     pub delete: Option<u8>,
-    /// How many of the words stand before it; the others are skipped with the switch on.
+    /// Number of words before the `/`; the words after it are skipped if the switch is on.
     pub delete_from: usize,
     /// All words but `N` and `O`, in the order written.
     pub words: Vec<Word, WORDS_MAX>,
     /// Whether the block sets a variable.
     pub assigns: bool,
-    /// Bytes up to the end of the last word: where one more word may be added.
+    /// Byte offset of the end of the last word, where another word may be added.
     pub code_len: usize,
-    /// Bit n for the n-th letter: what is not here need not be looked for.
+    /// Letters that may be present: bit n for the n-th letter.
     letters: u32,
 }
 
-/// Something a control might refuse, passed by lenient reading.
+/// Something that lenient reading accepts and a control might reject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// What it is.
+    /// Kind of notice.
     pub kind: NoticeKind,
     /// Column, counted from 1.
     pub column: u16,
@@ -62,31 +62,31 @@ pub struct Notice {
 /// The kinds of [`Notice`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoticeKind {
-    /// A title where a program number belongs: the control raises PS0005.
+    /// A title in place of a program number: the control raises PS0005.
     Title,
     /// A character in a comment that the control's code does not have: the control raises PS0001.
     CommentCharacter(u8),
-    /// A comment that no `)` closes; the control ends it with the block. No alarm.
+    /// A comment without `)`; the control ends it with the block, without an alarm.
     UnclosedComment,
-    /// N or O with more digits than the control has: it raises PS0003.
+    /// N or O with more digits than the control allows: it raises PS0003.
     LongNumber,
     /// N0 or O0: the control may take either for a program number and raise PS0074.
     Zero,
 }
 
-/// A line and what was noticed in it.
+/// A parsed line with its notices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
-    /// What kind of line it is.
+    /// Kind of line.
     pub line: Line,
-    /// Its block; without words for marks and titles.
+    /// Block of the line; without words for marks and titles.
     pub block: Block,
     /// The first [`NOTICES_MAX`] notices.
     pub notices: Vec<Notice, NOTICES_MAX>,
 }
 
 impl Block {
-    /// The last word with this letter, the one that counts.
+    /// The last word with this letter; earlier ones have no effect.
     pub fn word(&self, letter: u8) -> Option<&Word> {
         if !self.may_have(letters(&[letter])) {
             return None;
@@ -99,7 +99,8 @@ impl Block {
         self.letters & letters != 0
     }
 
-    /// N and O against the control's limits: the alarms in strict reading, otherwise what to notice. `text` is the line.
+    /// Checks N and O against the control's limits. Strict reading raises the alarm, lenient reading returns a notice.
+    /// `text` is the line.
     ///
     /// # Errors
     /// PS0003, PS0074.
@@ -134,16 +135,16 @@ impl Block {
         Ok(None)
     }
 
-    /// Whether the control has anything to do here.
+    /// Whether the block has no effect on the control.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty() && !self.assigns
     }
 }
 
-/// Reads one line, which must not contain its line end.
+/// Parses one line, which must not contain its line end.
 ///
 /// # Errors
-/// The first fault of the line, as a control would stop at it.
+/// The first fault of the line, at which a control would stop.
 pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
     let mut parsed = Parsed::default();
     parsed.read(text, reading)?;
@@ -151,8 +152,8 @@ pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
 }
 
 impl Parsed {
-    /// [`parse_line`] in place of the line read before: what the next line costs is its own words, not a copy of all
-    /// that a block has room for. Behind a fault what stands here is of no use.
+    /// [`parse_line`] into an existing line: the cost depends on the words of the line, not on the capacity of a
+    /// block. After a fault the contents are meaningless.
     ///
     /// # Errors
     /// As [`parse_line`].
@@ -209,7 +210,7 @@ impl Parsed {
 }
 
 impl Block {
-    /// Field by field: an assignment would write all that `words` has room for.
+    /// Clears field by field: an assignment would write the whole capacity of `words`.
     fn clear(&mut self) {
         let Block { sequence, program, delete, delete_from, words, assigns, code_len, letters } = self;
         (*sequence, *program, *delete, *assigns) = (None, None, None, false);
@@ -217,7 +218,8 @@ impl Block {
         words.clear();
     }
 
-    /// Whether the word found its place: there is room, and its letter is neither N nor O nor no address.
+    /// Adds a word. Returns whether it was accepted: the block has room, and its letter is an address other than N and
+    /// O.
     #[inline]
     fn push(&mut self, word: Word) -> bool {
         let letter = letters(&[word.letter]) & ADDRESSES;
@@ -225,7 +227,7 @@ impl Block {
         letter != 0 && self.words.push(word).is_ok()
     }
 
-    /// Whether the word is the block's number, plainly written.
+    /// Sets the block's number if the word is a plain N word at its beginning. Returns whether it is.
     #[inline]
     fn begin(&mut self, word: Word) -> bool {
         let is_number = word.letter == b'N' && self.words.is_empty() && !word.number.has_point();
@@ -256,10 +258,10 @@ impl Block {
     }
 }
 
-/// All but E, N, O, U, V and W.
+/// All letters except E, N, O, U, V and W.
 const ADDRESSES: u32 = letters(b"ABCDFGHIJKLMPQRSTXYZ");
 
-/// A bit for each of these capital letters.
+/// Bit set of these capital letters.
 pub(super) const fn letters(of: &[u8]) -> u32 {
     match of {
         [letter, others @ ..] => 1 << (*letter & 0x1f) | letters(others),
@@ -267,12 +269,12 @@ pub(super) const fn letters(of: &[u8]) -> u32 {
     }
 }
 
-/// `O` (or `:`) with anything but a digit behind it: a title, which lenient reading passes.
+/// Whether the line is a title: `O` (or `:`) that is not followed by a digit.
 pub fn is_title(text: &[u8]) -> bool {
     matches!(text, [b'O' | b':', next, ..] if !next.is_ascii_digit())
 }
 
-/// Looks for characters outside the control's code in a comment whose text starts at byte `start` of its line.
+/// Checks a comment for characters outside the control's code; its text starts at byte `start` of the line.
 fn check_comment(
     body: &[u8],
     start: usize,
@@ -292,7 +294,7 @@ fn check_comment(
     Ok(())
 }
 
-/// Beyond [`NOTICES_MAX`] notices a line has been complained about enough.
+/// Adds a notice; notices beyond [`NOTICES_MAX`] are dropped.
 fn push(notices: &mut Vec<Notice, NOTICES_MAX>, kind: NoticeKind, column: u16) {
     let _full = notices.push(Notice { kind, column });
 }

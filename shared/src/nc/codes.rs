@@ -1,4 +1,4 @@
-//! G words to modal state.
+//! Effect of G words on the modal state.
 
 use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -7,10 +7,10 @@ use super::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Polar, Side};
 use super::word::Word;
 use crate::units::{LengthUnit, MicroDeg, Nm};
 
-/// G codes that only count in their block and use its words for something else than a move along the path.
+/// One-shot G codes: effective only in their block, whose axis words are not a move along the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum OneShot {
-    /// None of them.
+    /// No such code.
     #[default]
     No,
     /// G4.
@@ -21,7 +21,7 @@ pub(super) enum OneShot {
     Data,
     /// G28, G30.
     Reference(u8),
-    /// G68.2 to G68.4: only tracked.
+    /// G68.2 to G68.4: recorded, not modelled.
     Tracked,
     /// G50.1.
     MirrorOff,
@@ -67,7 +67,7 @@ impl Modal {
             980 => self.returns_to_r = false,
             990 => self.returns_to_r = true,
             540..=590 if tenths % 10 == 0 => self.system = ((tenths - 540) / 10) as u16,
-            // Exact stop, corner override, tapping and cutting mode, end of data input: no other path.
+            // Exact stop, corner override, tapping and cutting mode, end of data input do not change the path.
             110 | 610..=640 if tenths % 10 == 0 => {}
             _ => return self.apply_rarer_g(tenths, word).ok_or(improper)?,
         }
@@ -169,7 +169,7 @@ impl Modal {
     }
 }
 
-/// Whether a 16i/30i milling control knows this G code (in tenths): what is left over is PS0010.
+/// Whether a 16i/30i milling control has this G code (in tenths); any other code is PS0010.
 fn is_fanuc_g(tenths: i64) -> bool {
     let whole = tenths / 10;
     match tenths % 10 {

@@ -1,8 +1,8 @@
-//! Blocks of a canned cycle.
+//! Blocks of canned cycles.
 //!
-//! R, Z, Q and P are kept from block to block until G80 or a G code of the moves; K (L in the older format) counts in its
-//! block only. A block without an axis word or R drills nothing. Under G91 R counts from the initial level, Z from R, and
-//! X and Y from hole to hole. Source: B-63534EN, 13.1.
+//! R, Z, Q and P are modal until G80 or a G code of group 01; K (L in the older format) applies to its block only. A
+//! block without an axis word or R drills nothing. Under G91 R is relative to the initial level, Z to R, and X and Y
+//! to the previous hole. Source: B-63534EN, 13.1.
 
 use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -12,11 +12,11 @@ use super::series::{Drill, Levels, Series};
 use super::settings::Settings;
 use crate::units::{Micros, Nm, US_PER_MS};
 
-/// Most repeats of a cycle.
+/// Maximum number of repeats of a cycle.
 const REPEATS_MAX: i64 = 9_999;
 
 impl Modal {
-    /// The series that this block of a cycle makes; the tool stands behind it afterwards.
+    /// The series of moves of a cycle's block; the position advances to its end.
     pub(super) fn drill(
         &mut self,
         mut cycle: Cycle,
@@ -84,8 +84,8 @@ impl Modal {
         Ok(Some(Series::Drill(drill)))
     }
 
-    /// What a control may do and this does not: repeated steps by an angle, holes across a turned plane, along a stretched
-    /// axis or with a stretched shift.
+    /// Rejects cycles that are not modelled: repeated steps by an angle, and holes across a rotated plane, along a
+    /// scaled axis or with a scaled shift.
     fn refuse_odd_series(&self, holes: i64) -> Result<(), Fault> {
         let refuse = |code| Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
         if self.polar.is_some() && !self.absolute && holes > 1 {

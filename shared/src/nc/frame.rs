@@ -1,45 +1,46 @@
-//! From program coordinates to those of the path, and back.
+//! Transformation between program coordinates and path coordinates.
 //!
-//! The *path* is the tool tip's, along the machine's axes, seen from the machine's zero: it runs on without a jump when a
-//! program changes its coordinates. With all offsets zero and no G51, G52, G92 or G68 the two are the same numbers. With
-//! the shift s (work offset, G52, G92), G68's centre c and angle a in its plane, and what G51 makes of the program's point,
+//! The *path* is that of the tool tip along the machine's axes, relative to the machine's zero. It does not jump when
+//! a program changes its coordinates. With all offsets zero and no G51, G52, G92 or G68, program and path coordinates
+//! are equal. With the shift s (work offset, G52, G92), G68's centre c and angle a in its plane, and the program's
+//! point as scaled by G51,
 //!
 //! ```text
 //! path = s + c + T(a) (G51(program) - c)        (1)
 //! ```
 //!
-//! Lengths are exact integers but for (1), which rounds to nanometres. The machine's own coordinates are those of the
-//! path plus the tool length along Z.
+//! Lengths are exact integers, except that (1) rounds to nanometres. Machine coordinates are path coordinates plus the
+//! tool length along Z.
 
 use super::motion::{Plane, Pose};
 use super::stretch::Stretch;
 use crate::units::{MicroDeg, Nm};
 
-/// G68 in force.
+/// Coordinate rotation (G68) in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotation {
-    /// The plane it turns in.
+    /// Plane of the rotation.
     pub plane: Plane,
-    /// Coordinates of the centre, as G51 leaves them, on the plane's first and second axis.
+    /// Coordinates of the centre, after G51, on the plane's first and second axis.
     pub center: [Nm; 2],
-    /// Counter-clockwise.
+    /// Angle, counter-clockwise.
     pub angle: MicroDeg,
     cos: f64,
     sin: f64,
 }
 
-/// Where program coordinates lie.
+/// Transformation from program to path coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
     shift: Pose,
     stretch: Option<Stretch>,
     rotation: Option<Rotation>,
-    /// Each block asks, hardly any changes it.
+    /// Cached: every block reads it, few change it.
     is_elsewhere: bool,
 }
 
 impl Rotation {
-    /// Quarter turns are exact.
+    /// A rotation; exact for quarter turns.
     pub fn new(plane: Plane, center: [Nm; 2], angle: MicroDeg) -> Self {
         const QUARTER: i64 = 90_000_000;
         let (sin, cos) = match (angle.0 % QUARTER, angle.0.div_euclid(QUARTER).rem_euclid(4)) {
@@ -67,7 +68,7 @@ impl Rotation {
 }
 
 impl Frame {
-    /// The program's origin on the path, G51 or G51.1, and G68.
+    /// A frame with the program's origin on the path, G51 or G51.1, and G68.
     pub fn new(shift: Pose, stretch: Option<Stretch>, rotation: Option<Rotation>) -> Self {
         let is_elsewhere = stretch.is_some() || rotation.is_some() || shift != Pose::ORIGIN;
         Frame { shift, stretch, rotation, is_elsewhere }
@@ -88,19 +89,19 @@ impl Frame {
         self.rotation.as_ref()
     }
 
-    /// Whether program and path coordinates are the same numbers.
+    /// Whether program and path coordinates are equal.
     #[inline]
     pub fn is_plain(&self) -> bool {
         !self.is_elsewhere
     }
 
-    /// Whether the program's coordinates are only elsewhere.
+    /// Whether program coordinates differ from path coordinates at most by a shift.
     #[inline]
     pub fn is_shift(&self) -> bool {
         self.rotation.is_none() && self.stretch.is_none()
     }
 
-    /// A point of the program, on the path.
+    /// Converts a point from program to path coordinates.
     pub fn to_path(&self, mut program: Pose) -> Pose {
         if let Some(stretch) = &self.stretch {
             stretch.apply(&mut program.linear);
@@ -111,7 +112,7 @@ impl Frame {
         program.plus(self.shift)
     }
 
-    /// A point of the path, in the program's coordinates.
+    /// Converts a point from path to program coordinates.
     pub fn to_program(&self, path: Pose) -> Pose {
         let mut program = path.minus(self.shift);
         if let Some(rotation) = &self.rotation {
@@ -123,7 +124,7 @@ impl Frame {
         program
     }
 
-    /// A vector of the program, such as I, J, K, on the path.
+    /// Converts a vector, such as I, J, K, from program to path coordinates.
     pub fn vector(&self, mut vector: [Nm; 3]) -> [Nm; 3] {
         if let Some(stretch) = &self.stretch {
             stretch.vector(&mut vector);

@@ -1,4 +1,4 @@
-//! One block to what it does: G words first, then functions, then the move.
+//! Interpretation of a block: G words first, then functions, then the move.
 
 use super::address;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -12,14 +12,14 @@ use super::word::Word;
 
 pub use super::oneshot::set_data;
 
-/// Letters of functions: what they do does not wait for the move.
+/// Letters of functions, which take effect before the move.
 const FUNCTIONS: u32 = letters(b"HMST");
 
 impl Modal {
-    /// The state after `block` and what the block does; `self` stays as it was, so a refused block leaves no trace.
+    /// The state after `block` and the effect of the block. `self` does not change, so a rejected block has no effect.
     ///
     /// # Errors
-    /// The first alarm the control would raise, or what this version does not interpret.
+    /// The first alarm that the control would raise, or the construct that this version does not interpret.
     pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
         let (mut next, mut step) = (*self, Step::default());
         let mut before = Before::new(self, block);
@@ -27,8 +27,8 @@ impl Modal {
         Ok((next, step))
     }
 
-    /// [`Modal::interpret`] in place; behind a fault the state is to be restored, and the step is of no use. `before` is
-    /// this state.
+    /// [`Modal::interpret`] in place. After a fault the caller restores the state from `rollback`, and the step is
+    /// meaningless. `rollback` holds this state.
     pub(crate) fn advance(
         &mut self,
         block: &Block,
@@ -70,7 +70,7 @@ impl Modal {
         Ok(())
     }
 
-    /// The G codes of a block; the last that holds for it alone.
+    /// Applies the G codes of a block; returns its last one-shot code.
     fn take_codes(&mut self, block: &Block, before: &mut Before) -> Result<OneShot, Fault> {
         let mut one_shot = OneShot::No;
         for word in block.words.iter().filter(|word| word.letter == b'G') {
@@ -87,7 +87,7 @@ impl Modal {
         Ok(one_shot)
     }
 
-    /// M, S, T and H.
+    /// Applies M, S, T and H.
     fn take_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
         self.machining_state.take(block);
         for word in &block.words {
@@ -104,7 +104,7 @@ impl Modal {
         Ok(())
     }
 
-    /// A move along the path, or a block of a cycle.
+    /// Interprets a move along the path, or a block of a cycle.
     fn go(&mut self, block: &Block, settings: &Settings, step: &mut Step) -> Result<(), Fault> {
         let feed = self.take_feed(block);
         if let Some(cycle) = self.cycle {
@@ -118,7 +118,8 @@ impl Modal {
         self.move_to(block, &target, (feed, settings.decimals), step)
     }
 
-    /// The first move in the plane behind G41, G42 or G40 brings the contour's offset in or takes it out: no arc can.
+    /// Checks the first move in the plane after G41, G42 or G40. It applies or removes the contour's offset and must
+    /// not be an arc.
     fn start_up(&mut self, motion: &Motion) -> Result<(), Fault> {
         let (first, second, _) = motion.plane.axes();
         let moves = |axis: usize| motion.start.linear.get(axis) != motion.end.linear.get(axis);
@@ -129,7 +130,7 @@ impl Modal {
         Ok(())
     }
 
-    /// Why who can only make plain moves cannot make this one.
+    /// Reason why an executor of plain moves must reject this move.
     fn beyond_plain(&self, step: &Step, one_shot: OneShot) -> Option<NotModelled> {
         let under = |code| Some(NotModelled::MoveUnder(code));
         match (&step.series, one_shot) {
@@ -176,7 +177,7 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<Stop>, Fault> {
         0 => Some(Stop::Program),
         1 => Some(Stop::Optional),
         2 | 30 => Some(Stop::End),
-        // M96 P lets a signal call a program in the middle of any block.
+        // M96 P enables a signal that calls a program in the middle of any block.
         code @ (96 | 98 | 99) if code != 96 || block.word(b'P').is_some() => {
             return Err(Fault::not_modelled(NotModelled::MCode(code as u16), word.column));
         }
@@ -185,8 +186,8 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<Stop>, Fault> {
 }
 
 impl Step {
-    /// Whether its move is the plain way of the tool centre, wherever the coordinates lie: no canned cycle, nothing under
-    /// G41, G42, G43.4 or G95. Only such a move can be looked at by itself.
+    /// Whether its move is a plain path of the tool centre, in any coordinates: no canned cycle, and not under G41,
+    /// G42, G43.4 or G95. Only such a move can be evaluated on its own.
     pub fn is_plain(&self) -> bool {
         match self.beyond_plain {
             None => true,
@@ -195,14 +196,14 @@ impl Step {
         }
     }
 
-    /// Field by field: an assignment would write all that a series has room for.
+    /// Clears field by field: an assignment would write the whole capacity of a series.
     pub(crate) fn clear(&mut self) {
         let Step { motion, series, dwell, stop, spindle, beyond_plain, sets_data } = self;
         (*motion, *series, *dwell, *stop) = (None, None, None, None);
         (*spindle, *beyond_plain, *sets_data) = (None, None, false);
     }
 
-    /// The feed of its cutting move or of its canned cycle, if it makes one.
+    /// Feed of its cutting move or canned cycle; `None` if it has neither.
     pub fn cutting_feed(&self) -> Option<Feed> {
         match (&self.motion, &self.series) {
             (Some(motion), _) => Some(motion.feed).filter(|_| is_cut(motion)),
@@ -211,7 +212,7 @@ impl Step {
         }
     }
 
-    /// Whether this is a cutting move for which no feed was ever given: PS0011.
+    /// Whether this is a cutting move for which the program has given no feed (PS0011).
     pub fn lacks_feed(&self) -> bool {
         self.cutting_feed() == Some(Feed::Missing)
     }

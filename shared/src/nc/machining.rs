@@ -1,15 +1,16 @@
-//! Tool and spindle as the program has commanded them so far: a feed law must agree with both before it governs a move.
+//! Tool and spindle speed as the program has commanded them so far. A feed law governs a move only if both match the
+//! job.
 //!
-//! T selects a tool, M6 puts it into the spindle and stops the spindle. Another T in the block of the M6 than before it leaves open
-//! which of the two is put in. M3, M4, M13 and M14 turn the spindle on; M5, M19, M2
-//! and M30 turn it off. What a machine's ladder makes of other M codes is not modelled: they change nothing here.
+//! T selects a tool; M6 puts it into the spindle and stops the spindle. If the block of the M6 has a T that differs
+//! from the one selected before, it is unknown which of the two is loaded. M3, M4, M13 and M14 start the spindle; M5,
+//! M19, M2 and M30 stop it. Other M codes depend on the machine's ladder and change nothing here.
 
 use super::block::Block;
 
 /// The tool in the spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolInSpindle {
-    /// No M6 so far: whatever the operator has loaded.
+    /// No M6 so far: the tool that the operator has loaded.
     #[default]
     Unstated,
     /// The tool of this T number.
@@ -21,12 +22,12 @@ pub enum ToolInSpindle {
 /// The spindle speed that the program commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleCommand {
-    /// The program has stated no S so far, and has not turned it off: whatever the operator has set.
+    /// The program has stated no S so far and has not stopped the spindle: the operator sets the speed.
     #[default]
     Unstated,
-    /// Off, at S0, or at an S of the program without anything in it that has turned the spindle on.
+    /// Stopped, at S0, or with an S although the program has not started the spindle.
     Stopped,
-    /// On, at this speed in rev/min.
+    /// Running at this speed, rev/min.
     RevPerMin(i64),
 }
 
@@ -35,11 +36,11 @@ pub enum SpindleCommand {
 pub struct Machining {
     /// The tool in the spindle.
     pub tool: ToolInSpindle,
-    /// The spindle's speed.
+    /// Commanded spindle speed.
     pub spindle: SpindleCommand,
 }
 
-/// What the words T and M leave behind for later blocks; S is kept by [`super::modal::Modal::spindle`].
+/// Modal state of the words T and M; S is stored in [`super::modal::Modal::spindle`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MachiningState {
     selected: Option<i64>,
@@ -48,7 +49,7 @@ pub struct MachiningState {
 }
 
 impl MachiningState {
-    /// Takes the T and M words of a block.
+    /// Applies the T and M words of a block.
     pub(super) fn take(&mut self, block: &Block) {
         let waiting = self.selected;
         if let Some(word) = block.word(b'T') {
@@ -56,7 +57,7 @@ impl MachiningState {
         }
         let codes = || block.words.iter().filter(|word| word.letter == b'M').filter_map(|word| word.number.as_whole());
         if codes().any(|code| code == 6) {
-            // With two T words since the last change it is the machine's ladder that knows which of them is meant.
+            // With two T words since the last tool change, the machine's ladder decides which one is loaded.
             let is_clear = waiting.is_none() || waiting == self.selected;
             let selected = self.selected.take().filter(|_| is_clear);
             self.tool = selected.map_or(ToolInSpindle::Unknown, ToolInSpindle::Number);
@@ -71,7 +72,7 @@ impl MachiningState {
         }
     }
 
-    /// Tool and spindle, with the last S of the program.
+    /// Tool and spindle for the last S of the program.
     pub fn with_speed(&self, speed: Option<i64>) -> Machining {
         let spindle = match (self.is_on, speed) {
             (Some(false), _) | (_, Some(..=0)) | (None, Some(_)) => SpindleCommand::Stopped,

@@ -1,9 +1,9 @@
-//! What a control stops with in custom macros and subprogram calls.
+//! Alarms of custom macros and subprogram calls.
 //!
-//! Numbers as in the program-error list of the Fanuc 16i; where the 30i words an alarm differently the 16i's meaning is
-//! taken (076: no P, 078: no such program).
+//! Numbers as in the program-error list of the Fanuc 16i. Where the 30i words an alarm differently, the 16i's meaning
+//! applies (076: no P, 078: no such program).
 
-/// A macro alarm, or a bound of this interpreter that a control does not have.
+/// A macro alarm, or a limit of this interpreter that a control does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MacroAlarm {
     /// PS0076.
@@ -46,14 +46,14 @@ pub enum MacroAlarm {
     ArgumentAddress,
     /// 3000 + n, raised by the program itself with `#3000 = n`.
     User(u16),
-    /// No alarm of a control: a bound of statements between two moves, or one of the caller's, is reached.
+    /// Limit of this interpreter: too many statements between two moves, or a limit of the caller was reached.
     Endless,
-    /// No alarm of a control: the programs called are larger than the caller allows.
+    /// Limit of this interpreter: the called programs are larger than the caller allows.
     TooLarge,
 }
 
 impl MacroAlarm {
-    /// The number on the control's screen; nothing for a bound of this interpreter.
+    /// The number on the control's screen; `None` for a limit of this interpreter.
     pub const fn number(self) -> Option<u16> {
         Some(match self {
             MacroAlarm::NoProgramNumber => 76,
@@ -80,7 +80,7 @@ impl MacroAlarm {
         })
     }
 
-    /// What it means and what to do, one sentence.
+    /// Meaning and remedy in one sentence.
     pub const fn explanation(self) -> &'static str {
         match self {
             MacroAlarm::NoProgramNumber => "M98, G65 or G66 without P; give the program's number",

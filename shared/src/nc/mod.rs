@@ -1,7 +1,7 @@
-//! The Fanuc dialect: text to words to blocks to modal motions, without allocation, macros apart.
+//! The Fanuc dialect: text to words to blocks to modal motions. Only macros allocate memory.
 //!
-//! Only lines are context for the text level, only [`modal::Modal`] for the meaning level; every fault carries the
-//! column it was found at, and the caller knows the line.
+//! The parser needs only the line as context, the interpreter only [`modal::Modal`]. Every fault carries its column;
+//! the caller knows the line.
 
 pub mod tape_code;
 

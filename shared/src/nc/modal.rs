@@ -1,7 +1,7 @@
-//! The modal state of the control, and what one block does ([`Modal::interpret`], in `nc/interpret.rs`).
+//! The modal state of the control, and the effect of a block ([`Modal::interpret`], in `nc/interpret.rs`).
 //!
-//! F counts in whole millimetres or inches per minute (`F25` is 25 in/min under G20); axis words without a decimal point
-//! as [`super::settings::Decimals`] says.
+//! F is in whole millimetres or inches per minute (`F25` is 25 in/min under G20). [`super::settings::Decimals`] gives
+//! the unit of axis words without a decimal point.
 
 pub use super::motion::{Center, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, Side, Stop, Turn};
 
@@ -25,17 +25,17 @@ pub struct Modal {
     pub motion: MotionKind,
     /// G93 / G94 / G95.
     pub feed_mode: FeedMode,
-    /// The last F given under G94 (per minute) or G95 (per revolution), if any; another of the three forgets it.
+    /// The last F given under G94 (per minute) or G95 (per revolution), if any; a change of the feed mode clears it.
     pub feed: Option<Nm>,
     /// The last S, rev/min.
     pub spindle: Option<i64>,
-    /// T and M: the tool in the spindle, and whether the spindle turns.
+    /// State of T and M: the tool in the spindle, and whether the spindle turns.
     pub machining_state: MachiningState,
-    /// Where the tool centre stands, on the path (see [`super::frame`]).
+    /// Position of the tool centre in path coordinates (see [`super::frame`]).
     pub position: Pose,
-    /// The same place in the program's coordinates.
+    /// The same position in program coordinates.
     pub program: Pose,
-    /// Where the program's coordinates lie.
+    /// Transformation from program to path coordinates.
     pub frame: Frame,
     /// G54 to G59 (0 to 5), G54.1 P1 on (6 on).
     pub system: u16,
@@ -45,7 +45,7 @@ pub struct Modal {
     pub preset: Pose,
     /// G41 / G42.
     pub compensation: Option<Side>,
-    /// G41, G42 or G40 came behind the last move in the plane.
+    /// G41, G42 or G40 was given after the last move in the plane.
     pub starts_up: bool,
     /// G43 (1), G44 (-1), G49 (0).
     pub length_sign: i8,
@@ -61,7 +61,7 @@ pub struct Modal {
     pub unmodelled: u16,
     /// G43.4 in force.
     pub follows_tool_center: bool,
-    /// G68 or G69 has turned the plane, and no move has named both its axes since.
+    /// G68 or G69 has rotated the plane, and no move has named both its axes since then.
     pub is_unsettled: bool,
 }
 
@@ -70,7 +70,7 @@ pub struct Modal {
 pub struct Cycle {
     /// 73 for G73.
     pub code: u8,
-    /// Initial level, on the path.
+    /// Initial level, in path coordinates.
     pub initial: Nm,
     /// R.
     pub r: Option<Nm>,
@@ -82,29 +82,30 @@ pub struct Cycle {
     pub dwell: Micros,
 }
 
-/// G16: where the last point lies, seen from the pole.
+/// G16: polar coordinates of the last point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Polar {
-    /// From the pole.
+    /// Distance from the pole.
     pub radius: Nm,
-    /// From the plane's first axis.
+    /// Angle from the plane's first axis.
     pub angle: MicroDeg,
 }
 
-/// What one block does.
+/// Effect of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// The move.
     pub motion: Option<Motion>,
-    /// The moves, of a block that makes several.
+    /// The moves of a block that makes several.
     pub series: Option<Series>,
     /// G4.
     pub dwell: Option<Micros>,
     /// M0, M1, M2, M30.
     pub stop: Option<Stop>,
-    /// S: spindle speed in rev/min and the column it stands at.
+    /// S: spindle speed in rev/min and the column of the word.
     pub spindle: Option<(i64, u16)>,
-    /// What makes this more than one plain move of the tool centre in the program's own coordinates.
+    /// Reason why this is not a single plain move of the tool centre in the program's own coordinates; `None` if it
+    /// is.
     pub beyond_plain: Option<NotModelled>,
     /// G10 writes an offset.
     pub sets_data: bool,
@@ -146,14 +147,14 @@ impl Modal {
         self.machining_state.with_speed(self.spindle)
     }
 
-    /// Lays the program's coordinates where the offsets say; the tool stays where it is.
+    /// Updates the frame and the program position from the offsets; the tool does not move.
     pub fn settle(&mut self, tables: &Tables) {
         let shift = tables.origin(self.system).plus(self.preset).plus(self.local);
         self.frame = Frame::new(shift, self.frame.stretch().copied(), self.frame.rotation().copied());
         self.program = self.frame.to_program(self.position);
     }
 
-    /// The tool stands here, on the path.
+    /// Sets the position of the tool in path coordinates.
     pub fn stand_at(&mut self, position: Pose) {
         self.position = position;
         self.program = self.frame.to_program(position);
@@ -168,18 +169,18 @@ impl Modal {
         self.is_unsettled = true;
     }
 
-    /// Where a workpiece's drawing has its origin, on the path: the work coordinate system's, shifted by G92. What G52 and
-    /// G68 move, they move in it.
+    /// Origin of the workpiece's drawing in path coordinates: that of the work coordinate system, shifted by G92 but
+    /// not by G52 and G68.
     pub fn work_origin(&self, tables: &Tables) -> Pose {
         tables.origin(self.system).plus(self.preset)
     }
 
-    /// What Z is longer by in machine coordinates.
+    /// Tool length compensation: offset of Z in machine coordinates.
     pub fn tool_length(&self, tables: &Tables) -> Nm {
         Nm(tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign)))
     }
 
-    /// The axes in machine coordinates: the path's point, Z longer by the tool.
+    /// Position of the axes in machine coordinates: the path's point plus the tool length along Z.
     pub fn machine(&self, tables: &Tables) -> Pose {
         let mut machine = self.position;
         let [_, _, z] = &mut machine.linear;

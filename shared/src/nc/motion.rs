@@ -1,8 +1,8 @@
-//! What a block may ask the machine for: positions, planes, feeds, moves.
+//! Motions of a block: positions, planes, feeds, moves.
 
 use crate::units::{MicroDeg, Nm};
 
-/// An inverse-time feed of 1/min in the integer of [`Feed::InverseTime`].
+/// Units of [`Feed::InverseTime`] in a feed of 1/min.
 pub const PER_MIN_SCALE: i64 = 1_000_000;
 
 /// Group 01.
@@ -17,7 +17,7 @@ pub enum MotionKind {
 }
 
 impl MotionKind {
-    /// That of a G code; nothing for those of other groups.
+    /// Kind of motion of a G code; `None` for codes of other groups.
     #[inline]
     pub const fn of_code(code: Option<i64>) -> Option<Self> {
         match code {
@@ -30,7 +30,7 @@ impl MotionKind {
     }
 }
 
-/// The sense of an arc, seen against the plane's normal.
+/// Sense of an arc, seen against the plane's normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// G2.
@@ -65,13 +65,13 @@ pub enum Plane {
 pub enum FeedMode {
     /// G94.
     PerMinute,
-    /// G93: F is the number of times a minute that the block would fit.
+    /// G93: F is the reciprocal of the block's duration in minutes.
     InverseTime,
-    /// G95: F counts per revolution of the spindle.
+    /// G95: F per revolution of the spindle.
     PerRevolution,
 }
 
-/// Group 07: on which side of the contour the tool runs.
+/// Group 07: side of the contour on which the tool runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// G41.
@@ -80,7 +80,7 @@ pub enum Side {
     Right,
 }
 
-/// Where the tool centre and the rotary axes stand.
+/// Position of the tool centre and the rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pose {
     /// X, Y, Z.
@@ -96,37 +96,37 @@ pub enum Feed {
     PerMinute(Nm),
     /// Blocks per minute in [`PER_MIN_SCALE`]ths.
     InverseTime(i64),
-    /// A cutting move for which no F was ever given.
+    /// The program has given no F.
     Missing,
 }
 
-/// A motion that a block asks for; its geometry is not checked yet (see [`crate::segment`]).
+/// A commanded motion; its geometry is not checked yet (see [`crate::segment`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Motion {
-    /// How to get there.
+    /// Kind of motion.
     pub kind: MotionKind,
     /// The plane of an arc.
     pub plane: Plane,
-    /// From.
+    /// Start position.
     pub start: Pose,
-    /// To.
+    /// End position.
     pub end: Pose,
-    /// What says where the centre of an arc is.
+    /// Centre or radius of an arc.
     pub center: Center,
     /// Feed; [`Feed::Missing`] also for rapids.
     pub feed: Feed,
 }
 
-/// How the centre of an arc is given.
+/// Specification of an arc's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Center {
     /// I, J, K: relative to the start.
     Offset([Nm; 3]),
-    /// R: the radius, negative for the way round of more than 180 degrees. I, J, K beside it count for nothing.
+    /// R: the radius, negative for an arc of more than 180 degrees. It overrides I, J, K in the same block.
     Radius(Nm),
 }
 
-/// Where the program goes on.
+/// Stop of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// M0: wait for the operator.
@@ -152,13 +152,13 @@ impl Pose {
     /// All axes at zero.
     pub const ORIGIN: Pose = Pose { linear: [Nm(0); 3], rotary: [MicroDeg(0); 3] };
 
-    /// Axis by axis.
+    /// Adds or subtracts axis by axis.
     #[must_use]
     pub fn plus(self, other: Pose) -> Pose {
         self.zip(other, i64::saturating_add)
     }
 
-    /// Axis by axis.
+    /// Adds or subtracts axis by axis.
     #[must_use]
     pub fn minus(self, other: Pose) -> Pose {
         self.zip(other, i64::saturating_sub)
@@ -174,7 +174,7 @@ impl Pose {
         self
     }
 
-    /// The axis of a letter (`A` to `C`, `X` to `Z`), nm or microdegrees; nothing for other letters.
+    /// The axis of a letter (`A` to `C`, `X` to `Z`), nm or microdegrees; `None` for other letters.
     pub fn axis_mut(&mut self, letter: u8) -> Option<&mut i64> {
         match letter {
             b'X'..=b'Z' => self.linear.get_mut(usize::from(letter - b'X')).map(|axis| &mut axis.0),

@@ -1,4 +1,4 @@
-//! Axis words to a move.
+//! Interpretation of axis words as a move.
 
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
@@ -8,7 +8,7 @@ use super::scale::Scale;
 use super::settings::Decimals;
 use crate::units::{LengthUnit, MicroDeg, Nm};
 
-/// What a feed per revolution without a point counts in: hundredths of a millimetre, ten-thousandths of an inch.
+/// Increments per unit of length for a feed per revolution without a decimal point: 0.01 mm, 0.0001 in.
 const fn revolution_increments(unit: LengthUnit) -> i64 {
     match unit {
         LengthUnit::Mm => 100,
@@ -16,10 +16,10 @@ const fn revolution_increments(unit: LengthUnit) -> i64 {
     }
 }
 
-/// Where a block's axis words lead, in the program's coordinates.
+/// Target of a block's axis words in program coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
-    /// There.
+    /// Target position.
     pub end: Pose,
     /// Bits 0 to 2: X to Z given; bits 3 to 5: A to C.
     pub named: u8,
@@ -29,12 +29,13 @@ pub(super) struct Target {
 }
 
 impl Modal {
-    /// The feed this block moves with; a G94 or G95 feed is remembered, an inverse time is not. F0 is none.
+    /// Applies F and returns the feed of the block's move. A G94 or G95 feed is modal, an inverse-time feed is not. F0
+    /// counts as missing.
     #[inline]
     pub(super) fn take_feed(&mut self, block: &Block) -> Feed {
         let word = block.word(b'F');
         if self.feed_mode == FeedMode::InverseTime {
-            // What F means after G93 until it is given again differs from control to control.
+            // After G93 the meaning of the earlier F differs between controls, until F is given again.
             self.feed = None;
             let times = word.map_or(0, |word| word.number.scaled(PER_MIN_SCALE));
             return if times == 0 { Feed::Missing } else { Feed::InverseTime(times) };
@@ -44,7 +45,7 @@ impl Modal {
                 FeedMode::PerRevolution if !word.number.has_point() => {
                     word.number.scaled(self.unit.nm() / revolution_increments(self.unit))
                 }
-                // Whole units, with and without a point.
+                // Whole units, with and without a decimal point.
                 _ => Scale::of_lengths(self.unit, Decimals::Calculator).of(word.number),
             };
             self.feed = Some(Nm(feed)).filter(|feed| feed.0 != 0);
@@ -92,8 +93,8 @@ impl Modal {
         target
     }
 
-    /// Under G16 the plane's first axis is a radius and its second an angle: from the program's origin, or (G91) from
-    /// where the tool stands.
+    /// Resolves polar coordinates (G16): the plane's first axis is a radius and its second an angle, relative to the
+    /// program's origin or (G91) to the tool's position.
     pub(super) fn resolve_polar(&mut self, block: &Block, target: &mut Target, decimals: Decimals) {
         let Some(polar) = &mut self.polar else { return };
         let (first, second, _) = self.plane.axes();
@@ -135,7 +136,7 @@ impl Modal {
             return Err(Fault::alarm(Alarm::NoRadius, 0));
         }
         let is_move = match radius {
-            // An arc of no angle.
+            // The arc has no angle.
             Some(_) => target.end != self.program,
             // I, J, K without an axis word is a full circle under G2 and G3, and nothing otherwise.
             None => moves || (is_arc && has_offset),
@@ -177,7 +178,7 @@ impl Modal {
         Ok(())
     }
 
-    /// Whether what is in force lets a move be interpreted.
+    /// Checks that the modal state allows a move to be interpreted.
     pub(super) fn may_move(&self, target: &Target) -> Result<(), Fault> {
         if self.unmodelled != 0 {
             return Err(Fault::not_modelled(NotModelled::MoveUnder(self.unmodelled), 0));

@@ -1,23 +1,23 @@
-//! NC numbers as exact decimals.
+//! Exact decimal numbers of NC words.
 //!
 //! `-3.6044` is `-36044 * 10^-4`. Digits may be missing before the point (`.0`) or after it (`25.`), not both.
 
 use super::alarm::Alarm;
 
-/// Most digits a control accepts in one number (beyond: PS0003).
+/// Maximum number of digits of a number; more are PS0003.
 pub const DIGITS_MAX: usize = 8;
 
-/// As far as the digits of a number go.
+/// Powers of ten up to the maximum number of digits.
 pub(super) const POWERS_OF_TEN: [i32; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
-/// Places that a point can have, none among them.
+/// Number of possible positions of the decimal point, including none.
 pub(super) const PLACES_MAX: usize = DIGITS_MAX + 2;
 
 /// A decimal number of at most [`DIGITS_MAX`] digits, `mantissa * 10^-decimals`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Number {
     mantissa: i32,
-    /// 0 without a decimal point, otherwise one more than the digits behind it.
+    /// 0 without a decimal point, otherwise one more than the number of digits after it.
     point: u8,
 }
 
@@ -36,18 +36,18 @@ impl Number {
     /// ten-thousand-millionth.
     pub fn scaled(self, units_per_one: i64) -> i64 {
         let (product, divisor) = (i64::from(self.mantissa) * units_per_one, i64::from(self.divisor()));
-        // Away from zero: what is cut off counts from half the divisor on.
+        // Rounds half away from zero: a remainder of at least half the divisor counts.
         let (whole, rest) = (product.checked_div(divisor).unwrap_or(0), product.checked_rem(divisor).unwrap_or(0));
         whole + i64::from(2 * rest >= divisor) - i64::from(2 * rest <= -divisor)
     }
 
-    /// 0 without a decimal point, otherwise one more than the digits behind it.
+    /// 0 without a decimal point, otherwise one more than the number of digits after it.
     #[inline]
     pub(super) const fn place(self) -> usize {
         self.point as usize
     }
 
-    /// All digits, the point left out.
+    /// All digits without the decimal point.
     #[inline]
     pub(super) const fn mantissa(self) -> i64 {
         self.mantissa as i64
@@ -79,13 +79,15 @@ impl Number {
         f64::from(self.mantissa) / f64::from(self.divisor())
     }
 
-    /// Never 0, which the compiler does not see: divisions by it are checked, as on a chip none may be able to panic.
+    /// The power of ten by which the mantissa is divided; never 0. The compiler cannot prove this, and no panic path
+    /// is allowed on the chip; therefore divisions by it are checked.
     fn divisor(self) -> i32 {
         POWERS_OF_TEN.get(usize::from(self.point.saturating_sub(1))).copied().unwrap_or(1)
     }
 }
 
-/// Reads the number at byte `from` of `line`: the number and the byte behind it. [`what_is_wrong`] tells why there is none.
+/// Reads the number at byte `from` of `line`. Returns the number and the offset after it; if there is none,
+/// [`number_fault`] gives the reason.
 #[inline]
 pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
     let sign = line.get(from).copied().unwrap_or_default();
@@ -113,8 +115,8 @@ pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
     Some((Number { mantissa, point: point as u8 }, end))
 }
 
-/// Why there is no number at byte `from`, and at which byte: PS0003 more than [`DIGITS_MAX`] digits, PS0005 no digit at
-/// all, PS0007 a second point.
+/// Reason why there is no number at byte `from`, and the offset of the fault: PS0003 more than [`DIGITS_MAX`] digits,
+/// PS0005 no digit at all, PS0007 a second decimal point.
 #[cold]
 pub fn what_is_wrong(line: &[u8], from: usize) -> (Alarm, usize) {
     let first = from + usize::from(matches!(line.get(from), Some(b'-' | b'+')));

@@ -1,4 +1,5 @@
-//! Blocks whose axis words are no target on the path: G4, G8, G10, G28, G30, G51, G52, G53, G68, G92; and G54.1, whose P is no dwell.
+//! One-shot blocks, whose axis words are not a target on the path: G4, G8, G10, G28, G30, G51, G52, G53, G68, G92; and
+//! G54.1, whose P is not a dwell.
 
 use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
@@ -16,7 +17,7 @@ use crate::units::{MicroDeg, Micros, Nm, US_PER_MS, US_PER_S};
 const AXES: [u8; 6] = *b"XYZABC";
 
 impl Modal {
-    /// Carries out what only counts in this block.
+    /// Executes a one-shot code.
     pub(super) fn once(
         &mut self,
         what: OneShot,
@@ -34,7 +35,7 @@ impl Modal {
             }
             OneShot::Smoothing => match block.word(b'Q').map(|word| word.number.as_whole()) {
                 Some(Some(0 | 1)) => {}
-                // Q2 is another curve than the blocks say.
+                // Under Q2 the path differs from that of the blocks.
                 _ => return Err(Fault::not_modelled(NotModelled::GCode(51), 0)),
             },
             OneShot::Data => {
@@ -57,7 +58,7 @@ impl Modal {
             }
             OneShot::Preset => {
                 self.refuse_under_stretch(None)?;
-                // What the program calls this place from now on moves its origin, not the tool.
+                // G92 renames the current position: it moves the program's origin, not the tool.
                 let target = self.given(block, settings);
                 let shift = self.program.minus(target);
                 self.each_axis(block, |modal, axis| {
@@ -81,7 +82,7 @@ impl Modal {
         Ok(())
     }
 
-    /// G54.1 P: the moves of its block already count there.
+    /// G54.1 P: applies to the moves of its own block already.
     pub(super) fn select_additional(&mut self, block: &Block, tables: &Tables) -> Result<(), Fault> {
         let (number, column) = whole(block, b'P').unwrap_or((1, 0));
         if !(1..=ADDITIONAL_SYSTEMS as i64).contains(&number) {
@@ -92,7 +93,7 @@ impl Modal {
         Ok(())
     }
 
-    /// The axis words as they stand, whatever G90 and G91 say.
+    /// The axis words as absolute values, regardless of G90 and G91.
     pub(super) fn given(&self, block: &Block, settings: &Settings) -> Pose {
         Modal { absolute: true, ..*self }.target(block, settings.decimals).end
     }
@@ -103,7 +104,7 @@ impl Modal {
         }
     }
 
-    /// A point in machine coordinates, as the path's: the tool ends that much lower.
+    /// Converts a point from machine to path coordinates: subtracts the tool length along Z.
     fn on_path(&self, machine: Pose, tables: &Tables) -> Pose {
         let mut shift = Pose::ORIGIN;
         let [_, _, z] = &mut shift.linear;
@@ -111,7 +112,7 @@ impl Modal {
         machine.minus(shift)
     }
 
-    /// By way of the point that the axis words name, then these axes to the reference point.
+    /// G28, G30: moves to the intermediate point of the axis words, then moves these axes to the reference point.
     fn go_to_reference(
         &mut self,
         code: u8,
@@ -144,7 +145,7 @@ impl Modal {
         Ok(Series::Reference(way))
     }
 
-    /// G53: these axes in machine coordinates, rapid. Incremental it is no command at all.
+    /// G53: moves these axes in machine coordinates at rapid. Under G91 it has no effect.
     fn go_by_machine(&mut self, block: &Block, settings: &Settings, tables: &Tables) -> Result<Option<Motion>, Fault> {
         let target = self.given(block, settings);
         let machine = self.on_path(target, tables);
@@ -162,7 +163,7 @@ impl Modal {
         Ok(Some(Motion { kind: MotionKind::Rapid, plane: self.plane, start, end, center, feed: Feed::Missing }))
     }
 
-    /// G68: about the point given, or about the tool.
+    /// G68: rotation about the given point, or about the tool's position.
     fn start_rotation(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
         let tilts = block.words.iter().find(|word| matches!(word.letter, b'I' | b'J' | b'K'));
         if let Some(word) = tilts {
@@ -186,11 +187,11 @@ impl Modal {
     }
 }
 
-/// G4: P counts milliseconds, X seconds.
+/// Dwell time of G4: P in milliseconds, X in seconds.
 pub(super) fn dwell_time(block: &Block) -> Result<Micros, Fault> {
     let (word, scale) = match (block.word(b'P'), block.word(b'X')) {
         (Some(word), _) => (word, US_PER_MS),
-        // Without a point X counts milliseconds, as an axis word does its increments.
+        // X without a decimal point is in milliseconds, the least increment.
         (None, Some(word)) if !word.number.has_point() => (word, US_PER_MS),
         (None, Some(word)) => (word, US_PER_S),
         (None, None) => return Ok(Micros(0)),
@@ -199,10 +200,10 @@ pub(super) fn dwell_time(block: &Block) -> Result<Micros, Fault> {
     u64::try_from(span).map(Micros).map_err(|_| Fault::alarm(Alarm::MinusSign, word.column + 1))
 }
 
-/// G10: writes what the block says into the tables.
+/// G10: writes the data of the block into the tables.
 ///
 /// # Errors
-/// PS0031; tool life and parameters are not modelled.
+/// PS0031 for a wrong target; tool life and parameters are not modelled.
 pub fn set_data(modal: &Modal, block: &Block, settings: &Settings, tables: &mut Tables) -> Result<(), Fault> {
     let target_fault = |column| Fault::alarm(Alarm::DataTarget, column);
     let (kind, column) = whole(block, b'L').unwrap_or((1, 0));

@@ -1,7 +1,8 @@
-//! From numbers to whole units, without a division where the units are small enough.
+//! Conversion of numbers to whole units, without a division if the units are small enough.
 //!
-//! A length word is a count of nanometres: with a decimal point its mantissa times the unit over a power of ten, without
-//! one times the least increment. Which of these factors applies only the place of the point says.
+//! A length word becomes a number of nanometres: with a decimal point its mantissa times the unit divided by a power
+//! of ten, without one its mantissa times the least increment. The factor depends only on the position of the decimal
+//! point.
 
 use super::number::{Number, PLACES_MAX};
 use super::settings::Decimals;
@@ -10,11 +11,11 @@ use crate::units::{LengthUnit, MICRODEG_PER_DEG};
 /// Least increments of a rotary axis in a degree (0.001 deg).
 const INCREMENTS_PER_DEG: i64 = 1_000;
 
-/// What numbers of one kind count in; config.
+/// Conversion factors for one kind of number; configuration.
 #[derive(Debug)]
 pub struct Scale {
     units_per_one: i64,
-    /// By the place of the point, as in [`Number::place`]; 0 where the factor is not whole.
+    /// Factors by the position of the decimal point, as in [`Number::place`]; 0 if the factor is not whole.
     factors: [i64; PLACES_MAX],
 }
 
@@ -33,14 +34,15 @@ const fn increments_per_unit(unit: LengthUnit) -> i64 {
     }
 }
 
-/// A power of ten's part of a unit; 0 if that is not whole.
+/// A unit divided by a power of ten; 0 if the quotient is not whole.
 const fn part(units_per_one: i64, digits: u32) -> i64 {
     let divisor = 10_i64.pow(digits);
     if units_per_one % divisor == 0 { units_per_one / divisor } else { 0 }
 }
 
 impl Scale {
-    /// `units_per_one` for numbers with a point, one in so many of them for those without.
+    /// A scale of `units_per_one` for numbers with a decimal point and `units_per_one / increments_per_one` for
+    /// numbers without.
     const fn new(units_per_one: i64, increments_per_one: i64) -> Self {
         let u = units_per_one;
         let factors = [
@@ -58,7 +60,7 @@ impl Scale {
         Scale { units_per_one: u, factors }
     }
 
-    /// Lengths, nm.
+    /// Scale of lengths, nm.
     #[inline]
     pub fn of_lengths(unit: LengthUnit, decimals: Decimals) -> &'static Scale {
         match (unit, decimals) {
@@ -69,7 +71,7 @@ impl Scale {
         }
     }
 
-    /// Angles, microdegrees.
+    /// Scale of angles, microdegrees.
     #[inline]
     pub fn of_angles(decimals: Decimals) -> &'static Scale {
         match decimals {

@@ -1,4 +1,4 @@
-//! G51, G51.1 and what they end with, in the modal state.
+//! Scaling and mirroring in the modal state: G50, G51, G50.1, G51.1.
 
 use super::alarm::{Fault, NotModelled};
 use super::block::Block;
@@ -10,7 +10,7 @@ use crate::units::Nm;
 
 /// Largest magnification, in thousandths.
 const LARGEST: i32 = 999_999;
-/// X, Y, Z with the letters of their own magnifications.
+/// X, Y, Z with the letters of their magnifications.
 const AXES: [(u8, u8); 3] = [(b'X', b'I'), (b'Y', b'J'), (b'Z', b'K')];
 
 impl Modal {
@@ -21,14 +21,14 @@ impl Modal {
         }
     }
 
-    /// G50: off with G51; G50.1 without an axis: off with G51.1.
+    /// Cancels G51 (G50) or all of G51.1 (G50.1 without an axis).
     pub(super) fn end_stretch(&mut self, code: u16) {
         if self.frame.stretch().is_some_and(|stretch| stretch.code == code) {
             self.stretch(None);
         }
     }
 
-    /// G51: about the point given, or about the tool, with P for all axes or I, J and K for each.
+    /// G51: scaling about the given point, or about the tool's position, with P for all axes or I, J and K for each.
     pub(super) fn start_scaling(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
         self.may_stretch(510)?;
         let given = self.given(block, settings);
@@ -41,7 +41,7 @@ impl Modal {
         let all = thousandths(b'P');
         let own = AXES.map(|(_, letter)| thousandths(letter));
         if all.is_none() && own.iter().all(Option::is_none) {
-            // The magnification is a parameter's then.
+            // Without a magnification in the block, a parameter of the control gives it.
             return Err(Fault::not_modelled(NotModelled::GCode(510), 0));
         }
         let mut stretch = Stretch { code: 510, center: given.linear, thousandths: [WHOLE; 3] };
@@ -56,7 +56,7 @@ impl Modal {
         Ok(())
     }
 
-    /// G51.1: mirrored at the coordinate given, in each axis named; those mirrored before stay so.
+    /// G51.1: mirrors each named axis at the given coordinate; axes that are already mirrored stay mirrored.
     pub(super) fn start_mirror(&mut self, block: &Block, settings: &Settings) -> Result<(), Fault> {
         self.may_stretch(511)?;
         let given = self.given(block, settings);
@@ -72,7 +72,7 @@ impl Modal {
         Ok(())
     }
 
-    /// G50.1: no longer mirrored in the axes named.
+    /// G50.1: cancels the mirroring of the named axes.
     pub(super) fn end_mirror(&mut self, block: &Block) {
         let Some(mut stretch) = self.frame.stretch().copied().filter(|stretch| stretch.code == 511) else { return };
         for (by, (letter, _)) in stretch.thousandths.iter_mut().zip(AXES) {
@@ -83,7 +83,7 @@ impl Modal {
         self.stretch(Some(stretch).filter(|stretch| stretch.thousandths != [WHOLE; 3]));
     }
 
-    /// One of the two at a time, and not inside G68 or a cycle.
+    /// Checks that G51 and G51.1 are not combined, and are not used within G68 or a cycle.
     fn may_stretch(&self, code: u16) -> Result<(), Fault> {
         let has_other = self.frame.stretch().is_some_and(|stretch| stretch.code != code);
         if has_other || self.frame.rotation().is_some() || self.cycle.is_some() {
@@ -92,7 +92,8 @@ impl Modal {
         Ok(())
     }
 
-    /// Offsets are not moved under G51 and G51.1, nor are holes drilled along a stretched axis, nor boring tools shifted.
+    /// Rejects changes of offsets under G51 and G51.1, and cycles that drill along a scaled axis or shift a boring
+    /// tool.
     pub(super) fn refuse_under_stretch(&self, normal: Option<usize>) -> Result<(), Fault> {
         match self.frame.stretch() {
             Some(stretch) if normal.is_none_or(|normal| stretch.is_along(normal)) => {
@@ -102,7 +103,7 @@ impl Modal {
         }
     }
 
-    /// An arc's radius and sense on the path.
+    /// Radius and sense of an arc in path coordinates.
     pub(super) fn stretch_arc(&self, radius: Nm, turn: Turn) -> Result<(Nm, Turn), Fault> {
         let Some(stretch) = self.frame.stretch() else { return Ok((radius, turn)) };
         let refused = Fault::not_modelled(NotModelled::MoveUnder(stretch.code), 0);
@@ -115,7 +116,7 @@ impl Modal {
         Ok((stretched(radius, Nm(0), by, WHOLE), turn))
     }
 
-    /// A stretched point, its axes that are not named where they were: to the nanometre.
+    /// Restores the axes of a scaled point that the block does not name, so that rounding does not move them.
     pub(super) fn keep_unnamed(&self, mut end: Pose, named: u8) -> Pose {
         if self.frame.stretch().is_some() && self.frame.rotation().is_none() {
             for (axis, (place, here)) in end.linear.iter_mut().zip(self.position.linear).enumerate() {

@@ -1,71 +1,71 @@
-//! Blocks that make several moves: canned cycles (G73 to G89) and the way to a reference point (G28, G30).
+//! Blocks that make several moves: canned cycles (G73 to G89) and the return to a reference point (G28, G30).
 //!
-//! A cycle is a list of steps carried out at each hole, along the normal of its plane: I the initial level, R the level
-//! where rapid turns to feed, Z the bottom. Lists as the manual draws them (B-63534EN, 13.1); G88 is not among them, for
-//! there a person pulls the tool out.
+//! A cycle is a list of operations at each hole along the normal of its plane. I is the initial level, R the level at
+//! which rapid changes to feed, Z the bottom. The lists follow the manual (B-63534EN, 13.1). G88 is missing, because
+//! in it the operator retracts the tool by hand.
 
 use super::frame::Frame;
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
 use crate::units::{Micros, Nm};
 
-/// One thing that such a block does.
+/// One action of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Act {
     /// A straight move, rapid or at feed.
     Move(Motion),
-    /// A wait.
+    /// A dwell.
     Dwell(Micros),
-    /// The spindle is stopped, stopped where it points, reversed, or turned on again.
+    /// A change of the spindle's motion.
     Spindle(Spindle),
 }
 
-/// What a cycle does to the spindle.
+/// Change of the spindle's motion in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spindle {
     /// Stop.
     Stop,
-    /// Stop at an angle.
+    /// Oriented stop.
     Orient,
-    /// The other way round.
+    /// Reversed rotation.
     Reverse,
-    /// As before.
+    /// Forward rotation.
     Forward,
 }
 
-/// The moves of one block, as a recipe; [`Series::acts`] carries it out.
+/// Description of the moves of one block; [`Series::actions`] expands it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
 pub enum Series {
-    /// G28, G30: from, by way of, to; on the path.
+    /// G28, G30: start, intermediate point and end, in path coordinates.
     Reference([Pose; 3]),
     /// A canned cycle.
     Drill(Drill),
 }
 
-/// A canned cycle at one or more holes. Points and levels are the program's.
+/// A canned cycle at one or more holes. Points and levels are in program coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drill {
-    /// The cycle: 73 for G73.
+    /// G code of the cycle: 73 for G73.
     pub code: u8,
-    /// Its plane; it drills along the normal.
+    /// Plane of the cycle; it drills along the normal.
     pub plane: Plane,
-    /// Where the program's coordinates lie.
+    /// Transformation from program to path coordinates.
     pub frame: Frame,
-    /// Where the tool stands before.
+    /// Position of the tool before the cycle.
     pub start: Pose,
-    /// Above the first hole, at the level of the start.
+    /// Position above the first hole, at the level of the start.
     pub first: Pose,
-    /// From hole to hole (G91).
+    /// Displacement from hole to hole (G91).
     pub step: Pose,
-    /// How many.
+    /// Number of holes.
     pub holes: u32,
     /// I, R and Z.
     pub levels: Levels,
     /// G99.
     pub returns_to_r: bool,
-    /// Q: depth of a cut, or the shift that frees a boring tool.
+    /// Q: depth of a peck, or the shift that clears a boring tool.
     pub q: Nm,
-    /// What a pecking cycle goes back by (G73), or stops short by (G83).
+    /// Retraction of a pecking cycle (G73), or its clearance above the last depth (G83).
     pub clearance: Nm,
     /// P.
     pub dwell: Micros,
@@ -76,7 +76,7 @@ pub struct Drill {
 /// Coordinates along the normal of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
-    /// Where the tool stood when the cycle was first called.
+    /// Level of the tool when the cycle was first called.
     pub initial: Nm,
     /// R.
     pub r: Nm,
@@ -95,12 +95,12 @@ enum Op {
     Spindle(Spindle),
     ShiftOut,
     ShiftBack,
-    /// To the level that G98 or G99 names.
+    /// Return to the level of G98 or G99.
     Return,
     Initial,
 }
 
-/// The steps of a cycle at one hole.
+/// Operations of a cycle at one hole.
 const fn ops(code: u8) -> &'static [Op] {
     use Op::{Dwell, FeedBottom, FeedR, Initial, Peck, Position, RapidR, Return, ShiftBack, ShiftOut};
     const STOP: Op = Op::Spindle(Spindle::Stop);
@@ -125,12 +125,12 @@ const fn ops(code: u8) -> &'static [Op] {
 }
 
 impl Series {
-    /// Everything the block does, in order; moves of no length are left out.
+    /// All actions of the block in order, without moves of zero length.
     pub fn acts(&self) -> Acts<'_> {
         Acts { series: self, cursor: self.begin() }
     }
 
-    /// Before everything.
+    /// A cursor before the first action.
     pub fn begin(&self) -> Cursor {
         let (at, depth) = match self {
             Series::Reference([start, ..]) => (*start, Nm(0)),
@@ -139,7 +139,7 @@ impl Series {
         Cursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
     }
 
-    /// What comes next.
+    /// The next action.
     pub fn advance(&self, cursor: &mut Cursor) -> Option<Act> {
         loop {
             let act = match self {
@@ -159,7 +159,7 @@ impl Series {
 }
 
 impl Drill {
-    /// Where the tool stands behind the last hole.
+    /// Position of the tool after the last hole.
     pub fn end(&self) -> Pose {
         let level = if self.returns_to_r && self.code != 87 { self.levels.r } else { self.levels.initial };
         self.above(self.holes.saturating_sub(1), level)
@@ -180,7 +180,7 @@ impl Drill {
         at_level(point, self.normal(), level)
     }
 
-    /// `by` further down than `level`, but not beyond the bottom.
+    /// The level that is `by` deeper than `level`, but not below the bottom.
     fn deeper(&self, level: Nm, by: Nm) -> Nm {
         let left = self.levels.bottom.0.saturating_sub(level.0);
         Nm(level.0.saturating_add(left.signum().saturating_mul(left.abs().min(by.0))))
@@ -202,39 +202,39 @@ fn at_level(mut point: Pose, normal: usize, level: Nm) -> Pose {
     point
 }
 
-/// See [`Series::acts`].
+/// Iterator of [`Series::actions`].
 #[derive(Clone, Debug)]
 pub struct Acts<'a> {
     series: &'a Series,
     cursor: Cursor,
 }
 
-/// How far a series is carried out.
+/// Progress in a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cursor {
     at: Pose,
     hole: u32,
     op: usize,
-    /// How far this hole is drilled.
+    /// Level to which this hole is drilled.
     depth: Nm,
-    /// Whether a pecking tool stands where its next cut begins.
+    /// Whether a pecking tool is at the start of its next cut.
     is_down: bool,
     stage: Stage,
 }
 
-/// Parts of a cycle, and of the way to a reference point.
+/// Stage of a cycle, or of the return to a reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// To the hole; to the intermediate point.
+    /// Move to the hole, or to the intermediate point.
     Positioning,
-    /// To the level where rapid turns to feed.
+    /// Move to the level at which rapid changes to feed.
     Approach,
-    /// In the hole and out of it; from the intermediate point on.
+    /// Moves in the hole and out of it, or from the intermediate point on.
     Work,
 }
 
 impl Cursor {
-    /// The hole, from 0, and the stage of what was given last.
+    /// The hole, from 0, and the stage of the last action.
     pub fn stage(&self) -> (u32, Stage) {
         (self.hole, self.stage)
     }
@@ -299,7 +299,7 @@ impl Cursor {
         }
     }
 
-    /// The next move of a pecking cycle at this hole; nothing once it is deep enough.
+    /// The next move of a pecking cycle at this hole; `None` at full depth.
     fn peck(&mut self, drill: &Drill) -> Option<Act> {
         let Levels { r, bottom, .. } = drill.levels;
         let to = |level| at_level(self.at, drill.normal(), level);

@@ -1,7 +1,7 @@
-//! How one control is set: what differs from machine to machine and is not in the program.
+//! Settings of a control: the properties of a machine that are not in the program.
 //!
-//! The presets hold what the manuals call standard; each value can be changed. Work offsets, tool lengths and reference
-//! points are zero until they are told.
+//! The presets hold the standard values of the manuals; each value can be changed. Work offsets, tool lengths and
+//! reference points are zero until they are set.
 
 use super::motion::Pose;
 use crate::units::{LengthUnit, Nm};
@@ -13,57 +13,57 @@ pub const SYSTEMS: usize = 6 + ADDITIONAL_SYSTEMS;
 /// Highest tool offset number.
 pub const OFFSETS: usize = 400;
 
-/// How a line is read.
+/// Strictness of the reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
-    /// What a control would refuse in titles and comments is only noticed.
+    /// Reports deviations in titles and comments as notices, although a control would reject them.
     #[default]
     Lenient,
-    /// Exactly as the control.
+    /// Raises the same alarms as the control.
     Strict,
 }
 
-/// What an axis word without a decimal point counts in (parameter 3401, bit 0).
+/// Unit of an axis word without a decimal point (parameter 3401, bit 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Decimals {
     /// Least increments: 0.001 mm, 0.0001 in, 0.001 degrees.
     #[default]
     LeastIncrement,
-    /// Whole units, as a pocket calculator takes it: mm, inches, degrees, seconds.
+    /// Whole units ("calculator type" input): mm, inches, degrees, seconds.
     Calculator,
 }
 
-/// What the reader's user can carry out.
+/// Set of blocks that the user of the reader can execute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
-    /// At most one move a block, along the tool centre's path, in the program's own coordinates; anything else is refused
-    /// by name.
+    /// At most one move per block, along the tool centre's path, in the program's own coordinates; anything else is
+    /// rejected with its name.
     #[default]
     PlainMoves,
-    /// Everything the dialect has: series of moves, shifted and turned coordinates, contours under G41 and G42.
+    /// The whole dialect: series of moves, shifted and rotated coordinates, contours under G41 and G42.
     Everything,
 }
 
 /// The settings of a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// In effect at power-on.
+    /// Unit at power-on.
     pub unit: LengthUnit,
-    /// Lenient or strict.
+    /// Strictness of the reader.
     pub reading: Reading,
-    /// See [`Decimals`].
+    /// Unit of axis words without a decimal point.
     pub decimals: Decimals,
-    /// See [`Scope`].
+    /// Set of accepted blocks.
     pub scope: Scope,
-    /// Most digits of N.
+    /// Maximum number of digits of N.
     pub sequence_digits: u8,
-    /// Most digits of O.
+    /// Maximum number of digits of O.
     pub program_digits: u8,
     /// Block-delete switches that are on: bit n for `/n`.
     pub delete_switches: u16,
-    /// G73: the way back after each cut (parameter 5114).
+    /// G73: retraction after each peck (parameter 5114).
     pub peck_return: Nm,
-    /// G83: how far above the last depth rapid turns to feed (parameter 5115).
+    /// G83: height above the last depth at which rapid changes to feed (parameter 5115).
     pub peck_clearance: Nm,
     /// Machine coordinates of the reference points, first to fourth (parameters 1240 to 1243).
     pub reference: [Pose; 4],
@@ -78,11 +78,12 @@ pub struct Tables {
     pub systems: [Pose; SYSTEMS],
     /// Length compensation by H, geometry and wear, from H1.
     pub lengths: [[Nm; 2]; OFFSETS],
-    /// Cutter compensation by D, geometry and wear, from D1. Nothing here moves by them: the control offsets contours.
+    /// Cutter compensation by D, geometry and wear, from D1. It does not shift moves here: the control offsets
+    /// contours.
     pub radii: [[Nm; 2]; OFFSETS],
 }
 
-/// A number of this control, as on its name plate.
+/// Series of the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i/18i/21i-M.
@@ -138,7 +139,7 @@ impl Tables {
         self.systems.get(usize::from(system)).map_or(self.external, |origin| origin.plus(self.external))
     }
 
-    /// The length compensation of an H number; nothing for H0 and those the control does not have.
+    /// Length compensation of an H number; 0 for H0 and for numbers that the control does not have.
     pub fn length(&self, offset: u16) -> Nm {
         let entry = usize::from(offset).checked_sub(1).and_then(|index| self.lengths.get(index));
         entry.map_or(Nm(0), |[geometry, wear]| Nm(geometry.0.saturating_add(wear.0)))

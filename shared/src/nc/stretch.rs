@@ -6,13 +6,14 @@
 //! p' = c + m (p - c),    m in thousandths, negative: mirrored     (1)
 //! ```
 //!
-//! before G68 turns it and the offsets shift it. Rounded to nanometres. An arc stays one where the axes of its plane have
-//! the same |m|; mirrored in one of them it runs the other way round. Source: B-63534EN, programmable mirror image, scaling.
+//! before the rotation of G68 and the shift of the offsets. Results are rounded to nanometres. An arc remains an arc
+//! if the axes of its plane have the same |m|; mirroring in one of them reverses its sense. Source: B-63534EN,
+//! programmable mirror image, scaling.
 
 use super::motion::Plane;
 use crate::units::Nm;
 
-/// One, in thousandths.
+/// Magnification 1, in thousandths.
 pub const WHOLE: i32 = 1_000;
 
 /// G51 or G51.1 in force.
@@ -20,40 +21,41 @@ pub const WHOLE: i32 = 1_000;
 pub struct Stretch {
     /// 510 for G51, 511 for G51.1.
     pub code: u16,
-    /// What keeps its place.
+    /// Centre of the scaling; a fixed point.
     pub center: [Nm; 3],
     /// Magnifications.
     pub thousandths: [i32; 3],
 }
 
 impl Stretch {
-    /// A point of the program, in the coordinates that G68 turns.
+    /// Scales a point of the program into the coordinates that G68 rotates.
     pub fn apply(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
             *axis = stretched(*axis, *center, by, WHOLE); // (1)
         }
     }
 
-    /// The other way.
+    /// Inverse of [`Self::apply`].
     pub fn undo(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
             *axis = stretched(*axis, *center, WHOLE, by);
         }
     }
 
-    /// A vector of the program.
+    /// Scales a vector of the program.
     pub fn vector(&self, axes: &mut [Nm; 3]) {
         Stretch { center: [Nm(0); 3], ..*self }.apply(axes);
     }
 
-    /// What an arc's radius grows by, in thousandths, and whether it turns the other way; nothing if it is no arc any more.
+    /// Scale of an arc's radius, in thousandths, and whether its sense is reversed; `None` if the result is not an
+    /// arc.
     pub fn of_arc(&self, plane: Plane) -> Option<(i32, bool)> {
         let (first, second, _) = plane.axes();
         let (a, b) = (*self.thousandths.get(first)?, *self.thousandths.get(second)?);
         (a.abs() == b.abs()).then_some((a.abs(), (a < 0) != (b < 0)))
     }
 
-    /// Whether an axis is other than the program says.
+    /// Whether an axis is scaled or mirrored.
     pub fn is_along(&self, axis: usize) -> bool {
         self.thousandths.get(axis).is_some_and(|by| *by != WHOLE)
     }

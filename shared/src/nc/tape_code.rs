@@ -1,7 +1,7 @@
-//! The codes a control reads: ISO with an even-parity bit, EIA (RS-244) with odd parity, plain ASCII.
+//! Tape codes of a control: ISO with an even-parity bit, EIA (RS-244) with odd parity, plain ASCII.
 //!
-//! A frame is the eight bits that the line's receiver hands on. In ISO the eighth is the parity bit, in EIA the fifth; in
-//! ASCII the eighth counts for nothing and nothing is checked. What does not obey its code is a TH alarm.
+//! A frame is the eight bits from the line's receiver. In ISO the eighth bit is the parity bit, in EIA the fifth; in
+//! ASCII the eighth bit is ignored and nothing is checked. A frame that violates its code is a TH alarm.
 //!
 //! Sources: ISO 840 and EIA as in the tables of tape codes that controls print (Yasnac LX3, table 2.4: what is
 //! disregarded, and the hole patterns 2-4-5 and 2-4-7 of the brackets). Fanuc B-63503EN p. 62: eight bits including parity.
@@ -22,7 +22,7 @@ const BACKSPACE: u8 = 0x08;
 const EIA_END_OF_BLOCK: u8 = 0x80;
 const EIA_BACKSPACE: u8 = 0x2A;
 
-/// A code of the tape.
+/// Tape code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Code {
     /// Seven bits and an even-parity bit.
@@ -33,22 +33,22 @@ pub enum Code {
     Ascii,
 }
 
-/// What a frame is.
+/// Meaning of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
     /// A character, in ASCII.
     Character(u8),
     /// The end of a block.
     EndOfBlock,
-    /// Nothing for the control: NUL, CR, DEL and control codes in ISO, backspace and all holes in EIA.
+    /// Ignored by the control: NUL, CR, DEL and control codes in ISO, backspace and all holes in EIA.
     Ignored,
 }
 
-/// A frame that its code does not have: alarm PS0001.
+/// A frame that is not in its code: alarm PS0001.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotInCode;
 
-/// ASCII and EIA.
+/// ASCII characters and their EIA frames.
 const EIA: [(u8, u8); 47] = [
     (b'0', 0x20),
     (b'1', 0x01),
@@ -100,7 +100,7 @@ const EIA: [(u8, u8); 47] = [
 ];
 
 impl Code {
-    /// The code that a first end of block tells: `None` where the frame is none.
+    /// Detects the code from the first end of block; `None` if the frame is not an end of block.
     pub fn of_end_of_block(frame: u8) -> Option<Self> {
         match frame {
             EIA_END_OF_BLOCK => Some(Code::Eia),
@@ -109,7 +109,8 @@ impl Code {
         }
     }
 
-    /// Whether the frame ends a block, also with a wrong parity bit: the block it ends is refused, not run into the next.
+    /// Whether the frame ends a block, also with a wrong parity bit: then the block is rejected, but not joined with
+    /// the next one.
     pub fn ends_block(self, frame: u8) -> bool {
         match self {
             Code::Iso | Code::Ascii => frame & !PARITY == LINE_FEED,
@@ -117,10 +118,10 @@ impl Code {
         }
     }
 
-    /// What a frame is.
+    /// Meaning of a frame.
     ///
     /// # Errors
-    /// Wrong parity, or holes that mean nothing.
+    /// Wrong parity, or an undefined combination of holes.
     pub fn decode(self, frame: u8) -> Result<Symbol, NotInCode> {
         match self {
             Code::Ascii => Ok(ascii(frame & !PARITY)),
@@ -137,7 +138,7 @@ impl Code {
         }
     }
 
-    /// The frame for an ASCII character, a line feed for the end of a block; `None` for what the code does not have.
+    /// The frame for an ASCII character (a line feed for the end of a block); `None` if the code does not have it.
     pub fn encode(self, byte: u8) -> Option<u8> {
         match (self, byte) {
             (Code::Ascii, _) => Some(byte & !PARITY),
@@ -148,13 +149,13 @@ impl Code {
     }
 }
 
-/// Seven bits and the eighth that makes the number of ones even.
+/// Adds the even-parity bit to seven bits.
 pub const fn with_even_parity(byte: u8) -> u8 {
     let low = byte & !PARITY;
     if low.count_ones().is_multiple_of(2) { low } else { low | PARITY }
 }
 
-/// The frame without what may be its parity bit.
+/// The frame without its eighth bit.
 pub const fn without_parity(frame: u8) -> u8 {
     frame & !PARITY
 }

@@ -1,16 +1,16 @@
-//! Bytes of a program to lines, every byte kept.
+//! Division of a program's bytes into lines; every byte is kept.
 //!
-//! In ISO code LF ends a block; CR beside it means nothing. Files carry LF, CR LF, or, as punched by a control, LF CR CR.
-//! A file without a single LF is in the other code's manner: there CR ends a block.
+//! In ISO code LF ends a block and CR is ignored. Files have LF, CR LF or, as punched by a control, LF CR CR. In a
+//! file without any LF, CR ends a block.
 
 use memchr::memchr;
 
-/// A line's text, and the bytes that end it.
+/// Text of a line, and the bytes that end it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawLine<'a> {
-    /// What stands in it.
+    /// Text without the line end.
     pub text: &'a [u8],
-    /// LF, CR LF, LF CR CR, CR, or nothing at the end of the file.
+    /// LF, CR LF, LF CR CR, CR, or empty at the end of the file.
     pub ending: &'a [u8],
 }
 
@@ -22,7 +22,7 @@ pub struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Of a whole program.
+    /// Lines of a whole program.
     pub fn new(bytes: &'a [u8]) -> Self {
         let end = if memchr(b'\n', bytes).is_some() { b'\n' } else { b'\r' };
         Lines { rest: bytes, end }

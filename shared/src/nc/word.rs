@@ -1,26 +1,26 @@
-//! A line of NC text to words, without allocation.
+//! Lexer of a line of NC text, without allocation.
 //!
-//! Blanks between and inside words mean nothing to the control, but a number must be in one piece here. A comment
-//! that is not closed ends with its line: the end-of-block code cannot be part of a comment.
+//! The control ignores blanks between and inside words; this lexer accepts none inside a number. An unclosed comment
+//! ends with its line: the end-of-block code cannot be part of a comment.
 
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{self, Number};
 
-/// Most bytes of a line: columns are 16 bits wide.
+/// Maximum length of a line in bytes: columns are 16 bits wide.
 pub const LINE_MAX: usize = u16::MAX as usize - 1;
 
-/// A token and the bytes of the line it takes.
+/// A token and its bytes in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece<'a> {
-    /// What it says.
+    /// The token.
     pub token: Token<'a>,
     /// Offset of its first byte.
     pub start: usize,
-    /// Offset behind its last byte.
+    /// Offset after its last byte.
     pub end: usize,
 }
 
-/// One piece of a line.
+/// Token of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Token<'a> {
     /// An address letter and its number.
@@ -29,14 +29,14 @@ pub enum Token<'a> {
     Assignment {
         /// The variable's number.
         variable: i64,
-        /// What it is set to.
+        /// Assigned value.
         value: Number,
     },
-    /// `/` before a block, with the switch it belongs to (1 if none is written).
+    /// `/` before a block, with the number of its switch (1 if none is written).
     BlockDelete(u8),
     /// `(text)`: the text between the brackets.
     Comment {
-        /// What stands between the brackets.
+        /// Text between the brackets.
         text: &'a [u8],
         /// Whether a `)` ended it.
         closed: bool,
@@ -45,7 +45,7 @@ pub enum Token<'a> {
     ProgramMark,
 }
 
-/// An address letter and its number, with its place in the line.
+/// An address letter and its number, with its position in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
     /// `b'A'..=b'Z'`.
@@ -66,12 +66,12 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Starts at the line's first byte; what is behind [`LINE_MAX`] bytes is not looked at.
+    /// Starts at the line's first byte; bytes after [`LINE_MAX`] are ignored.
     pub fn new(line: &'a [u8]) -> Self {
         Words { line: line.get(..LINE_MAX).unwrap_or(line), at: 0 }
     }
 
-    /// Goes on at a byte of the line.
+    /// Starts at byte `at` of the line.
     pub(super) fn from(line: &'a [u8], at: usize) -> Self {
         Words { at, ..Words::new(line) }
     }
@@ -87,8 +87,8 @@ impl<'a> Words<'a> {
         self.line.get(self.at).copied()
     }
 
-    /// The next token if it is a word, and plainly written: nearly every token is, and this way it is read in half the
-    /// instructions. [`Words::next`] has the others.
+    /// The next token if it is a word without blanks. Nearly every token is, and this path needs half the instructions
+    /// of [`Words::next`], which reads all tokens.
     #[inline]
     pub fn next_word(&mut self) -> Option<Word> {
         let (word, end) = plain_word(self.line, self.at)?;
@@ -114,7 +114,7 @@ impl<'a> Words<'a> {
         Some(number)
     }
 
-    /// Behind its bracket.
+    /// Reads a comment after its opening bracket.
     fn comment(&mut self) -> Token<'a> {
         let body = self.line.get(self.at..).unwrap_or_default();
         let end = body.iter().position(|&byte| byte == b')');
@@ -123,7 +123,7 @@ impl<'a> Words<'a> {
         Token::Comment { text, closed: end.is_some() }
     }
 
-    /// Behind its `#`.
+    /// Reads an assignment after its `#`.
     fn assignment(&mut self) -> Result<Token<'a>, Fault> {
         let macro_fault = Fault::not_modelled(NotModelled::Macro, column(self.at - 1));
         let variable = self.number().ok_or(macro_fault)?;
@@ -133,14 +133,14 @@ impl<'a> Words<'a> {
         }
         self.at += 1;
         let value = self.number().ok_or(macro_fault)?;
-        // `#1=2` is whole; `#1=2+3` and `#1=2X` are not what they look like.
+        // `#1=2` is complete; `#1=2+3` and `#1=2X` need the macro interpreter.
         match self.peek() {
             None | Some(b'(' | b' ') => Ok(Token::Assignment { variable, value }),
             Some(_) => Err(macro_fault),
         }
     }
 
-    /// Behind its slash.
+    /// Reads a block delete after its slash.
     fn block_delete(&mut self) -> Token<'a> {
         let Some(digit @ b'1'..=b'9') = self.peek() else { return Token::BlockDelete(1) };
         self.at += 1;
@@ -159,7 +159,7 @@ impl<'a> Words<'a> {
 }
 
 impl<'a> Iterator for Words<'a> {
-    /// A token in its place, or the fault that ends the line.
+    /// A token with its position, or the fault that ends the line.
     type Item = Result<Piece<'a>, Fault>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -184,13 +184,13 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// The word at byte `start` of a line of at most [`LINE_MAX`] bytes, if one stands there without blanks, and the byte
-/// behind it.
+/// The word at byte `start` of a line of at most [`LINE_MAX`] bytes, and the offset after it; `None` unless a word
+/// without blanks is there.
 #[inline]
 pub(super) fn plain_word(line: &[u8], start: usize) -> Option<(Word, usize)> {
     let letter = line.get(start).copied().filter(u8::is_ascii_uppercase)?;
     let (number, end) = number::read(line, start + 1)?;
-    // Both fit: the caller bounds the one, the digits of a number the other.
+    // Both casts fit: the caller limits the column, and the digits of a number limit the length.
     Some((Word { letter, number, column: (start + 1) as u16, len: (end - start) as u8 }, end))
 }
 
@@ -200,13 +200,13 @@ pub fn column(offset: usize) -> u16 {
     u16::try_from(offset + 1).unwrap_or(u16::MAX)
 }
 
-/// Characters that mean nothing between words: blank, and in ISO code NUL, BS, HT, CR and DEL.
+/// Whether the character is ignored between words: blank, and in ISO code NUL, BS, HT, CR and DEL.
 #[inline]
 const fn is_ignored(byte: u8) -> bool {
     matches!(byte, b' ' | 0 | 8 | b'\t' | b'\r' | 0x7f)
 }
 
-/// Whether the control's code (ISO, upper case) has this character; in a comment, the only check there is.
+/// Whether the control's code (ISO, upper case) has this character. It is the only check of comments.
 ///
 /// Source: the TH alarm's character list (lower case and `! " $ & ' ; < > ? @ \ ^ _ { | }` are refused).
 pub const fn is_control_character(byte: u8) -> bool {

@@ -1,8 +1,8 @@
-//! The words of G65, G66 and G66.1 to the local variables of the macro they call.
+//! Arguments of macro calls: the words of G65, G66 and G66.1 set local variables of the called macro.
 //!
-//! Every letter has its variable (specification I); I, J, K may be given ten times, each time for the next three of #4 to
-//! #33 (specification II). Both may stand in one call; what stands later wins. Without a decimal point a value counts in
-//! least increments of its address, or in whole ones for D, E, F, H, M, S, T.
+//! Every letter has its variable (specification I). I, J, K may be given ten times, each time for the next three
+//! variables of #4 to #33 (specification II). A call may use both; the later word wins. A value without a decimal
+//! point is in least increments of its address, or in whole units for D, E, F, H, M, S, T.
 
 use super::variables::Locals;
 use super::words::Word;
@@ -10,27 +10,27 @@ use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::units::LengthUnit;
 
-/// The letters in the order of their variables, from #1 on.
+/// Letters in the order of their variables, from #1 on.
 const LETTERS: &[u8; 26] = b"ABCIJKDEFGHLMNOPQRSTUVWXYZ";
-/// Sets of I, J, K.
+/// Maximum number of sets of I, J, K.
 const SETS: usize = 10;
 
-/// Which letters can be arguments.
+/// Set of letters that can be arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
-    /// G65 and G66: all but G, L, N, O, P.
+    /// G65 and G66: all letters except G, L, N, O, P.
     OfCall,
-    /// A block under G66.1: all but O; of several G the last one.
+    /// A block under G66.1: all letters except O; of several G words the last one.
     OfBlock,
 }
 
-/// The local variables that these words set.
+/// Local variables that these words set.
 ///
 /// # Errors
-/// PS0129: a letter that can be no argument, or I, J, K more often than ten times.
+/// PS0129 for a letter that cannot be an argument, or for I, J, K more than ten times.
 pub fn locals<'w>(words: impl Iterator<Item = &'w Word>, letters: Letters, unit: LengthUnit) -> Result<Locals, Fault> {
     let mut locals: Locals = [None; 33];
-    // Set and place in it of the last I, J or K.
+    // Set of the last I, J or K, and its index in the set.
     let mut last: Option<(usize, usize)> = None;
     for word in words {
         let fault = Fault::in_macro(MacroAlarm::ArgumentAddress, word.column);
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn repeated_centres_fill_the_next_variables_and_the_later_word_wins() {
-        // The operator's manual's example of both specifications in one call.
+        // Example of the operator's manual with both specifications in one call.
         assert_eq!(set("A1.0B2.0I-3.0I4.0D5.0"), Ok(vec![(1, 1.0), (2, 2.0), (4, -3.0), (7, 5.0)]));
         let ten = "I1.J1.K1.".repeat(10);
         assert_eq!(set(&ten).unwrap().last(), Some(&(33, 1.0)));

@@ -1,4 +1,4 @@
-//! The words of calls and returns: G65, G66, G66.1, M98, M99.
+//! Calls and returns: G65, G66, G66.1, M98, M99.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -16,29 +16,29 @@ use crate::units::LengthUnit;
 const PROGRAM_MAX: u32 = 99_999_999;
 /// Largest sequence number.
 pub const SEQUENCE_MAX: u32 = 99_999;
-/// In P of M98 the digits before the last four say how often, if there is no L.
+/// Without L, the digits of M98's P before the last four are the number of repetitions.
 const REPEAT_DIGITS: u32 = 10_000;
-/// Most repetitions of a macro call.
+/// Maximum number of repetitions of a macro call.
 const REPEATS_MAX: u32 = 9_999;
 
-/// What happens when the block given out last is done.
+/// Action after the last emitted block.
 #[derive(Debug, Default)]
 pub enum Then {
-    /// The next line.
+    /// Continue with the next line.
     #[default]
     GoOn,
-    /// A program is called.
+    /// Call a program.
     Call(Box<Call>),
-    /// M99, with P and its column.
+    /// Return (M99), with P and its column.
     Return(Option<(u32, u16)>),
-    /// The program is over.
+    /// End of the program.
     End(Ending),
 }
 
-/// The call that G65, G66 or G66.1, the word `at`, makes with the words behind it, and when.
+/// Macro call of the word `at` (G65, G66 or G66.1) and the words after it, with its timing if it is modal.
 ///
 /// # Errors
-/// PS0076, PS0078, PS0129 at the word that is missing or wrong.
+/// PS0076, PS0078 or PS0129 at the missing or wrong word.
 pub fn macro_call(words: &[Word], at: usize, unit: LengthUnit) -> Result<Option<(Option<When>, Call)>, Fault> {
     let (before, rest) = words.split_at_checked(at).unwrap_or_default();
     let Some((code, arguments)) = rest.split_first() else { return Ok(None) };
@@ -60,7 +60,7 @@ pub fn macro_call(words: &[Word], at: usize, unit: LengthUnit) -> Result<Option<
     Ok(Some((when, Call { number, repeats, arguments, is_modal: when.is_some(), column: program.column })))
 }
 
-/// Takes M98 and M99 with their P and L out of a block: the words left, and what happens behind them.
+/// Removes M98 and M99 with their P and L from a block. Returns the other words and the action after them.
 ///
 /// # Errors
 /// PS0076, PS0078, or a call that is not modelled.

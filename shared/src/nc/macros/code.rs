@@ -1,4 +1,4 @@
-//! A line as a control sees it: without blanks and comments, each byte with its column.
+//! Code of a line: its bytes without blanks and comments, each with its column.
 
 use alloc::vec::Vec;
 
@@ -18,7 +18,7 @@ pub struct Code {
 }
 
 impl Code {
-    /// Takes the blanks and comments out of a line.
+    /// Removes blanks and comments from a line.
     pub fn new(line: &[u8]) -> Self {
         let mut code = Code { end: column(line.len()), ..Code::default() };
         let (mut in_comment, mut comments) = (false, 0);
@@ -41,18 +41,18 @@ impl Code {
         code
     }
 
-    /// Its first byte.
+    /// A cursor at the first byte.
     pub fn cursor(&self) -> Cursor<'_> {
         Cursor { code: self, at: 0 }
     }
 
-    /// All of it.
+    /// All bytes of the code.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-/// A place in a line's code, which is read from there on.
+/// Read position in a line's code.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor<'a> {
     code: &'a Code,
@@ -60,7 +60,7 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// What is not read yet.
+    /// The bytes that are not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.code.bytes.get(self.at..).unwrap_or_default()
     }
@@ -80,7 +80,7 @@ impl<'a> Cursor<'a> {
         self.code.columns.get(self.at).copied().unwrap_or(self.code.end)
     }
 
-    /// Skips `text` if it stands here.
+    /// Skips `text` if it is next; returns whether it was.
     pub fn eat(&mut self, text: &[u8]) -> bool {
         let found = self.rest().starts_with(text);
         if found {
@@ -89,21 +89,21 @@ impl<'a> Cursor<'a> {
         found
     }
 
-    /// The capital letters that stand here; they are not skipped.
+    /// The capital letters at the cursor; does not skip them.
     pub fn letters(&self) -> &'a [u8] {
         let rest = self.rest();
         let len = rest.iter().position(|byte| !byte.is_ascii_uppercase()).unwrap_or(rest.len());
         rest.get(..len).unwrap_or_default()
     }
 
-    /// Skips a word of a statement if it stands here, in full or shortened to its first two letters.
+    /// Skips a keyword if it is next, in full or shortened to its first two letters; returns whether it was.
     pub fn eat_keyword(&mut self, keyword: &[u8]) -> bool {
         let letters = self.letters();
         let found = letters == keyword || keyword.get(..2) == Some(letters);
         found && self.eat(letters)
     }
 
-    /// Reads a number as NC words have it.
+    /// Reads the number of an NC word.
     ///
     /// # Errors
     /// PS0003, PS0005, PS0007 at the offending byte.
@@ -117,10 +117,10 @@ impl<'a> Cursor<'a> {
         Ok(number)
     }
 
-    /// Reads digits; `None` if there are none.
+    /// Reads an unsigned integer; `None` if there are no digits.
     ///
     /// # Errors
-    /// PS0003: more than eight.
+    /// PS0003 for more than eight digits.
     pub fn digits(&mut self) -> Result<Option<u32>, Fault> {
         let column = self.column();
         let rest = self.rest();
@@ -134,10 +134,10 @@ impl<'a> Cursor<'a> {
         Ok((len > 0).then_some(value))
     }
 
-    /// Nothing may follow a macro statement.
+    /// Checks that nothing follows a macro statement.
     ///
     /// # Errors
-    /// PS0127 or PS0114 where something does.
+    /// PS0127 or PS0114 if something follows.
     pub fn finish(&self) -> Result<(), Fault> {
         match self.peek() {
             None => Ok(()),
@@ -146,10 +146,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Reads the number behind DO and END, which end a statement.
+    /// Reads the number after DO or END, with which the statement ends.
     ///
     /// # Errors
-    /// PS0126: not 1, 2 or 3; and as [`Cursor::finish`].
+    /// PS0126 for a number other than 1, 2 or 3; and as [`Cursor::finish`].
     pub fn loop_number(&mut self) -> Result<(), Fault> {
         let column = self.column();
         let number = self.digits()?;
@@ -163,23 +163,23 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Whether these letters begin a macro statement.
+/// Whether these letters are a keyword of a macro statement.
 pub fn is_keyword(letters: &[u8]) -> bool {
     const KEYWORDS: [&[u8]; 10] =
         [b"IF", b"GOTO", b"WHILE", b"DO", b"END", b"THEN", b"DPRNT", b"BPRNT", b"POPEN", b"PCLOS"];
     KEYWORDS.contains(&letters)
 }
 
-/// Whether these letters are a keyword shortened to two.
+/// Whether these letters are a keyword shortened to two letters.
 pub fn is_short_keyword(letters: &[u8]) -> bool {
     const SHORT: [&[u8]; 8] = [b"GO", b"WH", b"EN", b"TH", b"DP", b"BP", b"PO", b"PC"];
     SHORT.contains(&letters)
 }
 
-/// What stands before the words of a block.
+/// Head of a block: the part before its words.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
-    /// The switch of a leading `/`.
+    /// Block-delete switch of a leading `/`.
     pub delete: Option<u32>,
     /// N.
     pub sequence: Option<u32>,
@@ -188,7 +188,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// Reads it and moves the cursor behind it. What is wrong with it is for the block's reader to say.
+    /// Reads the head and moves the cursor after it. The reader of the block reports faults of the head.
     pub fn read(cursor: &mut Cursor<'_>) -> Self {
         let mut head = Head::default();
         loop {

@@ -1,9 +1,9 @@
-//! What #4001 to #4130 answer: the codes and words in effect, from the blocks executed so far.
+//! Modal information (#4001 to #4130): codes and words in effect, from the blocks executed so far.
 
 use super::code::Cursor;
 use crate::units::LengthUnit;
 
-/// G codes in tenths by the group they belong to.
+/// G codes in tenths, by group.
 const GROUPS: [(usize, &[i64]); 19] = [
     (1, &[0, 10, 20, 30, 330]),
     (2, &[170, 180, 190]),
@@ -26,7 +26,7 @@ const GROUPS: [(usize, &[i64]); 19] = [
     (22, &[501, 511]),
 ];
 
-/// The state.
+/// Codes and words in effect.
 #[derive(Clone, Debug)]
 pub struct Codes {
     groups: [i64; 23],
@@ -34,10 +34,10 @@ pub struct Codes {
     words: [Option<f64>; 11],
 }
 
-/// What a block does, as far as the order of execution depends on it.
+/// Properties of a block that affect the order of execution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockKind {
-    /// It moves an axis.
+    /// The block moves an axis.
     pub moves: bool,
     /// G4.
     pub dwells: bool,
@@ -45,10 +45,10 @@ pub struct BlockKind {
     pub ends: bool,
 }
 
-/// Codes whose axis words are no moves: dwell, data, zones, coordinate systems.
+/// Codes whose axis words are not moves: dwell, data, zones, coordinate systems.
 const NO_MOVES: [i64; 8] = [40, 100, 110, 220, 510, 520, 680, 920];
 
-/// Letters whose last value can be read, with the number after 4100.
+/// Letters whose last value can be read, with the offset of their variable from 4100.
 const WORDS: [(u8, u32); 11] = [
     (b'B', 2),
     (b'D', 7),
@@ -64,7 +64,7 @@ const WORDS: [(u8, u32); 11] = [
 ];
 
 impl Codes {
-    /// At power-on.
+    /// State at power-on.
     pub fn new(unit: LengthUnit) -> Self {
         let mut codes = Codes { groups: [0; 23], words: [None; 11] };
         for tenths in [0, 170, 900, 220, 940, 400, 490, 800, 980, 500, 670, 970, 540, 640, 690, 150, 401, 501] {
@@ -81,7 +81,7 @@ impl Codes {
         }
     }
 
-    /// Takes the words of an executed block, which has plain numbers only.
+    /// Applies the words of an executed block, which has only plain numbers.
     pub fn take_block(&mut self, mut cursor: Cursor<'_>) -> BlockKind {
         let (mut kind, mut is_no_move) = (BlockKind::default(), false);
         while let Some(letter) = cursor.peek() {
@@ -109,7 +109,7 @@ impl Codes {
         kind
     }
 
-    /// The value of #4001 to #4130: of a group its G code, of a letter its last value. `None`: no such variable.
+    /// Value of #4001 to #4130: the G code of a group, or the last value of a letter. `None`: no such variable.
     pub fn value(&self, variable: u32) -> Option<Option<f64>> {
         let number = variable.checked_sub(4_000)?;
         if let Some(letter) = number.checked_sub(100) {

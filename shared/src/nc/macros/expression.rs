@@ -1,8 +1,8 @@
-//! Expressions: read and worked out in one go.
+//! Expressions: parsed and evaluated in one pass.
 //!
-//! Functions bind first, then `* / MOD AND`, then `+ - OR XOR`, then a comparison, of which there is at most one between
-//! two brackets; its value is 1 or 0. A vacant variable counts as zero, but stays vacant where nothing is done with it,
-//! and is not equal to zero.
+//! Precedence: functions, then `* / MOD AND`, then `+ - OR XOR`, then comparisons, of which each pair of brackets may
+//! hold one; its value is 1 or 0. A vacant variable counts as zero in an operation, stays vacant on its own, and is
+//! not equal to zero.
 
 use super::code::Cursor;
 use super::function::{Angles, Function, Operator};
@@ -10,12 +10,12 @@ use super::variables::{Value, Variables};
 use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
 
-/// Most brackets within each other.
+/// Maximum nesting of brackets.
 const BRACKETS_MAX: u8 = 5;
-/// Largest number of a variable that is not simply too large.
+/// Largest variable number.
 const VARIABLE_MAX: f64 = 99_999.0;
 
-/// What an expression is worked out with.
+/// Evaluator of expressions.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluator<'v> {
     variables: &'v Variables,
@@ -33,12 +33,12 @@ const SUMS: &Operators =
     &[(b"+", Operator::Add), (b"-", Operator::Subtract), (b"OR", Operator::Or), (b"XOR", Operator::Xor)];
 
 impl<'v> Evaluator<'v> {
-    /// For macro statements: ROUND gives whole numbers.
+    /// An evaluator for macro statements: ROUND gives whole numbers.
     pub fn new(variables: &'v Variables, angles: Angles) -> Self {
         Evaluator { variables, angles, decimals: 0, brackets: 0 }
     }
 
-    /// For the value of a word: ROUND keeps `decimals` digits, the least increment of its address.
+    /// An evaluator for the value of a word: ROUND keeps `decimals` decimals, the least increment of its address.
     pub fn rounding_to(self, decimals: i32) -> Self {
         Evaluator { decimals, ..self }
     }
@@ -48,7 +48,7 @@ impl<'v> Evaluator<'v> {
         self.decimals
     }
 
-    /// An expression as it stands behind `=`.
+    /// Evaluates an expression, as after `=`.
     ///
     /// # Errors
     /// The macro alarms of expressions, at their column.
@@ -56,7 +56,7 @@ impl<'v> Evaluator<'v> {
         self.comparison(cursor)
     }
 
-    /// An expression in brackets.
+    /// Evaluates an expression in brackets.
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
@@ -64,7 +64,8 @@ impl<'v> Evaluator<'v> {
         self.brackets(cursor)
     }
 
-    /// A number, a variable or an expression in brackets, with or without a sign: what may stand behind an address.
+    /// Evaluates a factor, as after an address: a number, a variable or an expression in brackets, with or without a
+    /// sign.
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
@@ -72,7 +73,7 @@ impl<'v> Evaluator<'v> {
         self.signed(cursor)
     }
 
-    /// The number of the variable that stands here, behind its `#`.
+    /// Evaluates the number of a variable, after its `#`.
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
@@ -120,7 +121,7 @@ impl<'v> Evaluator<'v> {
 
     fn signed(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
         match cursor.peek() {
-            // A number has its own sign.
+            // The sign of a number belongs to the number.
             Some(b'-') if !matches!(cursor.rest().get(1), Some(b'0'..=b'9' | b'.')) => {
                 cursor.skip(1);
                 Ok(self.primary(cursor)?.map(|value| -value))
@@ -212,13 +213,13 @@ impl<'v> Evaluator<'v> {
     }
 }
 
-/// Half away from zero at this decimal.
+/// Rounds half away from zero at this decimal.
 fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = libm::pow(10.0, f64::from(decimals));
     libm::round(value * scale) / scale
 }
 
-/// The whole number nearest to a value, if it lies in a range of whole numbers.
+/// The nearest whole number of a value; `None` if it lies outside the range.
 pub(super) fn whole(value: Value, range: core::ops::RangeInclusive<u32>) -> Option<u32> {
     let rounded = libm::round(value?);
     let fits = (f64::from(*range.start())..=f64::from(*range.end())).contains(&rounded);

@@ -1,9 +1,9 @@
 //! Functions and operators of expressions, angles in degrees.
 //!
-//! Source: operation lists of Fanuc's custom macro B. ROUND rounds half away from zero, FIX towards zero, FUP away from
-//! it; MOD rounds both its operands to whole numbers first and has the sign of the first; AND, OR and XOR work on 32 bits.
-//! ATAN with two arguments and ASIN answer 0 to 360 degrees, or -180 to 180 where [`Angles::Signed`] is set (parameter
-//! 6004 bit 0).
+//! Source: operation lists of Fanuc's custom macro B. ROUND rounds half away from zero, FIX towards zero, FUP away
+//! from it. MOD rounds both operands to whole numbers first; its result has the sign of the first. AND, OR and XOR
+//! work on 32 bits. ATAN with two arguments and ASIN return 0 to 360 degrees, or -180 to 180 with [`Angles::Signed`]
+//! (parameter 6004 bit 0).
 
 use core::f64::consts::PI;
 
@@ -15,53 +15,53 @@ const RESULT_MAX: f64 = 1e47;
 const HALF_TURN_DEG: f64 = 180.0;
 /// A full turn, in degrees.
 const TURN_DEG: f64 = 360.0;
-/// Largest number that BIN and BCD take: eight digits.
+/// Largest argument of BIN and BCD: eight digits.
 const BCD_MAX: f64 = 99_999_999.0;
 
-/// The range that inverse functions answer in.
+/// Range of the results of inverse functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Angles {
-    /// 0 to 360 degrees; ASIN 270 over 360 to 90.
+    /// 0 to 360 degrees; ASIN from 270 through 360 to 90.
     #[default]
     Positive,
     /// -180 to 180 degrees; ASIN -90 to 90.
     Signed,
 }
 
-/// A function of one number.
+/// A function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
-    /// Degrees.
+    /// Argument in degrees.
     Sin,
-    /// Degrees.
+    /// Argument in degrees.
     Cos,
-    /// Degrees.
+    /// Argument in degrees.
     Tan,
-    /// To degrees.
+    /// Result in degrees.
     Asin,
-    /// To degrees.
+    /// Result in degrees.
     Acos,
-    /// To degrees; with a second argument, of the point (second, first).
+    /// Result in degrees; with two arguments, the angle of the point (second, first).
     Atan,
     /// Square root.
     Sqrt,
     /// Absolute value.
     Abs,
-    /// Half away from zero.
+    /// Rounds half away from zero.
     Round,
-    /// Towards zero.
+    /// Rounds towards zero.
     Fix,
-    /// Away from zero.
+    /// Rounds away from zero.
     Fup,
     /// Natural logarithm.
     Ln,
-    /// Power of e.
+    /// Exponential function.
     Exp,
     /// `POW[base, exponent]`.
     Pow,
-    /// Decimal digits in four bits each to a number.
+    /// Binary-coded decimal to number.
     Bin,
-    /// A number to decimal digits in four bits each.
+    /// Number to binary-coded decimal.
     Bcd,
 }
 
@@ -86,7 +86,7 @@ const NAMES: [(&[u8], Function); 17] = [
 ];
 
 impl Function {
-    /// The function of this name, which may be cut down to two letters.
+    /// The function of this name, which may be shortened to its first two letters or more.
     pub fn named(name: &[u8]) -> Option<Self> {
         let is_name = |full: &[u8]| full == name || (name.len() >= 2 && full.starts_with(name));
         NAMES.iter().find(|(full, _)| is_name(full)).map(|(_, function)| *function)
@@ -131,7 +131,7 @@ impl Function {
         held(result)
     }
 
-    /// With a second argument.
+    /// Evaluates a function with two arguments.
     pub(super) fn of_two(self, x: f64, y: f64, angles: Angles) -> Result<f64, MacroAlarm> {
         match self {
             Function::Atan => held(turned(to_deg(libm::atan2(x, y)), angles)),
@@ -144,7 +144,7 @@ impl Function {
     }
 }
 
-/// Between two values.
+/// Binary operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`.
@@ -185,19 +185,19 @@ impl Operator {
     }
 }
 
-/// A result as far as a variable can hold it.
+/// Checks a result against the range of a variable.
 fn held(x: f64) -> Result<f64, MacroAlarm> {
     if libm::fabs(x) <= RESULT_MAX { Ok(x) } else { Err(MacroAlarm::Overflow) }
 }
 
-/// The whole number of 32 bits that bit operators work on.
+/// Operand of a bit operator: a whole number of 32 bits.
 fn whole(x: f64) -> Result<i64, MacroAlarm> {
     let rounded = libm::round(x);
     let fits = rounded >= f64::from(i32::MIN) && rounded <= f64::from(u32::MAX);
     if fits { Ok(rounded as i64) } else { Err(MacroAlarm::IllegalArgument) }
 }
 
-/// Exact at the quarters, where a circle's points lie on the axes.
+/// Sine of an angle in degrees; exact at multiples of 90 degrees.
 fn sin_deg(deg: f64) -> f64 {
     let in_turn = libm::fmod(deg, TURN_DEG);
     match libm::fabs(in_turn) {
@@ -216,7 +216,7 @@ fn turned(deg: f64, angles: Angles) -> f64 {
     if angles == Angles::Positive && deg < 0.0 { deg + TURN_DEG } else { deg }
 }
 
-/// Takes a number apart to one base and puts its digits together to another.
+/// Converts the digits of a number from one base to another.
 fn digits(x: f64, from: u64, to: u64) -> Result<f64, MacroAlarm> {
     let rounded = libm::round(x);
     let max = if from == 16 { f64::from(u32::MAX) } else { BCD_MAX };

@@ -1,4 +1,4 @@
-//! The executor: statement by statement, what the control has to do next.
+//! Interpreter of macro programs: executes statements and returns the next action of the control.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -17,14 +17,14 @@ use crate::nc::alarm::{Alarm, Fault, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::nc::settings::Tables;
 
-/// A program being executed.
+/// A program in execution.
 #[derive(Debug)]
 pub struct Interpreter {
     settings: Settings,
     stack: Stack,
     variables: Variables,
     then: Then,
-    /// The line being executed, counted from 0 in its file, and its place.
+    /// The line in execution, counted from 0 in its file, and its place.
     index: u32,
     place: Place,
     steps: u32,
@@ -32,7 +32,8 @@ pub struct Interpreter {
 }
 
 impl Interpreter {
-    /// At the start of the first program in `text`; in DNC operation the text comes by [`Interpreter::feed`].
+    /// An interpreter at the start of the first program in `text`. In DNC operation [`Interpreter::feed`] supplies the
+    /// text.
     pub fn new(text: &[u8], library: Box<dyn Library>, settings: Settings, context: &Context) -> Self {
         Interpreter {
             settings,
@@ -46,59 +47,60 @@ impl Interpreter {
         }
     }
 
-    /// Takes line `number` of the main program (DNC operation, when [`Step::Starved`]).
+    /// Supplies line `number` of the main program (DNC operation, after [`Step::Starved`]).
     pub fn feed(&mut self, line: &[u8], number: u32) {
         self.stack.feed(line, number);
     }
 
-    /// The switches of block delete that are on from here: bit n for `/n`.
+    /// Sets the block-delete switches: bit n for `/n`.
     pub fn set_block_delete(&mut self, switches: u16) {
         self.settings.block_delete = switches;
     }
 
-    /// Goes on at block N `sequence` of the program that runs; whether there is one.
+    /// Continues at block N `sequence` of the current program. Returns whether it exists.
     pub fn seek(&mut self, sequence: u32) -> bool {
         self.stack.jump(sequence).is_some()
     }
 
-    /// Where subprograms come from that are not in the main program's file.
+    /// Sets the source of subprograms that are not in the main program's file.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         self.stack.set_library(library);
     }
 
-    /// The offsets are these: at first, and after a block that wrote some with G10.
+    /// Sets the offsets: initially, and after a block that wrote some with G10.
     pub fn set_tables(&mut self, tables: &Tables) {
         *self.variables.tables = *tables;
     }
 
-    /// Reset: ready for the main program's next line from the DNC line. Common variables from #500 on and offsets stay.
+    /// Reset of the control: ready for the next line of the main program from the DNC line. Keeps offsets and the
+    /// common variables from #500 on.
     pub fn reset(&mut self) {
         self.stack.reset();
         self.variables.reset();
         (self.then, self.steps) = (Then::GoOn, 0);
     }
 
-    /// The variables, as they are now.
+    /// The variables.
     pub fn variables(&self) -> &Variables {
         &self.variables
     }
 
-    /// The variables, to preset common ones.
+    /// The variables, mutable, to preset common ones.
     pub fn variables_mut(&mut self) -> &mut Variables {
         &mut self.variables
     }
 
-    /// Ends the program at the line that was executed last.
+    /// Ends the program with a fault of the line executed last.
     pub fn stop(&mut self, fault: Fault) -> Trouble {
         self.then = Then::End(Ending::Program);
         let (place, calls) = (self.place, self.stack.calls());
         Trouble { fault, place, calls, message: core::mem::take(&mut self.message) }
     }
 
-    /// Executes statements up to the next thing to do; `context` is what the control knows now.
+    /// Executes statements up to the next action of the control; `context` is the current state of the control.
     ///
     /// # Errors
-    /// The alarm the control stops with. The program is then at its end.
+    /// The alarm with which the control stops; the program has then ended.
     pub fn next(&mut self, context: &Context) -> Result<Step, Trouble> {
         self.variables.context = *context;
         for _ in 0..self.settings.bounds.slice {
@@ -313,14 +315,14 @@ impl Interpreter {
             let code = Code::new(&text);
             self.give(text, columns, &code)
         });
-        // A call beside a move comes first; M99 beside M30 never comes.
+        // A call of this block precedes a modal call; M99 in a block with M30 is not executed.
         if !matches!(then, Then::GoOn) && !matches!(self.then, Then::End(_)) {
             self.then = then;
         }
         Ok(step)
     }
 
-    /// Gives a block out and prepares what comes behind it.
+    /// Emits a block and prepares the action after it.
     fn give(&mut self, text: Vec<u8>, columns: Vec<u16>, code: &Code) -> Step {
         let kind = self.variables.codes.take_block(code.cursor());
         if kind.moves || kind.dwells {
@@ -334,7 +336,7 @@ impl Interpreter {
         Step::Block(PlainBlock { text, place: self.place, calls: self.stack.calls(), columns })
     }
 
-    /// G65, G66, G66.1 with the words behind it.
+    /// Executes G65, G66 or G66.1 with the words after it.
     fn call_macro(&mut self, words: &[Word], at: usize) -> Result<(), Fault> {
         let Some((when, call)) = macro_call(words, at, self.variables.context.unit)? else { return Ok(()) };
         let Some(when) = when else {

@@ -1,8 +1,8 @@
-//! Custom macro B and subprograms: programs with variables to blocks of plain words.
+//! Custom macro B and subprograms: expansion of programs with variables into blocks of plain words.
 //!
-//! A text is taken apart once ([`program`]); the [`interpreter`] goes through it statement by statement and answers what a
-//! control has to do next: read a plain block, punch, stop, end. It does no I/O and has no clock; how long it may go round
-//! without a move, how deep calls nest and how large called programs may be are bounds that its caller sets.
+//! [`program`] divides a text once; the [`interpreter`] executes its statements and returns the next action of the
+//! control: read a plain block, punch, stop, end. It does no I/O and has no clock. The caller sets the limits:
+//! statements without a move, nesting of calls, and size of called programs.
 
 pub mod code;
 

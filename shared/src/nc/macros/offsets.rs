@@ -1,4 +1,4 @@
-//! Offsets as variables: the same tables that G10 writes.
+//! Offsets as variables: access to the tables that G10 writes.
 //!
 //! | number | what |
 //! |---|---|
@@ -16,16 +16,16 @@ use crate::nc::motion::Pose;
 use crate::nc::settings::Tables;
 use crate::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 
-/// Variables from one coordinate system to the next.
+/// Distance of the variables of consecutive coordinate systems.
 const SYSTEM_STEP: u32 = 20;
 const AXES: [u8; 6] = *b"XYZABC";
 
 enum Slot {
-    /// Of the external origin (0), G54 to G59, G54.1 P1 on; and the axis.
+    /// Coordinate system (0: external origin, then G54 to G59, then G54.1 P1 on) and axis.
     System(usize, u8),
-    /// By H: number from 0; geometry 0, wear 1.
+    /// Length offset: H from 0; geometry 0, wear 1.
     Length(usize, usize),
-    /// By D.
+    /// Radius offset: D from 0; geometry 0, wear 1.
     Radius(usize, usize),
 }
 
@@ -59,12 +59,12 @@ pub fn is_offset(variable: u32) -> bool {
     slot(variable).is_some()
 }
 
-/// Whether it is one of the external origin, which most machines have at zero.
+/// Whether a variable is an offset of the external origin, which is zero on most machines.
 pub fn is_external(variable: u32) -> bool {
     matches!(slot(variable), Some(Slot::System(0, _)))
 }
 
-/// The value of an offset; `None` if the variable is none.
+/// Value of an offset; `None` if the variable is not an offset.
 pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     let length = |nm: i64| nm as f64 / unit.nm() as f64;
     Some(match slot(variable)? {
@@ -83,7 +83,7 @@ pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     })
 }
 
-/// Sets an offset to this length or, where it is one of an angle, to this angle; `None` if the variable is none.
+/// Sets an offset to this length, or to this angle for a rotary axis; `None` if the variable is not an offset.
 pub fn write(tables: &mut Tables, variable: u32, length: Nm, angle: MicroDeg) -> Option<()> {
     match slot(variable)? {
         Slot::Length(number, place) => *tables.lengths.get_mut(number)?.get_mut(place)? = length,

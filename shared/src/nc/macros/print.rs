@@ -1,12 +1,12 @@
-//! What DPRNT and BPRNT send.
+//! Output of DPRNT and BPRNT.
 //!
-//! `DPRNT[text #v[wf]]`: letters, digits, `+ - * /` as they are, `*` as a blank; of a variable `w` digits before the point
-//! and `f` behind it, the last one rounded (without a fraction, cut off). `BPRNT[text #v[f]]`: letters in ISO code with its
-//! parity bit, of a variable four bytes, the high one first, times 10^f. Both end with a line feed; a vacant variable is
-//! zero.
+//! `DPRNT[text #v[wf]]`: letters, digits and `+ - /` unchanged, `*` as a blank; a variable with `w` digits before the
+//! decimal point and `f` after it, the last one rounded (truncated if `f` is 0). `BPRNT[text #v[f]]`: letters in ISO
+//! code with its parity bit; a variable times 10^f as four bytes, big-endian. Both end with a line feed; a vacant
+//! variable is zero.
 //!
-//! Sources: Haas 96-8000 p. 116 (DPRNT), NCT 99M p. 193 (BPRNT); the sign column, the padding and the cut of digits
-//! beyond `w` are assumed for a Fanuc: `[m]` in docs/dialect.md.
+//! Sources: Haas 96-8000 p. 116 (DPRNT), NCT 99M p. 193 (BPRNT). The sign column, the padding and the truncation of
+//! digits beyond `w` are assumed for a Fanuc: `[m]` in docs/dialect.md.
 
 use alloc::vec::Vec;
 
@@ -19,22 +19,22 @@ use crate::nc::macro_alarm::MacroAlarm;
 pub const PUNCH_ON: u8 = 0x12;
 /// DC4: punch off.
 pub const PUNCH_OFF: u8 = 0x14;
-/// Most digits of a number, before and behind its point together.
+/// Maximum number of digits, before and after the decimal point together.
 const DIGITS_MAX: u32 = 8;
 
-/// How DPRNT writes a number.
+/// Number format of DPRNT.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrintStyle {
-    /// A column for the sign, leading zeros as blanks, digits beyond `w` cut off (parameter 6001 bit 1 is 0).
+    /// A column for the sign, blanks for leading zeros, digits beyond `w` cut off (parameter 6001 bit 1 is 0).
     #[default]
     Padded,
-    /// As before without blanks (parameter 6001 bit 1 is 1).
+    /// As [`Self::Padded`], without blanks (parameter 6001 bit 1 is 1).
     Tight,
-    /// As on a Haas: no column for the sign, the field grows.
+    /// Haas format: no column for the sign, the field grows.
     Growing,
 }
 
-/// What goes to the punch.
+/// Output to the punch.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
     /// POPEN.
@@ -48,7 +48,7 @@ pub enum Output {
 }
 
 impl Output {
-    /// What goes out, in ASCII.
+    /// Bytes of the output, in ASCII.
     pub fn bytes(&self) -> &[u8] {
         match self {
             Output::Open => &[PUNCH_ON],
@@ -58,11 +58,10 @@ impl Output {
     }
 }
 
-/// Reads POPEN, PCLOS, DPRNT or BPRNT; `None` if none of them stands here.
+/// Executes POPEN, PCLOS, DPRNT or BPRNT; `None` for any other statement.
 ///
 /// # Errors
-/// PS0114 or PS0115 at the place that is no text, no variable or no format; PS0119 for a number that BPRNT's four bytes do
-/// not hold.
+/// PS0114 or PS0115 for invalid text, variable or format; PS0119 for a number that does not fit BPRNT's four bytes.
 pub fn statement(
     cursor: &mut Cursor<'_>,
     evaluator: Evaluator<'_>,
@@ -81,7 +80,7 @@ pub fn statement(
     })
 }
 
-/// Reads the brackets of a DPRNT and answers what it sends.
+/// Reads the brackets of a DPRNT and returns its output.
 fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &|byte| byte, &|format, value, out| {
         let (before, behind) = (format / 10, format % 10);
@@ -93,7 +92,7 @@ fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle)
     })
 }
 
-/// Reads the brackets of a BPRNT and answers what it sends.
+/// Reads the brackets of a BPRNT and returns its output.
 fn binary(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &with_parity, &|format, value, out| {
         let scaled = libm::round(value * libm::pow(10.0, f64::from(format)));
@@ -145,7 +144,7 @@ fn print(
     Ok(out)
 }
 
-/// One number with `before` digits before its point and `behind` behind it.
+/// Writes a number with `before` digits before its decimal point and `behind` digits after it.
 fn field(value: f64, before: usize, behind: usize, style: PrintStyle, out: &mut Vec<u8>) {
     let scale = libm::pow(10.0, behind as f64);
     let magnitude = libm::fabs(value) * scale;
@@ -181,7 +180,7 @@ fn field(value: f64, before: usize, behind: usize, style: PrintStyle, out: &mut 
     out.extend(reversed.iter().rev());
 }
 
-/// Even parity in the eighth bit, as the ISO code has it.
+/// Sets the even-parity bit of the ISO code.
 fn with_parity(byte: u8) -> u8 {
     if byte.count_ones().is_multiple_of(2) { byte } else { byte | 0x80 }
 }

@@ -1,6 +1,6 @@
-//! A file of programs: where each begins, its sequence numbers, and which END belongs to which DO.
+//! Index of a file of programs: their ranges of lines, sequence numbers, and pairs of DO and END.
 //!
-//! A file may hold several programs, each from its O word to the next. The first one may go without.
+//! A file may hold several programs, each from its O word to the next. The first one may have no O word.
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -10,20 +10,20 @@ use super::offsets;
 use crate::nc::block::is_title;
 use crate::nc::text::Lines;
 
-/// Where subprograms come from that are not in the file of the main program.
+/// Source of subprograms that are not in the file of the main program.
 pub trait Library: core::fmt::Debug + Send {
     /// The text of the file that holds program O`number`; `None` if there is no such program.
     fn load(&mut self, number: u32) -> Option<Vec<u8>>;
 }
 
-/// No library.
+/// The empty library.
 impl Library for () {
     fn load(&mut self, _number: u32) -> Option<Vec<u8>> {
         None
     }
 }
 
-/// Programs by their numbers.
+/// Library of texts by program number.
 impl Library for BTreeMap<u32, Vec<u8>> {
     fn load(&mut self, number: u32) -> Option<Vec<u8>> {
         self.get(&number).cloned()
@@ -35,34 +35,34 @@ impl Library for BTreeMap<u32, Vec<u8>> {
 pub struct Span {
     /// O, if there is one.
     pub number: Option<u32>,
-    /// Its first line.
+    /// First line.
     pub first: u32,
-    /// The line behind its last one.
+    /// Line after the last one.
     pub end: u32,
 }
 
-/// One line.
+/// A line of a program.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// As written, without line end.
+    /// Text as written, without line end.
     pub text: Vec<u8>,
-    /// Whether the macro interpreter has nothing to do here.
+    /// Whether the line needs no macro interpreter.
     pub is_plain: bool,
 }
 
-/// A text, taken apart.
+/// An indexed text.
 #[derive(Clone, Debug, Default)]
 pub struct File {
     lines: Vec<Line>,
     spans: Vec<Span>,
-    /// Sequence number and line, sorted.
+    /// Sequence numbers with their lines, sorted.
     sequence: Vec<(u32, u32)>,
-    /// DO to END and END to DO.
+    /// Lines of DO to lines of END, and vice versa.
     loops: BTreeMap<u32, u32>,
 }
 
 impl File {
-    /// Takes a text apart. It ends at its second `%`, if it begins with one, else at its first.
+    /// Indexes a text. It ends at its second `%` if it begins with one, otherwise at its first.
     pub fn new(text: &[u8]) -> Self {
         let mut file = File::default();
         let mut open: Vec<(u32, u32)> = Vec::new();
@@ -94,7 +94,7 @@ impl File {
         file
     }
 
-    /// An END belongs to the last DO that is open, if the numbers agree.
+    /// Pairs an END with the last open DO if their numbers agree.
     fn pair(&mut self, word: Option<LoopWord>, line: u32, open: &mut Vec<(u32, u32)>) {
         match word {
             Some(LoopWord::Do(number)) => open.push((number, line)),
@@ -120,12 +120,12 @@ impl File {
         self.spans.first().copied()
     }
 
-    /// The program with this number; a file of a library may hold one that does not say its own.
+    /// The program with this number.
     pub fn program(&self, number: u32) -> Option<Span> {
         self.spans.iter().find(|span| span.number == Some(number)).copied()
     }
 
-    /// The line of a sequence number: forward from behind line `from`, then from the program's start.
+    /// Line of a sequence number: searched after line `from`, then from the program's start.
     pub fn find(&self, number: u32, span: Span, from: u32) -> Option<u32> {
         let begin = self.sequence.partition_point(|entry| *entry < (number, span.first));
         let same = self.sequence.get(begin..).unwrap_or_default();
@@ -134,12 +134,12 @@ impl File {
         lines().find(|line| *line > from).or_else(|| lines().next())
     }
 
-    /// The other end of the loop that begins or ends in this line.
+    /// Line of the END for a DO, and of the DO for an END.
     pub fn other_end(&self, line: u32) -> Option<u32> {
         self.loops.get(&line).copied()
     }
 
-    /// Whether a jump from one line to another would enter a loop.
+    /// Whether a jump between two lines would enter a loop.
     pub fn enters_loop(&self, from: u32, to: u32) -> bool {
         let bodies = self.loops.iter().filter(|(begin, end)| begin < end);
         bodies.into_iter().any(|(begin, end)| {
@@ -170,7 +170,7 @@ fn loop_word(rest: &[u8]) -> Option<LoopWord> {
     None
 }
 
-/// Whether a block without its head is one of words and plain numbers, and calls nothing.
+/// Whether a block, without its head, has only words with plain numbers and no call.
 fn is_plain(rest: &[u8]) -> bool {
     let has_macro = rest.iter().any(|byte| matches!(byte, b'#' | b'[' | b']' | b'='));
     let mut runs = rest.split(|byte| !byte.is_ascii_uppercase());
@@ -179,7 +179,7 @@ fn is_plain(rest: &[u8]) -> bool {
     !has_macro && !is_statement && !has_keyword && !words(rest).any(|(letter, value)| is_call(letter, value))
 }
 
-/// Whether a line is more than words and plain numbers: a macro statement or a call.
+/// Whether a line is a macro statement or a call.
 pub fn is_statement(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
@@ -187,7 +187,7 @@ pub fn is_statement(line: &[u8]) -> bool {
     !is_title(line) && !is_plain(cursor.rest())
 }
 
-/// Letters and the digits behind them, without leading zeros.
+/// Letters and the digits after them, without leading zeros.
 fn words(rest: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     rest.iter().enumerate().filter(|(_, byte)| byte.is_ascii_uppercase()).map(|(at, letter)| {
         let value = rest.get(at + 1..).unwrap_or_default();
@@ -206,20 +206,21 @@ fn is_call(letter: u8, value: &[u8]) -> bool {
     }
 }
 
-/// Where a program's first macro statement or call stands: its line, counted from 1.
+/// Line of a program's first macro statement or call, counted from 1.
 pub fn first_macro(text: &[u8]) -> Option<usize> {
     Lines::new(text).position(|line| needs_interpreter(line.text)).map(|index| index + 1)
 }
 
-/// Whether a line needs the macro interpreter: anything but words, plain numbers and a `#variable=number` without effect.
+/// Whether a line needs the macro interpreter: any line except words with plain numbers, and `#variable=number`
+/// without side effects.
 pub fn needs_interpreter(line: &[u8]) -> bool {
     !has_plain_bytes(line) && has_effect(line)
 }
 
-/// Whether a line's bytes show by themselves that it is plain, as those of most lines do: numbers behind single letters, comments
-/// behind numbers, and neither G6 nor M9 or M1, with which the codes of calls begin, whatever blanks and zeros stand between.
+/// Fast test for plain lines, which most lines pass: numbers after single letters, comments after numbers, and none of
+/// G6, M9 and M1, with which the codes of calls begin, with any blanks and zeros between.
 fn has_plain_bytes(line: &[u8]) -> bool {
-    // A letter whose number has yet to come, in lower case once there are zeros of it; or an open parenthesis; or nothing.
+    // State: a letter whose number is still missing (in lower case after leading zeros), an open parenthesis, or 0.
     let mut before = 0;
     line.iter().all(|&byte| {
         match byte {
@@ -241,7 +242,7 @@ fn has_plain_bytes(line: &[u8]) -> bool {
     })
 }
 
-/// The same of any line.
+/// Full test of any line.
 fn has_effect(line: &[u8]) -> bool {
     let code = Code::new(line);
     let mut cursor = code.cursor();
@@ -252,7 +253,8 @@ fn has_effect(line: &[u8]) -> bool {
     let variable = if cursor.eat(b"#") { cursor.digits().ok().flatten() } else { None };
     let value = if cursor.eat(b"=") { cursor.number().ok() } else { None };
     let (Some(variable), Some(value), None) = (variable, value, cursor.peek()) else { return true };
-    // Alarms, messages, switches and offsets are more than a number kept; an external origin is at zero as a rule.
+    // Alarms, messages, switches and offsets have side effects, except setting the external origin to zero, its usual
+    // value.
     let is_zeroed = offsets::is_external(variable) && value.to_f64() == 0.0;
     (3_000..4_000).contains(&variable) || (offsets::is_offset(variable) && !is_zeroed)
 }

@@ -1,4 +1,4 @@
-//! Calls: the programs in memory, which of them run, and the macros that G66 calls after moves.
+//! Call stack: the programs in memory, the running ones, and the modal calls of G66.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -11,24 +11,24 @@ use crate::nc::macro_alarm::MacroAlarm;
 /// A line of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// The program of the library whose file it stands in; `None` for the main program's file.
+    /// Number of the library program whose file contains the line; `None` for the main program's file.
     pub library: Option<u32>,
     /// Line, counted from 1.
     pub line: u32,
 }
 
-/// Bounds that a caller sets.
+/// Limits that the caller sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
-    /// Subprograms called by M98 within each other.
+    /// Maximum nesting of subprograms (M98).
     pub subprograms: usize,
-    /// Macros called by G65, G66, G66.1 within each other.
+    /// Maximum nesting of macros (G65, G66, G66.1).
     pub macros: usize,
-    /// Statements between two moves.
+    /// Maximum number of statements between two moves.
     pub steps: u32,
-    /// Statements of one call of [`super::interpreter::Interpreter::next`].
+    /// Maximum number of statements of one call of [`super::interpreter::Interpreter::next`].
     pub slice: u32,
-    /// Bytes of all programs of the library.
+    /// Maximum size of all library programs, bytes.
     pub memory: usize,
 }
 
@@ -39,31 +39,31 @@ impl Default for Bounds {
     }
 }
 
-/// A call to make.
+/// A call of a program.
 #[derive(Clone, Debug)]
 pub struct Call {
-    /// O of the program.
+    /// Number of the program (O).
     pub number: u32,
-    /// How often.
+    /// Number of repetitions.
     pub repeats: u32,
-    /// #1 to #33 of a macro; a subprogram has those of its caller.
+    /// #1 to #33 of a macro; `None` for a subprogram, which shares those of its caller.
     pub arguments: Option<Box<Locals>>,
-    /// Whether G66 or G66.1 makes it.
+    /// Whether it is a modal call (G66, G66.1).
     pub is_modal: bool,
-    /// Where the program's number stands.
+    /// Column of the program's number.
     pub column: u16,
 }
 
-/// When a modal macro is called.
+/// Timing of a modal macro call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
-    /// G66.
+    /// After blocks that move an axis (G66).
     AfterMoves,
-    /// G66.1.
+    /// At every block (G66.1).
     EveryBlock,
 }
 
-/// A program that runs.
+/// A running program.
 #[derive(Clone, Debug)]
 pub struct Frame {
     file: usize,
@@ -74,11 +74,11 @@ pub struct Frame {
     arguments: Option<Box<Locals>>,
     callers: Option<Box<Locals>>,
     is_modal: bool,
-    /// Where it was called from.
+    /// Line of the call.
     pub from: Place,
 }
 
-/// All that runs, the main program first.
+/// Stack of running programs, the main program first.
 #[derive(Debug)]
 pub struct Stack {
     files: Vec<(Option<u32>, File)>,
@@ -86,14 +86,14 @@ pub struct Stack {
     library_bytes: usize,
     frames: Vec<Frame>,
     modal: Vec<(When, Call)>,
-    /// Modal calls that do not call again, because they run.
+    /// Number of modal calls that are running and therefore not called again.
     masked: usize,
-    /// Lines of a main program in DNC operation that came before the one kept.
+    /// Number of lines of a main program in DNC operation before the current one.
     lines_before: u32,
 }
 
 impl Stack {
-    /// Ready to execute the first program of a text.
+    /// A stack ready to execute the first program of a text.
     pub fn new(main: File, library: Box<dyn Library>) -> Self {
         let span = main.main();
         let mut stack = Stack {
@@ -118,19 +118,19 @@ impl Stack {
         stack
     }
 
-    /// Where programs come from that are in no file yet.
+    /// Sets the source of programs that are not loaded yet.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         self.library = library;
     }
 
-    /// Nothing runs but the main program, and no modal call is left.
+    /// Ends all called programs and cancels all modal calls.
     pub fn reset(&mut self) {
         self.frames.truncate(1);
         self.modal.clear();
         self.masked = 0;
     }
 
-    /// The next line of a main program in DNC operation takes the place of the one before.
+    /// Replaces the line of a main program in DNC operation by the next one.
     pub fn feed(&mut self, line: &[u8], number: u32) {
         self.lines_before = number.saturating_sub(1);
         let file = File::new(line);
@@ -143,19 +143,19 @@ impl Stack {
         }
     }
 
-    /// The program that runs, with its file.
+    /// The running program with its file.
     pub fn top(&mut self) -> Option<(&mut Frame, &File)> {
         let frame = self.frames.last_mut()?;
         let (_, file) = self.files.get(frame.file)?;
         Some((frame, file))
     }
 
-    /// Whether the main program runs.
+    /// Whether the main program is running.
     pub fn is_in_main(&self) -> bool {
         self.frames.len() <= 1
     }
 
-    /// The place of a line of the program that runs.
+    /// Place of a line of the running program.
     pub fn place(&self, index: u32) -> Place {
         let library = self.frames.last().and_then(|frame| self.files.get(frame.file)?.0);
         let is_of_main = self.frames.last().is_some_and(|frame| frame.file == 0);
@@ -163,15 +163,15 @@ impl Stack {
         Place { library, line: before.saturating_add(index).saturating_add(1) }
     }
 
-    /// Where the running programs were called from, the main program's call first.
+    /// Lines from which the running programs were called, the main program's call first.
     pub fn calls(&self) -> Vec<Place> {
         self.frames.iter().skip(1).map(|frame| frame.from).collect()
     }
 
-    /// Begins a called program.
+    /// Starts a called program.
     ///
     /// # Errors
-    /// PS0077, PS0078, PS0122, or a library too large.
+    /// PS0077, PS0078, PS0122, or a library that is too large.
     pub fn enter(&mut self, call: Call, from: Place, locals: &mut Locals, bounds: &Bounds) -> Result<(), Fault> {
         let fault = |alarm| Fault::in_macro(alarm, call.column);
         let macros = self.frames.iter().filter(|frame| frame.arguments.is_some()).count();
@@ -190,7 +190,7 @@ impl Stack {
         Ok(())
     }
 
-    /// In the files that are there, then in the library.
+    /// Finds a program in the loaded files, then in the library.
     fn find(&mut self, number: u32, memory: usize) -> Result<(usize, Span), MacroAlarm> {
         let known = |(index, (name, file)): (usize, &(Option<u32>, File))| {
             let named = file.main().filter(|_| *name == Some(number));
@@ -208,11 +208,11 @@ impl Stack {
         self.files.iter().enumerate().find_map(known).ok_or(MacroAlarm::ProgramNotFound)
     }
 
-    /// M99: again from its start if it has repetitions left, else back to the caller, there to block N `sequence`.
-    /// Answers false for the main program, which begins again.
+    /// M99: restarts the program if repetitions remain, otherwise returns to the caller, at block N `sequence` if
+    /// given. Returns false for the main program, which starts again.
     ///
     /// # Errors
-    /// PS0078: no such block.
+    /// PS0078 if there is no such block.
     pub fn leave(&mut self, sequence: Option<(u32, u16)>, locals: &mut Locals) -> Result<bool, Fault> {
         let is_main = self.is_in_main();
         let Some(frame) = self.frames.last_mut() else { return Ok(false) };
@@ -233,17 +233,17 @@ impl Stack {
         Ok(!is_main)
     }
 
-    /// Goes on at a sequence number; `None` if there is none.
+    /// Continues at a sequence number; `None` if there is none.
     pub fn jump(&mut self, number: u32) -> Option<()> {
         let (frame, file) = self.top()?;
         frame.line = file.find(number, frame.span, frame.line)?;
         Some(())
     }
 
-    /// GOTO, from line `from`.
+    /// GOTO from line `from`.
     ///
     /// # Errors
-    /// PS0128: no such block. PS0124: it lies in a loop that this line does not.
+    /// PS0128 if there is no such block; PS0124 if it lies in a loop that does not contain this line.
     pub fn go_to(&mut self, number: u32, from: u32) -> Result<(), MacroAlarm> {
         let (frame, file) = self.top().ok_or(MacroAlarm::SequenceNumber)?;
         let line = file.find(number, frame.span, from).ok_or(MacroAlarm::SequenceNumber)?;
@@ -254,22 +254,22 @@ impl Stack {
         Ok(())
     }
 
-    /// Whether the program that runs is at the end of its text.
+    /// Whether the running program is at the end of its text.
     pub fn is_at_end(&self) -> bool {
         self.frames.last().is_none_or(|frame| frame.line >= frame.span.end)
     }
 
-    /// The modal call to make now, if there is one. What is wrong with it is told of the block that makes it as a whole.
+    /// The modal call to execute now, if any. Its faults are reported for the whole block (column 0).
     pub fn modal_call(&self, when: When) -> Option<Call> {
         let active = self.modal.len().checked_sub(self.masked + 1)?;
         let call = self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone());
         call.map(|call| Call { column: 0, ..call })
     }
 
-    /// G66, G66.1; false if a modal macro runs, in which there can be no other.
+    /// G66, G66.1. Returns false if a modal macro is running, in which another one is not allowed.
     ///
     /// # Errors
-    /// PS0122: too many within each other.
+    /// PS0122 for too deep nesting.
     pub fn set_modal(&mut self, when: When, call: Call, bounds: &Bounds) -> Result<bool, Fault> {
         if self.modal.len() >= bounds.macros {
             return Err(Fault::in_macro(MacroAlarm::MacroNesting, call.column));
@@ -280,7 +280,7 @@ impl Stack {
         Ok(self.masked == 0)
     }
 
-    /// G67: the last modal call ends; false if it runs.
+    /// G67: cancels the last modal call. Returns false if it is running.
     pub fn cancel_modal(&mut self) -> bool {
         if self.masked == 0 {
             self.modal.pop();

@@ -1,4 +1,4 @@
-//! What an interpreter is set to and what it answers.
+//! Settings and results of the macro interpreter.
 
 use alloc::vec::Vec;
 
@@ -8,68 +8,68 @@ use super::stack::{Bounds, Place};
 use super::variables::Ignored;
 use crate::nc::alarm::Fault;
 
-/// How the control is set.
+/// Settings of the interpreter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
     /// Range of ATAN and ASIN.
     pub angles: Angles,
-    /// How DPRNT writes.
+    /// Number format of DPRNT.
     pub print: PrintStyle,
-    /// Switches of block delete that are on: bit n for `/n`.
+    /// Block-delete switches that are on: bit n for `/n`.
     pub block_delete: u16,
-    /// Whether the main program comes line by line over the DNC line.
+    /// Whether the main program arrives line by line over the DNC line.
     pub is_dnc: bool,
-    /// Bounds.
+    /// Limits.
     pub bounds: Bounds,
 }
 
-/// What the control does next.
+/// Next action of the control.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// Reads a block of plain words.
+    /// Read a block of plain words.
     Block(PlainBlock),
-    /// Sends something to the punch.
+    /// Send output to the punch.
     Output(Output),
-    /// From here on passes over what #3003 and #3004 say.
+    /// Ignore the functions of #3003 and #3004 from here on.
     Ignore(Ignored),
-    /// An offset is set: the reader of plain blocks gets those of [`super::variables::Variables`].
+    /// An offset was set: pass the tables of [`super::variables::Variables`] to the reader of plain blocks.
     Offset,
-    /// Stops with a message until the operator presses cycle start (#3006).
+    /// Stop with a message until the operator presses cycle start (#3006).
     Message(Vec<u8>),
-    /// Begins the main program again (M99 in it).
+    /// Restart the main program (M99 in it).
     Restart,
-    /// Nothing yet: [`Bounds::slice`] statements without one of the others. Time passes.
+    /// None yet: [`Bounds::slice`] statements were executed without another result.
     Busy,
-    /// Waits for the next line of its main program (DNC operation).
+    /// Wait for the next line of the main program (DNC operation).
     Starved,
-    /// Is at its end.
+    /// The program has ended.
     End(Ending),
 }
 
-/// How a program ended.
+/// End of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// M02 or M30.
     Program,
-    /// The text is over; a control raises PS5010.
+    /// End of the text; a control raises PS5010.
     Text,
 }
 
-/// A block without expressions, and where it comes from.
+/// A block without expressions, with its origin.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlainBlock {
-    /// What the reader of plain blocks reads.
+    /// Text for the reader of plain blocks.
     pub text: Vec<u8>,
     /// Its source line.
     pub place: Place,
-    /// Where the programs it stands in were called, the main program's call first.
+    /// Lines from which the running programs were called, the main program's call first.
     pub calls: Vec<Place>,
-    /// The source column of each byte of `text`; nothing if `text` is the line as written.
+    /// Source column of each byte of `text`; empty if `text` is the line as written.
     pub(super) columns: Vec<u16>,
 }
 
 impl PlainBlock {
-    /// A fault of `text` in terms of the source line.
+    /// Converts the column of a fault from `text` to the source line.
     pub fn in_source(&self, fault: Fault) -> Fault {
         let at = usize::from(fault.column).checked_sub(1);
         let column = at.and_then(|at| self.columns.get(at).or(self.columns.last()).copied());
@@ -77,15 +77,15 @@ impl PlainBlock {
     }
 }
 
-/// Why a program stopped.
+/// Fault that stopped a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trouble {
-    /// What is wrong, and the column.
+    /// Cause and column.
     pub fault: Fault,
-    /// The line.
+    /// Source line.
     pub place: Place,
-    /// Where the programs it stands in were called, the main program's call first.
+    /// Lines from which the running programs were called, the main program's call first.
     pub calls: Vec<Place>,
-    /// The text beside `#3000`.
+    /// Comment of the `#3000` block.
     pub message: Vec<u8>,
 }

@@ -1,4 +1,4 @@
-//! Variables: local to a call, common to all programs, and those of the system.
+//! Variables: local, common and system variables.
 //!
 //! | number | what |
 //! |---|---|
@@ -7,14 +7,14 @@
 //! | #100-#199, #500-#999 | common |
 //! | #3000, #3006 | alarm and stop with a message |
 //! | #3001, #3002 | milliseconds and hours since they were set |
-//! | #3003, #3004 | what of single block, and of feed hold, override, exact stop, counts for nothing |
+//! | #3003, #3004 | disable single block, and feed hold, override, exact stop |
 //! | #3011, #3012 | date and time of day |
 //! | #4001-#4130 | codes in effect |
-//! | #5001-#5006 | where the last block ends, in the work coordinate system |
+//! | #5001-#5006 | end of the last block, in the work coordinate system |
 //! | #5021-#5026 | the same in machine coordinates |
-//! | #5041-#5046 | the same in the work coordinate system, longer by the tool |
+//! | #5041-#5046 | the same in the work coordinate system plus the tool length |
 //!
-//! Those of offsets stand in [`super::offsets`].
+//! The variables of offsets are in [`super::offsets`].
 
 use alloc::boxed::Box;
 use alloc::vec;
@@ -38,62 +38,62 @@ const HOURS_PER_DAY: u64 = 24;
 /// Alarms that #3000 can raise.
 const USER_ALARM_MAX: f64 = 200.0;
 
-/// What a variable holds; `None` is vacant.
+/// Value of a variable; `None` is vacant.
 pub type Value = Option<f64>;
 
 /// The variables of one macro call, #1 first.
 pub type Locals = [Value; 33];
 
-/// What the control knows while a statement is executed.
+/// State of the control while a statement is executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Context {
     /// G20 or G21.
     pub unit: LengthUnit,
-    /// Where the last block ends, in the program's coordinates.
+    /// End of the last block in program coordinates.
     pub end: Pose,
-    /// The same in machine coordinates.
+    /// End of the last block in machine coordinates.
     pub machine: Pose,
-    /// The same in the program's coordinates, longer by the tool.
+    /// End of the last block in program coordinates plus the tool length.
     pub lengthened: Pose,
     /// Time since power-on.
     pub now: Micros,
-    /// The day at power-on: year, month, day in one number, as 20040229. Its clock showed midnight.
+    /// Date at power-on as one number, year, month, day: 20040229. Power-on counts as midnight.
     pub date: u32,
 }
 
 impl Context {
-    /// In this modal state, at this time, with no offset of the machine's.
+    /// Context of this modal state and time, without machine offsets.
     pub fn new(modal: &Modal, now: Micros) -> Self {
         let Modal { unit, program, position, .. } = *modal;
         Context { unit, end: program, machine: position, lengthened: program, now, date: 20_000_101 }
     }
 
-    /// Before a [`Reader`](crate::reader::Reader)'s next line: this modal state and where it stands in machine coordinates.
+    /// Context before the next line of a [`Reader`](crate::reader::Reader), with its modal state and machine position.
     pub fn with_length(modal: &Modal, machine: Pose, now: Micros) -> Self {
         let lengthened = modal.program.plus(machine.minus(modal.position));
         Context { machine, lengthened, ..Context::new(modal, now) }
     }
 }
 
-/// What a program does beside keeping a number when it sets a variable.
+/// Side effect of setting a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Nothing.
+    /// No side effect.
     Kept,
     /// #3000: the alarm of this number.
     Alarm(u16),
     /// #3006: stop with a message.
     Stop,
-    /// #3003, #3004: other switches count for nothing from here on.
+    /// #3003, #3004: the set of ignored functions changes.
     Ignore,
-    /// An offset.
+    /// An offset changes.
     Offset,
 }
 
-/// What the control passes over, bit by bit, as #3003 and #3004 say.
+/// Functions that the control ignores (#3003, #3004), as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ignored {
-    /// Bit 0: single block. Bit 1: the end of auxiliary functions is not waited for.
+    /// Bit 0: single block. Bit 1: waiting for the end of auxiliary functions.
     pub stops: u8,
     /// Bit 0: feed hold. Bit 1: the feed override. Bit 2: exact stop.
     pub feed: u8,
@@ -102,23 +102,23 @@ pub struct Ignored {
 /// All variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
-    /// #1 to #33 of the macro that runs now.
+    /// #1 to #33 of the running macro.
     pub locals: Locals,
-    /// What the control knows.
+    /// State of the control.
     pub context: Context,
     /// Codes in effect.
     pub codes: Codes,
-    /// What #3003 and #3004 hold.
+    /// #3003 and #3004.
     pub ignored: Ignored,
     /// Offsets.
     pub tables: Box<Tables>,
     common: Vec<Value>,
-    /// When #3001 and #3002 were set to zero, in their own units.
+    /// Times at which #3001 and #3002 were zero, in their own units.
     timers: [f64; 2],
 }
 
 impl Variables {
-    /// All vacant.
+    /// Variables with all local and common ones vacant.
     pub fn new(context: Context) -> Self {
         Variables {
             locals: [None; 33],
@@ -134,7 +134,8 @@ impl Variables {
     /// The value of a variable.
     ///
     /// # Errors
-    /// PS0115: there is none of this number. Not modelled: the control has it, its value is not known here.
+    /// PS0115 if there is no variable of this number; not modelled if the control has it but its value is unknown
+    /// here.
     pub fn read(&self, number: u32) -> Result<Value, Cause> {
         let known = match number {
             0 => return Ok(None),
@@ -171,7 +172,7 @@ impl Variables {
             3_006 => return Ok(Effect::Stop),
             3_001 | 3_002 => self.set_timer(number as usize - 3_001, plain),
             3_003 | 3_004 => return self.ignore(number, plain),
-            // Among them the machine's signals to the program.
+            // This includes the machine's signals to the program.
             0 | 1_000..=1_035 | 3_011 | 3_012 | 4_001..=4_130 | 5_001..=5_105 => {
                 return Err(Cause::Macro(MacroAlarm::WriteProtected));
             }
@@ -204,7 +205,7 @@ impl Variables {
         Ok(Effect::Ignore)
     }
 
-    /// Reset: local variables and #100 to #199 are vacant, nothing is passed over any more.
+    /// Reset: clears the local variables, #100 to #199, and #3003 and #3004.
     pub fn reset(&mut self) {
         self.locals = [None; 33];
         self.ignored = Ignored::default();
@@ -231,14 +232,14 @@ impl Variables {
         }
     }
 
-    /// Hours, minutes, seconds in one number.
+    /// Time of day as one number: hours, minutes, seconds.
     fn time_of_day(&self) -> u64 {
         let seconds = self.context.now.0 / US_PER_S;
         let (hours, minutes) = (seconds / S_PER_HOUR % HOURS_PER_DAY, seconds / S_PER_MIN % S_PER_MIN);
         (hours * 100 + minutes) * 100 + seconds % S_PER_MIN
     }
 
-    /// X, Y, Z in the program's unit, A, B, C in degrees.
+    /// Coordinate of an axis: X, Y, Z in the program's unit, A, B, C in degrees.
     fn position(&self, pose: &Pose, axis: u32) -> Option<f64> {
         let Pose { linear, rotary } = pose;
         let axis = axis as usize;
@@ -247,7 +248,7 @@ impl Variables {
     }
 }
 
-/// An offset's value as a length or as an angle, to the least increment; `None` if no offset is so large.
+/// Value of an offset as a length and as an angle, rounded to the least increment; `None` if it is too large.
 fn rounded(value: f64, unit: LengthUnit) -> Option<(Nm, MicroDeg)> {
     let to = |per_unit: i64, whole: i64| libm::round(value * per_unit as f64) as i64 * (whole / per_unit);
     let per_unit = match unit {
@@ -258,7 +259,7 @@ fn rounded(value: f64, unit: LengthUnit) -> Option<(Nm, MicroDeg)> {
     value_fits.then(|| (Nm(to(per_unit, unit.nm())), MicroDeg(to(1_000, MICRODEG_PER_DEG))))
 }
 
-/// The place of a common variable.
+/// Index of a common variable.
 fn common(number: u32) -> Option<usize> {
     match number {
         100..=199 => Some(number as usize - 100),

@@ -1,8 +1,8 @@
-//! NC blocks with expressions behind their addresses: the values worked out, the block spelled with plain numbers.
+//! Words of NC blocks with expressions: evaluation of the values, and the block written with plain numbers.
 //!
-//! A value from a variable counts as if written with a decimal point and is rounded, half away from zero, to the least
-//! increment of its address: 0.001 mm, 0.0001 in, 0.001 deg; G codes to tenths, counts and numbers to whole ones. A word
-//! whose variable is vacant is not there.
+//! A value from a variable counts as written with a decimal point. It is rounded half away from zero to the least
+//! increment of its address: 0.001 mm, 0.0001 in, 0.001 deg; G codes to tenths, counts and numbers to whole ones. A
+//! word whose variable is vacant is left out.
 
 use alloc::vec::Vec;
 
@@ -14,19 +14,19 @@ use crate::units::LengthUnit;
 
 /// Largest value of a word: eight digits.
 const DIGITS_MAX: f64 = 99_999_999.0;
-/// Decimals of a feed, as far as its eight digits reach.
+/// Decimals of a feed, within its eight digits.
 const FEED_DECIMALS: i32 = 4;
 
-/// A word and where it stands.
+/// A word and its column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Word {
     /// The address, or `,` before one.
     pub letter: u8,
-    /// As spelled for the reader of plain blocks.
+    /// Number as written for the reader of plain blocks.
     pub spelled: Vec<u8>,
-    /// What it is worth; without a decimal point, in whatever its address counts.
+    /// Value; without a decimal point, in the increments of its address.
     pub(super) value: f64,
-    /// Whether it is written with a decimal point, or comes from a variable.
+    /// Whether it is written with a decimal point or comes from a variable.
     pub has_point: bool,
     /// Column of its address.
     pub column: u16,
@@ -35,7 +35,7 @@ pub struct Word {
 /// Reads the words of a block to its end.
 ///
 /// # Errors
-/// PS0127 where a macro statement follows, PS0114 and others in expressions, and what the reader of plain blocks finds.
+/// PS0127 if a macro statement follows, PS0114 and others in expressions, and the faults of plain words.
 pub fn read(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit) -> Result<Vec<Word>, Fault> {
     let mut words = Vec::new();
     while let Some(letter) = cursor.peek() {
@@ -61,7 +61,7 @@ pub fn read(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit)
     Ok(words)
 }
 
-/// A word behind its address; `None` if its value is vacant.
+/// Reads a word after its address; `None` if its value is vacant.
 fn word(letter: u8, column: u16, cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Option<Word>, Fault> {
     let is_expression =
         matches!(cursor.rest(), [b'#' | b'[' | b'A'..=b'Z', ..] | [b'+' | b'-', b'#' | b'[' | b'A'..=b'Z', ..]);
@@ -80,7 +80,7 @@ fn word(letter: u8, column: u16, cursor: &mut Cursor<'_>, evaluator: Evaluator<'
     Ok(Some(Word { letter, spelled, value, has_point: true, column }))
 }
 
-/// Decimals of an address' least increment.
+/// Decimals of an address's least increment.
 fn decimals(letter: u8, unit: LengthUnit) -> i32 {
     match letter {
         b'D' | b'H' | b'L'..=b'P' | b'S' | b'T' => 0,
@@ -94,7 +94,7 @@ fn decimals(letter: u8, unit: LengthUnit) -> i32 {
     }
 }
 
-/// A value with so many decimals, zeros at its end left out; `None` if that takes more than eight digits.
+/// Writes a value with at most `decimals` decimals, without trailing zeros; `None` if it needs more than eight digits.
 fn spell(value: f64, decimals: i32, letter: u8) -> Option<Vec<u8>> {
     let mut decimals = decimals;
     let scaled = |decimals: i32| libm::round(value * libm::pow(10.0, f64::from(decimals)));
@@ -130,7 +130,7 @@ fn spell(value: f64, decimals: i32, letter: u8) -> Option<Vec<u8>> {
     Some(reversed)
 }
 
-/// Words spelled one behind the other, and for each byte the column of its word.
+/// Text of consecutive words, and the column of its word for each byte.
 pub fn spell_block<'w>(words: impl Iterator<Item = &'w Word>) -> (Vec<u8>, Vec<u16>) {
     let (mut text, mut columns) = (Vec::new(), Vec::new());
     for word in words {
