@@ -1,19 +1,22 @@
-//! The other end's clock, from round trips.
+//! Estimate of the peer's clock from round trips.
 //!
-//! Of a round trip, a is by our clock and b by theirs: a1 ours goes out, b1 it comes in, b2 theirs goes out, a2 it comes in. Nothing arrives
-//! before it is sent, so for the offset O = b - a, whatever way took longer:
+//! In a round trip, times a are by our clock and times b by the peer's: we send at a1, the peer receives at b1 and
+//! answers at b2, we receive at a2. No frame arrives before it is sent. Therefore the offset O = b - a satisfies, for
+//! any delays:
 //!
 //! ```text
 //! b2 - a2 <= O <= b1 - a1                                                           (1)
 //! ```
 //!
-//! Bounds of one round trip and of the next are intersected, after those of before were widened by what the two clocks may
-//! have drifted apart since (2). A round trip that was held up gives wide bounds and so changes nothing: no outliers to
-//! reject. Bounds that do not meet say that a clock stepped, or drifts more than it may; the newer ones stand then, counted.
-//! From the upper bound follows the least time at which something can have been sent (3): an age from that errs on the old side only.
+//! The bounds of consecutive round trips are intersected, after the earlier ones were widened by the largest drift
+//! since then (2). A delayed round trip gives wide bounds and changes nothing, so no outliers have to be rejected.
+//! Disjoint bounds mean that a clock has stepped or drifts more than allowed; then the newer bounds replace the older
+//! ones, and the step is counted. The upper bound gives the earliest time at which a frame can have been sent (3): an
+//! age computed from it can only be too large.
 //!
-//! The drift itself is the slope of a line through the narrowest round trip of each second, older ones weighing less by 1/30 each
-//! (4), as in Klipper's `clocksync.py`; one more than twice as wide as the narrowest so far (which is forgotten by 1/16 each) is left out.
+//! The drift is the slope of a line through the narrowest round trip of each second, with weights that fall by 1/30
+//! per point (4), as in Klipper's `clocksync.py`. Points more than twice as wide as the narrowest so far are left out;
+//! that width grows by 1/16 with each point.
 //!
 //! Clocks are compared modulo 2^32 us, differences within half of that: 35 minutes.
 
@@ -22,15 +25,15 @@ use crate::units::{Micros, Span, US_PER_S};
 use super::session::Echo;
 
 const PPM: u64 = 1_000_000;
-/// Between two points of the line.
+/// Time between two points of the line.
 const WINDOW_US: u64 = US_PER_S;
-/// How much less a point weighs than the next one.
+/// Decay of the weight from point to point.
 const DECAY: f64 = 1.0 / 30.0;
-/// Points before a slope is believed.
+/// Number of points before a slope is reported.
 const POINTS_MIN: u32 = 4;
 const PPB_PER_ONE: f64 = 1e9;
 
-/// Where the offset must lie, and since when that is known.
+/// Bounds of the offset, and the time at which they were determined.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
     at: Micros,
@@ -38,7 +41,7 @@ struct Bounds {
     width: u32,
 }
 
-/// What is known of the other end's clock.
+/// Estimate of the peer's clock.
 #[derive(Clone, Copy, Debug)]
 pub struct PeerClock {
     drift_max_ppm: u32,
@@ -48,17 +51,17 @@ pub struct PeerClock {
 }
 
 impl PeerClock {
-    /// Nothing yet; the two clocks drift apart by no more than this.
+    /// An estimate without data; the two clocks drift apart by at most `drift_max_ppm`.
     pub const fn new(drift_max_ppm: u32) -> Self {
         PeerClock { drift_max_ppm, bounds: None, steps: 0, line: Line::NEW }
     }
 
-    /// Learns from a frame that came in `now`, put on the line when their clock said `theirs_us`, with an echo of ours.
-    /// Answers the round trip, without the time the echo was held.
+    /// Updates the estimate with a frame that arrived `now` and was sent at `theirs_us` by the peer's clock, with an
+    /// echo of our time. Returns the round trip without the time for which the peer held the echo.
     pub fn on_echo(&mut self, now: Micros, theirs_us: u32, echo: Echo) -> Option<Span> {
         let there_and_back = low_bits(now).wrapping_sub(echo.t_us);
         let width = there_and_back.wrapping_sub(echo.held_us);
-        // An echo of the future, or held for longer than it was away.
+        // The echo lies in the future, or was held for longer than the round trip.
         if there_and_back > i32::MAX as u32 || width > i32::MAX as u32 {
             return None;
         }
@@ -74,31 +77,32 @@ impl PeerClock {
         Some(Span(width))
     }
 
-    /// The earliest time, by our clock, at which theirs can have said `theirs_us`: not after `now`. Nothing before the first
-    /// round trip.
+    /// Earliest time, by our clock, of the peer's time `theirs_us`; not after `now`. `None` before the first round
+    /// trip.
     pub fn earliest(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
         let bounds = self.bounds_at(now)?;
         let ours = theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width)); // (3)
         Some(before(now, ours))
     }
 
-    /// The likeliest time, by our clock, at which theirs said `theirs_us`: not after `now`. Nothing before the first round trip.
+    /// Most likely time, by our clock, of the peer's time `theirs_us`; not after `now`. `None` before the first round
+    /// trip.
     pub fn to_ours(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
         let bounds = self.bounds_at(now)?;
         Some(before(now, theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width / 2))))
     }
 
-    /// How far [`Self::to_ours`] can be off, either way.
+    /// Largest error of [`Self::to_ours`].
     pub fn uncertainty(&self, now: Micros) -> Option<Span> {
         self.bounds_at(now).map(|bounds| Span(bounds.width.div_ceil(2)))
     }
 
-    /// By how much their clock is faster than ours, parts per thousand million; nothing before four seconds.
+    /// Rate of the peer's clock relative to ours, parts per thousand million; `None` in the first four seconds.
     pub fn drift_ppb(&self) -> Option<i32> {
         self.line.slope().map(|slope| libm::round(slope * PPB_PER_ONE) as i32)
     }
 
-    /// How often it was found where it could not be.
+    /// Number of steps of the peer's clock.
     pub const fn steps(&self) -> u32 {
         self.steps
     }
@@ -111,7 +115,7 @@ impl PeerClock {
         Some(Bounds { at: now, low: low.wrapping_sub(drift), width }) // (2)
     }
 
-    /// How far the clocks drift apart at most, rounded up.
+    /// Largest drift over a time, rounded up.
     fn drift(&self, span_us: u32) -> u32 {
         let drift = (u64::from(span_us) * u64::from(self.drift_max_ppm)).div_ceil(PPM);
         u32::try_from(drift).unwrap_or(u32::MAX)
@@ -119,7 +123,7 @@ impl PeerClock {
 }
 
 impl Bounds {
-    /// What both allow.
+    /// Intersection of two bounds; `None` if they are disjoint.
     fn intersected(&self, other: &Bounds) -> Option<Bounds> {
         let shift = i64::from(other.low.wrapping_sub(self.low) as i32);
         let low = shift.max(0);
@@ -133,24 +137,24 @@ fn low_bits(at: Micros) -> u32 {
     at.0 as u32
 }
 
-/// The point in time before `now` that has these low bits; `now` where they lie ahead.
+/// Latest instant up to `now` with these low bits; `now` if they lie in the future.
 fn before(now: Micros, low: u32) -> Micros {
     let age = low_bits(now).wrapping_sub(low) as i32;
     Micros(now.0.saturating_sub(u64::from(age.max(0) as u32)))
 }
 
-/// A line through offset over time.
+/// Regression line of the offset over time.
 #[derive(Clone, Copy, Debug)]
 struct Line {
-    /// The narrowest round trip of this window: when, offset, width.
+    /// Narrowest round trip of this window: time, offset, width.
     best: Option<(Micros, u32, u32)>,
     window_ends: Micros,
-    /// The narrowest of all, ageing.
+    /// Width of the narrowest round trip so far; it grows with time.
     least_width: u32,
-    /// The last point, from which the next one is counted.
+    /// Last point: origin of the next one.
     last: Option<(Micros, u32)>,
     points: u32,
-    /// Means of time and offset as seen from the last point, their variance and covariance: seconds.
+    /// Means of time and offset relative to the last point, their variance and covariance, in seconds.
     mean_s: [f64; 2],
     variance: f64,
     covariance: f64,
@@ -185,15 +189,15 @@ impl Line {
         }
     }
 
-    /// Adds a point, as seen from which all others are remembered.
+    /// Adds a point, which becomes the new origin.
     fn add(&mut self, at: Micros, offset: u32) {
         if let Some((last_at, last_offset)) = self.last {
             let time_s = at.since(last_at).to_s();
             let offset_s = f64::from(offset.wrapping_sub(last_offset) as i32) / US_PER_S as f64;
             let [mean_time_s, mean_offset_s] = self.mean_s;
-            // From the old mean to the new point.
+            // Difference of the new point from the old means.
             let (ahead_s, off_s) = (time_s - mean_time_s, offset_s - mean_offset_s);
-            // A first few points weigh alike.
+            // The first points have equal weights.
             let weight = DECAY.max(1.0 / f64::from(self.points.saturating_add(1)));
             self.variance = (1.0 - weight) * (self.variance + weight * ahead_s * ahead_s); // (4)
             self.covariance = (1.0 - weight) * (self.covariance + weight * ahead_s * off_s); // (4)

@@ -1,53 +1,53 @@
-//! What a link has seen and done.
+//! Counters of a link.
 
 use crate::units::Span;
 
-/// Counts since the link was made; all wrap.
+/// Counts since the link was created; all wrap around.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
-    /// Frames handed out, retransmissions among them.
+    /// Frames sent, including retransmissions.
     pub frames_out: u32,
-    /// Bytes handed out.
+    /// Bytes sent.
     pub bytes_out: u32,
-    /// Valid frames of the peer and this session.
+    /// Valid frames from the peer in this session.
     pub frames_in: u32,
-    /// Valid frames with a time stamp before that of one heard already: copies, which do nothing.
+    /// Copies: valid frames with a time stamp before that of an earlier frame; they have no effect.
     pub copies: u32,
-    /// Bytes taken in, valid or not.
+    /// Bytes received, valid or not.
     pub bytes_in: u32,
-    /// Frames whose checksum does not fit.
+    /// Frames with a wrong checksum.
     pub crc_errors: u32,
-    /// Too long, too short, or no frame at all.
+    /// Frames that are too long, too short, or malformed.
     pub framing_errors: u32,
-    /// Whole frames of a session that is not, or no longer, the peer's.
+    /// Valid frames of a session that is not, or no longer, the peer's.
     pub stale_sessions: u32,
     /// Reliable messages received again.
     pub duplicates: u32,
-    /// Reliable messages received before one that is missing.
+    /// Reliable messages received after a missing one.
     pub gaps: u32,
-    /// Reliable messages received while there was no room.
+    /// Reliable messages rejected because this end was busy.
     pub refused: u32,
-    /// Acknowledgements of what was never sent.
+    /// Acknowledgements of messages that were never sent.
     pub bad_acks: u32,
-    /// Reliable messages sent again.
+    /// Retransmitted reliable messages.
     pub retransmissions: u32,
-    /// Timeouts of the retransmission timer.
+    /// Time-outs of the retransmission timer.
     pub timeouts: u32,
-    /// Requests to send again that were followed.
+    /// Accepted requests for retransmission (nak).
     pub naks: u32,
-    /// Latest-wins values replaced by a newer one before they went out.
+    /// Latest-wins values replaced by a newer one before they were sent.
     pub replaced: u32,
-    /// Latest-wins values whose time was over before they went out.
+    /// Latest-wins values that expired before they were sent.
     pub expired_out: u32,
-    /// Latest-wins values whose time was over when they came in.
+    /// Latest-wins values that had expired on arrival.
     pub expired_in: u32,
-    /// Latest-wins values that came in behind a newer one, or twice.
+    /// Latest-wins values that arrived after a newer one, or twice.
     pub outdated: u32,
-    /// The peer's clock was found where it could not be.
+    /// Steps of the peer's clock.
     pub clock_steps: u32,
     /// Smoothed round trip of reliable messages.
     pub srtt: Span,
-    /// Retransmission timeout now.
+    /// Current retransmission time-out.
     pub rto: Span,
 }

@@ -1,13 +1,14 @@
-//! From bytes as they come to frames: stuffing undone on the way in, so one buffer of [`BODY_MAX`] bytes is all it takes.
+//! Deframer: turns received bytes into frames. It removes the stuffing byte by byte, so it needs only one buffer of
+//! [`BODY_MAX`] bytes.
 //!
-//! Whatever was lost or corrupted, the next delimiter begins anew. Empty frames are no frames: a sender may put delimiters
-//! where it likes.
+//! After lost or corrupted bytes, it resynchronises at the next delimiter. Empty frames are ignored: a sender may add
+//! delimiters anywhere.
 
 use cobs::{DecodeResult, DecoderState};
 
 use super::frame::{BODY_MAX, Frame, parse};
 
-/// Why bytes between two delimiters are no frame.
+/// Reason why the bytes between two delimiters are not a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FramingError {
@@ -15,11 +16,11 @@ pub enum FramingError {
     TooLong,
     /// Shorter than any frame.
     TooShort,
-    /// The delimiter came where the stuffing says that bytes follow.
+    /// A delimiter in place of bytes that the stuffing announced.
     Cut,
 }
 
-/// What is known of the frame that is coming in.
+/// State of the frame that is being received.
 #[derive(Debug)]
 pub struct Deframer {
     stuffing: DecoderState,
@@ -34,12 +35,12 @@ impl Default for Deframer {
 }
 
 impl Deframer {
-    /// Before the first byte.
+    /// A deframer before the first byte.
     pub const fn new() -> Self {
         Deframer { stuffing: DecoderState::Idle, body: [0; BODY_MAX], len: 0 }
     }
 
-    /// Takes a byte; answers the frame it ends, whose checksum is the caller's to judge by its salt.
+    /// Processes a byte. Returns the frame that it completes; the caller checks its checksum by the salt.
     pub fn push(&mut self, byte: u8) -> Option<Result<Frame<'_>, FramingError>> {
         match self.stuffing.feed(byte) {
             Ok(DecodeResult::NoData) => None,

@@ -1,4 +1,5 @@
-//! Frames: a header, a payload and a checksum, stuffed so that a zero byte can only be an end (docs/protocol.md, Frame).
+//! Frames: a header, a payload and a checksum, stuffed so that a zero byte is always a delimiter (docs/protocol.md,
+//! Frame).
 //!
 //! ```text
 //! on the line   COBS(body) 0x00
@@ -6,33 +7,34 @@
 //! check         CRC-32C(all before it) ^ salt                                                            (1)
 //! ```
 //!
-//! COBS: Cheshire and Baker, Consistent overhead byte stuffing, IEEE/ACM Trans. Networking 7(2), 1999, by the crate `cobs`. CRC-32C:
-//! Castagnoli, Bräuer and Herrmann, IEEE Trans. Communications 41(6), 1993, by the crate `crc`; at these lengths any five flipped
-//! bits of a body are seen, and every burst of up to 32. The salt stands for what both ends know and need not say again
-//! ([`super::session`]): since it is added to the checksum, a frame says which salt it was made with.
+//! COBS: Cheshire and Baker, Consistent overhead byte stuffing, IEEE/ACM Trans. Networking 7(2), 1999, by the crate
+//! `cobs`. CRC-32C: Castagnoli, Bräuer and Herrmann, IEEE Trans. Communications 41(6), 1993, by the crate `crc`; at
+//! these lengths it detects up to five flipped bits of a body, and every burst of up to 32 bits. The salt represents
+//! the data that both ends know already ([`super::session`]). It is added to the checksum, so the receiver can compute
+//! the salt of a frame.
 
 use crc::{CRC_32_ISCSI, Crc};
 
-/// This version of the protocol.
+/// Version of the protocol.
 pub const VERSION: u8 = 1;
 
 /// Longest payload of a message, bytes.
 pub const PAYLOAD_MAX: usize = 224;
 
-/// Before the payload.
+/// Length of the header, before the payload.
 pub const HEADER_LEN: usize = 10;
-/// Behind the payload.
+/// Length of the checksum, after the payload.
 pub const CHECK_LEN: usize = 4;
-/// What a class may put before a message.
+/// Longest prefix that a class puts before a message.
 pub const PREFIX_MAX: usize = 2;
-/// Longest body. Below 254, so that stuffing costs one byte, no more.
+/// Longest body. Below 254 bytes, so that stuffing adds only one byte.
 pub const BODY_MAX: usize = HEADER_LEN + PREFIX_MAX + PAYLOAD_MAX + CHECK_LEN;
-/// Longest frame on the line: a delimiter before it, the stuffed body, the delimiter that ends it.
+/// Longest frame on the line: a leading delimiter, the stuffed body, and the closing delimiter.
 pub const ENCODED_MAX: usize = BODY_MAX + 3;
-/// What a frame takes on the line besides its payload, but for a delimiter before it.
+/// Bytes of a frame on the line besides its payload, without a leading delimiter.
 pub const OVERHEAD: usize = HEADER_LEN + CHECK_LEN + 2;
 
-/// The salt of frames that belong to no session.
+/// Salt of frames that belong to no session.
 pub const NO_SALT: u32 = 0;
 
 const BUSY: u8 = 0x08;
@@ -41,61 +43,61 @@ const VERSION_SHIFT: u32 = 4;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
-/// What a frame is for.
+/// Class of a frame: its purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Class {
-    /// Who I am. Outside of any session.
+    /// Identification of the sender. Outside of any session.
     Hello = 0,
-    /// I am here, and what your clock said.
+    /// Sign of life with an echo of the peer's clock.
     Heartbeat = 1,
-    /// What I have received.
+    /// Acknowledgement of received messages.
     Ack = 2,
-    /// What I have received; what came behind it was thrown away.
+    /// Acknowledgement and request for retransmission: later messages were discarded.
     Nak = 3,
-    /// I go.
+    /// End of the session.
     Bye = 4,
-    /// A message, each once and in order.
+    /// A message that is delivered once and in order.
     Reliable = 5,
-    /// A message of which only the newest counts.
+    /// A message of which only the newest value is used.
     Latest = 6,
-    /// A message without a link: lost is lost. Outside of any session.
+    /// A message without a link: it is not repeated if lost. Outside of any session.
     Plain = 7,
 }
 
-/// What stands before the payload.
+/// Header of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
-    /// What it is for.
+    /// Class of the frame.
     pub class: Class,
-    /// The sender takes no reliable messages at present.
+    /// Whether the sender currently accepts no reliable messages.
     pub is_busy: bool,
-    /// Of the message; 0 where there is none.
+    /// Kind of the message; 0 if there is none.
     pub kind: u8,
-    /// Of the message within its class; 0 where there is none.
+    /// Sequence number of the message within its class; 0 if there is none.
     pub seq: u16,
-    /// The reliable message the sender expects next.
+    /// Sequence number of the reliable message that the sender expects next.
     pub ack: u16,
-    /// The sender's clock when it put the frame on the line, microseconds, modulo 2^32.
+    /// Time of sending by the sender's clock, microseconds, modulo 2^32.
     pub t_us: u32,
 }
 
-/// A frame as it came.
+/// A received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// The sender's version of the protocol. Of another one than [`VERSION`] only what a hello says can be believed.
+    /// Version of the sender's protocol. If it differs from [`VERSION`], only hellos can be interpreted.
     pub version: u8,
-    /// What stands before the payload.
+    /// Header of a frame.
     pub header: Header,
-    /// What stands between header and checksum.
+    /// Bytes between header and checksum.
     pub payload: &'a [u8],
-    /// The salt it was made with, if it is what was sent. Meaningless for corrupted frames.
+    /// Salt with which the frame was encoded. Meaningless for corrupt frames.
     pub salt: u32,
 }
 
 impl Header {
-    /// Of a message without a link.
+    /// Header of a message without a link.
     pub const fn plain(kind: u8, seq: u16, t_us: u32) -> Self {
         Header { class: Class::Plain, is_busy: false, kind, seq, ack: 0, t_us }
     }
@@ -121,10 +123,10 @@ pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
-/// Writes a frame with the delimiter that ends it; its length. `payload` may come in two parts.
+/// Writes a frame with its closing delimiter and returns its length. `payload` may consist of two parts.
 ///
-/// `None` if `out` or the body is too short: with `out` of [`ENCODED_MAX`] bytes and at most [`PREFIX_MAX`] +
-/// [`PAYLOAD_MAX`] of payload, never.
+/// Returns `None` if `out` or the body is too short. This never happens with `out` of [`ENCODED_MAX`] bytes and a
+/// payload of at most [`PREFIX_MAX`] + [`PAYLOAD_MAX`].
 pub fn encode(header: &Header, payload: [&[u8]; 2], salt: u32, out: &mut [u8]) -> Option<usize> {
     let mut body = heapless::Vec::<u8, BODY_MAX>::new();
     let flags = if header.is_busy { BUSY } else { 0 };
@@ -143,7 +145,7 @@ pub fn encode(header: &Header, payload: [&[u8]; 2], salt: u32, out: &mut [u8]) -
     Some(len.saturating_add(1))
 }
 
-/// Reads a body; `None` if it is too short for one.
+/// Parses a body; `None` if it is too short.
 pub fn parse(body: &[u8]) -> Option<Frame<'_>> {
     let (message, check) = body.split_last_chunk::<CHECK_LEN>()?;
     let (header, payload) = message.split_first_chunk::<HEADER_LEN>()?;
@@ -172,7 +174,7 @@ mod tests {
             let mut out = [0; ENCODED_MAX];
             let payload = [byte; PAYLOAD_MAX];
             let len = encode(&HEADER, [&[byte; PREFIX_MAX], &payload], NO_SALT, &mut out).unwrap();
-            // One place is left for a delimiter before it.
+            // One byte remains for a leading delimiter.
             assert_eq!((len, out[len - 1]), (ENCODED_MAX - 1, 0));
             assert_eq!(encode(&HEADER, [&[byte; PREFIX_MAX + 1], &payload], NO_SALT, &mut out), None);
             assert_eq!(encode(&HEADER, [&[byte; PREFIX_MAX], &payload], NO_SALT, &mut out[..len - 1]), None);

@@ -1,4 +1,5 @@
-//! The latest-wins class: a value has a kind and a time to live; a newer one takes the place of one that has not gone out.
+//! The latest-wins class: a value has a kind and a time to live; a newer value replaces one of its kind that has not
+//! been sent.
 
 use heapless::Vec;
 
@@ -6,19 +7,19 @@ use super::frame::PAYLOAD_MAX;
 use super::state::SendError;
 use crate::units::{Micros, Span, US_PER_MS};
 
-/// A value that has not gone out, or the place of one that has.
+/// Slot of a kind: a value that waits to be sent, or one that was sent.
 #[derive(Clone, Debug)]
 pub struct Offer {
-    /// Of the message.
+    /// Kind or payload of the message.
     pub kind: u8,
-    /// Of the message.
+    /// Kind or payload of the message.
     pub payload: Vec<u8, PAYLOAD_MAX>,
     expires: Micros,
-    /// Its turn among those waiting; `None` if it has gone out.
+    /// Position in the queue; `None` if it was sent.
     turn: Option<u32>,
 }
 
-/// The sender's side: one place for each kind.
+/// Sender's side: one slot for each kind.
 #[derive(Clone, Debug)]
 pub struct Offers<const KINDS: usize> {
     places: Vec<Offer, KINDS>,
@@ -32,15 +33,16 @@ impl<const KINDS: usize> Default for Offers<KINDS> {
 }
 
 impl<const KINDS: usize> Offers<KINDS> {
-    /// Empty.
+    /// No values.
     pub const fn new() -> Self {
         Offers { places: Vec::new(), turns: 0 }
     }
 
-    /// Takes a value; whether it replaced one. It keeps that one's turn, so that a kind offered often does go out.
+    /// Adds a value and returns whether it replaced a waiting one. It keeps the position of the replaced value in the
+    /// queue, so that a kind with frequent updates is sent.
     ///
     /// # Errors
-    /// No place for another kind, or the payload is too long.
+    /// No slot for another kind, or the payload is too long.
     pub fn put(&mut self, kind: u8, expires: Micros, payload: &[u8]) -> Result<bool, SendError> {
         let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
         self.turns = self.turns.wrapping_add(1);
@@ -56,7 +58,7 @@ impl<const KINDS: usize> Offers<KINDS> {
         Ok(waited.is_some())
     }
 
-    /// Throws away what is over; how many.
+    /// Discards expired values and returns their number.
     pub fn expire(&mut self, now: Micros) -> u32 {
         let mut count = 0;
         for place in &mut self.places {
@@ -68,22 +70,22 @@ impl<const KINDS: usize> Offers<KINDS> {
         count
     }
 
-    /// The value whose turn it is, and the milliseconds it has left, rounded down.
+    /// The next value to send, and its remaining time in milliseconds, rounded down.
     pub fn next(&self, now: Micros) -> Option<(&Offer, u16)> {
         let waiting = self.places.iter().filter_map(|place| place.turn.map(|turn| (turn, place)));
-        // The count of turns wraps: how long ago, not how large.
+        // The counter wraps around: compare ages, not values.
         let (_, offer) = waiting.max_by_key(|(turn, _)| self.turns.wrapping_sub(*turn))?;
         Some((offer, milliseconds_left(now, offer.expires)))
     }
 
-    /// It was put on the line.
+    /// Marks the value of a kind as sent.
     pub fn sent(&mut self, kind: u8) {
         if let Some(place) = self.places.iter_mut().find(|place| place.kind == kind) {
             place.turn = None;
         }
     }
 
-    /// Whether any waits.
+    /// Whether a value is waiting.
     pub fn any(&self) -> bool {
         self.places.iter().any(|place| place.turn.is_some())
     }
@@ -93,14 +95,14 @@ fn milliseconds_left(now: Micros, expires: Micros) -> u16 {
     u16::try_from(expires.since(now).0 / US_PER_MS).unwrap_or(u16::MAX)
 }
 
-/// The receiver's side: what came last.
+/// Receiver's side: sequence number of the newest value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Newest {
     seq: Option<u16>,
 }
 
 impl Newest {
-    /// Whether a value is newer than the one that came last; it is the last one then.
+    /// Whether a value is newer than the newest so far; if so, it becomes the newest.
     pub fn is_news(&mut self, seq: u16) -> bool {
         let is_news = self.seq.is_none_or(|last| (1..u16::MAX / 2).contains(&seq.wrapping_sub(last)));
         if is_news {
@@ -110,12 +112,12 @@ impl Newest {
     }
 }
 
-/// When a value is over by our clock: sent at the earliest at `sent`, with so many milliseconds left.
+/// Time by our clock at which a value expires that was sent at `sent` or later with `left_ms` remaining.
 pub fn expiry(sent: Micros, left_ms: u16) -> Micros {
     sent.after(Micros::from_ms(u64::from(left_ms)))
 }
 
-/// When a value offered now is over.
+/// Time at which a value offered now expires.
 pub fn deadline(now: Micros, ttl: Span) -> Micros {
     now.after(Micros(u64::from(ttl.0)))
 }

@@ -1,8 +1,8 @@
-//! The board link: frames on a serial line, and what both ends promise each other on top of them.
+//! The board link: frames on a serial line, and a session protocol on top of them.
 //!
-//! Normative: `docs/protocol.md`. Sans-IO throughout: bytes and the time go in, bytes and the time of the next call come out; both
-//! ends run the same [`link::Link`]. A line that needs no link ([`frame::Class::Plain`]) has [`frame::encode`] and a
-//! [`deframer::Deframer`].
+//! Normative: `docs/protocol.md`. Sans-IO throughout: the input is bytes and the time, the output is bytes and the
+//! time of the next call. Both ends run the same [`link::Link`]. A line without a link ([`frame::Class::Plain`]) uses
+//! [`frame::encode`] and a [`deframer::Deframer`].
 
 pub mod frame;
 

@@ -1,11 +1,12 @@
-//! No more bytes than the line carries: what is handed out ahead of it grows old in somebody's buffer.
+//! Pacing of the line: bytes are sent no faster than the line carries them, so that they do not age in a driver's
+//! buffer.
 
 use super::settings::BITS_PER_BYTE;
 use crate::units::{Micros, Span, US_PER_S};
 
 const NS_PER_US: u64 = 1_000;
 
-/// What the line still has to carry.
+/// Pacing state of a line.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     ns_per_byte: u64,
@@ -14,18 +15,18 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// A line of so many bits a second, none for one without limit, that bytes may be handed to `ahead` of time.
+    /// A line of `bits_per_s` (0: unlimited), to which bytes may be passed up to `ahead` early.
     pub fn new(bits_per_s: u32, ahead: Span) -> Self {
         let ns_per_byte = (BITS_PER_BYTE * US_PER_S * NS_PER_US).checked_div(u64::from(bits_per_s)).unwrap_or(0);
         Pace { ns_per_byte, ahead, free_at_ns: 0 }
     }
 
-    /// When the next frame may be handed out.
+    /// Time from which the next frame may be sent.
     pub fn ready_at(&self) -> Micros {
         Micros(self.free_at_ns.div_ceil(NS_PER_US).saturating_sub(u64::from(self.ahead.0)))
     }
 
-    /// So many bytes were handed out.
+    /// Registers sent bytes.
     pub fn sent(&mut self, now: Micros, bytes: usize) {
         let from = self.free_at_ns.max(now.0.saturating_mul(NS_PER_US));
         self.free_at_ns = from.saturating_add(self.ns_per_byte.saturating_mul(bytes as u64));

@@ -1,11 +1,12 @@
-//! Messages on a line without a link: each in a frame of its own, outside of any session. Lost is lost; corrupted is counted.
+//! Messages on a line without a link: each in a frame of its own, outside of any session. Lost messages are not
+//! repeated; corrupt ones are counted.
 
 use super::deframer::Deframer;
 use super::frame::{Class, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};
 use super::message::Message;
 use crate::units::Micros;
 
-/// One end of such a line.
+/// One end of a line without a link.
 #[derive(Debug, Default)]
 pub struct PlainLine {
     deframer: Deframer,
@@ -14,12 +15,12 @@ pub struct PlainLine {
 }
 
 impl PlainLine {
-    /// Before the first byte.
+    /// An end before the first byte.
     pub const fn new() -> Self {
         PlainLine { deframer: Deframer::new(), sent: 0, invalid: 0 }
     }
 
-    /// Takes a byte off the line; the message that it ends.
+    /// Processes a received byte; returns the message that it completes.
     pub fn on_byte(&mut self, byte: u8) -> Option<Message> {
         let Ok(frame) = self.deframer.push(byte)? else {
             self.invalid = self.invalid.wrapping_add(1);
@@ -31,8 +32,8 @@ impl PlainLine {
         message
     }
 
-    /// Puts a message into a frame; its length in `out`, which should hold [`super::frame::ENCODED_MAX`] bytes. 0 if it has no
-    /// room.
+    /// Writes a message as a frame into `out`, which should hold [`super::frame::ENCODED_MAX`] bytes. Returns its
+    /// length; 0 if it does not fit.
     pub fn encode(&mut self, now: Micros, message: &Message, out: &mut [u8]) -> usize {
         let mut payload = [0; PAYLOAD_MAX];
         let Some(payload) = message.encode(&mut payload).ok().and_then(|length| payload.get(..length)) else {
@@ -44,7 +45,7 @@ impl PlainLine {
         length
     }
 
-    /// Frames that were none, so far; wraps.
+    /// Number of invalid frames so far; wraps around.
     pub fn invalid(&self) -> u32 {
         self.invalid
     }

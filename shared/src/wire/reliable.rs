@@ -1,7 +1,7 @@
 //! The reliable class: go-back-N over a line that does not reorder.
 //!
-//! The sender keeps what is not acknowledged and sends all of it again when the timer runs out or the receiver says that
-//! something is missing; the receiver takes what it expects next and nothing else, so it needs no buffer to keep the order.
+//! The sender keeps all unacknowledged messages and sends them again when its timer expires or the receiver reports a
+//! gap. The receiver accepts only the next expected message, so it needs no buffer for reordering.
 
 use heapless::{Deque, Vec};
 
@@ -9,41 +9,42 @@ use super::frame::PAYLOAD_MAX;
 use super::state::SendError;
 use crate::units::{Micros, Span};
 
-/// Requests to send again that are followed until something is acknowledged: more would only repeat what is on its way.
+/// Maximum number of accepted naks until the next acknowledgement: more would only repeat messages that are on their
+/// way.
 const NAKS_MAX: u8 = 2;
 
-/// A message on its way.
+/// An unacknowledged message.
 #[derive(Clone, Debug)]
 pub struct Outgoing {
-    /// Of the message.
+    /// Kind or payload of the message.
     pub kind: u8,
-    /// Of the message.
+    /// Kind or payload of the message.
     pub payload: Vec<u8, PAYLOAD_MAX>,
     sent_at: Micros,
     times_sent: u32,
 }
 
-/// What an acknowledgement brought.
+/// Result of an acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acked {
-    /// Nothing that was not known.
+    /// Nothing new.
     Nothing,
-    /// Messages are done; a round trip, where it can be told which one.
+    /// Messages were acknowledged; with a round trip if it is unambiguous.
     Some(Option<Span>),
-    /// It acknowledges what was never sent.
+    /// It acknowledges messages that were never sent.
     Impossible,
 }
 
-/// The sender's side.
+/// Sender's side.
 #[derive(Clone, Debug)]
 pub struct Outbox<const WINDOW: usize> {
     messages: Deque<Outgoing, WINDOW>,
-    /// Sequence number of the first.
+    /// Sequence number of the first message.
     first: u16,
-    /// Index of the next to be put on the line.
+    /// Index of the next message to send.
     next: usize,
     timer: Option<Micros>,
-    /// When the first was first sent, or became the first, or could be sent again.
+    /// Time since which the first message waits: it was sent first, became the first, or could be sent again.
     waiting_since: Micros,
     naks: u8,
     nak_at: Micros,
@@ -57,7 +58,7 @@ impl<const WINDOW: usize> Default for Outbox<WINDOW> {
 }
 
 impl<const WINDOW: usize> Outbox<WINDOW> {
-    /// Empty.
+    /// No messages.
     pub const fn new() -> Self {
         Outbox {
             messages: Deque::new(),
@@ -71,33 +72,33 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         }
     }
 
-    /// Takes a message.
+    /// Adds a message.
     ///
     /// # Errors
-    /// Full, or the payload is too long.
+    /// The queue is full, or the payload is too long.
     pub fn push(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
         let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
         let message = Outgoing { kind, payload, sent_at: Micros(0), times_sent: 0 };
         self.messages.push_back(message).map_err(|_| SendError::Full)
     }
 
-    /// Messages not acknowledged.
+    /// Number of unacknowledged messages.
     pub fn len(&self) -> usize {
         self.messages.len()
     }
 
-    /// Whether there are none.
+    /// Whether all messages are acknowledged.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
     }
 
-    /// The message to put on the line next, with its sequence number, and whether it was sent before.
+    /// The next message to send, with its sequence number, and whether it was sent before.
     pub fn next(&self) -> Option<(u16, &Outgoing, bool)> {
         let message = self.messages.iter().nth(self.next).filter(|_| !self.peer_is_busy)?;
         Some((self.first.wrapping_add(self.next as u16), message, message.times_sent > 0))
     }
 
-    /// It was put on the line.
+    /// Marks the next message as sent.
     pub fn next_was_sent(&mut self, now: Micros, rto: Span) {
         let is_first_wait = self.on_the_line() == 0;
         let Some(message) = self.messages.iter_mut().nth(self.next) else { return };
@@ -110,7 +111,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.timer.get_or_insert(now.after(Micros(u64::from(rto.0))));
     }
 
-    /// The peer expects `ack` next.
+    /// Handles an acknowledgement: the peer expects `ack` next.
     pub fn on_ack(&mut self, now: Micros, ack: u16, rto: Span) -> Acked {
         let done = usize::from(ack.wrapping_sub(self.first));
         if done == 0 {
@@ -128,13 +129,13 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.naks = 0;
         self.waiting_since = now;
         self.timer = (self.on_the_line() > 0).then(|| now.after(Micros(u64::from(rto.0))));
-        // Karn: of what was sent twice, nobody knows which one was received.
+        // Karn's rule: for a retransmitted message it is unknown which copy was acknowledged.
         let sample = newest.filter(|message| message.times_sent == 1).map(|message| now.since(message.sent_at).into());
         Acked::Some(sample)
     }
 
-    /// The peer threw away what came behind `ack`; true if all of it is sent again. `round_trip` is how long a repetition
-    /// takes to show.
+    /// Handles a nak: the peer has discarded the messages from `ack` on. Returns true if they are sent again.
+    /// `round_trip` is the time until a retransmission can show an effect.
     pub fn on_nak(&mut self, now: Micros, ack: u16, round_trip: Span) -> bool {
         let is_answered = self.naks > 0 && Span::from(now.since(self.nak_at)) < round_trip;
         let is_on_its_way = self.next < self.on_the_line();
@@ -147,7 +148,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         true
     }
 
-    /// The peer takes messages, or does not at present: it throws them away then, and the timer stands still.
+    /// Handles the peer's busy flag. A busy peer discards messages; the timer is then stopped.
     pub fn on_busy(&mut self, now: Micros, is_busy: bool) {
         if is_busy {
             self.timer = None;
@@ -159,12 +160,12 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.peer_is_busy = is_busy;
     }
 
-    /// What [`Self::on_busy`] was told last.
+    /// Last busy flag of the peer.
     pub const fn is_peer_busy(&self) -> bool {
         self.peer_is_busy
     }
 
-    /// Whether the timer has run out: all of it is sent again then.
+    /// Checks the timer; if it has expired, all messages are sent again. Returns whether it has.
     pub fn on_time(&mut self, now: Micros) -> bool {
         let is_over = self.timer.is_some_and(|timer| timer <= now);
         if is_over {
@@ -173,12 +174,12 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         is_over
     }
 
-    /// When the timer runs out.
+    /// Expiry of the timer.
     pub const fn timer(&self) -> Option<Micros> {
         self.timer
     }
 
-    /// Since when the first message has been waiting for its acknowledgement; `None` while nothing is, or the peer is busy.
+    /// Time since which the first message waits for its acknowledgement; `None` if none waits or the peer is busy.
     pub fn waiting_since(&self) -> Option<Micros> {
         (self.on_the_line() > 0 && !self.peer_is_busy).then_some(self.waiting_since)
     }
@@ -188,31 +189,31 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.timer = None;
     }
 
-    /// Messages sent at least once: those in front.
+    /// Number of messages that were sent at least once: the first ones.
     fn on_the_line(&self) -> usize {
         self.messages.iter().take_while(|message| message.times_sent > 0).count()
     }
 }
 
-/// What the receiver does with a message.
+/// Relation of a received message to the expected one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// The one expected.
+    /// The expected message.
     Next,
-    /// It was here before: its acknowledgement was lost.
+    /// A duplicate: its acknowledgement was lost.
     Again,
-    /// One before it is missing.
+    /// An earlier message is missing.
     Gap,
 }
 
-/// The receiver's side.
+/// Receiver's side.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inbox {
     expected: u16,
 }
 
 impl Inbox {
-    /// What message `seq` is.
+    /// Classifies message `seq`.
     pub const fn judge(&self, seq: u16) -> Arrival {
         match seq.wrapping_sub(self.expected) {
             0 => Arrival::Next,
@@ -221,12 +222,12 @@ impl Inbox {
         }
     }
 
-    /// The expected one was handed over.
+    /// Marks the expected message as delivered.
     pub fn taken(&mut self) {
         self.expected = self.expected.wrapping_add(1);
     }
 
-    /// The next expected: what is acknowledged.
+    /// Sequence number of the next expected message, which is sent as the acknowledgement.
     pub const fn expected(&self) -> u16 {
         self.expected
     }

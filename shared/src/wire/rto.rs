@@ -1,4 +1,4 @@
-//! How long to wait for an acknowledgement: RFC 6298.
+//! Retransmission time-out: RFC 6298.
 //!
 //! ```text
 //! first sample     SRTT = R, RTTVAR = R/2                                            (1)
@@ -7,11 +7,11 @@
 //! timeout          RTO = 2 RTO, within the ceiling                                   (4)
 //! ```
 //!
-//! Ours: the floor is a setting (RFC: one second, which no line needs; Klipper's fixed 25 ms brought needless retransmissions
-//! over USB, issue 690), the first timeout is the ceiling, G is what two of the longest frames take on
-//! the line: a message may be long where those before were short, and its acknowledgement wait behind a long one. Karn's rule
-//! holds: no sample from what was sent twice. But heartbeats carry time stamps, which say which frame they answer (as in RFC 7323), so
-//! they are sampled too, and a doubled timeout is over with the next one.
+//! Differences: the floor is a setting (the RFC's one second is too long for a line; Klipper's fixed 25 ms caused
+//! needless retransmissions over USB, issue 690). The first time-out is the ceiling. G is the time of two longest
+//! frames on the line, because a message may be longer than those before it and its acknowledgement may wait for a
+//! long frame. Karn's rule applies: no sample from a retransmitted message. Heartbeats carry time stamps that identify
+//! the answered frame (as in RFC 7323), so they are sampled too, and the next heartbeat ends a doubled time-out.
 
 use crate::units::Span;
 
@@ -27,12 +27,12 @@ pub struct Rto {
 }
 
 impl Rto {
-    /// Before the first sample; `granularity` is the least that four deviations count for.
+    /// An estimate before the first sample; `granularity` is the lower limit of four deviations.
     pub const fn new(floor: Span, ceiling: Span, granularity: Span) -> Self {
         Rto { floor, ceiling, granularity, srtt: None, rttvar: 0, rto: ceiling }
     }
 
-    /// Learns from a round trip.
+    /// Updates the estimate with a round trip.
     pub fn sample(&mut self, Span(r): Span) {
         let srtt = match self.srtt {
             None => {
@@ -49,17 +49,17 @@ impl Rto {
         self.rto = Span(rto).max(self.floor).min(self.ceiling);
     }
 
-    /// The timer has run out.
+    /// Doubles the time-out after the timer has expired.
     pub fn back_off(&mut self) {
         self.rto = Span(self.rto.0.saturating_mul(2)).min(self.ceiling); // (4)
     }
 
-    /// How long to wait now.
+    /// Current time-out.
     pub const fn rto(&self) -> Span {
         self.rto
     }
 
-    /// The smoothed round trip; zero before the first sample.
+    /// Smoothed round trip; zero before the first sample.
     pub fn srtt(&self) -> Span {
         Span(self.srtt.unwrap_or(0))
     }

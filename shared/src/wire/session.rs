@@ -1,11 +1,12 @@
-//! Who talks to whom: sessions, what a hello says, and the salt that keeps every other frame to one pair of sessions.
+//! Sessions: the hello, and the salt that binds every other frame to one pair of sessions.
 //!
 //! ```text
 //! salt(from a to b) = CRC-32C(role of a, session of a, session of b, schema)     little endian     (1)
 //! ```
 //!
-//! A CRC maps four bytes in a row one to one when all others stay as they are: if either end begins a new session, the
-//! salt is another one, always, and a whole frame of before cannot fit. If both do, it fits once in 2^32.
+//! A CRC maps four consecutive bytes one to one if all others are unchanged. If one end begins a new session, the salt
+//! therefore always changes, and no old frame is accepted. If both ends do, an old frame is accepted with a
+//! probability of 2^-32.
 
 use super::frame::checksum;
 use super::settings::{LinkSettings, Role};
@@ -17,54 +18,54 @@ pub const HELLO_LEN: usize = 23;
 /// Length of an [`Echo`].
 pub const ECHO_LEN: usize = 8;
 
-/// What the peer's clock said when last heard, and how long ago that is: half of a round trip.
+/// Echo of the peer's last time stamp, and its age: half of a round trip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Echo {
-    /// `t` of the peer's last frame.
+    /// Time stamp `t` of the peer's last frame.
     pub t_us: u32,
-    /// From then until this frame was put on the line.
+    /// Time from its arrival until this frame was sent.
     pub held_us: u32,
 }
 
-/// What an end says of itself.
+/// Hello: identification of an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hello {
-    /// 1 host, 2 board.
+    /// Role: 1 host, 2 board.
     pub role: u8,
-    /// Hash of the messages it knows.
+    /// Hash of its messages.
     pub schema: u32,
-    /// Its session.
+    /// Session number.
     pub session: u32,
-    /// The session it has heard of, of whom it greets; 0 if none.
+    /// Session of the peer, if known; otherwise 0.
     pub peer_session: u32,
-    /// Its heartbeat, milliseconds.
+    /// Heartbeat, milliseconds.
     pub heartbeat_ms: u16,
-    /// Of the peer's last frame; nothing if it has heard none.
+    /// Echo of the peer's last frame; zero if there was none.
     pub echo: Echo,
 }
 
-/// The other end, and the salts between it and us.
+/// The peer's session, and the salts of both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Peer {
-    /// Its session.
+    /// Session number.
     pub session: u32,
-    /// Of frames from it.
+    /// Salt of frames from the peer.
     pub salt_in: u32,
-    /// Of frames to it.
+    /// Salt of frames to the peer.
     pub salt_out: u32,
 }
 
 impl Echo {
-    /// Its bytes.
+    /// Encodes into bytes.
     pub fn encode(&self) -> [u8; ECHO_LEN] {
         let [t0, t1, t2, t3] = self.t_us.to_le_bytes();
         let [h0, h1, h2, h3] = self.held_us.to_le_bytes();
         [t0, t1, t2, t3, h0, h1, h2, h3]
     }
 
-    /// Reads its bytes.
+    /// Decodes from bytes.
     pub fn decode(bytes: &[u8; ECHO_LEN]) -> Self {
         let [t0, t1, t2, t3, h0, h1, h2, h3] = *bytes;
         Echo { t_us: u32::from_le_bytes([t0, t1, t2, t3]), held_us: u32::from_le_bytes([h0, h1, h2, h3]) }
@@ -72,7 +73,7 @@ impl Echo {
 }
 
 impl Hello {
-    /// What an end with these settings says.
+    /// Hello of an end with these settings.
     pub fn new(settings: &LinkSettings, session: u32, peer_session: u32, echo: Echo) -> Self {
         let heartbeat_ms = u64::from(settings.heartbeat.0).div_ceil(US_PER_MS);
         let heartbeat_ms = u16::try_from(heartbeat_ms).unwrap_or(u16::MAX);
@@ -80,7 +81,7 @@ impl Hello {
         Hello { role, schema, session, peer_session, heartbeat_ms, echo }
     }
 
-    /// Its bytes.
+    /// Encodes into bytes.
     pub fn encode(&self) -> [u8; HELLO_LEN] {
         let [s0, s1, s2, s3] = self.schema.to_le_bytes();
         let [m0, m1, m2, m3] = self.session.to_le_bytes();
@@ -91,7 +92,7 @@ impl Hello {
         [role, s0, s1, s2, s3, m0, m1, m2, m3, p0, p1, p2, p3, b0, b1, e0, e1, e2, e3, e4, e5, e6, e7]
     }
 
-    /// Reads its bytes; `None` if they are not as many as they should be.
+    /// Decodes from bytes; `None` if their number is wrong.
     pub fn decode(payload: &[u8]) -> Option<Self> {
         let bytes: [u8; HELLO_LEN] = payload.try_into().ok()?;
         let [role, s0, s1, s2, s3, m0, m1, m2, m3, p0, p1, p2, p3, b0, b1, echo @ ..] = bytes;
@@ -105,7 +106,7 @@ impl Hello {
         })
     }
 
-    /// Why an end with these settings does not talk to who says this.
+    /// Reason why an end with these settings rejects this hello; `None` if it accepts it.
     pub fn refusal(&self, settings: &LinkSettings) -> Option<Refusal> {
         let heartbeat = Span::from_ms(u32::from(self.heartbeat_ms));
         if self.role != settings.role.other() as u8 {
@@ -121,7 +122,7 @@ impl Hello {
 }
 
 impl Peer {
-    /// The end of `session`, as seen from ours.
+    /// The peer of `session` for our session.
     pub fn new(settings: &LinkSettings, ours: u32, session: u32) -> Self {
         let salt_in = salt(settings.role.other(), [session, ours, settings.schema]);
         let salt_out = salt(settings.role, [ours, session, settings.schema]);
@@ -129,7 +130,7 @@ impl Peer {
     }
 }
 
-/// Equation (1): from whom, its session and the other one, the hash of the messages.
+/// Salt of frames from `from`: its session, the peer's session, and the hash of the messages. (1)
 pub fn salt(from: Role, [ours, theirs, schema]: [u32; 3]) -> u32 {
     let [a0, a1, a2, a3] = ours.to_le_bytes();
     let [b0, b1, b2, b3] = theirs.to_le_bytes();
@@ -143,7 +144,7 @@ mod tests {
 
     #[test]
     fn another_session_of_either_end_is_another_salt() {
-        // All 65 536 sessions that differ in two bytes, at three places: no salt twice.
+        // All 65 536 sessions that differ in two bytes, at three positions, have different salts.
         for shift in [0, 8, 16] {
             let sessions = (0..=0xFFFF_u32).map(|low| 0x1234_5678 ^ (low << shift));
             let salts: std::collections::HashSet<u32> =

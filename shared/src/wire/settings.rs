@@ -1,29 +1,29 @@
-//! What a link is told before it begins.
+//! Settings of a link.
 
 use super::frame::ENCODED_MAX;
 use crate::units::{Micros, Span, US_PER_S};
 
-/// Start bit, eight of data, stop bit.
+/// Bits per byte on the line: start bit, eight data bits, stop bit.
 pub const BITS_PER_BYTE: u64 = 10;
 
 const HEARTBEAT_MIN: Span = Span::from_ms(1);
 const HEARTBEAT_MAX: Span = Span::from_ms(50_000);
 const DRIFT_MAX_PPM: u32 = 10_000;
-/// A line that is only greeted on has room: who begins anew is noticed within a heartbeat even if two hellos are corrupted.
+/// Number of hellos per heartbeat: a restarted end is noticed within a heartbeat even if two hellos are corrupt.
 const HELLOS_PER_HEARTBEAT: u32 = 3;
 
-/// Who speaks: each end must hear the other one, not an echo of itself.
+/// Role of an end: each end accepts frames of the other role only, not its own echo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Role {
-    /// The end that has the job.
+    /// The end with the job.
     Host = 1,
-    /// The end that has the override.
+    /// The end with the override.
     Board = 2,
 }
 
 impl Role {
-    /// The one at the far end.
+    /// Role of the peer.
     pub const fn other(self) -> Self {
         match self {
             Role::Host => Role::Board,
@@ -35,34 +35,35 @@ impl Role {
 /// Times and limits of one end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkSettings {
-    /// Which end this is.
+    /// Role of this end.
     pub role: Role,
-    /// Hash of all messages and their fields: only an end with the same one is talked to.
+    /// Hash of all messages and their fields; both ends must have the same.
     pub schema: u32,
-    /// What the line carries, bits per second at ten bits a byte; 0 where nothing paces (memory, sockets).
+    /// Bit rate of the line at ten bits per byte; 0 for unlimited (memory, sockets).
     pub bits_per_s: u32,
-    /// How far bytes may be handed out ahead of the line: the longest time between two calls, and no more, or what is
-    /// latest grows old in buffers.
+    /// Time by which bytes may be passed to the line early: the longest time between two calls. With more, values age
+    /// in buffers.
     pub ahead: Span,
-    /// Longest time between two heartbeats sent.
+    /// Longest time between two sent heartbeats.
     pub heartbeat: Span,
-    /// No valid frame of the peer, copies not counted, for this long: lost.
+    /// Time without a valid frame of the peer, copies excluded, after which the link is lost.
     pub lost_after: Span,
-    /// The oldest reliable message not acknowledged for this long, though the peer is heard and ready: lost.
+    /// Age of the oldest unacknowledged reliable message at which the link is lost, although the peer sends frames and
+    /// is ready.
     pub unacknowledged_after: Span,
-    /// How long an acknowledgement waits for a frame to travel on.
+    /// Longest delay of an acknowledgement that waits for another frame.
     pub ack_delay: Span,
-    /// Least and first retransmission timeout.
+    /// Smallest retransmission time-out.
     pub rto_floor: Span,
-    /// Greatest retransmission timeout.
+    /// Largest and first retransmission time-out.
     pub rto_ceiling: Span,
-    /// How much the two clocks may differ in rate, parts per million.
+    /// Largest difference of the two clocks' rates, parts per million.
     pub drift_max_ppm: u32,
-    /// That many invalid frames in a row: lost.
+    /// Number of consecutive invalid frames at which the link is lost.
     pub bad_frames_max: u32,
 }
 
-/// Why settings cannot work.
+/// Reason why settings are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsError {
@@ -70,20 +71,20 @@ pub enum SettingsError {
     Heartbeat(Span),
     /// `lost_after` leaves no room for one lost heartbeat.
     LostAfter(Span),
-    /// The floor of the timeout is zero, or above its ceiling.
+    /// The floor of the time-out is zero, or above its ceiling.
     Rto(Span, Span),
-    /// Given up before the first retransmission.
+    /// `unacknowledged_after` is over before the first retransmission.
     UnacknowledgedAfter(Span),
     /// The line is so slow that one frame takes longer than `lost_after`.
     BitsPerS(u32),
-    /// No invalid frame allowed.
+    /// `bad_frames_max` is zero.
     BadFramesMax,
-    /// Above 10 000 ppm: no clock.
+    /// The drift exceeds 10 000 ppm.
     DriftMaxPpm(u32),
 }
 
 impl LinkSettings {
-    /// What suits a line of 115 200 bit/s and most USB adapters.
+    /// Settings for a line of 115 200 bit/s and most USB adapters.
     pub const fn new(role: Role, schema: u32) -> Self {
         LinkSettings {
             role,
@@ -101,21 +102,21 @@ impl LinkSettings {
         }
     }
 
-    /// Time between two hellos, of an end that greets.
+    /// Time between two hellos.
     pub const fn hello_every(&self) -> Span {
         Span(self.heartbeat.0 / HELLOS_PER_HEARTBEAT)
     }
 
-    /// How long the longest frame takes on the line.
+    /// Time of the longest frame on the line.
     pub fn longest_frame(&self) -> Span {
         let bits_us = ENCODED_MAX as u64 * BITS_PER_BYTE * US_PER_S;
         Micros(bits_us.checked_div(u64::from(self.bits_per_s)).unwrap_or(0)).into()
     }
 
-    /// Whether a link can work with them.
+    /// Checks the settings.
     ///
     /// # Errors
-    /// The first that cannot.
+    /// The first invalid setting.
     pub fn check(&self) -> Result<(), SettingsError> {
         let two_heartbeats = self.heartbeat.longer_by(self.heartbeat);
         if self.heartbeat < HEARTBEAT_MIN || self.heartbeat > HEARTBEAT_MAX {

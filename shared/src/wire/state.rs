@@ -1,8 +1,8 @@
-//! Where a link stands, and what it hands over.
+//! State of a link, and the messages that it delivers.
 
 use crate::units::{Micros, Span};
 
-/// Where a link stands.
+/// State of a link.
 ///
 /// ```text
 ///             hello that cannot be talked to
@@ -19,80 +19,80 @@ use crate::units::{Micros, Span};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LinkState {
-    /// Greets, and has not been answered.
+    /// Sends hellos; no answer yet.
     Greeting,
-    /// Greets, and was answered by one it cannot talk to.
+    /// Sends hellos; the answer came from an incompatible peer.
     Refused(Refusal),
     /// Both ends know each other's session.
     Up,
-    /// Over; only a restart leads out.
+    /// Ended; only a restart leaves this state.
     Lost(Loss),
 }
 
-/// Why the other end is not talked to.
+/// Reason why a peer is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
-    /// Another version of the protocol: theirs.
+    /// The peer has this other version of the protocol.
     Version(u8),
-    /// Not the other end's role, which is theirs: an echo, or two of a kind.
+    /// The peer has this unexpected role: an echo, or two ends with the same role.
     Role(u8),
-    /// Other messages: the hash of theirs.
+    /// The peer has other messages, with this hash.
     Schema(u32),
-    /// Its heartbeat is too slow for `lost_after`: theirs.
+    /// The peer's heartbeat is too slow for `lost_after`.
     Heartbeat(Span),
 }
 
-/// Why the link is over.
+/// Reason for the end of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Loss {
-    /// Nothing valid and new was heard for `lost_after`.
+    /// No valid new frame for `lost_after`.
     Silence,
-    /// Somebody greets with another session: the peer has restarted, or another one is there.
+    /// A hello with another session: the peer has restarted or was replaced.
     PeerRestarted,
-    /// The peer is heard, but does not acknowledge.
+    /// The peer sends frames but does not acknowledge messages.
     Unacknowledged,
-    /// Too many invalid frames in a row.
+    /// Too many consecutive invalid frames.
     Garbled,
-    /// The peer said goodbye.
+    /// The peer has closed the link.
     PeerClosed,
-    /// This end did.
+    /// This end has closed the link.
     Closed,
 }
 
-/// Why nothing was sent.
+/// Reason why a message was not accepted for sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SendError {
     /// The link is not up.
     Down,
-    /// As much is on its way as may be (reliable), or as many kinds (latest).
+    /// The window of reliable messages, or the number of latest-wins kinds, is exhausted.
     Full,
     /// Longer than [`super::frame::PAYLOAD_MAX`].
     TooLong(usize),
 }
 
-/// A message of the peer.
+/// A message from the peer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received<'a> {
-    /// As the sender gave it.
+    /// Kind or payload as sent.
     pub kind: u8,
-    /// As the sender gave it.
+    /// Kind or payload as sent.
     pub payload: &'a [u8],
-    /// How it came.
+    /// Class of delivery.
     pub delivery: Delivery,
 }
 
-/// What a message's class promises.
+/// Class of delivery of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Delivery {
-    /// Each once, in order.
+    /// Once and in order.
     Reliable,
-    /// The newest one, valid until `expires` by the receiver's clock.
+    /// Newest value, valid until `expires` by the receiver's clock.
     Latest {
-        /// From then on it must not be used.
+        /// Time from which the value must not be used.
         expires: Micros,
     },
 }

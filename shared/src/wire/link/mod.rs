@@ -1,7 +1,7 @@
-//! One end of the link. Both ends are the same; only the role differs.
+//! One end of the link. Both ends are identical except for their role.
 //!
-//! `receive.rs` is what a frame does, `transmit.rs` is what goes out and when; states and their arrows are in
-//! [`LinkState`].
+//! `receive.rs` handles received frames, `transmit.rs` schedules frames to send; [`LinkState`] has the states and
+//! transitions.
 
 mod receive;
 
@@ -19,14 +19,14 @@ use super::settings::{LinkSettings, SettingsError};
 pub use super::state::{Delivery, LinkState, Loss, Received, Refusal, SendError};
 use crate::units::{Micros, Span};
 
-/// One end of a link: `WINDOW` reliable messages on their way at most, `KINDS` kinds of latest-wins values.
+/// One end of a link, with at most `WINDOW` unacknowledged reliable messages and `KINDS` kinds of latest-wins values.
 #[derive(Debug)]
 pub struct Link<const WINDOW: usize = 16, const KINDS: usize = 8> {
     deframer: Deframer,
     end: End<WINDOW, KINDS>,
 }
 
-/// All of a link but the frame that is coming in.
+/// State of a link except the frame that is being received.
 #[derive(Debug)]
 struct End<const WINDOW: usize, const KINDS: usize> {
     settings: LinkSettings,
@@ -34,9 +34,9 @@ struct End<const WINDOW: usize, const KINDS: usize> {
     state: LinkState,
     counters: Counters,
     peer: Option<Peer>,
-    /// The salt of the peer's frames in the session that is over.
+    /// Salt of the peer's frames in the previous session.
     salt_before: Option<u32>,
-    /// When the latest valid frame came in, by its time stamp, and that.
+    /// Arrival of the latest valid frame, and its time stamp.
     heard: Option<(Micros, u32)>,
     bad_in_a_row: u32,
     clock: PeerClock,
@@ -50,13 +50,13 @@ struct End<const WINDOW: usize, const KINDS: usize> {
     is_ready: bool,
 }
 
-/// Not due until something happens.
+/// Not due.
 const NEVER: Micros = Micros(u64::MAX);
 
-/// How many sequence numbers there are.
+/// Number of sequence numbers.
 const SEQUENCES: usize = 1 << 16;
 
-/// What is to go out.
+/// Frames to send.
 #[derive(Clone, Copy, Debug)]
 struct Due {
     hello: Micros,
@@ -64,9 +64,9 @@ struct Due {
     ack: Option<Micros>,
     nak: bool,
     bye: bool,
-    /// A delimiter before the next frame: what came before it may be in pieces.
+    /// Whether the next frame needs a leading delimiter, because the receiver may be out of step.
     delimiter: bool,
-    /// It is a reliable message's turn, the last frame having carried a latest-wins value.
+    /// Whether a reliable message is next, because the last frame carried a latest-wins value.
     reliable: bool,
     latest_seq: u16,
 }
@@ -85,11 +85,11 @@ impl Due {
 }
 
 impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
-    /// An end that greets. `session` tells this start from every other one: random, or a count of starts. 0 stands for no
-    /// session, and `u32::MAX` is taken in its place.
+    /// A link that sends hellos. `session` identifies this start: a random number, or a count of starts. 0 means no
+    /// session and is replaced by `u32::MAX`.
     ///
     /// # Errors
-    /// Settings that cannot work.
+    /// Invalid settings.
     pub fn new(settings: LinkSettings, session: u32) -> Result<Self, SettingsError> {
         const { assert!(WINDOW > 0 && WINDOW < SEQUENCES / 2) };
         settings.check()?;
@@ -115,8 +115,8 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         Ok(Link { deframer: Deframer::new(), end })
     }
 
-    /// Begins anew under another session: nothing of the old one is accepted or sent any more. The same one again becomes
-    /// the one after it. Counters go on.
+    /// Restarts the link in another session: nothing of the old one is accepted or sent any more. If `session` is the
+    /// current one, the next number is used. Counters continue.
     pub fn restart(&mut self, session: u32) {
         let end = &mut self.end;
         end.salt_before = end.peer.map(|peer| peer.salt_in).or(end.salt_before);
@@ -126,7 +126,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         end.forget_peer();
     }
 
-    /// Takes bytes off the line; hands each message to `take`, in order.
+    /// Processes received bytes; passes each message to `take`, in order.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8], take: &mut dyn FnMut(Received<'_>)) {
         let counters = &mut self.end.counters;
         counters.bytes_in = counters.bytes_in.wrapping_add(bytes.len() as u32);
@@ -140,31 +140,32 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         self.end.watch(now);
     }
 
-    /// The next frame to put on the line, if one is due: its length in `out`, which must hold
-    /// [`super::frame::ENCODED_MAX`] bytes; 0 if there is none. Call until it answers 0.
+    /// Writes the next frame to send into `out`, which must hold [`super::frame::ENCODED_MAX`] bytes, and returns its
+    /// length; 0 if no frame is due. Call it until it returns 0.
     pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8]) -> usize {
         self.end.watch(now);
         self.end.transmit(now, out)
     }
 
-    /// When to call [`Self::poll_transmit`] next, if nothing comes in and nothing is sent before; `None` if never. Not before `now`.
+    /// Time of the next call of [`Self::poll_transmit`], if nothing is received or sent before; `None` for never. Not
+    /// before `now`.
     pub fn poll_at(&self, now: Micros) -> Option<Micros> {
         self.end.poll_at().map(|at| at.max(now))
     }
 
-    /// Sends a message once and in order.
+    /// Sends a reliable message.
     ///
     /// # Errors
-    /// Not taken, and why.
+    /// Reason why it was not accepted.
     pub fn send(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
         self.end.must_be_up()?;
         self.end.outbox.push(kind, payload)
     }
 
-    /// Sends a value that is worth nothing once `ttl` is over; it replaces the one of its kind that has not gone out.
+    /// Sends a latest-wins value that expires after `ttl`; it replaces a value of its kind that has not been sent.
     ///
     /// # Errors
-    /// Not taken, and why.
+    /// Reason why it was not accepted.
     pub fn offer(&mut self, kind: u8, now: Micros, ttl: Span, payload: &[u8]) -> Result<(), SendError> {
         self.end.must_be_up()?;
         let is_replaced = self.end.offers.put(kind, deadline(now, ttl), payload)?;
@@ -172,69 +173,69 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         Ok(())
     }
 
-    /// Whether reliable messages are taken (from the start, yes): while not, the peer holds them back. None is lost and none acknowledged
-    /// unread.
+    /// Sets whether this end accepts reliable messages (initially yes). While it does not, the peer holds them back;
+    /// none is lost, and none is acknowledged unread.
     pub fn set_ready(&mut self, is_ready: bool) {
         if is_ready != self.end.is_ready {
             self.end.is_ready = is_ready;
-            // Said at once: with what is expected next, where it takes up again.
+            // Acknowledge at once: the frame carries the busy flag and the next expected message.
             self.end.due.ack = Some(Micros(0));
         }
     }
 
-    /// Says goodbye: one last frame, then nothing.
+    /// Closes the link: sends one last frame.
     pub fn close(&mut self) {
         let was_up = self.end.state == LinkState::Up;
         self.end.lose(Loss::Closed);
         self.end.due.bye = was_up;
     }
 
-    /// How many more reliable messages [`Self::send`] takes now.
+    /// Number of reliable messages that [`Self::send`] can accept now.
     pub fn room(&self) -> usize {
         WINDOW.saturating_sub(self.end.outbox.len())
     }
 
-    /// How many reliable messages the peer has not acknowledged.
+    /// Number of unacknowledged reliable messages.
     pub fn unacknowledged(&self) -> usize {
         self.end.outbox.len()
     }
 
-    /// Whether the peer takes no reliable messages at present.
+    /// Whether the peer currently accepts no reliable messages.
     pub fn is_peer_busy(&self) -> bool {
         self.end.outbox.is_peer_busy()
     }
 
-    /// Where it stands, as of the last call that told the time.
+    /// State of the link as of the last call with a time.
     pub fn state(&self) -> LinkState {
         self.end.state
     }
 
-    /// This end's session.
+    /// Session of this end.
     pub fn session(&self) -> u32 {
         self.end.session
     }
 
-    /// The peer's session, once it has greeted.
+    /// Session of the peer; `None` before its first hello.
     pub fn peer_session(&self) -> Option<u32> {
         self.end.peer.map(|peer| peer.session)
     }
 
-    /// What it is told.
+    /// Settings of the link.
     pub fn settings(&self) -> &LinkSettings {
         &self.end.settings
     }
 
-    /// What it has seen and done.
+    /// Counters of the link.
     pub fn counters(&self) -> &Counters {
         &self.end.counters
     }
 
-    /// The peer's clock.
+    /// Estimate of the peer's clock.
     pub fn clock(&self) -> &PeerClock {
         &self.end.clock
     }
 
-    /// Time since the latest valid frame of the peer, copies not counted; the longest there is if there was none.
+    /// Time since the latest valid frame of the peer, copies excluded; the maximum if there was none.
     pub fn age(&self, now: Micros) -> Span {
         self.end.heard.map_or(Span(u32::MAX), |(at, _)| now.since(at).into())
     }
@@ -245,7 +246,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if self.state == LinkState::Up { Ok(()) } else { Err(SendError::Down) }
     }
 
-    /// Whether what must not happen has: silence, or nothing acknowledged.
+    /// Ends the link on silence or on missing acknowledgements.
     fn watch(&mut self, now: Micros) {
         if self.state != LinkState::Up {
             return;
@@ -264,7 +265,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// All that belongs to one peer and one session.
+    /// Resets the state of one peer and one session.
     fn forget_peer(&mut self) {
         self.peer = None;
         self.heard = None;
@@ -283,7 +284,7 @@ fn new_rto(settings: &LinkSettings) -> Rto {
     Rto::new(settings.rto_floor, settings.rto_ceiling, frame.longer_by(frame))
 }
 
-/// A session that is not the one that stands for none.
+/// A valid session number: replaces 0, which means none.
 const fn named(session: u32) -> u32 {
     if session == 0 { u32::MAX } else { session }
 }

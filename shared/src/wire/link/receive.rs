@@ -1,4 +1,4 @@
-//! What a frame does.
+//! Handling of received frames.
 
 use super::{End, LinkState, Loss, NEVER, Received, Refusal};
 use crate::units::Micros;
@@ -9,7 +9,7 @@ use crate::wire::session::{Echo, Hello, Peer};
 use crate::wire::state::Delivery;
 
 impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
-    /// A whole frame, whoever it is from.
+    /// Handles a complete frame from any sender.
     pub(super) fn on_frame(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
         if matches!(self.state, LinkState::Lost(_)) {
             return;
@@ -27,7 +27,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// Bytes between two delimiters that are no frame.
+    /// Handles bytes between two delimiters that are not a frame.
     pub(super) fn on_framing_error(&mut self) {
         if !matches!(self.state, LinkState::Lost(_)) {
             count(&mut self.counters.framing_errors);
@@ -42,7 +42,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// Somebody greets.
+    /// Handles a hello.
     fn on_hello(&mut self, now: Micros, frame: &Frame<'_>) {
         if frame.version != VERSION {
             return self.refuse(Refusal::Version(frame.version));
@@ -74,11 +74,11 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
         self.on_echo(now, frame, hello.echo);
         self.come_up(now);
-        // It may not have heard that we know it, too.
+        // The peer may not know yet that we know its session.
         self.due.heartbeat = now;
     }
 
-    /// An echo of oneself on a link that is up is only noise.
+    /// Rejects a hello. On a link that is up, an echo of our own hello counts only as an invalid frame.
     fn refuse(&mut self, refusal: Refusal) {
         match (self.state, refusal) {
             (LinkState::Up, Refusal::Role(role)) if role == self.settings.role as u8 => self.on_bad_frame(),
@@ -95,8 +95,9 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// Takes a valid frame for a sign of life if its time stamp is later than all before it, and answers whether to use it. A line keeps
-    /// the order of frames, and a retransmission has a new time stamp: an earlier one is a copy of what was heard before.
+    /// Registers a valid frame as a sign of life if its time stamp is later than all earlier ones. Returns whether to
+    /// use it. A line keeps the order of frames and a retransmission has a new time stamp, so a frame with an earlier
+    /// one is a copy.
     fn hear(&mut self, now: Micros, frame: &Frame<'_>) -> bool {
         count(&mut self.counters.frames_in);
         let t_us = frame.header.t_us;
@@ -106,7 +107,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
             count(&mut self.counters.copies);
             return false;
         }
-        // Frames of the same microsecond are no copies, but a copy of the last one must not keep the link up.
+        // Frames of the same microsecond are not copies, but a copy of the last frame must not keep the link up.
         if later_us > 0 {
             self.heard = Some((now, t_us));
         }
@@ -114,10 +115,10 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         true
     }
 
-    /// A valid frame between our two sessions.
+    /// Handles a valid frame of the current pair of sessions.
     fn on_frame_of_peer(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
         let is_up = self.state == LinkState::Up;
-        // A round trip first, then messages: without one, nobody knows how old they are.
+        // The first frame must give a round trip: without one, the age of messages is unknown.
         if !is_up && frame.header.class != Class::Heartbeat {
             return;
         }
@@ -138,7 +139,8 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// What of ours the peer answers: a round trip, for the clocks and the timer. A message's acknowledgement may wait a little.
+    /// Uses a round trip for the clock estimate and the retransmission timer. The acknowledgement of a message may be
+    /// delayed by `ack_delay`.
     fn on_echo(&mut self, now: Micros, frame: &Frame<'_>, echo: Echo) {
         if let Some(round_trip) = self.clock.on_echo(now, frame.header.t_us, echo) {
             self.rto.sample(round_trip.longer_by(self.settings.ack_delay));
@@ -146,7 +148,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         self.counters.clock_steps = self.clock.steps();
     }
 
-    /// What every frame says of the other direction.
+    /// Handles the acknowledgement and the busy flag of a frame.
     fn on_acknowledgement(&mut self, now: Micros, frame: &Frame<'_>) {
         match self.outbox.on_ack(now, frame.header.ack, self.rto.rto()) {
             Acked::Nothing => {}

@@ -1,7 +1,7 @@
-//! What goes out, in which order, and when.
+//! Scheduling of frames to send.
 //!
-//! Goodbye, hello, heartbeat, then by turns a latest-wins value and a reliable message, then an acknowledgement that no
-//! other frame has carried. So neither class can hold the other back by more than one frame.
+//! Priority: bye, hello, heartbeat, then latest-wins values and reliable messages alternately, then an acknowledgement
+//! that no other frame has carried. Therefore each class waits for at most one frame of the other.
 
 use super::{End, LinkState, NEVER};
 use crate::units::{Micros, Span};
@@ -9,9 +9,10 @@ use crate::wire::frame::{Class, ENCODED_MAX, Header, NO_SALT, encode};
 use crate::wire::session::{Echo, Hello};
 
 impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
-    /// Puts the next frame into `out`.
+    /// Writes the next frame into `out`.
     pub(super) fn transmit(&mut self, now: Micros, out: &mut [u8]) -> usize {
-        // Too little for some frame is too little for all: else a long one would wait for ever behind short ones.
+        // A buffer that is too short for the longest frame is rejected: otherwise a long frame could wait forever
+        // while short ones are sent.
         if out.len() < ENCODED_MAX || self.pace.ready_at() > now {
             return 0;
         }
@@ -22,7 +23,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
     }
 
-    /// When [`Self::transmit`] or [`Self::watch`] has something to do.
+    /// Time at which [`Self::transmit`] or [`Self::watch`] has something to do.
     pub(super) fn poll_at(&self) -> Option<Micros> {
         let when_free = |at: Micros| at.max(self.pace.ready_at());
         match self.state {
@@ -56,7 +57,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         self.due.hello = if is_up { NEVER } else { later(now, self.settings.hello_every()) };
         let peer_session = self.peer.map_or(0, |peer| peer.session);
         let hello = Hello::new(&self.settings, self.session, peer_session, self.echo(now));
-        // Whatever was on the line before a greeting is not ours.
+        // Bytes on the line before a hello are not ours.
         self.due.delimiter = true;
         self.put(now, (Class::Hello, 0, 0), [&hello.encode(), &[]], out)
     }
@@ -110,12 +111,12 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         self.put(now, (Class::Reliable, kind, seq), [&payload, &[]], out)
     }
 
-    /// What the peer's clock said, and how long ago.
+    /// Echo of the peer's last time stamp and its age.
     fn echo(&self, now: Micros) -> Echo {
         self.heard.map_or(Echo::default(), |(at, t_us)| Echo { t_us, held_us: Span::from(now.since(at)).0 })
     }
 
-    /// Writes a frame; every one carries the acknowledgement.
+    /// Writes a frame; each one carries the acknowledgement.
     fn put(&mut self, now: Micros, (class, kind, seq): (Class, u8, u16), payload: [&[u8]; 2], out: &mut [u8]) -> usize {
         let ack = self.inbox.expected();
         let header = Header { class, is_busy: !self.is_ready, kind, seq, ack, t_us: now.0 as u32 };

@@ -1,9 +1,9 @@
-//! Choices in messages: one byte each, and no byte that is not listed.
+//! Enumerations in messages: one byte each; bytes that are not listed are invalid.
 
 use super::field::{DecodeError, EncodeError, Field, Reader, Writer};
 use super::schema::FieldType;
 
-/// Enumerations with their bytes; the schema names both.
+/// Declares enumerations with their bytes; the schema contains both.
 macro_rules! codes {
     ($($(#[$doc:meta])* $name:ident { $($(#[$value_doc:meta])* $value:ident = $code:literal,)+ })+) => {
         $(
@@ -15,10 +15,10 @@ macro_rules! codes {
             }
 
             impl $name {
-                /// All of them.
+                /// All values.
                 pub const ALL: &[$name] = &[$($name::$value),+];
 
-                /// The choice of a byte.
+                /// Value of a byte.
                 pub fn of_code(code: u8) -> Option<Self> {
                     match code {
                         $($code => Some($name::$value),)+
@@ -46,28 +46,28 @@ macro_rules! codes {
 }
 
 codes! {
-    /// The unit that reports speak.
+    /// Unit of reports.
     UnitCode {
         /// Inches.
         Inch = 0,
         /// Millimetres.
         Mm = 1,
     }
-    /// How the wanted feed reaches the control.
+    /// Way in which the target feed reaches the control.
     PolicyCode {
-        /// The least feed is sent, the override raises it.
+        /// The smallest feed is sent, the override raises it.
         SafeBase = 0,
-        /// The program's own feed is sent.
+        /// The programmed feed is sent.
         OverrideOnly = 1,
     }
-    /// The cutter.
+    /// Kind of cutter.
     ToolCode {
         /// A ring with an outer and an inner radius.
         CupMill = 0,
         /// A disc with an outer radius.
         EndMill = 1,
     }
-    /// The tool's axis.
+    /// Tool axis.
     AxisCode {
         /// X.
         X = 0,
@@ -86,12 +86,12 @@ codes! {
         Contour = 2,
         /// Constant chip thickness of an end mill.
         Engagement = 3,
-        /// Computed beforehand.
+        /// Feed per tooth from a table.
         Table = 4,
         /// The program's own feed.
         Programmed = 5,
     }
-    /// Which moves a rule speaks of.
+    /// Moves to which a rule applies.
     MovesCode {
         /// G2 about a point on the inner circle.
         InteriorCw = 0,
@@ -108,7 +108,7 @@ codes! {
         /// G1.
         Lines = 6,
     }
-    /// What cuts.
+    /// Cutting edge.
     WorkCode {
         /// A ring's outer circle.
         RingOuter = 0,
@@ -118,20 +118,20 @@ codes! {
         MillInside = 2,
         /// An end mill outside a convex arc.
         MillOutside = 3,
-        /// An end mill with both walls at once.
+        /// An end mill in a slot.
         MillSlot = 4,
     }
-    /// How a ring's stock is described.
+    /// Description of a ring's stock.
     StockCode {
-        /// Not at all: an end mill's rule.
+        /// None: the rule of an end mill.
         None = 0,
-        /// By `stock_parts` lines.
+        /// `stock_parts` lines.
         Convex = 1,
-        /// By one disc.
+        /// One disc.
         Disc = 2,
-        /// By `stock_parts` knots of engaged arcs.
+        /// `stock_parts` knots of engaged arcs.
         Engaged = 3,
-        /// With each segment, by the `SegmentArcs` before it.
+        /// Given with each segment, by the `SegmentArcs` before it.
         Along = 4,
     }
     /// The shape of a segment.
@@ -153,124 +153,125 @@ codes! {
         /// G19 G3.
         CcwYz = 7,
     }
-    /// What the feed of a segment counts.
+    /// Unit of a segment's feed.
     FeedCode {
         /// Nanometres per minute.
         PerMinute = 0,
         /// Millionths of a block per minute.
         InverseTime = 1,
-        /// None was ever given; `feed` is 0.
+        /// No feed was given; `feed` is 0.
         Missing = 2,
     }
-    /// What a person asks for.
+    /// Request of a person.
     RequestCode {
-        /// Let the laws have the override.
+        /// Give the override to the laws.
         Arm = 0,
-        /// Give it back to the operator.
+        /// Give the override back to the operator.
         Disarm = 1,
     }
-    /// One setting of the board.
+    /// A setting of the board.
     SettingCode {
-        /// us: an older position is stale.
+        /// Age at which a position is stale, us.
         PositionStale = 0,
-        /// us: so long without a position is a loss.
+        /// Age at which the position is lost, us.
         PositionLost = 1,
-        /// us: how long the last value stays after a loss of the position.
+        /// Time for which the last value is kept after a loss of the position, us.
         PositionKeep = 2,
-        /// us: an older word of the host is stale.
+        /// Age at which the host's last frame is stale, us.
         LinkStale = 3,
-        /// us: so long without a word of the host is a loss.
+        /// Age at which the link is lost, us.
         LinkLost = 4,
-        /// us: how long the last value stays after a loss of the link.
+        /// Time for which the last value is kept after a loss of the link, us.
         LinkKeep = 5,
-        /// Invalid samples or frames in a row that are a loss.
+        /// Number of consecutive invalid samples or frames that is a loss.
         LostFrames = 6,
-        /// us: how long all must be fresh before arming after a loss.
+        /// Time for which all inputs must be fresh before arming after a loss, us.
         Resync = 7,
-        /// us: a longer tick raises the override no further.
+        /// Longest tick, us; a longer one raises the override no further.
         LongestTick = 8,
-        /// %: a dial below takes over.
+        /// Dial value below which the operator takes over, %.
         DialBelow = 9,
-        /// Points of per cent: a dial turned down by more takes over.
+        /// Drop of the dial above which the operator takes over, percentage points.
         DialDrop = 10,
-        /// us: from one report to the next.
+        /// Period of the reports, us.
         ReportEvery = 11,
     }
-    /// Who has the override; docs/safety.md#states.
+    /// State of the supervisor; docs/safety.md#states.
     StateCode {
-        /// Never armed.
+        /// Not armed since the start.
         Idle = 0,
-        /// A law may act as soon as a segment begins.
+        /// The laws act as soon as a segment begins.
         Armed = 1,
-        /// The laws decide.
+        /// The laws set the override.
         Running = 2,
-        /// The axes stand.
+        /// The axes are at standstill.
         Holding = 3,
-        /// Position or link lost.
+        /// Position or link is lost.
         Fallback = 4,
-        /// 0 % until a person resets.
+        /// 0 % until a person resets the fault.
         Faulted = 5,
-        /// Nothing for the override to act on.
+        /// The control does not let the override act.
         Inhibited = 6,
-        /// The operator or a condition took the override.
+        /// The operator or a condition of the control has taken the override.
         Disarmed = 7,
     }
-    /// Whether somebody should look.
+    /// Alarm level.
     AlarmCode {
-        /// No.
+        /// No alarm.
         None = 0,
-        /// While its condition lasts.
+        /// Active while its condition lasts.
         Passing = 1,
-        /// Until a person acts.
+        /// Active until a person acts.
         Latched = 2,
     }
-    /// Why the board started.
+    /// Cause of the board's start.
     ResetCode {
-        /// Power-on or its reset pin.
+        /// Power-on or reset pin.
         Power = 0,
-        /// Its watchdog bit.
+        /// Watchdog.
         Watchdog = 1,
-        /// Supply or clock failed.
+        /// Failure of supply or clock.
         Hardware = 2,
-        /// It was asked to.
+        /// Software reset.
         Software = 3,
     }
-    /// Why the board did not do what a message asked for.
+    /// Reason why the board rejected a message.
     RefusalCode {
-        /// The payload is no message that it takes.
+        /// The payload is not a message that the board accepts.
         Message = 0,
-        /// The laws have the override and segments are in work.
+        /// The laws have the override and segments are in execution.
         Busy = 1,
-        /// A parameter without `Begin`, or of another set.
+        /// Parameters without `Begin`, or of another set.
         NoSet = 2,
-        /// `Commit` counts or checks other messages than came.
+        /// `Commit` has another count or checksum than the received messages.
         Checksum = 3,
-        /// The set lacks a message, or has one twice; a segment lacks engaged arcs, which were refused.
+        /// A message of the set is missing or duplicated, or engaged arcs of a segment are missing because they were
+        /// rejected.
         Incomplete = 4,
-        /// A value makes no sense.
+        /// Invalid value.
         Value = 5,
-        /// No parameters have been accepted yet.
+        /// No set of parameters has been accepted yet.
         NoParameters = 6,
-        /// There is no room for another segment, or for another place of engaged arcs.
+        /// No room for another segment, or for another knot of engaged arcs.
         Full = 7,
-        /// Not the segment, or the place of engaged arcs, that comes next.
+        /// Segment, rule or knot out of order.
         Order = 8,
-        /// The request speaks of a time before the override was last taken away.
+        /// The request is stale: it was made before the last fallback.
         Outdated = 9,
-        /// Arming: a fault is there, or was not reset.
+        /// Arming: a fault is active or was not reset.
         Faulted = 10,
-        /// Arming: position or link is not fresh, or not for long enough.
+        /// Arming: position or link is not fresh, or has not been for long enough.
         NotFresh = 11,
         /// Arming: the operator's dial.
         Operator = 12,
         /// Arming: a condition of the control.
         Condition = 13,
     }
-    /// Who says when the machine moves on.
+    /// Clock of the simulated machine.
     ModeCode {
-        /// Time: the counts of bytes are of no meaning.
+        /// Real time: the byte counts are meaningless.
         Free = 0,
-        /// The board's answer.
+        /// Lockstep: the machine waits for the board's answer.
         Lockstep = 1,
     }
 }

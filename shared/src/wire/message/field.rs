@@ -1,60 +1,60 @@
-//! The fields of messages: whole numbers, little endian, one after the other.
+//! Fields of messages: whole numbers, little endian, without padding.
 //!
-//! `T?` is a byte, 0 or 1, and the field behind a 1; `[T; n]` are n fields. Every field has one encoding only, so that what
-//! decodes encodes to the same bytes again.
+//! `T?` is a byte, 0 or 1, followed by the field if it is 1; `[T; n]` are n fields. Every value has exactly one
+//! encoding, so that decoding and encoding again gives the same bytes.
 
 use super::fixed::{Q40, Q46, Q62};
 use super::schema::{FieldType, Optional};
 
-/// Most bytes of a message's payload.
+/// Maximum length of a message's payload, bytes.
 pub const PAYLOAD_MAX: usize = 160;
-/// Most bytes of a [`Chunk`].
+/// Maximum length of a [`Chunk`], bytes.
 pub const CHUNK_MAX: usize = 64;
 
-/// Why a message cannot be encoded.
+/// Reason why a message cannot be encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
     /// The buffer is shorter than the message.
     Room,
 }
 
-/// Why a payload is no message.
+/// Reason why a payload is not a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecodeError {
     /// No message has this kind.
     Kind(u8),
-    /// It ends within a field.
+    /// The payload ends within a field.
     Short,
-    /// So many bytes are left over.
+    /// This number of bytes remains after the last field.
     Long(usize),
-    /// A code that its field does not know.
+    /// A byte that is not a value of its enumeration.
     Code(u8),
 }
 
-/// Where fields are put.
+/// Buffer to which fields are written.
 #[derive(Debug)]
 pub(crate) struct Writer<'b> {
     rest: &'b mut [u8],
     written: usize,
 }
 
-/// Where fields are taken from.
+/// Payload from which fields are read.
 #[derive(Debug)]
 pub(crate) struct Reader<'b> {
     rest: &'b [u8],
 }
 
-/// What can be a field of a message.
+/// Type of a message's field.
 pub(crate) trait Field: Sized {
-    /// How the schema names it.
+    /// Name in the schema.
     const TYPE: FieldType;
-    /// Appends it.
+    /// Writes the field.
     fn put(&self, writer: &mut Writer<'_>) -> Result<(), EncodeError>;
-    /// Takes it off the front.
+    /// Reads the field.
     fn take(reader: &mut Reader<'_>) -> Result<Self, DecodeError>;
 }
 
-/// Bytes of a text or a log; the rest of their message.
+/// Bytes of a text or a log, up to the end of the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chunk {
     bytes: [u8; CHUNK_MAX],
@@ -73,7 +73,7 @@ impl<'b> Writer<'b> {
     fn bytes(&mut self, bytes: &[u8]) -> Result<(), EncodeError> {
         let (room, rest) =
             core::mem::take(&mut self.rest).split_at_mut_checked(bytes.len()).ok_or(EncodeError::Room)?;
-        // By hand: a copy of slices could panic, as far as the compiler sees.
+        // Byte by byte: the compiler would add a panic path to a copy of slices.
         room.iter_mut().zip(bytes).for_each(|(slot, byte)| *slot = *byte);
         self.rest = rest;
         self.written = self.written.saturating_add(bytes.len());
@@ -86,7 +86,7 @@ impl<'b> Reader<'b> {
         Reader { rest: payload }
     }
 
-    /// Nothing must be left.
+    /// Checks that no bytes remain.
     pub fn end(&self) -> Result<(), DecodeError> {
         if self.rest.is_empty() { Ok(()) } else { Err(DecodeError::Long(self.rest.len())) }
     }
@@ -191,7 +191,7 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
 }
 
 impl Chunk {
-    /// As many of the bytes as there is room for.
+    /// A chunk of the bytes, cut to the maximum length.
     pub fn of(text: &[u8]) -> Self {
         let mut bytes = [0; CHUNK_MAX];
         let length = text.len().min(CHUNK_MAX);

@@ -1,10 +1,10 @@
-//! Numbers of a job as scaled integers: a NaN cannot be encoded, and what arrives is, to the bit, what was sent.
+//! Numbers of a job as scaled integers: NaN cannot be encoded, and numbers arrive bit-identical.
 //!
-//! Binary places instead of decimal ones: every f32 from 2^-17 on (7.6 nm as a length) and below 2^23 is a whole multiple of
-//! 2^-40, every f64 of a millimetre from 2^6 on one of 2^-46. A controller told over the link therefore computes
-//! with the numbers of the one that read the job's file.
+//! The scales are powers of two: every f32 from 2^-17 (7.6 nm as a length) to 2^23 is a whole multiple of 2^-40, and
+//! every f64 in millimetres from 2^6 on a multiple of 2^-46. Therefore a controller behind the link computes with the
+//! same numbers as one that has read the job's file.
 
-/// What a number is encoded from and decoded to.
+/// Declares a fixed-point number with its floating-point type and binary places.
 macro_rules! fixed_point {
     ($($(#[$doc:meta])* $name:ident $float:ident $places:literal)+) => {
         $(
@@ -15,14 +15,14 @@ macro_rules! fixed_point {
             impl $name {
                 const ONE: f64 = (1_u64 << $places) as f64;
 
-                /// The nearest multiple; `None` for what is not a number or too large.
+                /// The nearest multiple; `None` for NaN and for values that are too large.
                 pub fn of(value: impl Into<f64>) -> Option<Self> {
                     let scaled = libm::round(value.into() * Self::ONE);
-                    // Above and below, the conversion would saturate; a NaN is in no range.
+                    // Outside the range the conversion would saturate; NaN is in no range.
                     (i64::MIN as f64..i64::MAX as f64).contains(&scaled).then_some($name(scaled as i64))
                 }
 
-                /// The number.
+                /// Floating-point value.
                 pub fn value(self) -> $float {
                     (self.0 as f64 / Self::ONE) as $float
                 }

@@ -1,8 +1,8 @@
-//! What the ends of the link say to each other: kinds and payloads.
+//! Messages of the link: kinds and payloads.
 //!
-//! Normative: `docs/protocol.md#messages`. Whole numbers only, little endian; no NaN can be encoded. What firmware and host call by
-//! types of their own travels as small codes, so that neither end needs the other's. [`table`] is the
-//! one place where a message is described; its codec and its line of the schema are made from that.
+//! Normative: `docs/protocol.md#messages`. Whole numbers only, little endian; NaN cannot be encoded. Types of firmware
+//! and host are sent as small codes, so that neither end needs the types of the other. [`table`] is the only
+//! description of the messages; it generates the codecs and the schema.
 
 pub mod schema;
 
@@ -31,11 +31,11 @@ use crate::units::Span;
 
 pub use table::{Message, SCHEMA};
 
-/// What both ends must agree on; the link's hello carries it.
+/// Hash of the schema on which both ends must agree; the link's hello carries it.
 pub const SCHEMA_HASH: u32 = schema::hash(SCHEMA);
 
-/// What host and board tell their ends of the link. A heartbeat every 30 ms: two of them may be lost before the board's supervisor takes
-/// the host's words for stale, after 100 ms.
+/// Link settings of host and board. With a heartbeat of 30 ms, two may be lost before the board's supervisor considers
+/// the host stale, after 100 ms.
 pub const fn link_settings(role: Role) -> LinkSettings {
     LinkSettings { heartbeat: Span::from_ms(30), ..LinkSettings::new(role, SCHEMA_HASH) }
 }

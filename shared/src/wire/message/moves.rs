@@ -1,6 +1,7 @@
-//! Segments as messages, and the engaged arcs along them.
+//! Encoding of segments and of their engaged arcs as messages.
 //!
-//! An arc travels by its centre alone: start and end relative to it follow, and the board checks them as the control does.
+//! An arc is sent with its centre only: the board computes start and end relative to it and checks them as the control
+//! does.
 
 use crate::engaged::{EngagedInterval, EngagedKnot};
 use crate::nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
@@ -11,24 +12,24 @@ use super::codes::{FeedCode, PathCode};
 use super::fixed::Q40;
 use super::table;
 
-/// No axis lies further out, nm: 9 km, so that no difference of two overflows.
+/// Largest coordinate, nm: 9 km, so that no difference of two overflows.
 const AXIS_MAX: u64 = 1 << 53;
 
-/// Why a segment cannot be sent, or a message is none.
+/// Reason why a segment cannot be encoded or a message cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveError {
-    /// An arc without centre or without radius, whose ends do not lie on it, or that is not one by its own coordinates.
+    /// An arc without centre or radius, with ends that do not lie on it, or with inconsistent coordinates.
     Arc,
-    /// An axis, or a knot of engaged arcs, lies too far out; an arc is none.
+    /// A coordinate or the path of a knot is too large, or an engaged arc is invalid.
     Range,
-    /// A centre, or a feed, where there can be none.
+    /// A centre or a feed that must not be present.
     Surplus,
 }
 
-/// A segment for the board; `count` and `rule` as in the message.
+/// Encodes a segment for the board; `count` and `rule` as in the message.
 ///
 /// # Errors
-/// [`MoveError::Arc`] where centre, start and end do not fit together to the nanometre; [`MoveError::Range`].
+/// [`MoveError::Arc`] if centre, start and end are not consistent to the nanometre; [`MoveError::Range`].
 pub fn encode(segment: &Segment, count: u32, rule: Option<u8>) -> Result<table::Segment, MoveError> {
     let (feed_code, feed) = match segment.feed {
         Feed::PerMinute(Nm(feed)) => (FeedCode::PerMinute, feed),
@@ -59,10 +60,10 @@ pub fn encode(segment: &Segment, count: u32, rule: Option<u8>) -> Result<table::
     if decode(&message)? == *segment { Ok(message) } else { Err(MoveError::Arc) }
 }
 
-/// The segment that a message describes, its geometry checked.
+/// Decodes a segment and checks its geometry.
 ///
 /// # Errors
-/// What makes it none.
+/// See [`MoveError`].
 pub fn decode(message: &table::Segment) -> Result<Segment, MoveError> {
     let start = pose(message.start, message.start_rotary)?;
     let end = pose(message.end, message.end_rotary)?;
@@ -83,7 +84,7 @@ pub fn decode(message: &table::Segment) -> Result<Segment, MoveError> {
     Segment::from_motion(&motion, message.sequence).map_err(|_| MoveError::Arc)
 }
 
-/// Engaged arcs at one place of the segment that is told next.
+/// Encodes a knot of engaged arcs of the next segment.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -92,7 +93,7 @@ pub fn encode_arcs(knot: &EngagedKnot) -> Result<table::SegmentArcs, MoveError> 
     Ok(table::SegmentArcs { travelled, outer: knot.outer.units(), inner: knot.inner.units() })
 }
 
-/// The knot of a table that a message describes: its path, the arcs of the outer and the inner circle.
+/// Decodes a knot of engaged arcs: its path, and the arcs of the outer and the inner circle.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -101,7 +102,7 @@ pub fn decode_arcs(travelled: Q40, [outer, inner]: [[i16; 2]; 2]) -> Result<Enga
     Ok(EngagedKnot { travelled: Mm(travelled.value()), outer: interval(outer)?, inner: interval(inner)? })
 }
 
-/// A place of the axes; A, B and C stand at 0 where nothing is said of them.
+/// Position of the axes; A, B and C are 0 if they are absent.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -111,13 +112,13 @@ pub fn pose(linear: [i64; 3], rotary: Option<[i64; 3]>) -> Result<Pose, MoveErro
     is_near.then_some(Pose { linear: linear.map(Nm), rotary: rotary.map(MicroDeg) }).ok_or(MoveError::Range)
 }
 
-/// The rotary axes of a place, if one of them does not stand at 0.
+/// Rotary axes of a position; `None` if all are 0.
 pub fn rotary(pose: &Pose) -> Option<[i64; 3]> {
     let rotary = pose.rotary.map(|MicroDeg(at)| at);
     (rotary != [0; 3]).then_some(rotary)
 }
 
-/// From the start to the centre, along the plane's axes.
+/// Vector from the start to the centre, in the axes of the plane.
 fn offset(plane: Plane, center: [i64; 2], start: &Pose) -> Result<[Nm; 3], MoveError> {
     if center.iter().any(|at| at.unsigned_abs() > AXIS_MAX) {
         return Err(MoveError::Range);

@@ -1,4 +1,4 @@
-//! A job as it lies in a board's flash: what a board at a tapped line has in place of a host.
+//! Flash page of a job: a board at a tapped line reads its job from it instead of from a host.
 //!
 //! ```text
 //! byte    what
@@ -10,8 +10,8 @@
 //! 12..    the messages of a set, Begin to Commit: kind, bytes of the payload, payload
 //! 12 + n  CRC-32C over all before, four bytes
 //! ```
-//! Numbers are little endian. What lies behind does not count: flash is written by the page. Source: our own; the messages are those
-//! of `docs/protocol.md`.
+//! Numbers are little endian. Bytes after the page are ignored, since flash is written page by page. Source: our own;
+//! the messages are those of `docs/protocol.md`.
 
 use super::codes::RefusalCode;
 use super::field::PAYLOAD_MAX;
@@ -24,48 +24,48 @@ use crate::nc::settings::Decimals;
 use crate::nc::tape_code::Code;
 use crate::wire::frame::checksum;
 
-/// No page is longer, bytes.
+/// Maximum length of a page, bytes.
 pub const PAGE_MAX: usize = 16 * 1024;
 
 const MAGIC: [u8; 4] = *b"AFPG";
 const HEADER_LEN: usize = 12;
 const CHECK_LEN: usize = 4;
-/// The number of the set does not matter: there is one.
+/// Number of the set; arbitrary, as there is only one.
 const SET: u32 = 1;
-/// What flash holds that nobody has written.
+/// Byte of erased flash.
 const ERASED: u8 = 0xFF;
 
-/// Why a page is none.
+/// Reason why a page is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PageError {
-    /// Nothing was ever written.
+    /// The flash is erased.
     Blank,
-    /// It does not begin like a page, or is cut off.
+    /// The page has no valid header, or is cut off.
     Form,
-    /// It was written for another version of the messages.
+    /// The page was written for another version of the messages.
     Schema,
-    /// Its check sum is another one.
+    /// Wrong checksum.
     Checksum,
-    /// Its messages are no sound set.
+    /// The messages are not a valid set of parameters.
     Set(RefusalCode),
 }
 
-/// What a tap must know of the line and the control at its end; config.
+/// Properties of the tapped line and its control; configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tapped {
-    /// The line's code; `None`: ISO or EIA, as each program says.
+    /// Code of the line; `None`: ISO or EIA, detected for each program.
     pub code: Option<Code>,
-    /// What a number without a point counts in.
+    /// Unit of a number without a decimal point.
     pub decimals: Decimals,
 }
 
 /// A page.
 pub type Page = heapless::Vec<u8, PAGE_MAX>;
 
-/// The page of a job.
+/// Writes the page of a job.
 ///
 /// # Errors
-/// A job that no board can be told, or none without a host.
+/// A job that cannot be sent to a board, or not to one without a host.
 pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
     if let Some(index) = job.rules.iter().position(CutRule::is_told_along) {
         return Err(ParametersError::Along(index));
@@ -99,7 +99,7 @@ pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
     if has_room { Ok(page) } else { Err(ParametersError::Large) }
 }
 
-/// The job of a page, by way of `staging`, and its line.
+/// Reads the job of a page through `staging`, and the properties of its line.
 ///
 /// # Errors
 /// See [`PageError`].

@@ -1,4 +1,4 @@
-//! A job as the messages of a set of parameters: `Begin`, one message for each part, `Commit` with a check sum over them.
+//! Encoding of a job as a set of parameters: `Begin`, one message for each part, `Commit` with a checksum over them.
 
 use crate::cut::{CutRule, Moves, Rotation, Side, Work};
 use crate::engaged::EngagedKnot;
@@ -13,20 +13,20 @@ use super::field::PAYLOAD_MAX;
 use super::fixed::{Q40, Q46, Q62};
 use super::table::{self, Message};
 
-/// Why a job cannot be sent.
+/// Reason why a job cannot be sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametersError {
-    /// `rewrite-only`: the board has nothing to do.
+    /// The policy is `rewrite-only`, for which no board is needed.
     Policy,
-    /// A number that is none, or too large.
+    /// A number is NaN or too large.
     Number,
-    /// More than a page of flash holds.
+    /// The job does not fit a page of flash.
     Large,
-    /// The rule of this index leaves its stock to be told with each segment: nobody does at a tapped line.
+    /// The rule of this index expects its engagement with each segment, which a tapped line does not provide.
     Along(usize),
 }
 
-/// The check sum of a set so far: CRC-32C, as of frames, over kind and payload of each message.
+/// Running checksum of a set: CRC-32C over kind and payload of each message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetSum {
     remainder: u32,
@@ -34,10 +34,10 @@ pub struct SetSum {
 }
 
 impl SetSum {
-    /// Of no message.
+    /// Checksum of no messages.
     pub const NONE: SetSum = SetSum { remainder: u32::MAX, messages: 0 };
 
-    /// Takes the next message.
+    /// Adds the next message.
     pub fn take(&mut self, message: &Message) {
         let mut buffer = [0; PAYLOAD_MAX];
         let length = message.encode(&mut buffer).unwrap_or_default();
@@ -46,12 +46,12 @@ impl SetSum {
         self.messages = self.messages.saturating_add(1);
     }
 
-    /// The message that ends the set.
+    /// The `Commit` message of the set.
     pub fn commit(&self, set: u32) -> table::Commit {
         table::Commit { set, messages: self.messages, checksum: !self.remainder }
     }
 
-    /// Without a table: a set is a kilobyte, once a job.
+    /// Computed bit by bit without a table: a set has about a kilobyte and is sent once per job.
     fn byte(&mut self, byte: u8) {
         self.remainder ^= u32::from(byte);
         for _ in 0..u8::BITS {
@@ -61,10 +61,10 @@ impl SetSum {
     }
 }
 
-/// Hands out the messages of a set, in order. `set` is not 0, and another one than the set before.
+/// Passes the messages of a set to `give`, in order. `set` must not be 0 or the number of the previous set.
 ///
 /// # Errors
-/// See [`ParametersError`]; what was handed out till then is no whole set.
+/// See [`ParametersError`]; the messages passed so far are then not a complete set.
 pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
     give(table::Begin { set }.into());
     let mut sum = SetSum::NONE;

@@ -1,75 +1,75 @@
-//! The shape of all messages as data: what `docs/protocol.md` prints, and what both ends compare by its hash.
+//! Schema of all messages: `docs/protocol.md` prints it, and both ends compare its hash.
 
-/// How one field is encoded.
+/// Encoding of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldType {
-    /// A whole number, a scaled one, or a code with its values.
+    /// A whole number, a scaled number, or a code with its values.
     pub name: &'static str,
-    /// How many of them; 1 for a plain field.
+    /// Number of elements; 1 for a plain field.
     pub count: u8,
-    /// Whether it may be absent.
+    /// Part of the field that may be absent.
     pub optional: Optional,
 }
 
-/// What of a field may be absent.
+/// Part of a field that may be absent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Optional {
-    /// Nothing.
+    /// No part.
     Never,
-    /// All of it.
+    /// The whole field.
     Whole,
-    /// Each of several.
+    /// Each element.
     Each,
 }
 
-/// One message.
+/// A message of the schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// Its number on the wire.
+    /// Number on the wire.
     pub kind: u8,
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// How the link carries it, and which way.
+    /// Class and direction.
     pub class: Class,
-    /// What it says.
+    /// Meaning.
     pub meaning: &'static str,
-    /// Its fields in their order.
+    /// Fields in their order.
     pub fields: &'static [FieldEntry],
 }
 
-/// One field of a message.
+/// A field of the schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldEntry {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// How it is encoded.
+    /// Encoding.
     pub field_type: FieldType,
-    /// What it says, with its unit.
+    /// Meaning, with the unit.
     pub meaning: &'static str,
 }
 
-/// How a message travels.
+/// Class and direction of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Host to board, reliable and in order.
     Down,
     /// Board to host, reliable and in order.
     Up,
-    /// Board to host, the latest only.
+    /// Board to host, latest-wins.
     Latest,
-    /// On the machine line, outside the link's classes.
+    /// On the machine line, outside of the link.
     Machine,
 }
 
 impl FieldType {
-    /// One that is always there.
+    /// A field that is always present.
     pub const fn plain(name: &'static str) -> Self {
         FieldType { name, count: 1, optional: Optional::Never }
     }
 }
 
 impl Class {
-    /// As the documents call it.
+    /// Label in the documents.
     pub const fn label(self) -> &'static str {
         match self {
             Class::Down => "host to board, reliable",
@@ -80,7 +80,7 @@ impl Class {
     }
 }
 
-/// FNV-1a over everything an entry says but its meaning in words: who gives a field another meaning gives it another name.
+/// FNV-1a over all data of the entries except their meanings in words. A field with a new meaning must get a new name.
 pub const fn hash(entries: &[Entry]) -> u32 {
     let mut hash = 0x811C_9DC5;
     let mut rest = entries;
@@ -103,7 +103,7 @@ const fn text(mut hash: u32, text: &str) -> u32 {
         hash = byte(hash, *first);
         rest = others;
     }
-    // A mark that no UTF-8 has: "ab" "c" is not "a" "bc".
+    // A separator that does not occur in UTF-8, so that "ab" "c" differs from "a" "bc".
     byte(hash, 0xFF)
 }
 

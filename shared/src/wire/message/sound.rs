@@ -1,4 +1,4 @@
-//! Whether the numbers of a job make sense, for an end that did not read them from the job's file itself.
+//! Validation of a job that was received instead of read from a file.
 
 use crate::cut::{CutRule, Work};
 use crate::job::{Job, LawKind, ToolSetup};
@@ -7,12 +7,12 @@ use crate::stock::{Stock, StockLine};
 use crate::tool::{Edge, Tool};
 use crate::units::{Mm, MmPerTooth, Nm};
 
-/// How far the length of a unit normal may be from one.
+/// Largest deviation of a unit normal's length from one.
 const NORMAL_TOLERANCE: f64 = 1e-9;
-/// No tool is larger, nm: 10 m.
+/// Largest radius of a tool, nm: 10 m.
 const RADIUS_MAX: i64 = 10_000_000_000;
 
-/// Whether every number is one that a job's file could have had. Bounds of the override are the ramp's to check.
+/// Whether every number could come from a job's file. The ramp checks the bounds of the override.
 pub fn is_sound(job: &Job) -> bool {
     job.tools.iter().all(|setup| is_sound_setup(setup) && (job.tools.len() == 1 || setup.number.is_some()))
         && has_sound_limits(job)
@@ -83,7 +83,7 @@ fn is_sound_stock(stock: &Stock) -> bool {
             libm::fabs(excess) <= NORMAL_TOLERANCE
         }),
         Stock::Disc { radius_mm, .. } => *radius_mm > 0.0,
-        // Checked when it was made, or is told.
+        // Engagement tables are checked when they are created.
         Stock::Engaged(_) | Stock::Along => true,
     }
 }

@@ -1,4 +1,4 @@
-//! A set of parameters as it comes in: nothing of it takes effect before it is whole, checked by its sum, and sound.
+//! Staging of a set of parameters: it takes effect only when it is complete, has the right checksum, and is valid.
 
 use heapless::Vec;
 
@@ -19,23 +19,23 @@ use super::sound;
 use super::table::{self, Message};
 use super::tools;
 
-/// What a whole set has beside its tools: basics, limits and ceiling.
+/// Bits of the messages that a complete set must contain besides its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
 
-/// A set on its way in; state.
+/// A set that is being received; state.
 #[derive(Clone, Debug)]
 pub struct Staging {
-    /// 0: none, or one that was refused.
+    /// 0: none, or a rejected one.
     set: u32,
     job: Job,
     sum: SetSum,
-    /// Messages that come once, a bit each.
+    /// Received messages of the kinds that occur once, a bit each.
     seen: u8,
-    /// How many tools have come.
+    /// Number of tools received.
     tools: u8,
-    /// Whether the law of the last of them is still to come.
+    /// Whether the law of the last tool is still missing.
     awaits_law: bool,
-    /// What describes the stock of the last rule, and how much of it is still to come.
+    /// Description of the stock of the last rule, and the number of messages that are still missing.
     due: (StockCode, u8),
 }
 
@@ -46,7 +46,7 @@ impl Default for Staging {
 }
 
 impl Staging {
-    /// Nothing staged.
+    /// An empty staging area.
     pub const fn new() -> Self {
         Staging {
             set: 0,
@@ -59,12 +59,12 @@ impl Staging {
         }
     }
 
-    /// The set on its way in; 0 for none.
+    /// Number of the set that is being received; 0 for none.
     pub fn set(&self) -> u32 {
         self.set
     }
 
-    /// Forgets what was staged.
+    /// Discards the staged set.
     pub fn forget(&mut self) {
         self.set = 0;
     }
@@ -74,7 +74,7 @@ impl Staging {
     /// # Errors
     /// [`RefusalCode::Value`] for the number 0.
     pub fn begin(&mut self, set: u32) -> Result<(), RefusalCode> {
-        // In place: the staged job is too large to be made elsewhere.
+        // In place: the job is too large for a second copy.
         self.job.rules.clear();
         self.job.knots = Knots::new();
         self.job.machine = MachineLimits::default();
@@ -83,10 +83,10 @@ impl Staging {
         if set == 0 { Err(RefusalCode::Value) } else { Ok(()) }
     }
 
-    /// Takes one part of the set. After an error the set is forgotten.
+    /// Adds a message to the set. An error discards the set.
     ///
     /// # Errors
-    /// Why it is no part of a sound set.
+    /// Reason why it is not part of a valid set.
     pub fn take(&mut self, message: &Message) -> Result<(), RefusalCode> {
         if self.set == 0 {
             return Err(RefusalCode::NoSet);
@@ -99,10 +99,10 @@ impl Staging {
         taken
     }
 
-    /// The job of a whole set. The set is forgotten, whatever comes of it.
+    /// Completes the set and returns its job. The set is discarded in any case.
     ///
     /// # Errors
-    /// Why it is no sound set.
+    /// Reason why it is not a valid set.
     pub fn commit(&mut self, commit: &table::Commit) -> Result<&Job, RefusalCode> {
         let set = core::mem::take(&mut self.set);
         if set == 0 || set != commit.set {
@@ -118,7 +118,7 @@ impl Staging {
         }
     }
 
-    /// Gives out the job of the set that was committed last, in exchange: it is too large to be handed over by value.
+    /// Swaps out the job of the last committed set: it is too large to be returned by value.
     pub fn swap_job(&mut self, job: &mut Job) {
         core::mem::swap(&mut self.job, job);
     }
@@ -250,7 +250,7 @@ impl Staging {
         Ok(())
     }
 
-    /// The stock that a part belongs to; counts the part.
+    /// The stock to which a message belongs; counts the message.
     fn stock(&mut self, code: StockCode) -> Result<&mut Stock, RefusalCode> {
         let (due, parts) = &mut self.due;
         *parts = if *due == code { parts.checked_sub(1).ok_or(RefusalCode::Order)? } else { 0 };
@@ -319,7 +319,7 @@ const fn moves(code: MovesCode) -> Moves {
     }
 }
 
-/// A job that governs nothing, to begin with.
+/// An initial job that governs nothing.
 pub const fn empty_job() -> Job {
     Job {
         unit: LengthUnit::Mm,

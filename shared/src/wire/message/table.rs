@@ -99,313 +99,313 @@ macro_rules! messages {
 }
 
 messages! {
-    /// A set of parameters begins; what was staged is forgotten.
+    /// Begins a set of parameters; discards a staged one.
     0x10 Down Begin {
-        /// The host's number of the set, not 0.
+        /// Number of the set, chosen by the host; not 0.
         set: u32,
     }
-    /// What every job has.
+    /// Basic settings of the job.
     0x11 Down Basics {
-        /// The unit that reports speak.
+        /// Unit of reports.
         unit: UnitCode,
-        /// How the wanted feed reaches the control.
+        /// Way in which the target feed reaches the control.
         policy: PolicyCode,
     }
-    /// A tool; they come in their order, each before its law and its rules.
+    /// A tool; tools are sent in order, each before its law and its rules.
     0x12 Down Tool {
         /// T number.
         number: Option<u32>,
-        /// Its axis in the program's coordinates.
+        /// Tool axis in the program's coordinates.
         axis: AxisCode,
         /// Spindle speed, rev/min.
         spindle: Q40,
-        /// Whether the operator sets the spindle's speed where the program does not.
+        /// Whether the operator sets the spindle speed if the program does not.
         operator_speed: bool,
-        /// Wanted feed per tooth, mm.
+        /// Target feed per tooth, mm.
         feed_per_tooth: Q40,
-        /// Its kind.
+        /// Kind of tool.
         shape: ToolCode,
-        /// nm.
+        /// Outer radius, nm.
         outer_radius: i64,
-        /// nm; 0 for an end mill.
+        /// Inner radius, nm; 0 for an end mill.
         inner_radius: i64,
-        /// Teeth that cut.
+        /// Number of teeth that cut.
         teeth: u16,
     }
-    /// The feed law of the tool before.
+    /// Feed law of the last tool.
     0x13 Down Law {
-        /// Which.
+        /// Kind of law.
         law: LawCode,
         /// Engaged arc: both edges; contour: inside arcs only; otherwise false.
         option: bool,
-        /// Contour: least part of the feed; otherwise 0.
+        /// Contour: smallest fraction of the feed; otherwise 0.
         floor: Q40,
     }
     /// Bounds of the override.
     0x14 Down Limits {
-        /// Least, %.
+        /// Smallest override, %.
         min_percent: u8,
-        /// Largest, %.
+        /// Largest override, %.
         max_percent: u8,
-        /// The control's step, %.
+        /// Step of the control, %.
         step_percent: u8,
         /// Fastest rise, %/s.
         slew_up: Q40,
         /// Fastest fall, %/s.
         slew_down: Q40,
     }
-    /// The machine's axes; may be left out.
+    /// Feed limits of the axes; optional.
     0x15 Down Axes {
-        /// Fastest X, Y, Z, mm/min.
+        /// Maximum feed of X, Y, Z, mm/min.
         linear: [Option<Q40>; 3],
-        /// Fastest A, B, C, deg/min.
+        /// Maximum feed of A, B, C, deg/min.
         rotary: [Option<Q40>; 3],
     }
-    /// The control's clamp of the feed on arcs; may be left out.
+    /// Clamp of the feed by arc radius; optional.
     0x16 Down ArcClamp {
-        /// V, mm/min.
+        /// Maximum feed V at the radius R, mm/min.
         feed: Q40,
-        /// R, mm.
+        /// Radius R, mm.
         radius: Q40,
-        /// mm/min.
+        /// Lower limit of the clamped feed, mm/min.
         floor: Q40,
     }
-    /// One cut rule of the tool before; they come in their order.
+    /// A cut rule of the last tool; rules are sent in order.
     0x17 Down Rule {
-        /// Its place among the rules.
+        /// Index of the rule.
         index: u8,
-        /// Which moves.
+        /// Moves to which the rule applies.
         moves: MovesCode,
-        /// What cuts.
+        /// Cutting edge.
         work: WorkCode,
         /// Radial depth of an end mill's cut, nm; 0 for a ring.
         radial_depth: i64,
-        /// How the stock is described.
+        /// Description of the stock.
         stock: StockCode,
-        /// How many messages describe it; they follow at once.
+        /// Number of messages that describe the stock; they follow immediately.
         stock_parts: u8,
-        /// Wanted feed per tooth where it is not the tool's, mm.
+        /// Target feed per tooth if it is not the tool's, mm.
         feed_per_tooth: Option<Q40>,
-        /// First knot of its table among the job's, and how many.
+        /// First knot of its table in the job, and number of knots.
         table: Option<[u8; 2]>,
         /// First and last N.
         sequence: Option<[i64; 2]>,
         /// Lowest and highest Z at the start of a move, nm.
         level: Option<[i64; 2]>,
     }
-    /// A line of the stock of the rule before.
+    /// A stock line of the last rule.
     0x18 Down StockLine {
         /// Unit normal, out of the material.
         normal: [Q62; 2],
-        /// Distance from the origin along it at height 0, mm.
+        /// Distance from the origin along the normal at height 0, mm.
         offset: Q46,
         /// Growth of the offset per millimetre of height.
         rise: Q46,
     }
-    /// The round blank of the rule before.
+    /// Round blank of the last rule.
     0x19 Down StockDisc {
-        /// mm.
+        /// Centre, mm.
         center: [Q46; 2],
-        /// mm.
+        /// Radius, mm.
         radius: Q46,
     }
-    /// Engaged arcs at one place of the rule before.
+    /// A knot of engaged arcs of the last rule.
     0x1A Down EngagedArcs {
         /// Path from the segment's start, mm.
         travelled: Q40,
-        /// Of the outer circle: from and to, 1/90 degree.
+        /// Arc of the outer circle: from and to, 1/90 degree.
         outer: [i16; 2],
-        /// Of the inner circle.
+        /// Arc of the inner circle.
         inner: [i16; 2],
     }
-    /// One knot of the job's tables; they come in their order.
+    /// A knot of the job's tables; knots are sent in order.
     0x1B Down Knot {
         /// Path from the segment's start, mm.
         travelled: Q40,
         /// Feed per tooth at the centre, mm.
         feed_per_tooth: Q40,
     }
-    /// What no governed feed exceeds.
+    /// Upper limit of governed feeds.
     0x1D Down Ceiling {
-        /// Fastest governed feed, mm/min.
+        /// Maximum governed feed, mm/min.
         max_feed: Option<Q40>,
         /// Largest raise of a programmed feed, as a ratio.
         max_raise: Q40,
     }
-    /// The set is whole.
+    /// Ends a set of parameters.
     0x1C Down Commit {
         /// As in `Begin`.
         set: u32,
-        /// Messages between `Begin` and this.
+        /// Number of messages between `Begin` and this one.
         messages: u16,
         /// CRC-32C over kind and payload of each of them.
         checksum: u32,
     }
-    /// A move that the control will make.
+    /// A move that the control is going to execute.
     0x20 Down Segment {
-        /// One more than the one before; the first of a run is free.
+        /// Number of the segment: one more than the previous; free for the first of a run.
         count: u32,
-        /// N of its block.
+        /// Sequence number N of its block.
         sequence: Option<i64>,
-        /// X, Y, Z at its start, nm.
+        /// X, Y, Z at the start, nm.
         start: [i64; 3],
-        /// X, Y, Z at its end, nm.
+        /// X, Y, Z at the end, nm.
         end: [i64; 3],
-        /// A, B, C at its start, microdegrees; absent if all are 0.
+        /// A, B, C at the start, microdegrees; absent if all are 0.
         start_rotary: Option<[i64; 3]>,
-        /// A, B, C at its end, microdegrees; absent if all are 0.
+        /// A, B, C at the end, microdegrees; absent if all are 0.
         end_rotary: Option<[i64; 3]>,
-        /// What its feed counts.
+        /// Unit of the feed.
         feed_code: FeedCode,
-        /// The feed.
+        /// Feed in that unit.
         feed: i64,
-        /// Its shape.
+        /// Shape of the path.
         path: PathCode,
-        /// Rotation centre in the plane, nm; of arcs only.
+        /// Rotation centre in the plane, nm; arcs only.
         center: Option<[i64; 2]>,
-        /// The cut rule whose law governs it.
+        /// Index of the governing cut rule; absent if no law governs the move.
         rule: Option<u8>,
-        /// Commanded spindle speed where it is not the tool's, rev/min.
+        /// Commanded spindle speed if it is not the tool's, rev/min.
         spindle: Option<Q40>,
-        /// The fastest feed on it by the job's ceiling, nm/min.
+        /// Upper limit of the feed by the job's ceiling, nm/min.
         max_feed: Option<i64>,
-        /// Largest override at its end where that is not 100, %.
+        /// Largest override at the end if that is not 100, %.
         end_percent: Option<u8>,
     }
-    /// All segments that are not done are forgotten, and a run is over: the next count is free.
+    /// Discards all segments that are not done and ends the run: the next count is free.
     0x21 Down Clear {}
-    /// What a person asks for.
+    /// Request of a person.
     0x22 Down Request {
-        /// What.
+        /// Requested action.
         what: RequestCode,
-        /// `epoch` of the report that the person saw.
+        /// Epoch of the report that the person has seen.
         epoch: u16,
     }
     /// Asks for `Info`.
     0x23 Down AskInfo {}
     /// Asks for one `Setting`.
     0x24 Down AskSetting {
-        /// Which.
+        /// Setting.
         setting: SettingCode,
     }
-    /// Sets one; answered by `Setting` or `Refused`.
+    /// Sets a setting; answered by `Setting` or `Refused`.
     0x25 Down SetSetting {
-        /// Which.
+        /// Setting.
         setting: SettingCode,
-        /// In the setting's unit.
+        /// Value in the setting's unit.
         value: u32,
     }
-    /// Engaged arcs at one place of the segment that comes next; they come in their order.
+    /// A knot of engaged arcs of the next segment; knots are sent in order.
     0x26 Down SegmentArcs {
         /// Path from the segment's start, mm.
         travelled: Q40,
-        /// Of the outer circle: from and to, 1/90 degree.
+        /// Arc of the outer circle: from and to, 1/90 degree.
         outer: [i16; 2],
-        /// Of the inner circle.
+        /// Arc of the inner circle.
         inner: [i16; 2],
     }
-    /// What the board is.
+    /// Description of the board.
     0x40 Up Info {
-        /// Version of its firmware.
+        /// Version of the firmware.
         version: [u8; 3],
-        /// Why it started.
+        /// Cause of the last start.
         reset: ResetCode,
-        /// How often it started, as far as it knows.
+        /// Number of starts, as far as the board knows.
         starts: u32,
-        /// Segments that it holds ahead.
+        /// Number of segments that the board can hold.
         capacity: u16,
         /// Set of parameters in force; 0 for none.
         set: u32,
-        /// Its name.
+        /// Name of the board.
         name: Chunk,
     }
-    /// A set of parameters is in force.
+    /// A set of parameters has come into force.
     0x41 Up Accepted {
-        /// Which.
+        /// Number of the set.
         set: u32,
     }
-    /// The board did not do it.
+    /// The board has rejected a message.
     0x42 Up Refused {
-        /// Kind of the message.
+        /// Kind of the rejected message.
         kind: u8,
-        /// Its set, count, setting or epoch; 0 if it has none.
+        /// Set, count, setting or epoch of the rejected message; 0 if it has none.
         reference: u32,
-        /// Why.
+        /// Reason.
         why: RefusalCode,
     }
-    /// One setting as it is.
+    /// Current value of a setting.
     0x43 Up Setting {
-        /// Which.
+        /// Setting.
         setting: SettingCode,
-        /// In the setting's unit.
+        /// Value in the setting's unit.
         value: u32,
     }
     /// Part of the log, as defmt encodes it.
     0x44 Up Log {
-        /// The bytes that follow those of the log before.
+        /// Bytes that follow those of the previous `Log`.
         bytes: Chunk,
     }
-    /// How things stand.
+    /// State of the board.
     0x50 Latest Report {
-        /// When, by the board's clock, us.
+        /// Time by the board's clock, us.
         at: u64,
-        /// Who has the override.
+        /// State of the supervisor.
         state: StateCode,
-        /// Why it is what it is: a number of docs/outputs.md.
+        /// Reason of the override: a number of docs/outputs.md.
         cause: u8,
-        /// Whether somebody should look.
+        /// Alarm level.
         alarm: AlarmCode,
-        /// The override put out, %.
+        /// Override at the output, %.
         override_percent: u8,
-        /// How often the override was taken away, the start among it.
+        /// Number of fallbacks, including the start.
         epoch: u16,
-        /// Segments done since the start; wraps.
+        /// Number of segments executed since the start; wraps around.
         executed: u32,
-        /// Count of the segment in work.
+        /// Count of the segment in execution.
         in_work: Option<u32>,
-        /// Room for segments.
+        /// Free slots for segments.
         room: u16,
         /// Set of parameters in force; 0 for none.
         set: u32,
-        /// Feed per tooth at the centre that the law wants, nm; all ones for none.
+        /// Feed per tooth at the centre that the law demands, nm; all ones for none.
         ipt_center: u32,
-        /// Feed that the machine makes of the override, um/min; all ones for none.
+        /// Feed of the machine under the override, um/min; all ones for none.
         feed: u32,
-        /// At the floor: by how much the chip exceeds its target, %.
+        /// Excess of the chip over its target at the lower limit of the override, %.
         chip_excess_percent: u8,
     }
-    /// What the machine shows.
+    /// Signals of the machine.
     0x60 Machine Sample {
-        /// When, by the machine's clock, us.
+        /// Time by the machine's clock, us.
         at: u64,
-        /// Who says when the machine moves on.
+        /// Clock of the machine.
         mode: ModeCode,
-        /// X, Y, Z in the workpiece's coordinates, nm; absent if there is no new one.
+        /// X, Y, Z in the workpiece's coordinates, nm; absent if there is no new position.
         linear: Option<[i64; 3]>,
         /// A, B, C, microdegrees; absent if all are 0.
         rotary: Option<[i64; 3]>,
         /// Spindle speed, rev/min.
         spindle: Q40,
-        /// The operator's dial, %.
+        /// Operator's dial, %.
         operator_percent: u8,
-        /// Conditions and buttons, a bit each.
+        /// Conditions and buttons, one bit each.
         signals: u32,
-        /// Bytes put on the link before this; wraps.
+        /// Bytes sent on the link before this message; wraps around.
         link_bytes: u32,
-        /// Bytes put on the tapped line before this, both ways together; wraps.
+        /// Bytes sent on the tapped line before this message, both directions together; wraps around.
         tap_bytes: u32,
     }
-    /// What the board puts out.
+    /// Outputs of the board.
     0x61 Machine Setpoint {
-        /// `at` of the sample that it answers.
+        /// `at` of the answered sample.
         at: u64,
-        /// Lines *FV0 to *FV7 that are low, a bit each.
+        /// Lines *FV0 to *FV7 that are low, one bit each.
         lines: u8,
-        /// Who has the override.
+        /// State of the supervisor.
         state: StateCode,
-        /// Bytes put on the link before this; wraps.
+        /// Bytes sent on the link before this message; wraps around.
         link_bytes: u32,
-        /// Bytes put on the tapped line before this, both ways together; wraps.
+        /// Bytes sent on the tapped line before this message, both directions together; wraps around.
         tap_bytes: u32,
     }
 }

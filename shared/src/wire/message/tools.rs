@@ -1,4 +1,4 @@
-//! A tool of a job and its law, out of their messages.
+//! Decoding of a job's tool and of its law.
 
 use crate::job::{LawKind, SpeedSource, ToolAxis, ToolSetup};
 use crate::tool::{CupMill, EndMill, Tool};
@@ -7,7 +7,7 @@ use crate::units::{MmPerTooth, Nm, RevPerMin};
 use super::codes::{AxisCode, LawCode, ToolCode};
 use super::table;
 
-/// A tool whose law is still to come.
+/// The tool of a message; its law follows later.
 pub fn setup(message: &table::Tool) -> ToolSetup {
     let table::Tool { outer_radius, inner_radius, teeth, .. } = *message;
     let tool = match message.shape {
@@ -29,7 +29,7 @@ pub fn setup(message: &table::Tool) -> ToolSetup {
     ToolSetup { number, axis, speed_source, ..ToolSetup::new(tool, spindle, LawKind::Programmed, feed) }
 }
 
-/// The law of a tool.
+/// The law of a message.
 pub fn law(message: &table::Law) -> LawKind {
     match message.law {
         LawCode::Circumference => LawKind::Circumference,
