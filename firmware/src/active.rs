@@ -1,4 +1,5 @@
-//! A segment as the tick takes it: track, feed, limits and the ratio along it worked out once, when the block arrives.
+//! A segment prepared for the tick: track, feed, limits and the ratio along it are computed once, when the block
+//! arrives.
 
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::EngagedTable;
@@ -17,48 +18,48 @@ use crate::ramp::FeedOverride;
 /// A segment prepared once when the block becomes active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSegment {
-    /// `None` for a rapid: the way there is the machine's.
+    /// `None` for a rapid: the machine decides its path.
     track: Option<Track>,
-    /// `None` where the override has nothing to act on.
+    /// `None` if the override has nothing to act on.
     sent: Option<SentFeed>,
     end: Pose,
-    /// The ratio along it, under its law.
+    /// Ratio along the segment under its law.
     pub(crate) envelope: Envelope,
 }
 
-/// The feed as sent to the control.
+/// Feed as sent to the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SentFeed {
     pub feed: MmPerMin,
-    /// The feed per tooth at the centre that it is at the commanded spindle speed.
+    /// Feed per tooth at the centre at this feed and the commanded spindle speed.
     pub ipt_center: MmPerTooth,
     pub machine: MachineRatio,
 }
 
-/// The fastest feed of the machine on a segment, over the feed as sent; infinite where nothing limits it.
+/// Feed limit of the machine on a segment relative to the sent feed; infinite without a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MachineRatio {
     pub feed_ratio: f32,
     pub by: LimitedBy,
 }
 
-/// What holds for a segment beside its geometry.
+/// Conditions of a segment besides its geometry.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
-    /// The cut rule whose law governs it.
+    /// Cut rule whose law governs the segment.
     pub rule: Option<&'a CutRule>,
-    /// Where the tool's circles are engaged along it, for a rule that leaves that to each move.
+    /// Engaged arcs along the segment, for a rule that expects engagement per move.
     pub along: Option<&'a EngagedTable>,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
-    /// The fastest feed on it; rapids have none.
+    /// Feed limit; `None` for rapids.
     pub limit: Option<FeedLimit>,
-    /// Largest override at its end, %: what the move behind it begins with.
+    /// Largest override at the end of the segment, %: the one with which the next move can begin.
     pub end_percent: u8,
 }
 
 impl<'a> Conditions<'a> {
-    /// Those of a move of the program as the control received it: its own F counts as the programmed one.
+    /// Conditions of a move of the program as the control received it: its F counts as the programmed feed.
     pub fn of(segment: &Segment, rule: Option<&'a CutRule>, job: &Job) -> Self {
         Conditions {
             rule,
@@ -70,12 +71,12 @@ impl<'a> Conditions<'a> {
     }
 }
 
-/// The tool of a move's rule; the job's first one where it has none.
+/// Tool of a move's rule; the job's first tool without a rule.
 fn setup<'j>(rule: Option<&CutRule>, job: &'j Job) -> &'j ToolSetup {
     rule.map_or(job.tools.first(), |rule| job.tool_of(rule))
 }
 
-/// The fastest feed on a move; the job's ceiling holds where a law governs it.
+/// Feed limit of a move; the job's ceiling applies only if a law governs the move.
 fn limit(segment: &Segment, is_governed: bool, job: &Job) -> Option<FeedLimit> {
     match segment.feed {
         Feed::PerMinute(feed) if is_governed && segment.path != Path::Rapid => job.feed_limit(segment, Some(feed)),
@@ -95,7 +96,7 @@ impl ActiveSegment {
         ActiveSegment::with_law(segment, &law, conditions, job)
     }
 
-    /// Prepares a segment under a law, whatever its rule says.
+    /// Prepares a segment under a given law instead of that of its rule.
     pub fn with_law(segment: &Segment, law: &SegmentLaw, conditions: &Conditions<'_>, job: &Job) -> Self {
         let Conditions { spindle, limit, end_percent, .. } = *conditions;
         let (end, track) = (segment.end, Track::new(segment));
@@ -115,46 +116,46 @@ impl ActiveSegment {
         ActiveSegment { track, sent: Some(SentFeed { feed, ipt_center, machine }), end, envelope }
     }
 
-    /// Length of its path; `None` for a rapid.
+    /// Length of the path; `None` for a rapid.
     pub fn length_mm(&self) -> Option<f32> {
         self.track.as_ref().map(Track::length_mm)
     }
 
-    /// The largest override with which it can begin, %: with one above it what comes first would be cut too fast.
+    /// Largest override with which the segment can begin, %; above it the beginning would be cut too fast.
     pub fn begin_percent(&self) -> u8 {
         let machine = self.sent.map_or(f32::INFINITY, |sent| sent.machine.feed_ratio);
-        // A float beyond 255 becomes 255.
+        // The cast saturates at 255.
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
 
-    /// How far below 1 the ratio must be behind its end.
+    /// Required reduction of the ratio below 1 at the end of the segment.
     pub fn reserve_ratio(&self) -> f32 {
         self.envelope.reserve_ratio()
     }
 
-    /// Where it ends.
+    /// End position.
     pub fn end(&self) -> &Pose {
         &self.end
     }
 
-    /// Whether the override acts on it: not on rapids, inverse time, or without a feed.
+    /// Whether the override acts on the segment: not on rapids, on inverse-time feeds, or without a feed.
     pub fn takes_override(&self) -> bool {
         self.sent.is_some()
     }
 
-    /// The feed that the machine makes of an override, its limits considered; `None` where the override does not act.
+    /// Feed of the machine under an override, within its limits; `None` if the override does not act.
     pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
         let sent = self.sent.as_ref()?;
         let ratio = fmath::min(f32::from(feed_override.percent) / PERCENT, sent.machine.feed_ratio);
         Some(MmPerMin(sent.feed.0 * ratio))
     }
 
-    /// The feed as sent to the control; `None` where the override must not act on it.
+    /// Feed as sent to the control; `None` if the override must not act on it.
     pub(crate) fn sent(&self) -> Option<&SentFeed> {
         self.sent.as_ref()
     }
 
-    /// The track; `None` for a rapid.
+    /// Track; `None` for a rapid.
     pub(crate) fn track(&self) -> Option<&Track> {
         self.track.as_ref()
     }

@@ -10,7 +10,8 @@ use crate::application::messages::Queues;
 use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
-/// So many times a link may be lost before its session's number is that of another start.
+/// Number of sessions of a start: after as many losses of the link, session numbers overlap with those of the next
+/// start.
 const SESSIONS_PER_START: u32 = 1 << 16;
 
 /// Configuration of a board at its start.
@@ -20,7 +21,7 @@ pub struct Config {
     pub supply: Supply,
     /// Settings of the supervisor.
     pub settings: Settings,
-    /// Its identity. The number of starts keeps its sessions apart.
+    /// Identity of the board. The number of starts makes its sessions unique.
     pub identity: Identity,
     /// A fault found at the start.
     pub fault: Option<BoardFault>,
@@ -35,7 +36,7 @@ pub enum AssemblyError {
     Link(LinkError),
 }
 
-/// Assembles a board that has just started, over these queues.
+/// Assembles a board at its start, with these queues.
 ///
 /// # Errors
 /// Invalid settings.

@@ -1,42 +1,42 @@
-//! The seam to the hardware. A chip, an emulated board and the simulator are told apart by nothing else.
+//! Hardware interface: a chip, an emulated board and the simulator differ only in its implementation.
 
 use crate::ramp::FeedOverride;
 use crate::supervisor::input::{Input, Work};
 use crate::supervisor::memory::Memory;
 use crate::supervisor::{Output, Supervisor};
 
-/// What the controller needs from its surroundings.
+/// Hardware that the controller needs.
 pub trait Board {
-    /// Takes the inputs of this tick.
+    /// Reads the inputs of this tick.
     fn measure(&mut self);
-    /// What was measured. Lent, as a copy costs the tick more than its use.
+    /// Measured inputs, by reference: a copy would cost the tick more than its use.
     fn input(&self) -> &Input;
-    /// The segment being executed and its running count, or `None` while nothing is.
+    /// The segment in execution and its count; `None` if there is none.
     fn work(&self) -> Work<'_>;
-    /// Puts the override out.
+    /// Sets the override at the output.
     fn set_override(&mut self, feed_override: FeedOverride);
 }
 
-/// What runs at every tick, and its state. The default is power-on: 0 %, rising to the operator's dial.
+/// Task of a tick, with its state. The default is power-on: 0 %, rising to the operator's dial.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Task {
     memory: Memory,
 }
 
 impl From<Memory> for Task {
-    /// Goes on from there.
+    /// A task that continues from this memory.
     fn from(memory: Memory) -> Self {
         Task { memory }
     }
 }
 
 impl Task {
-    /// What the supervisor remembers.
+    /// Memory of the supervisor.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// One tick: measure, decide, put out. Answers what was decided.
+    /// Runs one tick: measures, decides, sets the output. Returns the decision.
     pub fn run(&mut self, supervisor: &Supervisor, board: &mut impl Board) -> Output {
         board.measure();
         let output = supervisor.tick(&mut self.memory, board.work(), board.input());

@@ -1,4 +1,4 @@
-//! Where on its segment the tool is: what is measured, and the way along the segment that follows from it.
+//! Position of the tool along its segment, from the measured position.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{MmPerMin, RevPerMin, Span};
@@ -6,13 +6,13 @@ use arcfeed_shared::units::{MmPerMin, RevPerMin, Span};
 use crate::active::ActiveSegment;
 use crate::progress::{PositionFilter, Progress};
 
-/// Follows the position along segments; config.
+/// Follows the position along segments; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     filter: PositionFilter,
 }
 
-/// The way along the segment in work, and its feed as sent.
+/// Progress on the segment in execution, and its sent feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     progress: Progress,
@@ -20,10 +20,10 @@ pub struct State {
     feed_change_ratio: f32,
 }
 
-/// What is measured at a tick.
+/// Measured values of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// Where the tool's centre is; `None` if there is no new sample since the last tick.
+    /// Position of the tool's centre; `None` without a new sample since the last tick.
     pub position: Option<Pose>,
     /// Spindle speed.
     pub spindle: RevPerMin,
@@ -31,12 +31,12 @@ pub struct Input {
     pub dt: Span,
 }
 
-/// What the way along the segment follows from.
+/// Sample from which the progress is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<'a> {
-    /// As of [`Input::position`].
+    /// Position, as in [`Input::position`].
     pub position: Option<&'a Pose>,
-    /// Time since the last tick, as far as it counts.
+    /// Time since the last tick, at most the longest tick.
     pub dt: Span,
 }
 
@@ -47,17 +47,17 @@ impl Default for State {
 }
 
 impl State {
-    /// How far the segment in work is; of no meaning on rapids.
+    /// Progress on the segment in execution; meaningless on rapids.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// The feed as sent on the segment in work over that on the one before; 1 where one of them has none.
+    /// Ratio of the sent feeds of this segment and the previous one; 1 if one of them has none.
     pub(crate) fn feed_change_ratio(&self) -> f32 {
         self.feed_change_ratio
     }
 
-    /// Never inline: most ticks begin nothing.
+    /// Not inlined: most ticks begin no segment.
     #[inline(never)]
     fn begin(&mut self, segment: &ActiveSegment) {
         let feed_sent = segment.sent().map(|sent| sent.feed);
@@ -71,12 +71,12 @@ impl State {
 }
 
 impl Controller {
-    /// A controller for positions that are noisy, late or now and then missing, or for such that are not.
+    /// A controller with a position filter.
     pub const fn new(filter: PositionFilter) -> Self {
         Controller { filter }
     }
 
-    /// A tick on a segment, which `begins` at the first one.
+    /// Processes a tick on a segment; `begins` is true on the first one.
     #[inline(always)]
     pub fn follow(&self, state: &mut State, segment: &ActiveSegment, sample: &Sample<'_>, begins: bool) {
         if begins {

@@ -1,8 +1,9 @@
-//! The ratio of wanted to sent feed along a segment: what the law demands, lowered in time for what it demands further on.
+//! Envelope: the largest ratio of wanted to sent feed along a segment from which the override can still fall in time
+//! to later demands.
 //!
-//! An override takes effect a time w after the controller has decided it, and falls by s a second at most. With the feed as
-//! sent F, the ratio r(p) that the law demands at the path p, its largest r_max, the segment's length L and the ratio e that is
-//! safe behind its end:
+//! An override takes effect a time w after the controller has decided it, and falls by at most s per second. With the
+//! sent feed F, the ratio r(p) that the law demands at the path p, its maximum r_max, the segment's length L and the
+//! safe ratio e after its end:
 //!
 //! ```text
 //! b(p)^2 = min(r(p)^2, b(p + dp)^2 + 2 s dp / F)                                  (1)
@@ -10,10 +11,11 @@
 //! ratio at p <= sqrt(e^2 + 2 s (L - p - F r_max w) / F)                           (3)
 //! ```
 //!
-//! (1) and (3) are v^2 = 2 a s for a ratio that falls evenly in time. The law is asked when the segment is prepared, at the
-//! borders of equal cells; the tick interpolates. So that no interpolated ratio exceeds the law's demand, however it bends or
-//! jumps, a border takes the least b of both cells at its sides and of all cells within reach of (2) from there. That holds as
-//! long as the demand has no minimum within a cell; knots of a law are minima that the law knows, and both borders take them.
+//! (1) and (3) are v^2 = 2 a s for a ratio that falls linearly in time. The law is evaluated when the segment is
+//! prepared, at the borders of equal cells; the tick interpolates. So that no interpolated ratio exceeds the law's
+//! demand, even at bends and jumps, a border has the smallest b of the cells on both sides and of all cells within the
+//! reach of (2). This is valid as long as the demand has no minimum within a cell; the knots of a law are known
+//! minima, which both borders of the cell include.
 //!
 //! Source: docs/safety-case.md#transitions.
 
@@ -26,27 +28,28 @@ use crate::progress::Track;
 
 /// Cells along a segment.
 const CELLS: usize = 128;
-/// From a decision to the feed that it makes, s: a tick, two scans of a ladder of 8 ms, the axes' own lag. (assumed)
+/// Delay from a decision to its feed, s: a tick, two scans of a ladder of 8 ms, the lag of the axes. (assumed)
 pub const RESPONSE_S: f32 = 0.03;
-/// The part of the slew that (1) counts on: ticks come one by one.
+/// Fraction of the slew that (1) uses, because of the discrete ticks.
 const SLEW_SHARE: f32 = 0.9;
-/// Steps in which a border keeps its ratio.
+/// Resolution of a border's ratio.
 const STEPS_PER_RATIO: f32 = 2_500.0;
-/// Parts of a cell that the tick tells apart: it interpolates in whole numbers, which never leave both ends of a cell.
+/// Resolution of the interpolation: the tick interpolates in whole numbers, whose results never exceed both ends of a
+/// cell.
 const PART_BITS: u32 = 16;
 const PARTS: u32 = 1 << PART_BITS;
 const RATIO_PER_PART: f32 = 1.0 / (STEPS_PER_RATIO * PARTS as f32);
-/// A ratio this little below a step counts as on it.
+/// Tolerance below a step, which still counts as the step.
 const STEP_TOLERANCE: f32 = 0.02;
-/// The largest ratio that a border keeps; above every override that there is.
+/// Largest ratio of a border; above every possible override.
 const RATIO_MAX: f32 = 3.0;
-/// Above a whole per cent by less than this, an override is that per cent.
+/// Tolerance of the rounding to a whole per cent.
 const PERCENT_TOLERANCE: f32 = 0.01;
 
-/// The ratio along one segment, prepared with it.
+/// Ratio along a segment, prepared with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
-    /// Before each cell and behind the last one.
+    /// Borders: before each cell and after the last one.
     borders: [Border; CELLS + 1],
     parts_per_mm: f32,
     /// e^2 in (3).
@@ -55,25 +58,25 @@ pub struct Envelope {
     fallen_mm: f32,
     /// 2 s / F.
     fall_per_mm: f32,
-    /// Spindle speed that the ratios are for; no speed is below it where they hold at any.
+    /// Spindle speed for which the ratios are computed; minus infinity if they are valid at any speed.
     spindle: RevPerMin,
 }
 
-/// The ratio at a border, in steps, and below [`ANSWER_BITS`] what the law answered there.
+/// Ratio at a border, in steps; the lower [`ANSWER_BITS`] hold the law's answer there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Border(u16);
 
 const ANSWER_BITS: u32 = 3;
 const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
-/// The code of an answer; refusals have theirs in the order of [`NoDemand`], which the compiler makes the same number.
+/// Code of a demand; the codes of refusals follow the order of [`NoDemand`], so that the compiler needs no conversion.
 const ANSWERED: u16 = 5;
 
-/// What an envelope is worked out from.
+/// Inputs of an envelope.
 #[derive(Clone, Copy, Debug)]
 pub struct Sent {
-    /// The feed as sent.
+    /// Sent feed.
     pub feed: MmPerMin,
-    /// Teeth over the feed, min/mm.
+    /// Number of teeth divided by the feed, min/mm.
     pub teeth_min_per_mm: f32,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
@@ -83,16 +86,16 @@ pub struct Sent {
     pub end_percent: u8,
 }
 
-/// What the law answered at the borders.
+/// Answers of the law at the borders.
 struct Answers {
     ratios: [f32; CELLS + 1],
     borders: [Border; CELLS + 1],
-    /// Whether it demands nothing anywhere.
+    /// Whether the law has no demand anywhere.
     is_refused: bool,
 }
 
 impl Envelope {
-    /// The ratios under a law.
+    /// Envelope of a law.
     pub fn new(law: &SegmentLaw, track: &Track, sent: &Sent, limits: &OverrideLimits) -> Self {
         let constant = Envelope::constant(sent.end_percent);
         let keeps_feed_behind = sent.end_percent >= PERCENT as u8;
@@ -122,8 +125,8 @@ impl Envelope {
         Envelope { borders, parts_per_mm, fallen_mm: length_mm - response_mm, fall_per_mm, spindle, ..constant }
     }
 
-    /// One ratio for a whole segment that no law governs, at any spindle speed: as sent, and no higher than what follows can
-    /// begin with.
+    /// Constant envelope for a segment without a law, at any spindle speed: the sent feed, limited to the ratio with
+    /// which the next segment can begin.
     pub fn constant(end_percent: u8) -> Self {
         let end_ratio = f32::from(end_percent) / PERCENT;
         Envelope {
@@ -136,23 +139,24 @@ impl Envelope {
         }
     }
 
-    /// The largest override at the segment's beginning, %.
+    /// Largest override at the beginning of the segment, %.
     pub fn begin_percent(&self) -> u8 {
         (self.at(0.0).0 * PERCENT + PERCENT_TOLERANCE) as u8
     }
 
-    /// How far below 1 the ratio must be behind the segment's end.
+    /// Required reduction of the ratio below 1 at the end of the segment.
     pub fn reserve_ratio(&self) -> f32 {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }
 
-    /// The ratio at a path from the segment's start at the commanded spindle speed, and why the law has no part in it.
+    /// Ratio at a path from the segment's start at the commanded spindle speed, and the reason if the law has no
+    /// demand there.
     #[inline(always)]
     pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoDemand>) {
         let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);
         let cell = (place / PARTS) as usize;
         let [before, behind] = [cell, cell + 1].map(|border| self.borders.get(border).copied().unwrap_or(Border(0)));
-        // Below 2^31: a border keeps less than 2^13 steps.
+        // Below 2^31: a border has less than 2^13 steps.
         let steps = before.steps() * PARTS as i32 + (behind.steps() - before.steps()) * (place % PARTS) as i32;
         let ratio = steps as f32 * RATIO_PER_PART;
         let falling = self.end_squared + fmath::max(self.fallen_mm - travelled_mm, 0.0) * self.fall_per_mm;
@@ -160,7 +164,7 @@ impl Envelope {
         (ratio, before.answer())
     }
 
-    /// The part of the ratio for a slower spindle, which scales all demands; a faster one raises nothing.
+    /// Factor of the ratio for a slower spindle, which scales all demands; a faster spindle does not raise the ratio.
     #[inline(always)]
     pub fn spindle_share(&self, measured: RevPerMin) -> f32 {
         let is_slower = fmath::is_positive(measured.0) && measured.0 < self.spindle.0;
@@ -169,7 +173,7 @@ impl Envelope {
 }
 
 impl Border {
-    /// Without a ratio yet.
+    /// A border with an answer but without a ratio.
     fn answering<T>(answer: Result<T, NoDemand>) -> Self {
         Border(match answer {
             Err(NoDemand::NoLaw) => 0,
@@ -181,7 +185,7 @@ impl Border {
         })
     }
 
-    /// The same answer at this ratio, rounded down.
+    /// The same answer with this ratio, rounded down.
     fn with_ratio(self, ratio: f32) -> Self {
         let steps = (ratio * STEPS_PER_RATIO + STEP_TOLERANCE) as u16;
         Border(steps << ANSWER_BITS | self.0 & ANSWERS)
@@ -206,7 +210,7 @@ impl Border {
 }
 
 impl Answers {
-    /// Asks the law along the track.
+    /// Evaluates the law along the track.
     fn of(law: &SegmentLaw, track: &Track, sent: &Sent) -> Self {
         let length_mm = track.length_mm();
         let mut answers =
@@ -231,20 +235,20 @@ impl Answers {
 }
 
 impl Sent {
-    /// The ratio that the law demands at a place.
+    /// Ratio that the law demands at a place.
     fn demand(&self, law: &SegmentLaw, place: &Place) -> Result<f32, NoDemand> {
         let path_mm_per_tooth = law.demand(place)?.path_mm_per_tooth;
         let is_known = fmath::is_positive(self.spindle.0);
         is_known.then_some(self.spindle.0 * path_mm_per_tooth * self.teeth_min_per_mm).ok_or(NoDemand::BadInput)
     }
 
-    /// The largest ratio that a demand allows.
+    /// Largest ratio that a demand allows.
     fn bound(&self, demand: Result<f32, NoDemand>) -> f32 {
         match demand {
             Ok(ratio) => fmath::min(ratio, RATIO_MAX),
             Err(NoDemand::ChipUnreachable) => RATIO_MAX,
             Err(NoDemand::NoLaw) => 1.0,
-            // Without a demand the feed as sent, within the job's limits.
+            // Without a demand: the sent feed, within the job's limits.
             Err(_) => fmath::min(1.0, self.max_ratio),
         }
     }

@@ -1,14 +1,14 @@
 //! The feed controller: from segment, position and spindle speed to the override.
 //!
-//! No heap, no clock, no I/O: one call of [`supervisor::Supervisor::tick`] per sample of the position. Modules stand
-//! in the order in which data flows: the [`law`] says which feed per tooth the tool's centre needs, [`progress`] says
-//! where on the segment it is, [`ramp`] turns a wanted ratio into an override the control can follow, [`envelope`] lowers it in time for what comes further on, [`active`] is a segment with
-//! all of that prepared, [`controller`] follows the position along it, [`supervisor`] decides whether the law may act and where the override goes, [`queue`] finds the segment in work where nobody tells, [`spsc`] is
-//! what lies between main loop and tick, [`tap`] reads the program off the DNC line,
-//! [`input`] makes sense of what a board counts and measures, [`output`] carries the override to the control, [`board`] is
-//! the seam to the hardware, [`application`] a whole board between its link and its tick,
-//! [`assembly`] puts one together, [`main_loop`] is
-//! its side of the main loop, [`lockstep`] runs it at the pace of a simulated machine.
+//! No heap, no clock, no I/O: one call of [`supervisor::Supervisor::tick`] per sample of the position. Modules in the
+//! order of the data flow: [`law`] gives the feed per tooth that the tool's centre needs; [`progress`] finds the
+//! position on the segment; [`ramp`] turns a wanted ratio into an override that the control can follow; [`envelope`]
+//! lowers the ratio in time for later demands; [`active`] is a segment prepared with all of these; [`controller`]
+//! follows the position along it; [`supervisor`] decides whether the law may act, and on the override; [`queue`] finds
+//! the segment in execution if the control does not report it; [`spsc`] connects main loop and tick; [`tap`] reads the
+//! program off the DNC line; [`input`] converts readings of a board; [`output`] passes the override to the control;
+//! [`board`] is the hardware interface; [`application`] is a board between its link and its tick; [`assembly`] puts
+//! one together; [`main_loop`] is its main loop; [`lockstep`] runs it synchronously with a simulated machine.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]

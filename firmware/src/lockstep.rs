@@ -1,6 +1,6 @@
-//! A board in lockstep with a simulated machine: for each sample it takes exactly the bytes that the sample counts, ticks once,
-//! and answers. What it does depends on bytes alone, not on when they arrive, so a run is the same every time, on a chip, on
-//! an emulated one, and in process.
+//! A board in lockstep with a simulated machine: for each sample it reads exactly the number of bytes that the sample
+//! states, runs one tick, and answers. Its behaviour depends only on the bytes and not on their timing, so a run is
+//! reproducible on a chip, on an emulated chip, and in process.
 //!
 //! ```text
 //!        sample                  its bytes are all here            answered
@@ -17,7 +17,7 @@ use arcfeed_shared::wire::plain::PlainLine;
 
 use crate::main_loop::MainLoop;
 
-/// A line of a board.
+/// Serial line of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
     /// To the host.
@@ -32,11 +32,11 @@ pub enum Line {
 
 /// The board's ends of its lines.
 pub trait Lines {
-    /// Bytes that have come and wait.
+    /// Number of received bytes that wait.
     fn waiting(&self, line: Line) -> usize;
-    /// The next of them.
+    /// The next received byte.
     fn receive(&mut self, line: Line) -> Option<u8>;
-    /// Sends bytes; how many were taken.
+    /// Sends bytes; returns the number of accepted bytes.
     fn send(&mut self, line: Line, bytes: &[u8]) -> usize;
 }
 
@@ -50,7 +50,7 @@ pub struct Lockstep {
     incomplete: u32,
 }
 
-/// Bytes of link and tapped line; they wrap.
+/// Byte counts of link and tapped line; they wrap around.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
     link: u32,
@@ -58,19 +58,19 @@ struct Counts {
 }
 
 impl Lockstep {
-    /// Before the first sample.
+    /// State before the first sample.
     pub const fn new() -> Self {
         let none = Counts { link: 0, tap: 0 };
         Lockstep { line: PlainLine::new(), waiting: None, taken: none, put: none, incomplete: 0 }
     }
 
-    /// What the first sample says of the mode; `None` before it has come.
+    /// Mode of the first sample; `None` before it has arrived.
     pub fn mode(&mut self, lines: &mut impl Lines) -> Option<ModeCode> {
         self.sample(lines).map(|sample| sample.mode)
     }
 
-    /// Goes on as far as the bytes allow; whether a period was done. `tick` ticks once, with a sample, and
-    /// answers what is put out; what it says of bytes is of no meaning.
+    /// Runs a period if all of its bytes have arrived; returns whether it did. `tick` runs one tick with a sample and
+    /// returns the outputs; its byte counts are ignored.
     pub fn poll<const N: usize>(
         &mut self,
         front: &mut MainLoop<'_, N>,
@@ -97,7 +97,7 @@ impl Lockstep {
         true
     }
 
-    /// The sample that waits, or the next to come.
+    /// The waiting sample, or the next one received.
     fn sample(&mut self, lines: &mut impl Lines) -> Option<Sample> {
         while self.waiting.is_none() {
             let byte = lines.receive(Line::Machine)?;
@@ -128,7 +128,7 @@ impl Lockstep {
         self.taken.tap = sample.tap_bytes;
     }
 
-    /// What is due: the link keeps its bit rate by the machine's time.
+    /// Sends due frames; the link keeps its bit rate by the machine's time.
     fn put_link<const N: usize>(&mut self, now: Micros, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
         let mut frame = [0; ENCODED_MAX];
         loop {
@@ -147,13 +147,13 @@ impl Lockstep {
         self.incomplete = self.incomplete.wrapping_add(u32::from(sent < length));
     }
 
-    /// Frames of the machine line that were none, and answers that found no room; wrap.
+    /// Numbers of invalid frames on the machine line, and of answers that could not be sent; they wrap around.
     pub fn faults(&self) -> [u32; 2] {
         [self.line.invalid(), self.incomplete]
     }
 }
 
-/// Passes on what has come at either end of the tapped line; how many characters.
+/// Forwards received characters in both directions of the tapped line; returns their number.
 pub fn pass<const N: usize>(front: &mut MainLoop<'_, N>, lines: &mut impl Lines, now: Micros) -> u32 {
     let mut passed = 0_u32;
     while let Some(byte) = lines.receive(Line::Sender) {
@@ -167,7 +167,7 @@ pub fn pass<const N: usize>(front: &mut MainLoop<'_, N>, lines: &mut impl Lines,
     passed
 }
 
-/// From one count to the next.
+/// Difference of two byte counts.
 fn distance(from: u32, to: u32) -> usize {
     to.wrapping_sub(from) as usize
 }

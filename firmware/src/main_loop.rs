@@ -1,4 +1,5 @@
-//! The main loop of a board: the link to its host, and the tap where there is one. The calls are the same on a chip and in process.
+//! The main loop of a board: the link to its host, and the tap if there is one. The calls are the same on a chip and
+//! in process.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Micros;
@@ -6,7 +7,7 @@ use arcfeed_shared::units::Micros;
 use crate::application::host_link::HostLink;
 use crate::tap::{Handed, Tap};
 
-/// HostLink and tap; state. The tap has room for `N` characters; with 0 there is none, and no code for one.
+/// Host link and tap; state. The tap has room for `N` characters; with `N` = 0 there is no tap and no code for it.
 pub struct MainLoop<'q, const N: usize> {
     host_link: HostLink<'q>,
     tap: Option<&'q mut Tap<N>>,
@@ -18,34 +19,35 @@ impl<'q, const N: usize> MainLoop<'q, N> {
         MainLoop { host_link, tap }
     }
 
-    /// Takes bytes off the link's line.
+    /// Processes bytes received on the link.
     pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
         self.host_link.on_link_bytes(now, bytes);
     }
 
-    /// Puts the next frame for the link's line into `out`; its length, 0 if there is none. Call until it answers 0.
+    /// Writes the next frame of the link into `out` and returns its length; 0 if there is none. Call it until it
+    /// returns 0.
     pub fn poll_link(&mut self, now: Micros, out: &mut [u8]) -> usize {
         self.host_link.poll_link(now, out)
     }
 
-    /// A character of the sender: the same, for the control.
+    /// Processes a character of the sender; returns it for the control.
     pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
         self.parts().1.map_or(byte, |tap| tap.from_sender(now, byte))
     }
 
-    /// A character of the control: the same, for the sender.
+    /// Processes a character of the control; returns it for the sender.
     pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
         self.parts().1.map_or(byte, |tap| tap.from_control(now, byte))
     }
 
-    /// A character of the sender was lost, or could not be read, behind all that was heard so far.
+    /// Registers that a character of the sender was lost or unreadable.
     pub fn on_line_error(&mut self) {
         if let Some(tap) = self.parts().1 {
             tap.on_line_error();
         }
     }
 
-    /// A new position, before the tick that takes it.
+    /// Processes a new position, before its tick.
     pub fn see(&mut self, position: &Pose) {
         let (host_link, Some(tap)) = self.parts() else { return };
         let status = host_link.handler().status();
@@ -61,7 +63,7 @@ impl<'q, const N: usize> MainLoop<'q, N> {
         }
     }
 
-    /// What is to be done now and then, best before and after each tick.
+    /// Does the periodic work, ideally before and after each tick.
     pub fn run(&mut self, now: Micros) {
         self.host_link.run(now);
     }

@@ -1,15 +1,15 @@
-//! Where on its segment the tool's centre is, from the axes' positions: noisy, late, now and then missing.
+//! Progress of the tool's centre on its segment, from axis positions that may be noisy, late or missing.
 //!
-//! One state for arcs and lines: the place reached. Each tick it moves on along the segment by
+//! The state is the path travelled, for arcs and lines alike. Each tick it advances along the segment by
 //!
 //! ```text
 //! residual = path from the place to the sample's projection + v delay      (1)
 //! ds       = v dt + alpha residual,    v += beta residual / dt             (2)
 //! ```
 //!
-//! never backwards and never beyond the segment's end. Without a sample the residual is zero and the place moves on by
-//! dead reckoning. Exact samples are followed as they come, without the filter. The path to a sample on an arc is the sum of
-//! the paths from sample to sample, so a segment that runs back over the one before cannot catch it.
+//! never backwards and never beyond the segment's end. Without a sample the residual is zero and the place advances by
+//! dead reckoning. Exact samples are used directly, without the filter. The path to a sample on an arc is the sum of
+//! the paths from sample to sample, so that a segment which runs back over the previous one is not confused with it.
 //!
 //! Source: the alpha-beta filter of tracking radars; docs/laws.md#progress.
 
@@ -23,29 +23,29 @@ use crate::law::Place;
 /// Millimetres in a nanometre, for positions on the tick.
 const MM_PER_NM: f32 = 1e-6;
 
-/// How samples of the position are trusted; config.
+/// Filter of position samples; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PositionFilter {
-    /// As they are: no noise, no delay, none missing.
+    /// No filter: exact samples without noise, delay or gaps.
     Exact,
-    /// With an alpha-beta filter.
+    /// Alpha-beta filter.
     AlphaBeta(AlphaBeta),
 }
 
-/// The gains of the filter.
+/// Gains of the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaBeta {
-    /// Part of the residual taken up at once, 0 to 1.
+    /// Fraction of the residual that corrects the position, 0 to 1.
     alpha_ratio: f32,
-    /// Part of the residual that corrects the speed, 0 to 1.
+    /// Fraction of the residual that corrects the speed, 0 to 1.
     beta_ratio: f32,
     /// Age of a sample when it arrives.
     delay_us: f32,
 }
 
 impl PositionFilter {
-    /// A filter with the given gain (0 to 1 exclusive; small: smooth and slow) for samples that are `delay` old.
-    /// The speed's gain follows for critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 - alpha).
+    /// A filter with the given gain (0 to 1 exclusive; small: smooth and slow) for samples that are `delay` old. The
+    /// gain of the speed follows from critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 - alpha).
     ///
     /// `None` if the gain is out of range.
     pub fn new(alpha_ratio: f32, delay: Span) -> Option<Self> {
@@ -56,14 +56,14 @@ impl PositionFilter {
     }
 }
 
-/// A segment as progress sees it; config.
+/// Path of a segment, for the computation of progress; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
     length_mm: f32,
     shape: Shape,
 }
 
-/// The tag is a byte: by itself it would be as wide as the widest field, and tell the tick twice as much to compare.
+/// The tag is a byte; by default it would be as wide as the widest field and cost the tick a longer comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(u8)]
 enum Shape {
@@ -73,7 +73,7 @@ enum Shape {
     Line(LineTrack),
 }
 
-/// An arc about its rotation centre; what a helix does across the plane is left out.
+/// An arc about its rotation centre, without the rise of a helix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ArcTrack {
     plane: Plane,
@@ -88,14 +88,14 @@ struct ArcTrack {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct LineTrack {
     start: [Nm; 3],
-    /// Of unit length.
+    /// Unit vector of the direction.
     direction: [f32; 3],
 }
 
-/// How far the segment is done; state.
+/// Progress on a segment; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Of the last sample: on an arc the unit vector from the rotation centre to it.
+    /// On an arc: unit vector from the rotation centre to the last sample.
     direction: [f32; 2],
     /// Path from the segment's start to the last sample's projection.
     sampled_mm: f32,
@@ -104,19 +104,19 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Path from the segment's start, of a helix in the plane of its arc.
+    /// Path from the segment's start; for a helix, in the plane of its arc.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
 
-    /// Speed along the path as estimated.
+    /// Estimated speed along the path.
     pub fn speed_mm_per_s(&self) -> f32 {
         self.speed_mm_per_us * US_PER_S as f32
     }
 }
 
 impl Track {
-    /// The track of a cutting move; `None` for rapids, whose way is the machine's.
+    /// The track of a cutting move; `None` for rapids, whose path the machine decides.
     pub fn new(segment: &Segment) -> Option<Self> {
         let length_mm = segment.feed_length_mm() as f32;
         let shape = match &segment.path {
@@ -133,18 +133,18 @@ impl Track {
         Some(Track { length_mm, shape })
     }
 
-    /// Length of the path, of a helix that of its arc in the plane, mm.
+    /// Length of the path, mm; for a helix, of its arc in the plane.
     pub fn length_mm(&self) -> f32 {
         self.length_mm
     }
 
-    /// Progress before the first sample: at the start, as fast as on the segment before.
+    /// Progress before the first sample: at the start, with the speed of the previous segment.
     pub fn begin(&self, before: &Progress) -> Progress {
         let direction = self.start_direction();
         Progress { direction, speed_mm_per_us: before.speed_mm_per_us, ..Progress::default() }
     }
 
-    /// Of an arc, the unit vector from the rotation centre to its start.
+    /// Unit vector from an arc's rotation centre to its start; zero for a line.
     fn start_direction(&self) -> [f32; 2] {
         match &self.shape {
             Shape::Arc(arc) => arc.start,
@@ -152,7 +152,7 @@ impl Track {
         }
     }
 
-    /// The places at the borders of so many equal parts, for laws.
+    /// Places at the borders of `parts` equal parts, for laws.
     pub fn places(&self, parts: usize) -> impl Iterator<Item = Place> {
         let part_mm = self.length_mm() / parts as f32;
         let mut direction = self.start_direction();
@@ -165,7 +165,7 @@ impl Track {
         })
     }
 
-    /// A place this far from the start, for laws that look at nothing else: the direction is that of the start.
+    /// A place at this path from the start, for laws that use only the path: the direction is that of the start.
     pub(crate) fn place_after(&self, travelled_mm: f32) -> Place {
         self.place(self.start_direction(), travelled_mm)
     }
@@ -180,7 +180,7 @@ impl Track {
         }
     }
 
-    /// One tick: takes the sample, if there is one.
+    /// Processes a tick with or without a sample.
     #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
         if let Some(position) = sample {
@@ -196,15 +196,15 @@ impl Track {
                 gains.step(&mut progress.speed_mm_per_us, sample.map(|_| behind_mm), dt)
             }
         };
-        // Not back, and not beyond the end.
+        // Neither backwards nor beyond the end.
         let ahead_mm = progress.travelled_mm + fmath::max(ds_mm, 0.0);
         progress.travelled_mm = fmath::min(ahead_mm, self.length_mm);
     }
 }
 
 impl ArcTrack {
-    /// Takes a sample: the path from the one before adds to that of all. At the rotation centre it has no direction, and
-    /// counts for nothing.
+    /// Adds the path from the previous sample to this one. A sample at the rotation centre has no direction and is
+    /// ignored.
     #[inline(always)]
     fn sample(&self, progress: &mut Progress, position: &Pose) {
         let direction = self.direction_to(self.in_plane(position));
@@ -215,7 +215,7 @@ impl ArcTrack {
         }
     }
 
-    /// The two coordinates of a position that lie in the plane.
+    /// The two coordinates of a position in the plane.
     fn in_plane(&self, position: &Pose) -> [Nm; 2] {
         let [x, y, z] = position.linear;
         match self.plane {
@@ -225,11 +225,11 @@ impl ArcTrack {
         }
     }
 
-    /// The unit vector from the rotation centre to a point of the plane.
+    /// Unit vector from the rotation centre to a point of the plane.
     #[inline(always)]
     fn direction_to(&self, [first, second]: [Nm; 2]) -> [f32; 2] {
         let [center_first, center_second] = self.center;
-        // Wrapping: coordinates stay far below the 9 million kilometres at which it would.
+        // Wrapping: coordinates are far below 9 million kilometres, at which the difference would overflow.
         direction_of([Nm(first.0.wrapping_sub(center_first.0)), Nm(second.0.wrapping_sub(center_second.0))])
     }
 }
@@ -256,29 +256,29 @@ impl LineTrack {
 }
 
 impl AlphaBeta {
-    /// The path to move on by in a tick, and the speed corrected.
+    /// Returns the path to advance by in a tick, and corrects the speed.
     fn step(&self, speed_mm_per_us: &mut f32, behind_mm: Option<f32>, dt: Span) -> f32 {
         let dead_reckoned_mm = *speed_mm_per_us * dt.us();
         let Some(behind_mm) = behind_mm else { return dead_reckoned_mm };
-        // What will have been reached at this tick, against where the sample says it was by now.
+        // Difference between the position according to the sample and the predicted position at this tick.
         let residual_mm = behind_mm + *speed_mm_per_us * self.delay_us - dead_reckoned_mm; // (1)
         if dt > Span(0) {
             let speed = *speed_mm_per_us + self.beta_ratio * residual_mm / dt.us(); // (2)
-            // Late samples from the segment before lie behind the start: they must not wind the speed up.
+            // Late samples of the previous segment lie before the start: they must not change the speed below zero.
             *speed_mm_per_us = fmath::max(speed, 0.0);
         }
         dead_reckoned_mm + self.alpha_ratio * residual_mm // (2)
     }
 }
 
-/// The sine of the angle from one unit vector to another.
+/// Sine of the angle from one unit vector to another.
 #[inline(always)]
 fn cross([x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
     x * to_y - y * to_x
 }
 
-/// Turns a unit vector by a small angle (up to about a radian) and keeps its length: Taylor to the fifth order, one
-/// Newton step towards length one.
+/// Rotates a unit vector by a small angle (up to about a radian) and keeps its length: Taylor series to the fifth
+/// order, one Newton step towards length one.
 fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
     let square = angle_rad * angle_rad;
     let sin = angle_rad * (1.0 - square * (1.0 / 6.0 - square / 120.0));
@@ -288,13 +288,13 @@ fn rotate([x, y]: [f32; 2], angle_rad: f32) -> [f32; 2] {
     [turned_x * scale, turned_y * scale]
 }
 
-/// The angle with this sine, for small ones (1e-6 rad off at 0.3).
+/// Angle with this sine, for small angles (error 1e-6 rad at 0.3).
 fn small_angle(sine: f32) -> f32 {
     let square = sine * sine;
     sine + sine * square * (1.0 / 6.0 + square * (3.0 / 40.0))
 }
 
-/// The direction of a vector, NaN if it has no length; the scale cancels, so nanometres go into f32 as they are.
+/// Direction of a vector; NaN if it has no length. The scale cancels, so nanometres are converted to f32 directly.
 #[inline(always)]
 fn direction_of([x, y]: [Nm; 2]) -> [f32; 2] {
     let [x_nm, y_nm] = fmath::from_pair([x.0, y.0]);

@@ -1,13 +1,12 @@
-//! Which segment is in work, from the position alone: for boards that see the program and the axes, but not the
-//! control's block number.
+//! Detection of the segment in execution from the position alone, for boards that know the program and the axes but
+//! not the control's block number.
 //!
-//! Segments queue up ahead of the control, in whatever queue the board has. The one in work gives way to the next when the
-//! place reached lies at its end; a rapid, whose way is the machine's, when the axes stand at its end. Only ends are
-//! looked at, so a program that runs back over its own path (D - base - E) cannot fool it.
+//! The board has a queue of segments ahead of the control. The segment in execution ends when the progress reaches its
+//! end; a rapid, whose path the machine decides, ends when the axes are at its end. Only ends are checked, so a
+//! program that runs back over its own path (D - base - E) causes no confusion.
 //!
-//! The way along the segment is this module's own: the supervisor's stands still, at what it was on a segment before, while
-//! samples are stale or the segment in work is one whose beginning it did not see; and the queue must get past that one
-//! for the next to begin.
+//! This module has its own progress. The supervisor's progress stops while samples are stale, or on a segment whose
+//! beginning it has not seen; the queue must pass such a segment so that the next one can begin.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Nm;
@@ -16,12 +15,12 @@ use crate::active::ActiveSegment;
 use crate::controller::{Controller, Input, Sample, State};
 use crate::supervisor::input::Work;
 
-/// How near its end a segment counts as done: a few times the noise of the position.
+/// Tolerance of a segment's end: a few times the noise of the position.
 const END_TOLERANCE_MM: f32 = 0.01;
-/// How near every axis must stand to a rapid's end.
+/// Tolerance of every axis at the end of a rapid.
 const REST_TOLERANCE: Nm = Nm(20_000);
 
-/// Follows the position through the segments ahead; state.
+/// Follows the position through the queued segments; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Follower {
     way: State,
@@ -30,12 +29,12 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// The queue's front as the segment in work. Its count tells it from all others, of runs before too.
+    /// The first segment of the queue as the segment in execution. Its count is unique, also across runs.
     pub fn in_work<'s>(&self, front: Option<&'s ActiveSegment>) -> Work<'s> {
         front.map(|segment| (self.count, segment))
     }
 
-    /// Moves along the segment in work; true where it is done and must leave the queue.
+    /// Advances along the segment in execution. Returns true if it is done and must leave the queue.
     pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Input) -> bool {
         let sample = Sample { position: measured.position.as_ref(), dt: measured.dt };
         controller.follow(&mut self.way, front, &sample, !self.is_entered);
@@ -47,7 +46,7 @@ impl Follower {
         is_done
     }
 
-    /// The front is another one than expected: the queue was emptied.
+    /// Restarts after the queue was emptied.
     pub fn restart(&mut self) {
         self.way = State::default();
         self.go_on();

@@ -1,22 +1,22 @@
-//! From a wanted ratio to an override the control can follow: bounds, slew, rounding to the thin side.
+//! Ramp: turns a wanted ratio into an override that the control can follow, by bounds, slew and rounding down.
 //!
-//! Nothing is put out that has not passed through here: a wanted ratio becomes a target within the bounds, the level goes
-//! there by the slew, and the last stage rounds it down to a step of the control, `max` at most. It knows nothing of laws,
-//! so no law and no state can get around it. The level moves at once only where its caller says so: falls that are due at
-//! once, and block boundaries, where another programmed feed would change the feed in effect ([`Level::carry`]).
+//! Every override passes through the ramp: the wanted ratio is limited to the bounds, the level moves there with the
+//! slew, and the last stage rounds it down to a step of the control, at most `max`. The ramp is independent of laws,
+//! so no law or state can bypass it. The level jumps only on request of the caller: for immediate falls, and at block
+//! boundaries, where another programmed feed would change the actual feed ([`Level::carry`]).
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{PERCENT, Span, US_PER_S};
 
-/// A level this part below a step counts as on it: against losing a whole step to f32 rounding.
+/// Relative tolerance below a step, which still counts as the step: prevents the loss of a whole step by f32 rounding.
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;
 
-/// An override as the control takes it, whole per cent.
+/// An override of the control, whole per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedOverride {
-    /// 0 to 254.
+    /// Per cent, 0 to 254.
     pub percent: u8,
 }
 
@@ -25,7 +25,7 @@ impl FeedOverride {
     pub const PROGRAMMED: FeedOverride = FeedOverride { percent: 100 };
 }
 
-/// Validated bounds; config.
+/// Validated bounds; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,
@@ -33,41 +33,41 @@ pub struct Ramp {
     up_ratio_per_us: f32,
     /// Negative.
     down_ratio_per_us: f32,
-    /// Steps in a ratio of one, the tolerance included.
+    /// Number of steps in a ratio of one, including the tolerance.
     steps_per_ratio: f32,
     max_steps: u32,
     step_percent: u32,
 }
 
-/// The ratio put out, before rounding; state.
+/// Ratio at the output before rounding; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     ratio: f32,
 }
 
-/// Which bound a wanted ratio meets.
+/// Bound that limits a wanted ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
     /// None.
     Free,
-    /// It lies below `min`: the chip exceeds its target.
+    /// The ratio is below `min`: the chip exceeds its target.
     Floor,
-    /// It lies above `max`.
+    /// The ratio is above `max`.
     Ceiling,
-    /// It is not a number: 100 %.
+    /// The ratio is NaN: 100 %.
     NotANumber,
 }
 
-/// Why bounds are refused.
+/// Reason why bounds are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
-    /// `min` above 100, `max` below 100 or above 254.
+    /// `min` is above 100, or `max` is below 100 or above 254.
     Range,
-    /// A step of zero, or one that 100 is not a multiple of.
+    /// The step is zero or does not divide 100.
     Step,
-    /// A slew that is not a positive number.
+    /// A slew is not a positive number.
     Slew,
 }
 
@@ -100,7 +100,7 @@ impl Ramp {
         })
     }
 
-    /// A wanted ratio within `min` and `max`, and which of them it met.
+    /// Limits a wanted ratio to `min` and `max`; returns which bound was met.
     #[inline(always)]
     pub fn bounded(&self, ratio: f32) -> (f32, Bound) {
         if ratio > self.max_ratio {
@@ -114,18 +114,18 @@ impl Ramp {
         }
     }
 
-    /// `max`, for targets that are no law's.
+    /// `max`, for targets without a law.
     pub fn max_ratio(&self) -> f32 {
         self.max_ratio
     }
 
-    /// Moves the level towards a target, up by the slew of one span and down by that of another. What is not a number becomes
-    /// the level, which puts out 0 %.
+    /// Moves the level towards a target, with one time span for rises and another for falls. A NaN target becomes the
+    /// level, which gives 0 %.
     #[inline(always)]
     pub fn slew(&self, level: &mut Level, target_ratio: f32, [rise, fall]: [Span; 2]) {
         let (rise, fall) = (self.up_ratio_per_us * rise.us(), self.down_ratio_per_us * fall.us());
         let way = target_ratio - level.ratio;
-        // By the way that is left: the least number above or below would tell two who arrive by it apart.
+        // Uses the remaining difference, so that a level that reaches its target equals it exactly.
         level.ratio = if way > rise {
             level.ratio + rise
         } else if way < fall {
@@ -135,44 +135,44 @@ impl Ramp {
         };
     }
 
-    /// The level as the control takes it, on the thin side; `max` at most, and 0 for what is not a number.
+    /// The level rounded down to a step of the control; at most `max`, and 0 for NaN.
     #[inline(always)]
     pub fn round_down(&self, level: &Level) -> FeedOverride {
-        // The conversion drops what is left of a step.
+        // The conversion drops the fraction of a step.
         let steps = (level.ratio * self.steps_per_ratio) as u32;
         FeedOverride { percent: (steps.min(self.max_steps) * self.step_percent) as u8 }
     }
 }
 
 impl Level {
-    /// The level that a whole override stands for.
+    /// The level of a whole override.
     pub fn at(feed_override: FeedOverride) -> Self {
         Level { ratio: f32::from(feed_override.percent) / PERCENT }
     }
 
-    /// The ratio put out, before rounding.
+    /// Ratio at the output before rounding.
     pub fn ratio(self) -> f32 {
         self.ratio
     }
 
-    /// Falls at once to `ceiling_ratio` if it lies above.
+    /// Lowers the level at once to `ceiling_ratio` if it is higher.
     #[inline(always)]
     pub fn fall_to(&mut self, ceiling_ratio: f32) {
         self.ratio = fmath::min(self.ratio, fmath::max(ceiling_ratio, 0.0));
     }
 
-    /// Falls at once to this share of itself.
+    /// Lowers the level at once to this fraction of itself.
     pub fn fall_by(&mut self, share_ratio: f32) {
         self.fall_to(self.ratio * share_ratio);
     }
 
-    /// Falls to zero at once.
+    /// Sets the level to zero.
     pub fn stop(&mut self) {
         self.ratio = 0.0;
     }
 
-    /// Keeps the feed where the programmed one becomes `feed_change_ratio` times the one before, no lower than
-    /// `safe_ratio`. The caller lets it fall to what the new block wants.
+    /// Keeps the actual feed when the programmed feed changes by `feed_change_ratio`, but not below `safe_ratio`. The
+    /// caller then lowers the level to the target of the new block.
     pub fn carry(&mut self, feed_change_ratio: f32, safe_ratio: f32) {
         self.ratio = fmath::max(self.ratio / feed_change_ratio, safe_ratio);
     }

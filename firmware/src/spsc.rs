@@ -1,55 +1,55 @@
-//! The two ends of a queue between main loop and tick: one producer, one consumer, no lock, no panic within reach.
+//! Single-producer, single-consumer queue between main loop and tick, lock-free and without a panic path.
 //!
-//! The queues are those of `heapless`, whose ends count modulo a size that they look up as they go: as far as the compiler
-//! knows it could be 0, and a remainder by 0 is a panic. So each end asks for the size first. A queue of size 0, which there is
-//! none of, would be always full and always empty.
+//! The queues are those of `heapless`, whose ends compute modulo a size that is known only at run time. For the
+//! compiler it could be 0, and a remainder by 0 panics. Therefore each end checks the size first. A queue of size 0,
+//! which does not exist, would always be full and empty.
 
 use heapless::spsc::{self, Queue};
 
-/// What the capacity of a queue of size 0 wraps to.
+/// Capacity of a queue of size 0, after wrapping.
 const SIZELESS: usize = usize::MAX;
 
-/// The end where things are put in.
+/// Writing end of a queue.
 pub struct Producer<'q, T>(spsc::Producer<'q, T>);
 
-/// The end where they are taken out, in the same order.
+/// Reading end of a queue, first in, first out.
 pub struct Consumer<'q, T>(spsc::Consumer<'q, T>);
 
-/// Both ends of a queue; it holds one less than its `N`.
+/// Both ends of a queue; it holds `N` - 1 items.
 pub fn split<T, const N: usize>(queue: &mut Queue<T, N>) -> (Producer<'_, T>, Consumer<'_, T>) {
     let (producer, consumer) = queue.split();
     (Producer(producer), Consumer(consumer))
 }
 
 impl<T> Producer<'_, T> {
-    /// Puts one in.
+    /// Adds an item.
     ///
     /// # Errors
-    /// There is no room: it is given back.
+    /// Returns the item if the queue is full.
     #[inline(always)]
     pub fn enqueue(&mut self, item: T) -> Result<(), T> {
         if self.capacity() == SIZELESS { Err(item) } else { self.0.enqueue(item) }
     }
 
-    /// Whether there is room for one.
+    /// Whether there is room for an item.
     #[inline(always)]
     pub fn ready(&self) -> bool {
         self.capacity() != SIZELESS && self.0.ready()
     }
 
-    /// How many are in it.
+    /// Number of items.
     #[inline(always)]
     pub fn len(&self) -> usize {
         if self.capacity() == SIZELESS { 0 } else { self.0.len() }
     }
 
-    /// Whether there is none.
+    /// Whether the queue is empty.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// How many it holds at most.
+    /// Maximum number of items.
     #[inline(always)]
     pub fn capacity(&self) -> usize {
         self.0.capacity()
@@ -57,25 +57,25 @@ impl<T> Producer<'_, T> {
 }
 
 impl<T> Consumer<'_, T> {
-    /// Takes the first one out.
+    /// Removes and returns the first item.
     #[inline(always)]
     pub fn dequeue(&mut self) -> Option<T> {
         if self.0.capacity() == SIZELESS { None } else { self.0.dequeue() }
     }
 
-    /// The first one, which stays.
+    /// The first item, without removing it.
     #[inline(always)]
     pub fn peek(&self) -> Option<&T> {
         self.0.peek()
     }
 
-    /// How many are in it.
+    /// Number of items.
     #[inline(always)]
     pub fn len(&self) -> usize {
         if self.0.capacity() == SIZELESS { 0 } else { self.0.len() }
     }
 
-    /// Whether there is none.
+    /// Whether the queue is empty.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

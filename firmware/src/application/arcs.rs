@@ -1,6 +1,6 @@
-//! Engaged arcs that a host sends ahead of the segment to which they belong, docs/protocol.md.
+//! Engaged arcs that the host sends before their segment; see docs/protocol.md.
 //!
-//! Half a table would be a wrong law: the arcs of a segment count as a whole, or the segment is refused.
+//! An incomplete table would give a wrong law: a segment has all of its arcs, or it is rejected.
 
 use arcfeed_shared::cut::CutRule;
 use arcfeed_shared::engaged::{EngagedError, EngagedTable};
@@ -16,15 +16,15 @@ pub enum Arcs {
     None,
     /// The arcs received so far.
     Received(EngagedTable),
-    /// At least one of them was refused.
+    /// At least one of them was rejected.
     Refused,
 }
 
 impl Arcs {
-    /// Adds the arcs at the next place along the segment.
+    /// Adds the arcs of the next knot along the segment.
     ///
     /// # Errors
-    /// The reason why there can be no such place. Only the first refusal of a segment is reported.
+    /// Reason why the knot is rejected. Only the first rejection of a segment is reported.
     pub fn take(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
         let taken = self.add(arcs);
         if taken.is_err() {
@@ -47,7 +47,8 @@ impl Arcs {
         })
     }
 
-    /// Checks that the arcs can belong to a segment under this rule. A segment without arcs has no law, which is the host's decision.
+    /// Checks that the arcs can belong to a segment under this rule. A segment without arcs has no law; that is the
+    /// host's decision.
     ///
     /// # Errors
     /// The reason why not.

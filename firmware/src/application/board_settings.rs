@@ -10,12 +10,12 @@ use crate::supervisor::settings::{Settings, SettingsError};
 
 /// Default period of the reports.
 const REPORT_EVERY: Span = Span::from_ms(50);
-/// Longest period: beyond it the host takes the board for silent.
+/// Longest period; with a longer one the host would consider the board silent.
 const REPORT_SLOWEST: Span = Span::from_ms(1_000);
 /// Shortest period: reports must leave room on the line.
 const REPORT_FASTEST: Span = Span::from_ms(5);
 
-/// All settings; config that a host may change between two jobs.
+/// All settings; configuration that a host may change between two jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardSettings {
     /// Settings of the supervisor.
@@ -25,7 +25,7 @@ pub struct BoardSettings {
 }
 
 impl BoardSettings {
-    /// Settings with these for the supervisor.
+    /// Board settings with the given settings of the supervisor.
     ///
     /// # Errors
     /// Settings that contradict each other or are out of range.
@@ -34,7 +34,7 @@ impl BoardSettings {
         Ok(BoardSettings { settings, report_every: REPORT_EVERY })
     }
 
-    /// Whether these bounds of the override are possible with them.
+    /// Whether these bounds of the override are compatible with the settings.
     pub fn suit(&self, limits: &OverrideLimits) -> bool {
         Supervisor::within(limits, self.settings).is_ok()
     }

@@ -1,4 +1,5 @@
-//! The largest objects of the command handler, in memory that the board provides: moved by value they would be copied along the stack.
+//! The largest objects of the command handler, in memory that the board provides; moved by value they would be copied
+//! on the stack.
 
 use arcfeed_shared::job::Job;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
@@ -36,7 +37,7 @@ impl Buffers {
         Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: Arcs::None }
     }
 
-    /// Empties them in place: they are too large to be built elsewhere and moved.
+    /// Clears the buffers in place: they are too large to be built elsewhere and moved.
     pub(super) fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
@@ -65,7 +66,7 @@ impl Buffers {
         self.arcs.suit(rule)
     }
 
-    /// Prepares a checked segment under its law and uses its arcs up; `None` only for one that was not checked.
+    /// Prepares a checked segment under its law and consumes its arcs; `None` only for a segment that was not checked.
     pub(super) fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
         let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;

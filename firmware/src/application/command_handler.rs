@@ -1,9 +1,9 @@
 //! Execution of the host's messages: each is checked, prepared and put into the queues to the control task. Answers to the host
 //! wait in a queue of their own.
 //!
-//! Parameters take effect as a whole, and only while the override is not the laws' or nothing is in work. Segments are taken
-//! in the order of their counts only, under parameters of the same session. Only the request of a person who has seen the present
-//! state arms the board.
+//! Parameters take effect as a whole, and only while the laws do not have the override or no segment is in execution.
+//! Segments are accepted only in the order of their counts and with parameters of the same session. A request arms the
+//! board only if the person has seen the current state (epoch).
 
 use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{Micros, Nm};
@@ -26,7 +26,7 @@ pub use super::identity::Identity;
 use super::messages::{HostQueues, Notice, TaskStatus};
 use super::report;
 
-/// Answers that can wait for the link.
+/// Maximum number of answers that wait for the link.
 const REPLIES: usize = 8;
 
 /// Executes host commands; state.
@@ -35,27 +35,28 @@ pub struct CommandHandler<'q> {
     identity: Identity,
     settings: BoardSettings,
     buffers: &'q mut Buffers,
-    /// The set in force; 0 for none.
+    /// Number of the set in force; 0 for none.
     set: u32,
-    /// Whether that set came in this session.
+    /// Whether that set was received in this session.
     is_current: bool,
-    /// Whether segments come from the tapped line, under parameters of the board's own: then a host has no say in them.
+    /// Whether segments come from the tapped line, with the board's own parameters; then the host cannot send segments
+    /// or parameters.
     is_tapped: bool,
-    /// The count that the next segment must have; none at the beginning of a run.
+    /// Count of the next segment; `None` at the beginning of a run.
     next: Option<u32>,
     /// Whether this run's first segment is in the queue.
     has_first: bool,
-    /// A segment for which there was no room: no other message is executed before it.
+    /// A segment for which there was no room; it is executed before any other message.
     parked: Option<table::Segment>,
     status: Option<TaskStatus>,
     replies: Deque<Message, REPLIES>,
 }
 
 impl<'q> CommandHandler<'q> {
-    /// Without parameters.
+    /// A handler without parameters.
     ///
     /// # Errors
-    /// Settings that make no sense.
+    /// Invalid settings.
     pub fn new(queues: HostQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
         let HostQueues { commands, notices, status, buffers } = queues;
         Ok(CommandHandler {
@@ -80,12 +81,12 @@ impl<'q> CommandHandler<'q> {
         CommandHandler { is_tapped: true, ..self }
     }
 
-    /// Whether another message of the host can be executed now. Until then the link holds them back.
+    /// Whether another message of the host can be executed now. Until then the link holds messages back.
     pub fn is_ready(&self) -> bool {
         self.parked.is_none() && self.dispatch.is_done() && self.replies.len() < REPLIES / 2
     }
 
-    /// Executes a message. Bytes that are no message are refused.
+    /// Executes a message. Invalid bytes are rejected.
     pub fn take(&mut self, kind: u8, payload: &[u8]) {
         match Message::decode(kind, payload) {
             Ok(message) => self.execute(&message),
@@ -93,7 +94,7 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Reads the status of the control task, and sends it what waits.
+    /// Reads the status of the control task and sends it waiting commands.
     pub fn run(&mut self) {
         self.read_status();
         self.dispatch.flush();
@@ -140,12 +141,12 @@ impl<'q> CommandHandler<'q> {
         self.status.as_ref()
     }
 
-    /// Notes that the host was heard.
+    /// Registers a sign of life of the host.
     pub fn heard(&mut self, at: Micros) {
         self.dispatch.heard(at);
     }
 
-    /// Begins a session: everything of an earlier one is forgotten.
+    /// Starts a session and discards all data of the previous one.
     pub fn on_link_up(&mut self) {
         self.part();
         if !self.is_tapped {
@@ -171,7 +172,7 @@ impl<'q> CommandHandler<'q> {
     /// Loads the parameters of a page of flash; returns the tapped line for which they were written. A blank page changes nothing.
     ///
     /// # Errors
-    /// What is wrong with the page. A broken or invalid page raises the fault.
+    /// Reason why the page is rejected. A corrupt or invalid page raises a fault.
     pub fn load_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
         let read = self.buffers.read_page(page, |job| self.settings.suit(&job.limits));
         match read {
@@ -187,19 +188,19 @@ impl<'q> CommandHandler<'q> {
         self.buffers.job()
     }
 
-    /// Begins a new run: unfinished segments are forgotten.
+    /// Starts a new run: discards unfinished segments.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
         self.buffers.arcs = Arcs::None;
         self.dispatch.begin_run();
     }
 
-    /// Room for segments.
+    /// Free slots for segments.
     pub fn room(&self) -> usize {
         self.dispatch.room()
     }
 
-    /// Adds a prepared segment of this run; false, and nothing changed, if there is no room.
+    /// Adds a prepared segment of this run. Returns false without effect if there is no room.
     pub fn push(&mut self, count: u32, segment: ActiveSegment) -> bool {
         self.dispatch.put(count, segment, None)
     }
@@ -246,7 +247,7 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Takes a part of a set. Only the first invalid part is answered; the parts behind it have no set.
+    /// Adds a message to a set. Only the first invalid message is answered; the later ones have no set.
     fn part_of_set(&mut self, part: &Message) -> Result<(), (u32, RefusalCode)> {
         let set = self.buffers.staging.set();
         match self.buffers.staging.take(part) {
@@ -282,7 +283,7 @@ impl<'q> CommandHandler<'q> {
         sound
     }
 
-    /// Whether the laws have the override, or may have it, and something is in work.
+    /// Whether the laws are engaged and segments are in execution.
     fn is_busy(&self) -> bool {
         self.is_engaged() && self.has_segments()
     }
@@ -303,7 +304,7 @@ impl<'q> CommandHandler<'q> {
 
     fn send_parameters(&mut self) {
         let limits = self.buffers.job().map_or(OverrideLimits::default(), |job| job.limits);
-        // Bounds and settings were checked when they were taken.
+        // Bounds and settings were checked when they were accepted.
         if let Ok(supervisor) = Supervisor::within(&limits, self.settings.settings) {
             self.dispatch.order(supervisor);
         }
@@ -364,7 +365,7 @@ impl<'q> CommandHandler<'q> {
     }
 
     fn set(&mut self, set: &table::SetSetting) -> Result<(), RefusalCode> {
-        // Behind queued segments they would take effect late.
+        // After queued segments they would take effect late.
         if self.is_engaged() || self.has_segments() {
             return Err(RefusalCode::Busy);
         }
@@ -384,7 +385,7 @@ impl<'q> CommandHandler<'q> {
         self.answer(table::Refused { kind, reference, why }.into());
     }
 
-    /// Queues an answer. A host that asks faster than it reads loses answers.
+    /// Queues an answer. A host that sends requests faster than it reads loses answers.
     fn answer(&mut self, message: Message) {
         let _room = self.replies.push_back(message);
     }

@@ -1,4 +1,5 @@
-//! The control task: at each tick it takes commands and notices from its queues, follows the position and decides on the override.
+//! The control task: each tick it reads commands and notices from its queues, follows the position and decides on the
+//! override.
 
 use arcfeed_shared::job::OverrideLimits;
 use arcfeed_shared::units::{Micros, Span};
@@ -20,9 +21,9 @@ use super::sensors::Sensors;
 /// Source of the segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply {
-    /// A host on the link: the board can be armed only while it is heard.
+    /// A host on the link: the board can be armed only while it receives the host's frames.
     Link,
-    /// The tapped line: no host has to be heard.
+    /// The tapped line: no host is needed.
     Tap,
 }
 
@@ -34,13 +35,13 @@ pub struct ControlTask<'q> {
     memory: Memory,
     follower: Follower,
     run: u32,
-    /// Whether the run's first segment has begun.
+    /// Whether the first segment of the run has begun.
     has_begun: bool,
     executed: u32,
     epoch: u16,
     last: Option<Micros>,
     host: Host,
-    /// A fault found at the start or by the command handler; passed once to the supervisor, which keeps it.
+    /// A fault found at the start or by the command handler; passed once to the supervisor, which latches it.
     fault: Option<BoardFault>,
     request: Signals,
     refusal: Option<Refusal>,
@@ -50,14 +51,15 @@ pub struct ControlTask<'q> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Host {
     heard: Option<Micros>,
-    /// Whether it was heard but cannot be relied on.
+    /// Whether the host was lost after it was heard.
     is_lost: bool,
-    /// Whether it is another one than before; true for one tick.
+    /// Whether the host has changed; true for one tick.
     is_gone: bool,
 }
 
 impl<'q> ControlTask<'q> {
-    /// A task without parameters. `fault` is what the start found: a start by the watchdog, or corrupt parameters in flash.
+    /// A task without parameters. `fault` is a fault found at the start: a watchdog reset, or corrupt parameters in
+    /// flash.
     ///
     /// # Errors
     /// Invalid settings.
@@ -115,12 +117,12 @@ impl<'q> ControlTask<'q> {
         output
     }
 
-    /// Memory of the supervisor: its state and counters.
+    /// Memory of the supervisor, with its state and counters.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// Segments done since the start; wraps.
+    /// Number of segments executed since the start; wraps around.
     pub fn executed(&self) -> u32 {
         self.executed
     }
@@ -141,7 +143,7 @@ impl<'q> ControlTask<'q> {
         }
     }
 
-    /// Takes parameters at the front of the queue and drops segments of past runs.
+    /// Applies parameters at the front of the queue and drops segments of earlier runs.
     fn take_commands(&mut self) {
         while let Some(order) = self.queues.commands.peek() {
             match order {
@@ -195,7 +197,7 @@ impl<'q> ControlTask<'q> {
             is_in_work,
             refusal: self.refusal,
         };
-        // Without room it is dropped: the next status contains it.
+        // Dropped if the queue is full: the next status repeats it.
         if self.queues.status.enqueue(status).is_ok() {
             self.refusal = None;
         }
@@ -210,7 +212,7 @@ impl Host {
     }
 }
 
-/// Whether the laws lost the override, or the reason that keeps them from it changed.
+/// Whether the laws have lost the override, or the state that excludes them has changed.
 fn is_taken_away(before: &State, now: &State) -> bool {
     !now.is_engaged() && *now != State::Idle && core::mem::discriminant(before) != core::mem::discriminant(now)
 }

@@ -1,4 +1,5 @@
-//! Sends commands and notices to the control task: notices take effect at once, commands in their turn. None is lost where a queue has no room.
+//! Sends commands and notices to the control task: notices take effect at once, commands in order. None is lost if a
+//! queue is full.
 
 use arcfeed_shared::units::{Micros, Nm};
 use heapless::Deque;
@@ -9,7 +10,7 @@ use crate::supervisor::Supervisor;
 
 use super::messages::{Command, Notice, PlannedMove, TaskStatus};
 
-/// Notices that can wait for room in the queue.
+/// Maximum number of notices that wait for room in the queue.
 const NOTICES: usize = 8;
 
 /// The main loop's ends of the queues; state.
@@ -18,13 +19,13 @@ pub struct Dispatch<'q> {
     notices: Producer<'q, Notice>,
     status: Consumer<'q, TaskStatus>,
     waiting: Deque<Notice, NOTICES>,
-    /// Parameters or settings that are still to be sent.
+    /// Parameters or settings that wait to be sent.
     pending: Option<Supervisor>,
     run: u32,
 }
 
 impl<'q> Dispatch<'q> {
-    /// Nothing sent yet.
+    /// A dispatcher that has sent nothing.
     pub fn new(
         commands: Producer<'q, Command>,
         notices: Producer<'q, Notice>,
@@ -38,7 +39,7 @@ impl<'q> Dispatch<'q> {
         self.waiting.is_empty() && self.pending.is_none()
     }
 
-    /// Sends what waits, as far as there is room.
+    /// Sends waiting notices and commands, as far as there is room.
     pub fn flush(&mut self) {
         while self.notices.ready()
             && let Some(notice) = self.waiting.pop_front()
@@ -62,26 +63,26 @@ impl<'q> Dispatch<'q> {
         }
     }
 
-    /// Notes that the host was heard. Other notices go first, for it will be heard again.
+    /// Registers a sign of life of the host. Other notices have priority, as signs of life repeat.
     pub fn heard(&mut self, at: Micros) {
         if self.waiting.is_empty() && self.notices.len() < self.notices.capacity() / 2 {
             let _room = self.notices.enqueue(Notice::Heard(at));
         }
     }
 
-    /// Begins a new run: unfinished segments are forgotten.
+    /// Starts a new run: discards unfinished segments.
     pub fn begin_run(&mut self) {
         self.run = self.run.wrapping_add(1);
         self.say(Notice::Run(self.run));
     }
 
-    /// Sends parameters and settings, in force behind the segments queued so far.
+    /// Sends parameters and settings; they take effect after the segments queued so far.
     pub fn order(&mut self, supervisor: Supervisor) {
         self.pending = Some(supervisor);
         self.flush();
     }
 
-    /// Adds a segment of this run; false, and nothing changed, if there is no room.
+    /// Adds a segment of this run. Returns false without effect if there is no room.
     pub fn put(&mut self, count: u32, segment: ActiveSegment, begins_at: Option<[Nm; 3]>) -> bool {
         let planned = PlannedMove { run: self.run, count, begins_at, segment };
         self.commands.enqueue(Command::Segment(planned)).is_ok()
@@ -92,12 +93,12 @@ impl<'q> Dispatch<'q> {
         self.commands.is_empty()
     }
 
-    /// Room for segments.
+    /// Free slots for segments.
     pub fn room(&self) -> usize {
         self.capacity().saturating_sub(self.commands.len())
     }
 
-    /// Room for segments in an empty queue.
+    /// Number of segments that an empty queue holds.
     pub fn capacity(&self) -> usize {
         self.commands.capacity()
     }

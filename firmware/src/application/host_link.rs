@@ -1,4 +1,4 @@
-//! The board's end of the link to its host: frames in and out, and a command handler that executes the messages.
+//! The board's end of the link to its host: receives and sends frames, and passes messages to the command handler.
 
 use arcfeed_shared::units::{Micros, Span};
 use arcfeed_shared::wire::link::{Link, LinkState, Loss, SendError};
@@ -13,7 +13,7 @@ use super::command_handler::CommandHandler;
 const DELIMITER: u8 = 0;
 /// Time to live of a report.
 const REPORT_TTL: Span = Span::from_ms(300);
-/// Room in the link that the log leaves to answers.
+/// Number of free slots of the link that the log leaves for answers.
 const LOG_LEAVES: usize = 4;
 
 /// The board's end of the link; state.
@@ -25,26 +25,26 @@ pub struct HostLink<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
 }
 
 impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
-    /// A link that greets its peer. No earlier start of this board may have had `session`, nor may the next 65 536 losses of its link need it:
-    /// a count of starts in the upper half.
+    /// A link that sends hellos. `session` must not occur in any other start of this board, each of which uses up to
+    /// 65 536 consecutive sessions: a count of starts in the upper half.
     ///
     /// # Errors
-    /// Impossible settings of the link.
+    /// Invalid settings of the link.
     pub fn new(settings: LinkSettings, session: u32, handler: CommandHandler<'q>) -> Result<Self, SettingsError> {
         let link = Link::new(settings, session)?;
         Ok(HostLink { link, handler, was_up: false, report_due: Micros(0) })
     }
 
-    /// Takes bytes off the link's line.
+    /// Processes bytes received on the link.
     pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
-        // Requests of the host are judged by the present state.
+        // Requests of the host are checked against the current state.
         self.handler.read_status();
-        // Frame by frame: after each one the handler may be full, or another session may have begun.
+        // One frame at a time: after each frame the handler may be full, or another session may have started.
         let mut rest = bytes;
         while !rest.is_empty() {
             let HostLink { link, handler, .. } = self;
             let end = rest.iter().position(|byte| *byte == DELIMITER).map_or(rest.len(), |at| at.saturating_add(1));
-            // Not `split_inclusive`: the compiler cannot see that it never panics.
+            // Not `split_inclusive`: the compiler would add a panic path.
             let (part, others) = rest.split_at_checked(end).unwrap_or((rest, &[]));
             rest = others;
             link.set_ready(handler.is_ready());
@@ -53,12 +53,13 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         }
     }
 
-    /// Puts the next frame for the link's line into `out`; its length, 0 if there is none. Call until it answers 0.
+    /// Writes the next frame of the link into `out` and returns its length; 0 if there is none. Call it until it
+    /// returns 0.
     pub fn poll_link(&mut self, now: Micros, out: &mut [u8]) -> usize {
         self.link.poll_transmit(now, out)
     }
 
-    /// Reads the status of the control task, answers and reports. Call it often, best after each tick.
+    /// Reads the status of the control task, sends answers and reports. Call it often, ideally after each tick.
     pub fn run(&mut self, now: Micros) {
         self.handler.run();
         self.watch();
@@ -77,12 +78,12 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
             let message = Message::from(report);
             let length = message.encode(&mut buffer).unwrap_or_default();
             let payload = buffer.get(..length).unwrap_or_default();
-            // Refused only where the link is down.
+            // Rejected only if the link is down.
             let _up = self.link.offer(message.kind(), now, REPORT_TTL, payload);
         }
     }
 
-    /// Sends bytes of the log as far as they go beside everything else; how many.
+    /// Sends bytes of the log, with lower priority than all other messages. Returns their number.
     pub fn log(&mut self, bytes: &[u8]) -> usize {
         let mut sent = 0;
         for part in bytes.chunks(CHUNK_MAX) {
@@ -100,7 +101,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         &self.link
     }
 
-    /// The command handler, for input that does not come over the link: a tap's segments, parameters in flash.
+    /// The command handler, for input that does not come over the link: segments of a tap, parameters in flash.
     pub fn handler_mut(&mut self) -> &mut CommandHandler<'q> {
         &mut self.handler
     }
@@ -110,7 +111,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         &self.handler
     }
 
-    /// Follows the state of the link. A lost link greets again at once, as another session.
+    /// Follows the state of the link. A lost link restarts at once in another session.
     fn watch(&mut self) {
         match self.link.state() {
             LinkState::Up if !self.was_up => {
@@ -154,7 +155,7 @@ fn send<const WINDOW: usize, const KINDS: usize>(
     link.send(message.kind(), buffer.get(..length).unwrap_or_default())
 }
 
-/// Time at which the peer was last heard.
+/// Time of the last frame of the peer.
 fn heard_at(now: Micros, age: Span) -> Micros {
     now.since(Micros(u64::from(age.0)))
 }

@@ -1,4 +1,4 @@
-//! Messages between main loop and control task: commands and notices one way, status the other.
+//! Messages between main loop and control task: commands and notices to the task, status to the main loop.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, Nm};
@@ -14,7 +14,7 @@ use crate::supervisor::state::State;
 
 use super::buffers::Buffers;
 
-/// Distance from its start within which every axis must stand for the first segment of a run: the way of a tick or two at a cutting feed.
+/// Tolerance of every axis at the start of a run's first segment: the distance of one or two ticks at a cutting feed.
 const BEGIN_TOLERANCE_NM: u64 = 100_000;
 /// Length of the queue of notices.
 const NOTICES: usize = 17;
@@ -32,19 +32,19 @@ pub struct Queues<const AHEAD: usize> {
 
 /// The main loop's ends of the queues.
 pub struct HostQueues<'q> {
-    /// Commands, executed in their turn.
+    /// Commands, executed in order.
     pub commands: Producer<'q, Command>,
     /// Notices, which take effect at once.
     pub notices: Producer<'q, Notice>,
     /// Status of the control task.
     pub status: Consumer<'q, TaskStatus>,
-    /// The main loop's own memory.
+    /// Buffers of the main loop.
     pub buffers: &'q mut Buffers,
 }
 
 /// The control task's ends of the queues.
 pub struct TaskQueues<'q> {
-    /// Commands, executed in their turn.
+    /// Commands, executed in order.
     pub commands: Consumer<'q, Command>,
     /// Notices, which take effect at once.
     pub notices: Consumer<'q, Notice>,
@@ -52,7 +52,7 @@ pub struct TaskQueues<'q> {
     pub status: Producer<'q, TaskStatus>,
 }
 
-/// A command, executed in its turn.
+/// A command, executed in order.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into; nearly all are segments")]
 pub enum Command {
@@ -69,7 +69,7 @@ pub struct PlannedMove {
     pub run: u32,
     /// The sender's count.
     pub count: u32,
-    /// Position at which it begins, if the axes have to be waited for.
+    /// Start position, if the segment has to wait until the axes are there.
     pub begins_at: Option<[Nm; 3]>,
     /// The move.
     pub segment: ActiveSegment,
@@ -78,13 +78,13 @@ pub struct PlannedMove {
 /// A notice, which takes effect at the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// The host was heard at this time.
+    /// The host gave a sign of life at this time.
     Heard(Micros),
-    /// The host's frames are corrupted: lost, as after a long silence.
+    /// The host's frames are corrupt: it counts as lost, as after a long silence.
     Lost,
-    /// The host restarted, or is another one: lost, and its last value has no meaning any more.
+    /// The host has restarted or was replaced: it is lost, and its last value is invalid.
     Gone,
-    /// A new run: segments of earlier runs are forgotten.
+    /// A new run: segments of earlier runs are discarded.
     Run(u32),
     /// A person who has seen the state at this epoch asks to arm.
     Arm(u16),
@@ -97,19 +97,19 @@ pub enum Notice {
 /// Status of the control task after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskStatus {
-    /// The tick's decision; its block is the sender's count.
+    /// Decision of the tick; its block is the sender's count.
     pub record: TelemetryRecord,
     /// State of the supervisor.
     pub state: State,
     /// Alarm for the operator.
     pub alarm: Alarm,
-    /// Count of fallbacks, the start included; wraps.
+    /// Number of fallbacks, including the start; wraps around.
     pub epoch: u16,
-    /// Count of finished segments; wraps.
+    /// Number of executed segments; wraps around.
     pub executed: u32,
-    /// Whether the record's block is in work.
+    /// Whether the record's block is in execution.
     pub is_in_work: bool,
-    /// The last arming that was refused since the status before.
+    /// Reason of the last rejected arming since the previous status.
     pub refusal: Option<Refusal>,
 }
 
@@ -120,7 +120,7 @@ impl<const AHEAD: usize> Default for Queues<AHEAD> {
 }
 
 impl<const AHEAD: usize> Queues<AHEAD> {
-    /// Empty.
+    /// Empty queues.
     pub const fn new() -> Self {
         Queues { commands: Queue::new(), notices: Queue::new(), status: Queue::new(), buffers: Buffers::new() }
     }
@@ -138,7 +138,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
 }
 
 impl PlannedMove {
-    /// Whether the axes stand where it begins, if that has to be waited for.
+    /// Whether the axes are at its start position, if it has to wait for them.
     pub fn can_begin(&self, position: Option<&Pose>) -> bool {
         self.begins_at.is_none_or(|begin| {
             position.is_some_and(|position| {
@@ -155,7 +155,7 @@ impl PlannedMove {
 
     /// Whether it belongs to a run after `run`.
     pub fn is_behind(&self, run: u32) -> bool {
-        // Runs wrap: of two, the nearer way round counts.
+        // Run numbers wrap around: the shorter distance decides.
         self.run.wrapping_sub(run).cast_signed() > 0
     }
 }

@@ -7,9 +7,9 @@
 //!                                                                                      +---------- status ----------+
 //! ```
 //!
-//! [`host_link::HostLink`] decodes, checks and prepares; [`control_task::ControlTask`] decides. Neither waits for the other: between them
-//! are three queues of one producer and one consumer. There is no clock and no I/O: `now` and bytes are arguments. Each fault, its
-//! effect and its delay are in docs/board-safety.md.
+//! [`host_link::HostLink`] decodes, checks and prepares; [`control_task::ControlTask`] decides. Neither waits for the
+//! other: three single-producer, single-consumer queues connect them. There is no clock and no I/O: `now` and bytes
+//! are arguments. docs/board-safety.md lists each fault, its effect and its delay.
 
 pub mod arcs;
 

@@ -25,7 +25,7 @@ pub const fn state_code(state: &State) -> StateCode {
     }
 }
 
-/// The code of why arming was refused.
+/// The code of a rejected arming.
 pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
     match refusal {
         Refusal::Faulted => RefusalCode::Faulted,
@@ -35,7 +35,7 @@ pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
     }
 }
 
-/// A report; `room` for segments, `set` of parameters in force.
+/// Report of a status, with free slots `room` and the parameters `set` in force.
 pub fn report(status: &TaskStatus, room: usize, set: u32) -> Report {
     let record = &status.record;
     Report {

@@ -1,4 +1,4 @@
-//! What a board sees of the machine, and the machine line of a board that has no sensors of its own.
+//! Sensor values of a board, and the machine line of a board without sensors of its own.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, RevPerMin, Span};
@@ -12,27 +12,27 @@ use crate::supervisor::signals::Signals;
 
 use super::report::state_code;
 
-/// What is measured at a tick.
+/// Measured values of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
-    /// Where the tool's centre is, in the workpiece's coordinates; `None` before the first sample.
+    /// Position of the tool's centre in workpiece coordinates; `None` before the first sample.
     pub position: Option<Pose>,
-    /// How good that is.
+    /// Age and validity of the position.
     pub freshness: Freshness,
     /// Spindle speed.
     pub spindle: RevPerMin,
     /// The operator's dial, %.
     pub operator_percent: u8,
-    /// Conditions of the control, buttons, and what the board finds wrong with itself.
+    /// Conditions of the control, buttons, and faults of the board.
     pub signals: Signals,
 }
 
-/// The samples of a machine line; state.
+/// Receiver of a machine line's samples; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineLine {
     seen: Sensors,
     heard: Option<Micros>,
-    /// The latest sample's time, by the machine's clock.
+    /// Time of the latest sample by the machine's clock.
     latest: Option<u64>,
 }
 
@@ -43,7 +43,7 @@ impl Default for MachineLine {
 }
 
 impl MachineLine {
-    /// Nothing heard yet: the position is as old as can be, the dial at 0.
+    /// A machine line before the first sample: maximum age of the position, dial at 0.
     pub const fn new() -> Self {
         let seen = Sensors {
             position: None,
@@ -55,8 +55,8 @@ impl MachineLine {
         MachineLine { seen, heard: None, latest: None }
     }
 
-    /// Takes a sample that came at `now`; false, and counted, if it makes no sense or is no later than one before: a copy says nothing
-    /// of where the axes are now.
+    /// Processes a sample that arrived at `now`. Returns false, and counts the sample as invalid, if it is invalid or
+    /// not later than an earlier one; a copy does not give the current position.
     pub fn take(&mut self, now: Micros, sample: &Sample) -> bool {
         let position = sample.linear.map(|linear| pose(linear, sample.rotary)).transpose();
         let is_copy = self.latest.is_some_and(|latest| sample.at <= latest);
@@ -74,20 +74,20 @@ impl MachineLine {
         true
     }
 
-    /// Counts a frame that was none.
+    /// Counts an invalid frame.
     pub fn take_invalid(&mut self) {
         let invalid = &mut self.seen.freshness.invalid_in_row;
         *invalid = invalid.saturating_add(1);
     }
 
-    /// What is known at `now`.
+    /// Sensor values at `now`.
     pub fn sensors(&self, now: Micros) -> Sensors {
         let age = self.heard.map_or(Span(u32::MAX), |heard| now.since(heard).into());
         Sensors { freshness: Freshness { age, ..self.seen.freshness }, ..self.seen }
     }
 }
 
-/// The answer to a sample: what is put out. `bytes` are those put on link and tapped line before it.
+/// Answer to a sample: the outputs, and the numbers of bytes sent before it on the link and on the tapped line.
 pub fn setpoint(at: u64, output: &Output, [link_bytes, tap_bytes]: [u32; 2]) -> Setpoint {
     let lines = !LineCode::of(output.feed_override).levels();
     Setpoint { at, lines, state: state_code(&output.state), link_bytes, tap_bytes }

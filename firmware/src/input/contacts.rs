@@ -1,8 +1,8 @@
-//! Up to sixteen switches at once, each on its own after it has settled.
+//! Debouncing of up to sixteen switches.
 //!
-//! A contact that differs from its settled level for eight ticks in a row takes the new one; a single sample that agrees
-//! starts the count anew. The counts of all contacts stand upright, one bit of each in a word, so that a tick costs
-//! the same for one contact and for sixteen.
+//! A contact changes its settled level after eight consecutive ticks at the other level; a single sample at the
+//! settled level restarts the count. The counters are stored bit-sliced, one bit of each in a word, so that a tick
+//! costs the same for one contact and for sixteen.
 
 /// Sixteen contacts; state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,17 +13,17 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Contacts taken to be settled at these levels: those that are safe.
+    /// Contacts that are settled at these levels, which must be the safe ones.
     pub const fn at(settled: u16) -> Self {
         Contacts { settled, counts: [0; 3] }
     }
 
-    /// Takes the levels of this tick, a bit each; answers the settled ones.
+    /// Processes the levels of this tick, one bit each; returns the settled levels.
     pub fn follow(&mut self, levels: u16) -> u16 {
         let differs = levels ^ self.settled;
         let [ones, twos, fours] = self.counts;
         let eighth = differs & ones & twos & fours;
-        // The count of seven rolls over to zero.
+        // A count of seven wraps around to zero.
         self.counts = [!ones, twos ^ ones, fours ^ (twos & ones)].map(|bits| bits & differs);
         self.settled ^= eighth;
         self.settled

@@ -1,16 +1,15 @@
 //! The operator's dial: a potentiometer between two resistors, read by a converter.
 //!
-//! The resistors keep the wiper away from both rails, so a reading near a rail is no position of the dial but a wire that is
-//! open or shorted; a converter that gives none is as bad. Both must last before they count, and until then the last
-//! reading holds.
+//! The resistors keep the wiper away from both rails. Therefore a reading near a rail means an open or shorted wire; a
+//! missing reading counts the same. Both must last for some ticks; until then the last reading is kept.
 //!
-//! Noise must not turn the dial. What is held follows the reading down at once and up with a backlash b:
+//! Noise must not change the value. The held value follows the reading down at once and up with a backlash b:
 //!
 //! (1) held = min(reading, max(held, reading - b))
 //!
-//! so it lies at most b below the reading and never above.
+//! so it is at most b below the reading and never above it.
 
-/// Where the dial ends, in counts of the converter; config.
+/// Ends of the dial, in counts of the converter; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dial {
     lowest: u16,
@@ -19,31 +18,31 @@ pub struct Dial {
     highest_percent: u8,
 }
 
-/// The dial as last read; state.
+/// Last reading of the dial; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Knob {
     held: u16,
     implausible_ticks: u8,
 }
 
-/// Open or shorted, or no reading.
+/// Fault of the dial: open, shorted, or no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DialBroken;
 
-/// Noise that moves nothing, counts.
+/// Backlash against noise, counts.
 const BACKLASH: u16 = 16;
-/// How far beyond its ends the dial may read, counts: resistors have tolerances.
+/// Allowed reading beyond the ends of the dial, counts, for the tolerances of the resistors.
 const MARGIN: u16 = 64;
-/// Ticks in a row without a plausible reading until the dial is broken.
+/// Number of consecutive ticks without a plausible reading at which the dial is faulty.
 const IMPLAUSIBLE_TICKS_MAX: u8 = 5;
 
 impl Dial {
     /// A dial that reads `lowest` counts at 0 % and `highest` at `highest_percent`, on a converter whose last count is
-    /// `full_scale`. `None` where the ends lie too near the rails to tell a broken wire, or too near each other.
+    /// `full_scale`. `None` if the ends are too near the rails to detect a broken wire, or too near each other.
     pub const fn new(lowest: u16, highest: u16, full_scale: u16, highest_percent: u8) -> Option<Self> {
         let far_from_rails = lowest > 2 * MARGIN && highest.saturating_add(2 * MARGIN) < full_scale;
         let (low, high) = (lowest.saturating_add(BACKLASH), highest.saturating_sub(BACKLASH));
-        // A step of 1 % is more than the backlash.
+        // A step of 1 % must exceed the backlash.
         if !far_from_rails || high.saturating_sub(low) / BACKLASH < highest_percent as u16 {
             return None;
         }
@@ -51,10 +50,10 @@ impl Dial {
         Some(Dial { lowest: low, span: high.saturating_sub(low), plausible, highest_percent })
     }
 
-    /// Takes the reading of this tick; answers per cent, rounded down. Zero before the first plausible one.
+    /// Processes the reading of this tick; returns per cent, rounded down. Zero before the first plausible reading.
     ///
     /// # Errors
-    /// No plausible reading for five ticks in a row.
+    /// No plausible reading for five consecutive ticks.
     pub fn follow(&self, knob: &mut Knob, reading: Option<u16>) -> Result<u8, DialBroken> {
         let (low, high) = self.plausible;
         match reading.filter(|reading| (low..=high).contains(reading)) {

@@ -1,43 +1,43 @@
-//! One axis, counted A quad B by a timer of 16 bits.
+//! Incremental encoder of an axis (A quad B), counted by a 16-bit timer.
 //!
-//! The timer wraps; sampled often enough, the change since the last sample is unambiguous: it is the difference of the
-//! readings modulo 2^16, taken with its sign,
+//! The timer wraps around. If it is sampled often enough, the change since the last sample is unambiguous: the signed
+//! difference of the readings modulo 2^16,
 //!
 //! (1) change = (reading - last) mod 2^16, in -32768 .. 32767
 //!
-//! as long as no axis moves 32768 counts within a tick. What moves further than the axis can is no movement: a jump.
+//! as long as no axis moves 32768 counts within a tick. A change beyond the axis's maximum speed is a fault: a jump.
 
 use arcfeed_shared::units::Nm;
 
-/// Scale and limits of an axis; config.
+/// Scale and limits of an axis; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Encoder {
     nm_per_count: i32,
     most_counts: u16,
 }
 
-/// Where an axis is; state.
+/// Position of an axis; state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counter {
     last: u16,
     counts: i32,
 }
 
-/// A reading that cannot be the axis.
+/// An impossible reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderFault {
-    /// Further in one tick than the axis can move.
+    /// The reading changed by more than the axis can move in a tick.
     Jump {
-        /// Counts since the sample before.
+        /// Counts since the previous sample.
         counts: i16,
     },
-    /// Beyond the range of 32 bits.
+    /// The count exceeds 32 bits.
     Range,
 }
 
 impl Encoder {
     /// An axis that moves at most `most_counts` in a tick. A negative scale reverses the sense. `None` for a scale of
-    /// zero, or where no reading could be told from a jump: zero counts, or more than 16 384.
+    /// zero, or if jumps could not be detected: zero counts, or more than 16 384.
     pub const fn new(nm_per_count: i32, most_counts: u16) -> Option<Self> {
         if nm_per_count == 0 || most_counts == 0 || most_counts > 1 << 14 {
             return None;
@@ -45,10 +45,10 @@ impl Encoder {
         Some(Encoder { nm_per_count, most_counts })
     }
 
-    /// Takes the timer's reading at this tick; answers how far the axis is from its zero.
+    /// Processes the timer's reading of this tick; returns the position relative to the axis's zero.
     ///
     /// # Errors
-    /// The reading cannot be the axis: the counter means nothing from here on.
+    /// The reading is impossible: the counter is invalid from here on.
     pub fn follow(&self, counter: &mut Counter, reading: u16) -> Result<Nm, EncoderFault> {
         let change = reading.wrapping_sub(counter.last) as i16; // (1)
         if change.unsigned_abs() > self.most_counts {

@@ -1,8 +1,7 @@
-//! From what a board counts and measures to what the controller takes.
+//! Conversion of a board's raw readings into inputs of the controller.
 //!
-//! Pure: the board hands in raw readings and the time, and learns what they mean and when they mean nothing.
-//! [`encoder`] counts one axis, [`position`] keeps three of them and their zero, [`tacho`] times the spindle, [`dial`]
-//! reads the operator's potentiometer, [`contacts`] waits until switches have settled.
+//! Pure functions of readings and time. [`encoder`] counts one axis, [`position`] combines three axes and their zero,
+//! [`tacho`] measures the spindle speed, [`dial`] reads the operator's potentiometer, [`contacts`] debounces switches.
 
 pub mod encoder;
 

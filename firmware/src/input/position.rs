@@ -1,8 +1,7 @@
-//! Where the tool is, from three encoders that know no place of their own.
+//! Position of the tool from three incremental encoders.
 //!
-//! Incremental encoders count from wherever they were switched on. Somebody must say where that is: at the program's
-//! zero. From a fault on - a jump, a broken wire, a receiver that complains - the counts mean nothing until that is said
-//! again; nothing is guessed meanwhile.
+//! Incremental encoders count from the position at power-on. The operator must set zero at the program's zero. After a
+//! fault (a jump, a broken wire, an error of the receiver) the counts are invalid until zero is set again.
 
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Nm, Span};
@@ -11,19 +10,19 @@ use crate::supervisor::input::Freshness;
 
 use super::encoder::{Counter, Encoder};
 
-/// What the three timers show, X, Y, Z; `None` while a receiver reports a broken line.
+/// Readings of the three timers X, Y, Z; `None` while a receiver reports a broken line.
 pub type Readings = Option<[u16; 3]>;
 
-/// The tool's place; state. The default knows none.
+/// Position of the tool; state. Unknown by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Position {
     axes: Option<[Counter; 3]>,
-    /// Since the last sample; `None` where there was none since zero was last set.
+    /// Time since the last sample; `None` if there was none since zero was set.
     age: Option<Span>,
 }
 
 impl Position {
-    /// Takes the readings of this tick, `dt` after the last. `None` where they mean nothing.
+    /// Processes the readings of this tick, `dt` after the last. `None` if they are invalid.
     pub fn follow(&mut self, encoders: &[Encoder; 3], readings: Readings, dt: Span) -> Option<Pose> {
         let linear = self.axes.as_mut().zip(readings).and_then(|(axes, readings)| follow(encoders, axes, readings));
         if linear.is_some() {
@@ -35,7 +34,7 @@ impl Position {
         linear.map(|linear| Pose { linear, ..Pose::default() })
     }
 
-    /// The axes stand at zero now; false, and nothing changed, while a line is broken.
+    /// Sets zero at the current position. Returns false without effect while a line is broken.
     pub fn set_zero(&mut self, readings: Readings) -> bool {
         if let Some(readings) = readings {
             self.axes = Some(readings.map(Counter::zero_at));
@@ -43,7 +42,7 @@ impl Position {
         readings.is_some()
     }
 
-    /// How good it is.
+    /// Age and validity of the position.
     pub fn freshness(&self) -> Freshness {
         Freshness { age: self.age.unwrap_or(Span(u32::MAX)), invalid_in_row: 0 }
     }

@@ -1,16 +1,17 @@
-//! The spindle's speed from the time between two pulses.
+//! Spindle speed from the time between two pulses.
 //!
-//! A timer is captured and restarted by each pulse: it shows the period T of the last turn of the tacho and, counting on,
-//! the time t since its pulse. With p pulses a revolution
+//! Each pulse captures and restarts a timer: it gives the last period T between two pulses and the time t since the
+//! last pulse. With p pulses per revolution
 //!
 //! (1) n = 1 / (p max(T, t))
 //!
-//! so a spindle that slows down is seen to before its next pulse. Faster than the spindle can turn is noise, and slower than
-//! it ever works is standing: both are no speed, which leaves the feed as programmed. Too high a speed would feed too much.
+//! so a spindle that slows down is detected before its next pulse. A speed above the spindle's maximum is noise; a
+//! speed below its minimum counts as standstill. In both cases no speed is reported, and the feed stays as programmed.
+//! Too high a speed would raise the feed too much.
 
 use arcfeed_shared::units::{RevPerMin, S_PER_MIN, US_PER_S};
 
-/// Pulses a revolution, and the speeds that make sense; config.
+/// Pulses per revolution and range of speeds; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tacho {
     us_per_min_and_pulse: f32,
@@ -18,38 +19,38 @@ pub struct Tacho {
     longest_us: u32,
 }
 
-/// What the pulses said so far; state.
+/// State of the pulse measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
     /// No pulse for longer than the longest period.
     #[default]
     Standing,
-    /// A pulse, but no period that makes sense before it.
+    /// A pulse without a valid period before it.
     Begun,
-    /// Pulses come this far apart.
+    /// The pulses have this period.
     Timed {
-        /// Microseconds.
+        /// Period, microseconds.
         period_us: u32,
     },
 }
 
-/// What the timer shows at a tick.
+/// Readings of the timer at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TachoSample {
-    /// The time between the last two pulses, microseconds; `None` if no pulse came since the last tick.
+    /// Time between the last two pulses, microseconds; `None` without a pulse since the last tick.
     pub period_us: Option<u32>,
     /// Time since the last pulse, microseconds.
     pub since_pulse_us: u32,
 }
 
 impl Tacho {
-    /// A tacho on a spindle that works between two speeds. `None` unless 0 < lowest < highest, with one pulse a
-    /// revolution at least, and periods of 2 us to 30 s.
+    /// A tacho on a spindle with a range of speeds. `None` unless 0 < lowest < highest, with at least one pulse per
+    /// revolution and periods of 2 us to 30 s.
     pub fn new(pulses_per_rev: u16, lowest: RevPerMin, highest: RevPerMin) -> Option<Self> {
         let us_per_min_and_pulse = S_PER_MIN as f32 * US_PER_S as f32 / f32::from(pulses_per_rev);
         let period_us = |speed: RevPerMin| us_per_min_and_pulse / speed.0;
         let (shortest_us, longest_us) = (period_us(highest), period_us(lowest));
-        // Also false for what is not a number.
+        // Also false for NaN.
         let makes_sense = shortest_us >= 2.0 && shortest_us < longest_us && longest_us <= 30.0 * US_PER_S as f32;
         makes_sense.then_some(Tacho {
             us_per_min_and_pulse,
@@ -58,7 +59,7 @@ impl Tacho {
         })
     }
 
-    /// Takes the sample of this tick; zero where the pulses tell no speed.
+    /// Processes the sample of this tick; returns zero if the pulses give no speed.
     pub fn follow(&self, turning: &mut Turning, sample: TachoSample) -> RevPerMin {
         *turning = self.next(*turning, sample);
         match *turning {
@@ -75,7 +76,7 @@ impl Tacho {
         }
         match (turning, period_us) {
             (_, None) => turning,
-            // The timer counted since whenever: no period.
+            // The timer has no defined start: no period.
             (Turning::Standing, Some(_)) => Turning::Begun,
             (_, Some(period_us)) if (self.shortest_us..=self.longest_us).contains(&period_us) => {
                 Turning::Timed { period_us }

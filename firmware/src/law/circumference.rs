@@ -1,13 +1,14 @@
 //! Constant feed per tooth on the cutting circumference: the chip at the contact B with the stock line is a.
 //!
-//! B is the intersection of cutting circle and stock line with u.(A - O) >= 0 and an advancing edge, of two the one with
-//! the thicker chip (smaller step). With n the line's unit normal and q the line's distance from O along it:
+//! B is the intersection of cutting circle and stock line with u.(A - O) >= 0 and an advancing edge; if there are two,
+//! the one with the thicker chip (smaller step). With n the line's unit normal and q the line's distance from O along
+//! it:
 //!
 //! ```text
 //! r0 u = q n +- sqrt((r0 - q)(r0 + q)) t,    t square to n        (1)
 //! ```
 //!
-//! The step for it is [`super::step`]'s.
+//! [`super::step`] gives the step for B.
 //!
 //! Source: Petean 2004, ch. 5, eqs 11-16; docs/laws.md#circumference for the errata and the validity.
 
@@ -34,8 +35,9 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// The intersections of cutting circle and stock line, r0 u in the moving frame: `foot` +- `half_chord`, mm. Components
-/// along the edge's advance and towards A; the one with + advances more. NaN where they do not meet.
+/// The intersections of cutting circle and stock line, r0 u in the moving frame: `foot` +- `half_chord`, mm.
+/// Components along the edge's advance and towards A; the one with + is further in the direction of advance. NaN if
+/// they do not intersect.
 #[derive(Clone, Copy, Debug)]
 struct Intersections {
     foot: [f32; 2],
@@ -50,14 +52,14 @@ struct Contact {
 }
 
 impl Circumference {
-    /// Prepares the law for an arc, with the stock's line at the arc's height; the one place with f64, once per block.
+    /// Prepares the law for an arc, with the stock line at the arc's height. Uses f64, once per block.
     pub fn for_arc(arc: &Arc, edge_radius: Mm, edge: Edge, stock: &StockLine, feed_per_tooth: MmPerTooth) -> Self {
         let [nx, ny] = stock.normal;
         let path_radius = Mm(arc.radius_mm() as f32);
         let cut = Cut { path_radius, edge_radius, edge, feed_per_tooth };
         Circumference {
             cut: PreparedCut::new(&cut),
-            // NaN is refused at the end of every step, by name.
+            // NaN is rejected at the end of every step.
             edge_radius_mm: if edge_radius.0 > 0.0 { edge_radius.0 } else { f32::NAN },
             path_radius_mm: if path_radius.0 > 0.0 { path_radius.0 } else { f32::NAN },
             advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
@@ -68,13 +70,13 @@ impl Circumference {
 
     fn intersections(&self, [x, y]: [f32; 2]) -> Intersections {
         let [nx, ny] = self.normal;
-        // The line's normal in the moving frame: once, and both intersections follow by signs.
+        // The line's normal in the moving frame; both intersections follow from it by signs.
         let normal_advance = self.advance_ratio * (ny * x - nx * y);
         let normal_towards = -(nx * x + ny * y);
         let distance_mm = self.offset_mm + self.path_radius_mm * normal_towards;
         let r0_mm = self.edge_radius_mm;
         let half_chord_mm = fmath::sqrt((r0_mm - distance_mm) * (r0_mm + distance_mm));
-        // The sign that puts the intersection that advances more first.
+        // The sign that makes the intersection further in the direction of advance the first.
         let half_chord_mm = fmath::with_sign_of(half_chord_mm, normal_towards);
         Intersections {
             foot: [distance_mm * normal_advance, distance_mm * normal_towards],
@@ -104,12 +106,12 @@ impl Intersections {
 }
 
 impl FeedLaw for Circumference {
-    /// Of the two intersections the one that takes the thicker chip; where only one is admissible, that one.
+    /// Demand of the intersection with the thicker chip, or of the only admissible one.
     fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         let both = self.intersections(place.towards.map(|component| -component));
         let (first, second) = (both.more_advanced(), both.less_advanced());
         let [advance, towards] = both.foot;
-        // Everything else is a number: the root is none.
+        // All inputs are numbers, so only the root is NaN: there is no intersection.
         if first.iter().any(|mm| mm.is_nan()) && !(advance + towards + self.edge_radius_mm).is_nan() {
             return Err(NoDemand::NoContact);
         }

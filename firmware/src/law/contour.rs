@@ -1,17 +1,17 @@
-//! Constant feed at the finished contour: what Siemens' CFC and CFIN, Heidenhain's M109 and M110 and Fanuc's internal
-//! circular feed do.
+//! Constant feed at the finished contour, like Siemens' CFC and CFIN, Heidenhain's M109 and M110, and Fanuc's internal
+//! circular feed.
 //!
-//! The contour's radius Rc is the path radius q of the tool's centre plus (inside) or minus (outside) the tool's radius
-//! r. Where the contour is to be passed at feed F, the centre moves at
+//! The contour's radius Rc is the path radius q of the tool's centre plus (inside) or minus (outside) the tool's
+//! radius r. For a feed F at the contour, the centre moves at
 //!
 //! ```text
 //! inside:   F q/(q + r) = F (Rc - r)/Rc        (1)
 //! outside:  F q/(q - r) = F (Rc + r)/Rc        (2)
 //! ```
 //!
-//! It knows nothing of engagement and differs strongly from the engagement law. Its traps are handled here: a tool as
-//! large as the arc would stand still (floor), an outside arc would be sped up (inside-only mode), the walls of a slot
-//! demand the opposite (the inside one wins).
+//! The law ignores engagement and differs strongly from the engagement law. Special cases: a tool as large as the arc
+//! would stop (floor), an outside arc would be accelerated (inside-only mode), and the walls of a slot have opposite
+//! demands (the inside wall decides).
 //!
 //! Source: docs/laws.md#contour (808D advanced manual p. 79; calculator pages quoted there).
 
@@ -20,16 +20,16 @@ use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// What the law may do.
+/// Limits of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourLimits {
     /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).
     pub inside_only: bool,
-    /// Least factor: the feed never falls below this part of the programmed one.
+    /// Smallest factor: lower limit of the feed as a fraction of the programmed feed.
     pub floor_ratio: f32,
 }
 
-/// The law for one segment; one demand all along it.
+/// The law for one segment, with the same demand everywhere on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
     demand: Result<FeedDemand, NoDemand>,

@@ -7,10 +7,10 @@
 //! otherwise:        the least step over the ends of the engaged arc with k ux > 0       (2)
 //! ```
 //!
-//! the step for a contact being [`super::step`]'s. An end where no step reaches the chip does not limit; an edge without
-//! a limiting end does not either. Of two edges the smaller step counts (the thicker chip wins), or the named edge's.
-//! Where the engaged arc comes from is [`super::region`]'s: a shape, or a table along the path.
-//! It equals the circumference law where the engaged arc lies on A's side of B.
+//! [`super::step`] gives the step for a contact. An end where no step reaches the chip does not limit the step; an
+//! edge without a limiting end does not either. The smaller step of both edges decides (the thicker chip), or that of
+//! the named edge. [`super::region`] gives the engaged arc, from a shape or from a table along the path. The law
+//! equals the circumference law if the engaged arc lies on A's side of B.
 //!
 //! Source: docs/laws.md#engaged-arc (ours; the source knows one stock line and one edge).
 
@@ -21,25 +21,25 @@ use super::region::{CircleAt, Region};
 use super::step::Cut;
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Which edge of the ring is protected.
+/// Protected edges of the ring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePolicy {
-    /// Both: the thicker chip wins.
+    /// Both: the thicker chip decides.
     Protect,
-    /// One alone, whatever happens at the other.
+    /// Only one edge, regardless of the other.
     Only(Edge),
 }
 
-/// The ring and what it moves on.
+/// The ring and its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
-    /// R.
+    /// R: outer radius.
     pub outer_radius: Mm,
-    /// r; zero for a solid tool.
+    /// r: inner radius; zero for a solid tool.
     pub inner_radius: Mm,
-    /// rho, infinite for a straight path.
+    /// rho: path radius; infinite for a straight path.
     pub path_radius: Mm,
-    /// a.
+    /// a: target feed per tooth.
     pub feed_per_tooth: MmPerTooth,
 }
 
@@ -48,12 +48,12 @@ pub struct Ring {
 pub struct EngagedArc {
     cuts: [Option<Cut>; 2],
     region: Region,
-    /// Every number of ring and region is one: a comparison with NaN would pass for "nothing there".
+    /// Whether all numbers of ring and region are finite; otherwise a comparison with NaN would mean "no contact".
     is_sound: bool,
 }
 
 impl EngagedArc {
-    /// Prepares the law: the stock relative to the segment's origin.
+    /// Prepares the law, with the stock relative to the segment's origin.
     pub fn new(ring: Ring, policy: EdgePolicy, region: Region) -> Self {
         let cut = |edge, edge_radius: Mm| {
             let Ring { path_radius, feed_per_tooth, .. } = ring;
@@ -67,14 +67,14 @@ impl EngagedArc {
         EngagedArc { cuts, region, is_sound }
     }
 
-    /// Where the engaged arcs of a table are given, mm.
+    /// Passes the paths of the knots of an engagement table, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         if let Region::Engaged(table) = &self.region {
             table.knots().iter().for_each(|knot| take(knot.travelled.0));
         }
     }
 
-    /// The demand of one edge.
+    /// Demand of one edge.
     fn demand_of(&self, cut: &Cut, place: &Place) -> Result<FeedDemand, NoDemand> {
         let circle = CircleAt { edge: cut.edge, radius_mm: cut.edge_radius.0, place };
         if self.region.holds_ahead(&circle) {
@@ -103,13 +103,13 @@ impl FeedLaw for EngagedArc {
     }
 }
 
-/// The smaller step; a refusal does not limit, but bad input must not pass for "nothing there".
+/// The smaller step. A refusal does not limit the step, but bad input is never ignored.
 fn smaller(one: Result<FeedDemand, NoDemand>, other: Result<FeedDemand, NoDemand>) -> Result<FeedDemand, NoDemand> {
     match (one, other) {
         (Err(NoDemand::BadInput), _) | (_, Err(NoDemand::BadInput)) => Err(NoDemand::BadInput),
         (Ok(a), Ok(b)) => Ok(if b.path_mm_per_tooth < a.path_mm_per_tooth { b } else { a }),
         (Ok(demand), Err(_)) | (Err(_), Ok(demand)) => Ok(demand),
-        // What no feed is too high for is said first, whatever the order of ends and edges.
+        // An unreachable chip has priority, in any order of ends and edges.
         (Err(NoDemand::ChipUnreachable), Err(_)) | (_, Err(NoDemand::ChipUnreachable)) => {
             Err(NoDemand::ChipUnreachable)
         }

@@ -25,7 +25,7 @@ use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// What the tool meets on the segment.
+/// Shape of the path in relation to the contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathShape {
     /// A straight pass, or an arc around the outside of a contour.
@@ -39,14 +39,14 @@ pub enum PathShape {
     },
 }
 
-/// The law for one segment; one demand all along it.
+/// The law for one segment, with the same demand everywhere on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engagement {
     demand: Result<FeedDemand, NoDemand>,
 }
 
 impl Engagement {
-    /// Prepares the law: tool radius r, radial depth ae, wanted largest chip thickness a.
+    /// Prepares the law: tool radius r, radial depth ae, target for the largest chip thickness a.
     pub fn new(tool_radius: Mm, radial_depth: Mm, chip: MmPerTooth, shape: PathShape) -> Self {
         Engagement { demand: demand(tool_radius.0, radial_depth.0, chip.0, shape) }
     }
@@ -62,11 +62,11 @@ impl FeedLaw for Engagement {
     }
 }
 
-/// The part of the straight feed that keeps the engagement's chip in an inside arc. (6)
+/// Factor of the straight feed that keeps the chip thickness in an inside arc. (6)
 ///
 /// # Errors
-/// [`NoDemand::BadInput`] for radii and depths that are no positive numbers or a depth above the diameter,
-/// [`NoDemand::OutsideValidity`] for a contour that the tool does not fit into.
+/// [`NoDemand::BadInput`] for radii and depths that are not positive numbers or a depth above the diameter,
+/// [`NoDemand::OutsideValidity`] for a contour into which the tool does not fit.
 pub fn corner_factor(tool_radius: Mm, radial_depth: Mm, contour_radius: Mm, turn_rad: f32) -> Result<f32, NoDemand> {
     let (r, ae, rc) = (tool_radius.0, radial_depth.0, contour_radius.0);
     let straight_rad = straight_rad(r, ae)?;
@@ -85,7 +85,7 @@ fn demand(r: f32, ae: f32, a: f32, shape: PathShape) -> Result<FeedDemand, NoDem
     if !(a > 0.0 && a.is_finite()) {
         return Err(NoDemand::BadInput);
     }
-    // The thickest chip is at phi_s, or square to the motion from half engagement on.
+    // The thickest chip is at phi_s or, from half engagement on, perpendicular to the motion.
     let cosine = (1.0 - ae / r).max(0.0);
     let thinning = fmath::sqrt((1.0 - cosine) * (1.0 + cosine)); // sin(phi_s)
     let factor = match shape {

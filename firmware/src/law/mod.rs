@@ -1,7 +1,7 @@
-//! Feed laws: which feed per tooth the tool's *centre* needs so that its edges keep theirs.
+//! Feed laws: the feed per tooth of the tool's *centre* that gives its edges their target.
 //!
-//! Each law stands in its own file, is made for a segment, and asked along it once, before the tool is on it. None of them knows limits,
-//! overrides or time.
+//! Each law has its own file. It is prepared for a segment and evaluated along it once, before the tool is on it. Laws
+//! are independent of limits, overrides and time.
 
 pub mod step;
 
@@ -35,36 +35,36 @@ use table::Table;
 
 /// A law prepared for one segment.
 pub trait FeedLaw {
-    /// The feed per tooth at the centre wanted at a place of the segment.
+    /// Demand of the law at a place of the segment.
     ///
     /// # Errors
-    /// Why the law has no demand there.
+    /// Reason why the law has no demand there.
     fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand>;
 
-    /// Whether it answers alike at every place.
+    /// Whether the demand is the same at every place.
     fn is_uniform(&self) -> bool {
         false
     }
 }
 
-/// Where the tool's centre is on its segment, in the plane of the segment.
+/// Position of the tool's centre on its segment, in the plane of the segment.
 ///
 /// The frame's origin is the rotation centre A of an arc, the start of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// The tool's centre, mm.
+    /// Position of the tool's centre, mm.
     pub center_mm: [f32; 2],
-    /// Unit vector in which it moves, v.
+    /// Unit vector of the motion, v.
     pub motion: [f32; 2],
-    /// Unit vector from it towards the rotation centre; on a line, square to the motion.
+    /// Unit vector towards the rotation centre; on a line, perpendicular to the motion.
     pub towards: [f32; 2],
     /// Path from the segment's start, mm.
     pub travelled_mm: f32,
 }
 
 impl Place {
-    /// On an arc: `direction` is the unit vector from the rotation centre, `turn_ratio` +1 counter-clockwise and -1
-    /// clockwise.
+    /// A place on an arc: `direction` is the unit vector from the rotation centre, `turn_ratio` +1 counter-clockwise
+    /// and -1 clockwise.
     #[inline(always)]
     pub fn on_arc(direction: [f32; 2], turn_ratio: f32, radius_mm: f32, travelled_mm: f32) -> Self {
         let [x, y] = direction;
@@ -76,14 +76,14 @@ impl Place {
         }
     }
 
-    /// On a line: `motion` is its direction in the plane.
+    /// A place on a line: `motion` is its direction in the plane.
     pub fn on_line(motion: [f32; 2], travelled_mm: f32) -> Self {
         let [x, y] = motion;
         Place { center_mm: [travelled_mm * x, travelled_mm * y], motion, towards: [-y, x], travelled_mm }
     }
 }
 
-/// What a law wants.
+/// Demand of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedDemand {
@@ -94,14 +94,14 @@ pub struct FeedDemand {
 }
 
 impl FeedDemand {
-    /// Angle of the contact from the direction of the rotation centre towards the cutting side, radians.
+    /// Angle of the contact from the direction of the rotation centre, positive towards the cutting side, radians.
     pub fn contact_rad(&self) -> f32 {
         let [advance, towards] = self.contact;
         fmath::atan2(advance, towards)
     }
 }
 
-/// Why a law has no demand.
+/// Reason why a law has no demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoDemand {
@@ -109,15 +109,15 @@ pub enum NoDemand {
     NoLaw,
     /// The cutting circle does not meet the stock.
     NoContact,
-    /// It meets it only where the edge recedes, or where the law does not hold.
+    /// The cutting circle meets the stock only where the edge recedes, or where the law is not valid.
     OutsideValidity,
-    /// The wanted chip is thicker than any feed could make it there: no feed is too high for it.
+    /// The target chip is thicker than any feed can make it there: no feed is too high.
     ChipUnreachable,
     /// An input is not a number, or a radius or feed per tooth is not positive.
     BadInput,
 }
 
-/// The law of one segment, or that it has none.
+/// Law of a segment.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and one segment is active at a time")]
 pub enum SegmentLaw {
@@ -129,15 +129,14 @@ pub enum SegmentLaw {
     Contour(Contour),
     /// Constant chip thickness of an ordinary end mill.
     Engagement(Engagement),
-    /// A feed per tooth computed beforehand.
+    /// Feed per tooth from a table.
     Table(Table),
     /// No law governs this segment: it runs as programmed.
     Programmed,
 }
 
 impl SegmentLaw {
-    /// The job's law for a segment that `rule` speaks of; [`SegmentLaw::Programmed`] where tool, law and rule do not go
-    /// together.
+    /// The job's law for a segment under `rule`; [`SegmentLaw::Programmed`] if tool, law and rule are incompatible.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         SegmentLaw::with_engagement(segment, rule, None, job)
     }
@@ -170,7 +169,7 @@ impl SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// Where along the segment the law may bend or jump by a table of its own, mm.
+    /// Passes the paths at which a table of the law may bend or jump, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         match self {
             SegmentLaw::Table(law) => law.knots_mm(take),
@@ -205,7 +204,7 @@ impl FeedLaw for SegmentLaw {
     }
 }
 
-/// Any segment: the path travelled is all that a table knows.
+/// The table law applies to any segment: it depends only on the path travelled.
 fn for_table(rule: &CutRule, job: &Job) -> SegmentLaw {
     let table = rule.table.and_then(|range| Table::new(job.knots.table(range)).ok());
     table.map_or(SegmentLaw::Programmed, SegmentLaw::Table)
@@ -223,7 +222,7 @@ fn for_rotation(
     SegmentLaw::Circumference(law)
 }
 
-/// Both circles of a ring on an arc; the one circle of an end mill on any move.
+/// Engaged-arc law: both circles of a ring on an arc, or the circle of an end mill on any move.
 fn for_circles(segment: &Segment, rule: &CutRule, region: Region, job: &Job) -> SegmentLaw {
     let setup = job.tool_of(rule);
     let (Work::Ring(edge, _), LawKind::EngagedArc { both_edges }) = (&rule.work, setup.law) else {

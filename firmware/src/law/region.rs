@@ -1,5 +1,5 @@
-//! The stock in the plane of a segment, as the engaged-arc law sees it: whether a cutting circle is engaged straight ahead,
-//! and where its engaged arc ends.
+//! Stock in the plane of a segment, for the engaged-arc law: whether a cutting circle is engaged straight ahead, and
+//! the ends of its engaged arc.
 //!
 //! Source: docs/laws.md#engaged-arc.
 
@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 
 use super::Place;
 
-/// How far outside an edge a crossing still counts as on it, in parts of the circle's radius: f32 rounding at a corner.
+/// Tolerance of a crossing at a corner, relative to the circle's radius, for f32 rounding.
 const CORNER_RATIO: f32 = 1e-5;
 
 /// Stock relative to the segment's origin; lengths in mm.
@@ -22,23 +22,23 @@ pub enum Region {
     Convex(Vec<HalfPlane, EDGES_MAX>),
     /// A round blank.
     Disc {
-        /// Its centre.
+        /// Centre.
         center_mm: Vector2<f32>,
-        /// Its radius.
+        /// Radius.
         radius_mm: f32,
     },
-    /// No shape, but the engaged arcs along the segment.
+    /// Not a shape, but the engaged arcs along the segment.
     Engaged(EngagedTable),
 }
 
-/// A cutting circle at its place.
+/// A cutting circle at a place.
 #[derive(Clone, Copy, Debug)]
 pub struct CircleAt<'p> {
-    /// Which one.
+    /// Cutting edge.
     pub edge: Edge,
     /// r0, mm.
     pub radius_mm: f32,
-    /// Where the tool is.
+    /// Place of the tool.
     pub place: &'p Place,
 }
 
@@ -52,20 +52,21 @@ pub struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// How deep inside a point lies, mm.
+    /// Depth of a point inside the half plane, mm.
     fn depth_mm(&self, point_mm: Vector2<f32>) -> f32 {
         self.offset_mm - self.normal.dot(&point_mm)
     }
 }
 
 impl Region {
-    /// The stock of a program seen from a segment's origin (mm) at the segment's height; `None` where it is told with the segment.
+    /// Stock of a program relative to a segment's origin (mm) at the segment's height; `None` if the engagement is
+    /// given with the segment.
     pub fn new(stock: &Stock, origin_mm: [f64; 2], height_mm: f64) -> Option<Self> {
         Some(match stock {
             Stock::Convex(lines) => {
                 let mut planes = Vec::new();
                 for line in lines {
-                    // As many as there are lines: there is room; `collect` would bring a panic along.
+                    // As many planes as lines, so they fit; `collect` would add a panic path.
                     let _room = planes.push(HalfPlane {
                         normal: Vector2::from(line.normal).cast(),
                         offset_mm: line.at_height(height_mm).distance_mm(origin_mm) as f32,
@@ -82,18 +83,18 @@ impl Region {
         })
     }
 
-    /// Whether all its numbers are.
+    /// Whether all numbers are finite.
     pub fn is_sound(&self) -> bool {
         let is_sound = |place: &Vector2<f32>, length: f32| length.is_finite() && place.iter().all(|x| x.is_finite());
         match self {
             Region::Convex(planes) => planes.iter().all(|plane| is_sound(&plane.normal, plane.offset_mm)),
             Region::Disc { center_mm, radius_mm } => is_sound(center_mm, *radius_mm),
-            // Checked when it was made.
+            // Checked when the table was created.
             Region::Engaged(_) => true,
         }
     }
 
-    /// Whether the direction of the circle's advance, k v, is engaged.
+    /// Whether the direction k v of the circle's advance is engaged.
     pub fn holds_ahead(&self, circle: &CircleAt<'_>) -> bool {
         let ahead = || circle.point(Vector2::from(circle.place.motion) * circle.advance_ratio());
         match self {
@@ -109,7 +110,7 @@ impl Region {
         }
     }
 
-    /// Hands the directions in which the engaged arc may end to `visit`: their components along k v and towards the
+    /// Passes the possible directions of the engaged arc's ends to `visit`: their components along k v and towards the
     /// rotation centre.
     pub fn ends(&self, circle: &CircleAt<'_>, mut visit: impl FnMut([f32; 2])) {
         let mut crossing = |u: Vector2<f32>| visit(circle.in_moving_frame(u));
@@ -129,7 +130,7 @@ impl Region {
             Region::Disc { center_mm: disc_mm, radius_mm } => {
                 let to_disc = disc_mm - center_mm;
                 let distance = length(to_disc);
-                // Cosine rule in the triangle of both centres and a crossing.
+                // Law of cosines in the triangle of both centres and a crossing.
                 let cosine = (distance * distance + circle_mm * circle_mm - radius_mm * radius_mm)
                     / (2.0 * distance * circle_mm);
                 directions(to_disc / distance, cosine).into_iter().flatten().for_each(crossing);
@@ -143,24 +144,24 @@ impl Region {
 }
 
 impl CircleAt<'_> {
-    /// k.
+    /// k: sign of the edge's advance.
     fn advance_ratio(&self) -> f32 {
         f32::from(self.edge.advance())
     }
 
-    /// The point in direction `u`.
+    /// Point of the circle in direction `u`.
     fn point(&self, u: Vector2<f32>) -> Vector2<f32> {
         Vector2::from(self.place.center_mm) + u * self.radius_mm
     }
 
-    /// The components of `u` along k v and towards the rotation centre.
+    /// Components of `u` along k v and towards the rotation centre.
     fn in_moving_frame(&self, u: Vector2<f32>) -> [f32; 2] {
         let [motion, towards] = [self.place.motion, self.place.towards].map(Vector2::from);
         [self.advance_ratio() * u.dot(&motion), u.dot(&towards)]
     }
 }
 
-/// The two unit vectors whose component along `normal` is `cosine`; none beyond +-1 or for NaN.
+/// The two unit vectors whose component along `normal` is `cosine`; `None` beyond +-1 and for NaN.
 fn directions(normal: Vector2<f32>, cosine: f32) -> Option<[Vector2<f32>; 2]> {
     let square = (1.0 - cosine) * (1.0 + cosine);
     (square >= 0.0).then(|| {
@@ -170,7 +171,7 @@ fn directions(normal: Vector2<f32>, cosine: f32) -> Option<[Vector2<f32>; 2]> {
     })
 }
 
-/// By `fmath`, as everything that ends on the chip.
+/// Length of a vector by `fmath`, as all code for the chip.
 fn length(vector: Vector2<f32>) -> f32 {
     fmath::length(vector.x, vector.y)
 }

@@ -1,9 +1,9 @@
-//! The step per tooth: how far the tool's centre moves so that its cutting circle takes a chip a at a contact B.
+//! Step per tooth: the path of the tool's centre for which its cutting circle takes a chip a at a contact B.
 //!
-//! The centre O runs on the circle (A, rho), or straight (rho infinite). Frame at O: y towards A, v = x the direction in which O moves. The cutting
-//! circle (radius r0) meets the stock at B, u = (B - O)/r0. After one tooth the circle must pass through
-//! C = O + (r0 + k a) u, where a is the wanted feed per tooth and k = +1 for the outer, -1 for the inner edge. The new
-//! centre O' lies on (A, rho) and r0 away from C:
+//! The centre O moves on the circle (A, rho), or straight (rho infinite). Frame at O: y towards A, v = x the direction
+//! in which O moves. The cutting circle (radius r0) meets the stock at B, u = (B - O)/r0. After one tooth the circle
+//! must pass through C = O + (r0 + k a) u, where a is the target feed per tooth and k = +1 for the outer, -1 for the
+//! inner edge. The new centre O' lies on (A, rho) at the distance r0 from C:
 //!
 //! ```text
 //! ux = u.v    uy = u.(A - O)/rho    L = r0 + k a    w = a (2 r0 + k a)    (1)
@@ -14,18 +14,19 @@
 //! path per tooth = rho alpha = 2 rho atan(tau / 2 rho)                    (6)
 //! ```
 //!
-//! (1)-(5) are the two circles of the source (eqs 17-23) solved for the half turn alpha/2 of O about A, free of the
-//! cancellation that costs the source's own route 8.5 % in f32; valid for p > 0, p = 0 and p < 0 alike.
+//! (1)-(5) solve the two circles of the source (eqs 17-23) for the half turn alpha/2 of O about A. They avoid the
+//! cancellation that causes an error of 8.5 % in f32 in the source's own formulas. They are valid for p > 0, p = 0 and
+//! p < 0.
 //!
-//! What holds for the whole segment is worked out once, with the contact given at r0 u:
+//! Terms that are constant on the segment are computed once, with the contact given as r0 u:
 //!
 //! ```text
 //! h = (L/r0) (k r0 ux)                                       (2)
 //! p = (k + w/(4 rho^2)) - (k L/(r0 rho)) (r0 uy)             (3)
 //! ```
 //!
-//! What cannot be cut with - NaN, a radius or feed per tooth that is not positive, an inner edge smaller than its chip -
-//! becomes NaN there once and is refused at the end of every step.
+//! Invalid inputs (NaN, a radius or feed per tooth that is not positive, an inner edge smaller than its chip) become
+//! NaN there, which is rejected at the end of every step.
 //!
 //! Source: Petean 2004, ch. 5; docs/laws.md#circumference for the derivation, the errata and the validity.
 
@@ -35,25 +36,25 @@ use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::NoDemand;
 
-/// Below this square of a / 2 rho the arc sine's series of three terms is exact to f32.
+/// Square of a / 2 rho below which three terms of the arc sine's series are exact to f32.
 const SERIES_LIMIT: f32 = 1e-3;
-/// Below this tau / 2 rho the arc tangent's series of two terms is exact to f32.
+/// tau / 2 rho below which two terms of the arc tangent's series are exact to f32.
 const SMALL_STEP_RATIO: f32 = 0.01;
 
-/// The circles and the chip: everything the step per tooth depends on, but for the contact.
+/// Circles and chip: all inputs of the step per tooth except the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// rho, radius of the centre's path about A; infinite for a straight path.
     pub path_radius: Mm,
     /// r0, radius of the cutting circle.
     pub edge_radius: Mm,
-    /// Which edge cuts: the sign k.
+    /// Cutting edge: gives the sign k.
     pub edge: Edge,
-    /// a, wanted feed per tooth on the circumference.
+    /// a, target feed per tooth on the circumference.
     pub feed_per_tooth: MmPerTooth,
 }
 
-/// What holds of a [`Cut`] at every contact; config.
+/// Terms of a [`Cut`] that do not depend on the contact; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparedCut {
     /// L/r0.
@@ -85,7 +86,7 @@ impl Cut {
         cut.path_per_tooth(cut.denominator_mm(advance * r0, towards_ratio * r0)?)
     }
 
-    /// Path of the centre per tooth whose chord is the wanted chip itself: the step straight into the material.
+    /// Path of the centre per tooth whose chord is the target chip: the step straight into the material.
     ///
     /// # Errors
     /// [`NoDemand::BadInput`] as above, [`NoDemand::ChipUnreachable`] for a chip thicker than the path's own circle.
@@ -107,13 +108,13 @@ impl Cut {
 }
 
 impl PreparedCut {
-    /// Works the cut out.
+    /// Computes the terms of a cut.
     pub fn new(cut: &Cut) -> Self {
         let (rho, r0, a) = (cut.path_radius.0, cut.edge_radius.0, cut.feed_per_tooth.0);
         let k = f32::from(cut.edge.advance());
         let reach = r0 + k * a; // (1)
         let excess_mm2 = a * (2.0 * r0 + k * a); // (1)
-        // Squares that f32 can hold, or the step could come out as nothing.
+        // The squares must be representable in f32; otherwise the step could become zero.
         let representable = fmath::is_positive(excess_mm2) && fmath::is_positive(reach * reach);
         let possible = rho > 0.0 && r0 > 0.0 && a > 0.0 && reach > 0.0 && representable;
         PreparedCut {
@@ -127,7 +128,8 @@ impl PreparedCut {
         }
     }
 
-    /// h + sqrt D, mm, for a contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm` = r0 u.(A - O)/rho. The larger it is, the thicker the chip that a given feed takes there. NaN where the input is none.
+    /// h + sqrt D, mm, for a contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm` = r0 u.(A - O)/rho. A larger value
+    /// means a thicker chip at a given feed. NaN for invalid input.
     ///
     /// # Errors
     /// [`NoDemand::OutsideValidity`] where the edge does not advance, [`NoDemand::ChipUnreachable`] where no step gives the
@@ -147,14 +149,14 @@ impl PreparedCut {
         (h, h * h - p * self.excess_mm2) // (4)
     }
 
-    /// Path of the centre per tooth, along its arc, for an answer of [`PreparedCut::denominator_mm`].
+    /// Path of the centre per tooth, along its arc, for a result of [`PreparedCut::denominator_mm`].
     ///
     /// # Errors
     /// [`NoDemand::BadInput`] for NaN, and for a step too large or too small for f32.
     pub fn path_per_tooth(&self, denominator_mm: f32) -> Result<Mm, NoDemand> {
         let tau = self.excess_mm2 / denominator_mm; // (5)
         let path = if tau < self.small_step_mm { self.along_narrow_arc(tau) } else { self.along_wide_arc(tau) };
-        // NaN fails this, and is what an overflow becomes.
+        // False for NaN, which is also the result of an overflow.
         if path > 0.0 { Ok(Mm(path)) } else { Err(NoDemand::BadInput) }
     }
 

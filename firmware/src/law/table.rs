@@ -1,6 +1,6 @@
-//! A feed per tooth computed beforehand, piecewise linear in the path travelled.
+//! Table law: a precomputed feed per tooth, piecewise linear in the path travelled.
 //!
-//! For whatever the host can simulate and no formula covers: engagement from the removed material, a measured force.
+//! For cases that the host can simulate but no formula covers: engagement from the removed material, a measured force.
 //!
 //! Source: docs/laws.md#table.
 
@@ -15,12 +15,12 @@ pub struct Table {
     knots: Vec<Knot, TABLE_KNOTS_MAX>,
 }
 
-/// Why knots are refused.
+/// Reason why knots are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableError {
-    /// None, or more than [`TABLE_KNOTS_MAX`].
+    /// There is no knot, or there are more than [`TABLE_KNOTS_MAX`].
     Count,
-    /// The path of this knot is not larger than the one before, or no number.
+    /// The path of this knot is not larger than that of the previous knot, or is not a finite number.
     Order(usize),
     /// The feed per tooth of this knot is not a positive number.
     Feed(usize),
@@ -48,14 +48,14 @@ impl Table {
 }
 
 impl Table {
-    /// The paths of its knots.
+    /// Passes the paths of the knots, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         self.knots.iter().for_each(|(travelled, _)| take(travelled.0));
     }
 }
 
 impl FeedLaw for Table {
-    /// Before the first knot its feed, behind the last one its.
+    /// Constant before the first knot and after the last one.
     fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
         let at_mm = place.travelled_mm;
         if at_mm.is_nan() {

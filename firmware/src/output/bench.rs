@@ -1,4 +1,4 @@
-//! A bench for the tests: nine wires with a clock, what a control reads from them, and pins that refuse.
+//! Test bench: nine wires with a clock, the reading of a control, and failing pins.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
@@ -8,33 +8,33 @@ use embedded_hal::digital::{Error, ErrorKind, ErrorType, OutputPin};
 
 use super::port_lines::LinePort;
 
-/// What one write of a pin takes.
+/// Duration of a pin's write.
 const WRITE_NS: u64 = 10;
 
 /// The ninth wire.
 pub const STROBE: u8 = 8;
 
-/// All eight lines as a whole.
+/// Index of the port of all eight lines.
 pub const PORT: u8 = 9;
 
-/// A wire that was written: when, which, whether high.
+/// A write of a wire: time, wire, level.
 pub type Event = (u64, u8, bool);
 
-/// The wires, at first all high but the strobe.
+/// The wires; initially all high except the strobe.
 #[derive(Default)]
 pub struct Bench {
     now_ns: Cell<u64>,
     events: RefCell<Vec<Event>>,
-    /// A wire, or the port, that refuses, and whether it does what it is told nonetheless.
+    /// A wire, or the port, that fails, and whether it changes its level nonetheless.
     pub refuses: Cell<Option<(u8, bool)>>,
 }
 
-/// How long a coupler takes to follow a pin.
+/// Delays of a coupler.
 #[derive(Clone, Copy)]
 pub struct Coupler {
-    /// To pull its line low.
+    /// Time to pull its line low.
     pub take_ns: u64,
-    /// To let it go.
+    /// Time to release it.
     pub let_go_ns: u64,
 }
 
@@ -102,7 +102,7 @@ impl Bench {
         Port(self)
     }
 
-    /// One write, by a pin or the port, to all `wires` at once.
+    /// A write by a pin or the port to all `wires` at once.
     fn write(&self, by: u8, wires: &[(u8, bool)]) -> Result<(), Refused> {
         self.now_ns.set(self.now_ns.get() + WRITE_NS);
         let refusal = self.refuses.get().filter(|(refusing, _)| *refusing == by);
@@ -113,17 +113,17 @@ impl Bench {
         if refusal.is_some() { Err(Refused) } else { Ok(()) }
     }
 
-    /// What was written since the last time, as wire and level.
+    /// Writes since the last call of `clear`, as wire and level.
     pub fn written(&self) -> Vec<(u8, bool)> {
         self.events.borrow().iter().map(|(_, wire, high)| (*wire, *high)).collect()
     }
 
-    /// Forgets what was written.
+    /// Clears the recorded writes.
     pub fn clear(&self) {
         self.events.borrow_mut().clear();
     }
 
-    /// All that a control behind couplers could read while what was written takes effect, starting from `percent`.
+    /// All values that a control behind couplers could read during the recorded writes, starting from `percent`.
     pub fn readings(&self, percent: u8, coupler: Coupler) -> Vec<u8> {
         let late = |(at_ns, wire, high): &Event| {
             (at_ns + if *high { coupler.let_go_ns } else { coupler.take_ns }, *wire, *high)
@@ -140,7 +140,7 @@ impl Bench {
             .collect()
     }
 
-    /// All that a control could read behind a register that takes the data when the strobe rises.
+    /// All values that a control could read behind a register that latches the data at the rising strobe.
     pub fn register_readings(&self) -> Vec<u8> {
         let mut wires = wires_at(0);
         let mut readings = Vec::new();
@@ -158,7 +158,7 @@ fn wires_at(percent: u8) -> [bool; 9] {
     core::array::from_fn(|wire| wire < 8 && percent & (1 << wire) == 0)
 }
 
-/// The rule of the control's manual: the sum of the weights of low lines; all low is 0, as all high is.
+/// Reading of the control by its manual: the sum of the weights of low lines; 0 if all are low or all are high.
 fn control_reads(wires: &[bool; 9]) -> u8 {
     let lines = &wires[..8];
     if lines.iter().all(|high| !high) {
@@ -167,7 +167,7 @@ fn control_reads(wires: &[bool; 9]) -> u8 {
     lines.iter().zip([1, 2, 4, 8, 16, 32, 64, 128]).filter(|(high, _)| !**high).map(|(_, weight)| weight).sum()
 }
 
-/// A pin that cannot refuse, of a type of its own.
+/// A pin that cannot fail, with an error type of its own.
 pub struct PlainPin(pub bool);
 
 impl ErrorType for PlainPin {

@@ -1,9 +1,9 @@
-//! After a fault of the hardware: 0 % until a person resets.
+//! Fault latch of an output: 0 % after a hardware fault until a person resets it.
 
 use super::OverrideOutput;
 use crate::ramp::FeedOverride;
 
-/// An output that stays released once it has failed, rather than try again with every tick.
+/// An output that stays released after a failure instead of retrying at each tick.
 #[derive(Clone, Debug)]
 pub struct Latched<O: OverrideOutput> {
     output: O,
@@ -11,7 +11,7 @@ pub struct Latched<O: OverrideOutput> {
 }
 
 impl<O: OverrideOutput> Latched<O> {
-    /// The output, taken to be sound.
+    /// An output without a fault.
     pub fn new(output: O) -> Self {
         Latched { output, fault: None }
     }
@@ -21,7 +21,7 @@ impl<O: OverrideOutput> Latched<O> {
         self.fault.as_ref()
     }
 
-    /// Forgets the fault: for a person who has seen to it, not for a program. The output stays released until the
+    /// Clears the fault, on the request of a person who has removed its cause. The output stays released until the
     /// next update.
     pub fn reset(&mut self) {
         self.fault = None;
@@ -29,7 +29,7 @@ impl<O: OverrideOutput> Latched<O> {
 }
 
 impl<O: OverrideOutput<Error: Clone>> Latched<O> {
-    /// Keeps the first fault, releases, and answers it.
+    /// Latches the first fault, releases the output, and returns the fault.
     fn fail(&mut self, error: O::Error) -> Result<(), O::Error> {
         let fault = self.fault.get_or_insert(error).clone();
         // The first fault is the one to report.
@@ -41,7 +41,7 @@ impl<O: OverrideOutput<Error: Clone>> Latched<O> {
 impl<O: OverrideOutput<Error: Clone>> OverrideOutput for Latched<O> {
     type Error = O::Error;
 
-    /// Once failed, releases again and answers the first fault.
+    /// After a failure, releases the output again and returns the first fault.
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), O::Error> {
         if let Some(fault) = self.fault.clone() {
             return self.fail(fault);
@@ -49,7 +49,7 @@ impl<O: OverrideOutput<Error: Clone>> OverrideOutput for Latched<O> {
         self.output.put(feed_override).or_else(|error| self.fail(error))
     }
 
-    /// An error here is a fault too.
+    /// An error of the release is a fault too.
     fn release(&mut self) -> Result<(), O::Error> {
         self.output.release().or_else(|error| self.fail(error))
     }

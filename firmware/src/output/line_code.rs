@@ -6,16 +6,16 @@
 
 use crate::ramp::FeedOverride;
 
-/// How many lines there are.
+/// Number of lines.
 pub const LINES: usize = 8;
 
-/// The highest override the lines can say, %.
+/// Largest override that the lines can represent, %.
 pub const HIGHEST_PERCENT: u8 = 254;
 
 /// All lines low, which the control reads as 0 %.
 const ALL_LOW: u8 = 0xFF;
 
-/// Which lines are low: bit i for *FVi.
+/// Low lines: bit i for *FVi.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineCode(u8);
@@ -24,17 +24,17 @@ impl LineCode {
     /// All lines high: 0 %.
     pub const RELEASED: LineCode = LineCode(0);
 
-    /// The code of an override; above [`HIGHEST_PERCENT`] that of the highest.
+    /// The code of an override, limited to [`HIGHEST_PERCENT`].
     pub fn of(feed_override: FeedOverride) -> Self {
         LineCode(feed_override.percent.min(HIGHEST_PERCENT))
     }
 
-    /// What a control reads from it.
+    /// The override that a control reads.
     pub fn reads(self) -> FeedOverride {
         FeedOverride { percent: if self.0 == ALL_LOW { 0 } else { self.0 } }
     }
 
-    /// Whether *FV`line` is low: its weight counts.
+    /// Whether *FV`line` is low, so that its weight counts.
     pub fn is_low(self, line: u8) -> bool {
         u32::from(self.0).checked_shr(u32::from(line)).is_some_and(|bits| bits & 1 == 1)
     }
@@ -44,7 +44,7 @@ impl LineCode {
         !self.0
     }
 
-    /// Low where both are.
+    /// Lines that are low in both codes.
     #[must_use]
     pub fn shared_with(self, other: LineCode) -> Self {
         LineCode(self.0 & other.0)

@@ -1,4 +1,4 @@
-//! Eight pins written one after the other, and which one failed.
+//! Eight pins that are written one after the other.
 
 use embedded_hal::digital::{OutputPin, PinState};
 
@@ -14,13 +14,13 @@ pub enum Line {
     Strobe,
 }
 
-/// A pin refused; with several, the first one.
+/// Failure of a pin; if several fail, the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineError<E> {
-    /// Which line.
+    /// Failed line.
     pub line: Line,
-    /// What the pin said.
+    /// Error of the pin.
     pub source: E,
 }
 
@@ -31,31 +31,31 @@ pub struct Lines<P> {
 }
 
 impl<P: OutputPin> Lines<P> {
-    /// Lines as their pins stand; nothing is written.
+    /// The lines at the current levels of their pins; writes nothing.
     pub fn new(pins: [P; LINES]) -> Self {
         Lines { pins }
     }
 
-    /// Releases the lines that `code` wants high. None goes low.
+    /// Releases the lines that are high in `code`. None goes low.
     ///
     /// # Errors
-    /// A pin refused; all lines are released then.
+    /// A pin has failed; all lines are then released.
     pub fn reduce_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
         self.drive(code.levels(), PinState::High)
     }
 
-    /// Pulls the lines down that `code` wants low. None goes high.
+    /// Pulls down the lines that are low in `code`. None goes high.
     ///
     /// # Errors
-    /// A pin refused; all lines are released then.
+    /// A pin has failed; all lines are then released.
     pub fn raise_to(&mut self, code: LineCode) -> Result<(), LineError<P::Error>> {
         self.drive(!code.levels(), PinState::Low)
     }
 
-    /// Releases all lines, also after one has refused.
+    /// Releases all lines, even if one fails.
     ///
     /// # Errors
-    /// The first that refused.
+    /// The first failed line.
     pub fn release(&mut self) -> Result<(), LineError<P::Error>> {
         let mut result = Ok(());
         for (line, pin) in (0..).zip(self.pins.iter_mut()) {

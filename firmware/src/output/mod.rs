@@ -1,8 +1,8 @@
-//! How the override reaches the control: lines, an analogue voltage; and what is told about it.
+//! Output of the override to the control by lines or an analogue voltage, and its telemetry.
 //!
-//! [`parallel_lines`] drives *FV0 to *FV7 of a Fanuc-like control, [`port_lines`] the same where one write reaches all
-//! eight, [`strobed`] through an external register, [`pwm`] an analogue override input; [`latched`] keeps any of them at 0 % after a fault. [`telemetry`] records what
-//! was put out and why. Wiring and figures: docs/outputs.md.
+//! [`parallel_lines`] drives *FV0 to *FV7 of a Fanuc-like control, [`port_lines`] the same lines with one write for
+//! all eight, [`strobed`] through an external register, [`pwm`] an analogue override input; [`latched`] keeps any of
+//! them at 0 % after a fault. [`telemetry`] records each override and its reason. Wiring and figures: docs/outputs.md.
 
 pub mod line_code;
 
@@ -24,23 +24,23 @@ pub mod telemetry;
 
 use crate::ramp::FeedOverride;
 
-/// An output that the control reads its feed override from.
+/// Output from which the control reads its feed override.
 ///
-/// Both calls may block for what the wiring needs to settle (microseconds), never for the control.
+/// Both calls may block until the wiring has settled (microseconds), but never for the control.
 pub trait OverrideOutput {
-    /// What the hardware may refuse with.
+    /// Error of the hardware.
     type Error;
 
-    /// Puts the override out; what a control reads meanwhile is never more than the higher of the old and the new one.
+    /// Sets the override. Meanwhile the control never reads more than the larger of the old and the new one.
     ///
     /// # Errors
-    /// The hardware refused. What of it still obeys is released then, as by [`OverrideOutput::release`].
+    /// The hardware has failed. All parts that still work are then released, as by [`OverrideOutput::release`].
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), Self::Error>;
 
     /// De-energises the output, as a loss of power would: the control reads 0 %, its axes stop.
     ///
     /// # Errors
-    /// A part of the hardware refused; all others are released nonetheless.
+    /// A part of the hardware has failed; all others are released nonetheless.
     fn release(&mut self) -> Result<(), Self::Error>;
 }
 

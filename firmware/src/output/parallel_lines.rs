@@ -1,24 +1,24 @@
-//! *FV0 to *FV7 straight from eight pins, written one after the other.
+//! *FV0 to *FV7 driven directly by eight pins, written one after the other.
 //!
-//! The control samples the lines whenever its ladder comes by, also between two writes. So every update first releases
-//! the lines that the new code c' wants high, then pulls down those it wants low. From the old code c the first phase
-//! passes through subsets of c, the second through subsets of c', and the code is the sum of its weights:
+//! The control samples the lines at any time, also between two writes. Therefore every update first releases the lines
+//! that are high in the new code c', then pulls down those that are low in it. The first phase passes through subsets
+//! of the old code c, the second through subsets of c', and a code is the sum of its weights:
 //!
 //! (1) every intermediate code <= max(c, c')
 //!
-//! (2) the lowest intermediate code = c AND c', the weights they share
+//! (2) the lowest intermediate code = c AND c', the common weights
 //!
-//! (1) holds for any order within a phase and whatever c was, so all eight lines are written each time and nothing is
-//! remembered of what they were (but to save a wait): a line disturbed from outside is put right by the next update.
-//! By (1) all lines low, which a control reads as 0 %, does not come up either: it would be 255.
+//! (1) is valid for any order within a phase and for any c. Therefore each update writes all eight lines and does not
+//! depend on their old levels (except to save a wait): the next update corrects a line that was disturbed from
+//! outside. By (1) the state with all lines low, which a control reads as 0 %, does not occur either: it would be 255.
 //!
-//! The lowest code (2) can be 0 %, a feed hold: 127 -> 128 has no weight in common, and no order avoids it, for 128
-//! is only reached from a code of 127 at most, and all but 0 lead above 128. Too low is the safe side, the chip gets
-//! thinner; it lasts for the rest of the eight writes, and a control that happens to look then slows down until its next
-//! scan. Who cannot have that uses [`super::strobed`].
+//! The lowest code (2) can be 0 %, a feed hold: 127 -> 128 has no common weight, and no order avoids it, because 128
+//! can be reached only from a code of at most 127, and all of them except 0 lead above 128. Too low is the safe side:
+//! the chip gets thinner. It lasts for the rest of the eight writes, and a control that samples then slows down until
+//! its next scan. If this is not acceptable, use [`super::strobed`].
 //!
-//! A coupler that lets go later than it takes hold brings the lines out of order behind the pins; [`Settling`] between
-//! the phases, as long as the slowest release, restores (1) at the control.
+//! A coupler that releases more slowly than it pulls changes the order of the lines at the control; [`Settling`]
+//! between the phases, as long as the slowest release, restores (1) there.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
@@ -31,30 +31,31 @@ use crate::ramp::FeedOverride;
 
 /// Eight lines without a register.
 ///
-/// Pins of different types go in as `&mut dyn OutputPin<Error = E>`.
+/// Pins of different types are passed as `&mut dyn OutputPin<Error = E>`.
 #[derive(Clone, Debug)]
 pub struct ParallelLines<P, D = NoDelay> {
     lines: Lines<P>,
     settling: Settling<D>,
-    /// What the lines hold; `None` after a failure.
+    /// Current code of the lines; `None` after a failure.
     held: Option<LineCode>,
 }
 
 impl<P: OutputPin> ParallelLines<P> {
-    /// Takes *FV0 to *FV7, whose wiring follows at once, and releases them.
+    /// An output on *FV0 to *FV7 with immediate wiring; releases the lines.
     ///
     /// # Errors
-    /// The first pin that refused.
+    /// The first failed pin.
     pub fn new(pins: [P; LINES]) -> Result<Self, LineError<P::Error>> {
         Self::with_settling(pins, Settling::NONE)
     }
 }
 
 impl<P: OutputPin, D: DelayNs> ParallelLines<P, D> {
-    /// Takes *FV0 to *FV7, whose wiring needs time, and releases them. Updates must lie further apart than it settles.
+    /// An output on *FV0 to *FV7 with slow wiring; releases the lines. Updates must be further apart than the settling
+    /// time.
     ///
     /// # Errors
-    /// The first pin that refused.
+    /// The first failed pin.
     pub fn with_settling(pins: [P; LINES], settling: Settling<D>) -> Result<Self, LineError<P::Error>> {
         let mut output = ParallelLines { lines: Lines::new(pins), settling, held: None };
         output.release()?;
@@ -65,7 +66,7 @@ impl<P: OutputPin, D: DelayNs> ParallelLines<P, D> {
 impl<P: OutputPin, D: DelayNs> OverrideOutput for ParallelLines<P, D> {
     type Error = LineError<P::Error>;
 
-    /// After an error all lines that obey are released: the control reads the weights of those that don't, (1) holds.
+    /// After an error all working lines are released: the control reads the weights of the others, and (1) is valid.
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), Self::Error> {
         let code = LineCode::of(feed_override);
         let held = self.held.take();

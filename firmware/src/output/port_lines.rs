@@ -1,10 +1,10 @@
-//! *FV0 to *FV7 on one port whose eight pins are written at once.
+//! *FV0 to *FV7 on one port with simultaneous writes of all eight pins.
 //!
-//! All lines change in the same cycle: at the pins there is the old code c, then the new one c', and nothing between. No
-//! order is needed, and no memory of c: every update writes all eight lines.
+//! All lines change in the same cycle: the pins have the old code c, then the new code c', without an intermediate
+//! code. Neither an order nor a memory of c is needed: every update writes all eight lines.
 //!
-//! Wiring that lets go later than it takes hold corrupts that: a line released late adds its weight to c'. With a
-//! [`Settling`] an update that releases lines *and* pulls others down passes through the weights they share:
+//! Wiring that releases more slowly than it pulls breaks this: a line that is released late adds its weight to c'.
+//! With a [`Settling`], an update that releases lines *and* pulls others down passes through the common weights:
 //!
 //! (1) c, then c AND c', a wait, then c'
 //!
@@ -20,13 +20,13 @@ use crate::ramp::FeedOverride;
 
 /// Eight pins that change together.
 pub trait LinePort {
-    /// What the hardware may refuse with.
+    /// Error of the hardware.
     type Error;
 
     /// Writes all levels in one cycle: bit i for *FVi, 1 is high.
     ///
     /// # Errors
-    /// The port does not take it, or is found not to hold what it was told before; it has tried to take it nonetheless.
+    /// The port has failed, or did not hold the previous levels; it has attempted the write nonetheless.
     fn write(&mut self, levels: u8) -> Result<(), Self::Error>;
 }
 
@@ -35,25 +35,25 @@ pub trait LinePort {
 pub struct PortLines<P, D = NoDelay> {
     port: P,
     settling: Settling<D>,
-    /// What the lines hold; `None` after a failure.
+    /// Current code of the lines; `None` after a failure.
     held: Option<LineCode>,
 }
 
 impl<P: LinePort> PortLines<P> {
-    /// Takes a port whose wiring follows at once, and releases its lines.
+    /// An output on a port with immediate wiring; releases the lines.
     ///
     /// # Errors
-    /// The port refused.
+    /// The port has failed.
     pub fn new(port: P) -> Result<Self, P::Error> {
         Self::with_settling(port, Settling::NONE)
     }
 }
 
 impl<P: LinePort, D: DelayNs> PortLines<P, D> {
-    /// Takes a port whose wiring needs time, and releases its lines. Updates must lie further apart than it settles.
+    /// An output on a port with slow wiring; releases the lines. Updates must be further apart than the settling time.
     ///
     /// # Errors
-    /// The port refused.
+    /// The port has failed.
     pub fn with_settling(port: P, settling: Settling<D>) -> Result<Self, P::Error> {
         let mut output = PortLines { port, settling, held: None };
         output.release()?;
@@ -67,7 +67,7 @@ impl<P: LinePort, D: DelayNs> PortLines<P, D> {
         Ok(())
     }
 
-    /// Releases what must be high in the end, and waits for it, where the wiring could bring it late (1).
+    /// Releases the lines that are high in `code` and waits for the wiring, if other lines are pulled down. (1)
     fn give_way(&mut self, code: LineCode) -> Result<(), P::Error> {
         let shared = self.held.map_or(LineCode::RELEASED, |held| held.shared_with(code));
         let mixed = self.held.is_none_or(|held| held.has_more_than(code) && code.has_more_than(held));
@@ -82,8 +82,8 @@ impl<P: LinePort, D: DelayNs> PortLines<P, D> {
 impl<P: LinePort, D: DelayNs> OverrideOutput for PortLines<P, D> {
     type Error = P::Error;
 
-    /// After an error the port was told to release all lines. If it does not obey it holds the old code, the one they
-    /// share, or the new one.
+    /// After an error the lines are released. If that fails too, the port holds the old code, the common one, or the
+    /// new one.
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), P::Error> {
         let code = LineCode::of(feed_override);
         let written = self.give_way(code).and_then(|()| self.write(code));

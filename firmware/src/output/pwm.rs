@@ -4,9 +4,9 @@
 //!
 //! (1) duty = floor((p - z) d_max / (s - z)), at most d_max
 //!
-//! Rounding down means the control never reads more than p. Between two duties the filter passes monotonously, so no
-//! reading on the way lies above both. Everything is whole numbers: a calibration cannot be NaN, and the same duty comes
-//! out on the host and on the chip.
+//! Because of the rounding down, the control never reads more than p. Between two duties the filter is monotonic, so
+//! no reading in between exceeds both. All numbers are whole: a calibration cannot be NaN, and host and chip compute
+//! the same duty.
 
 use core::num::NonZeroU64;
 
@@ -16,51 +16,51 @@ use embedded_hal::pwm::SetDutyCycle;
 use super::OverrideOutput;
 use crate::ramp::FeedOverride;
 
-/// Readings further out than this are taken for a mistake, thousandths of a per cent: 1000 %.
+/// Largest plausible reading, thousandths of a per cent: 1000 %.
 const PLAUSIBLE: i32 = 1_000_000;
 
-/// What the control reads at both ends of the duty, thousandths of a per cent; to be measured on the machine.
+/// Readings of the control at both ends of the duty, thousandths of a per cent; to be measured on the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration {
-    /// At duty 0: 0 or, with an offset or a live zero, less.
+    /// Reading at duty 0: zero, or negative with an offset or a live zero.
     pub at_zero_duty_millipercent: i32,
-    /// At full duty.
+    /// Reading at full duty.
     pub at_full_duty_millipercent: i32,
 }
 
-/// Why a calibration is refused.
+/// Reason why a calibration is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
-    /// Beyond 1000 % at an end.
+    /// A reading exceeds 1000 %.
     Implausible,
-    /// Above 0 % at duty 0: neither a release nor a dead board would stop the axes.
+    /// The reading at duty 0 is above 0 %: neither a release nor a dead board would stop the axes.
     NoStop,
-    /// Less at full duty than the highest override wanted, %.
+    /// The reading at full duty is below the largest required override.
     OutOfReach {
-        /// The whole per cent read at full duty.
+        /// Reading at full duty, whole per cent.
         reached_percent: u8,
     },
-    /// A step of the duty is more than 1 %: too few steps, or none.
+    /// A step of the duty exceeds 1 %.
     Coarse,
 }
 
-/// An override input driven by a duty; config apart from the output itself.
+/// An override input driven by a PWM duty; configuration, except for the output itself.
 #[derive(Clone, Debug)]
 pub struct PwmOverride<P> {
     pwm: P,
     max_duty: u16,
-    /// How far duty 0 reads below 0 %.
+    /// Reading at duty 0 below 0 %.
     below_zero_millipercent: u64,
     span_millipercent: NonZeroU64,
 }
 
 impl<P: SetDutyCycle> PwmOverride<P> {
-    /// Takes a PWM at its final frequency (the duty's range depends on it); nothing is put out yet.
+    /// An output on a PWM at its final frequency (the range of the duty depends on it); sets no duty yet.
     ///
     /// # Errors
-    /// A calibration that cannot say every override from 0 % to `highest` in steps of 1 %.
+    /// A calibration that cannot represent every override from 0 % to `highest` in steps of 1 %.
     pub fn new(pwm: P, calibration: Calibration, highest: FeedOverride) -> Result<Self, CalibrationError> {
         let Calibration { at_zero_duty_millipercent: zero, at_full_duty_millipercent: full } = calibration;
         let max_duty = pwm.max_duty_cycle();
@@ -70,7 +70,7 @@ impl<P: SetDutyCycle> PwmOverride<P> {
         if zero > 0 {
             return Err(CalibrationError::NoStop);
         }
-        // What is above 0 % at full duty; nothing if the input falls with the duty.
+        // Reading above 0 % at full duty; zero if the input falls with the duty.
         let reached = u32::try_from(full).unwrap_or(0);
         if full < 0 || u64::from(reached) < millipercent(highest) {
             let reached_percent = u8::try_from(reached / MILLIPERCENT_PER_PERCENT).unwrap_or(u8::MAX);
@@ -87,7 +87,7 @@ impl<P: SetDutyCycle> PwmOverride<P> {
         }
     }
 
-    /// The duty of an override.
+    /// Duty of an override.
     pub fn duty(&self, feed_override: FeedOverride) -> u16 {
         let above_zero_duty_millipercent = millipercent(feed_override) + self.below_zero_millipercent;
         let duty = above_zero_duty_millipercent * u64::from(self.max_duty) / self.span_millipercent; // (1)

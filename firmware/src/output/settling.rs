@@ -1,14 +1,14 @@
-//! Time for the wiring to follow: couplers, relays, filters.
+//! Settling time of the wiring: couplers, relays, filters.
 
 use embedded_hal::delay::DelayNs;
 
-/// How long the lines take behind the pins, and what waits for it.
+/// Delay of the lines relative to the pins, and the delay source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settling<D> {
-    /// What waits.
+    /// Delay source.
     pub delay: D,
-    /// The slowest line's release, nanoseconds; microseconds for optical couplers.
+    /// Slowest release of a line, nanoseconds; with optical couplers this is some microseconds.
     pub settle_ns: u32,
 }
 
@@ -22,12 +22,12 @@ impl DelayNs for NoDelay {
 }
 
 impl Settling<NoDelay> {
-    /// No wait at all.
+    /// No settling time.
     pub const NONE: Self = Settling { delay: NoDelay, settle_ns: 0 };
 }
 
 impl<D: DelayNs> Settling<D> {
-    /// Waits until what was written has reached the far end.
+    /// Waits until written levels have reached the control.
     pub fn wait(&mut self) {
         if self.settle_ns > 0 {
             self.delay.delay_ns(self.settle_ns);

@@ -1,8 +1,8 @@
-//! *FV0 to *FV7 through an external register (74HC574 and the like) that takes the data lines when its strobe rises.
+//! *FV0 to *FV7 through an external register (such as the 74HC574) that latches the data lines at the rising strobe.
 //!
-//! The register's outputs change together: there are no intermediate codes. What it costs: the register holds the last
-//! code when the chip dies, so its output enable belongs to a watchdog, with pull-ups that make the lines high. Couplers
-//! stand between the chip and the register, not behind it, where each would change at a time of its own.
+//! The register's outputs change together: there are no intermediate codes. The disadvantage: the register holds the
+//! last code if the chip fails. Therefore a watchdog must control its output enable, with pull-ups on the lines.
+//! Couplers must be between the chip and the register, not after it, where they would change at different times.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
@@ -22,20 +22,20 @@ pub struct Strobed<P, S, D = NoDelay> {
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>> Strobed<P, S> {
-    /// Takes *FV0 to *FV7 and the strobe, whose wiring follows at once, and has the register release all lines.
+    /// An output on *FV0 to *FV7 and the strobe with immediate wiring; releases all lines of the register.
     ///
     /// # Errors
-    /// The first pin that refused.
+    /// The first failed pin.
     pub fn new(pins: [P; LINES], strobe: S) -> Result<Self, LineError<P::Error>> {
         Self::with_settling(pins, strobe, Settling::NONE)
     }
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> {
-    /// The same for wiring that needs time: before the strobe rises, and as long as it stays high.
+    /// The same with slow wiring: waits before the strobe rises and while it is high.
     ///
     /// # Errors
-    /// The first pin that refused.
+    /// The first failed pin.
     pub fn with_settling(pins: [P; LINES], strobe: S, settling: Settling<D>) -> Result<Self, LineError<P::Error>> {
         let mut output = Strobed { lines: Lines::new(pins), strobe, settling };
         output.strobe.set_low().map_err(strobe_error)?;
@@ -43,7 +43,7 @@ impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> 
         Ok(output)
     }
 
-    /// Has the register take the data lines; the strobe ends low, ready to rise again.
+    /// Latches the data lines into the register; the strobe returns to low.
     fn latch(&mut self) -> Result<(), LineError<P::Error>> {
         self.settling.wait();
         let risen = self.strobe.set_high();
@@ -60,14 +60,14 @@ fn strobe_error<E>(source: E) -> LineError<E> {
 impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> OverrideOutput for Strobed<P, S, D> {
     type Error = LineError<P::Error>;
 
-    /// After a data line has failed the register holds the weights of those that do not obey, no more than before or
-    /// wanted. After the strobe has failed it holds the old code or the new one.
+    /// After a failure of a data line the register holds the weights of the failed lines, at most those of the old or
+    /// the new code. After a failure of the strobe it holds the old code or the new one.
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), Self::Error> {
         let code = LineCode::of(feed_override);
         let written = self.lines.reduce_to(code).and_then(|()| self.lines.raise_to(code));
         let latched = self.latch();
         if latched.is_err() {
-            // The strobe is what to report.
+            // The strobe's error is the one to report.
             let _ = self.lines.release();
         }
         written.and(latched)

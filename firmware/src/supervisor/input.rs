@@ -1,4 +1,4 @@
-//! What is known at a tick, and what it amounts to.
+//! Inputs of the supervisor at a tick, and their evaluation.
 
 use arcfeed_shared::units::Span;
 
@@ -7,34 +7,34 @@ use crate::controller;
 
 use super::signals::{Inhibit, Signals};
 
-/// The segment in work and its running count; `None` with nothing in work.
+/// The segment in execution and its count; `None` for none.
 pub type Work<'a> = Option<(u32, &'a ActiveSegment)>;
 
-/// Everything else that the supervisor decides from.
+/// All other inputs of the supervisor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
     /// Position, spindle speed and the time since the last tick.
     pub measured: controller::Input,
-    /// How good the position is.
+    /// Age and validity of the position.
     pub position: Freshness,
-    /// How good the link is that brings the segments; [`Freshness::NOW`] where they are all on board.
+    /// Age and validity of the link that supplies the segments; [`Freshness::NOW`] if all segments are on the board.
     pub link: Freshness,
     /// The operator's dial, %.
     pub operator_percent: u8,
-    /// What the control, the board itself and people say, a bit each.
+    /// Signals of the control, the board and the operator, one bit each.
     pub signals: Signals,
 }
 
-/// Age and validity of what a line brings.
+/// Age and validity of a line's data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Freshness {
     /// Time since the last valid sample or frame.
     pub age: Span,
-    /// Invalid frames since then (bad check sum, stale sequence, out of range); they change nothing else.
+    /// Invalid frames since then (wrong checksum, stale sequence, out of range); they have no other effect.
     pub invalid_in_row: u8,
 }
 
-/// What was lost.
+/// Lost source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Source {
     /// The axes' positions.
@@ -43,34 +43,34 @@ pub enum Source {
     Link,
 }
 
-/// A loss at the moment it is found.
+/// A loss at the time of its detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// Of what.
+    /// Lost source.
     pub source: Source,
-    /// How much longer the last value may stay in force.
+    /// Remaining time for which the last value is kept.
     pub keep: Span,
 }
 
-/// What the samples are worth.
+/// Quality of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Good enough to act on.
+    /// Recent and valid.
     Fresh,
-    /// Too old or invalid, but not lost: nothing changes.
+    /// Too old or invalid, but not lost: the override does not change.
     Stale,
-    /// Gone.
+    /// Lost.
     Lost,
 }
 
 impl Freshness {
-    /// Just arrived and valid.
+    /// Valid and of age zero.
     pub const NOW: Freshness = Freshness { age: Span(0), invalid_in_row: 0 };
 }
 
 impl Input {
-    /// A board that knows position, spindle speed and time, all fresh, and nothing of an operator's dial or of the control's
-    /// conditions.
+    /// Input of a board with a fresh position, spindle speed and time, but without an operator's dial and conditions
+    /// of the control.
     pub const fn of(measured: controller::Input) -> Self {
         Input {
             measured,
@@ -81,7 +81,7 @@ impl Input {
         }
     }
 
-    /// Why the override must stay at 100 % for now: a condition, or a segment it does not act on.
+    /// Reason why the override must be 100 % at present: a condition, or a segment on which it does not act.
     #[inline(always)]
     pub fn inhibiting(&self, work: Work<'_>) -> Option<Inhibit> {
         let no_feed = work.is_some_and(|(_, segment)| !segment.takes_override());

@@ -1,4 +1,4 @@
-//! What the supervisor remembers from tick to tick.
+//! State of the supervisor between ticks.
 
 use arcfeed_shared::units::Span;
 
@@ -14,7 +14,7 @@ use super::segment_tracking::{Change, SegmentTracking};
 use super::signals::{Request, Signals};
 use super::state::{Disarm, Event, State};
 
-/// What the supervisor remembers from tick to tick. The default is power-on: idle, 0 %, rising to the dial.
+/// State of the supervisor between ticks. The default is power-on: idle, 0 %, rising to the dial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     pub(super) state: State,
@@ -25,17 +25,17 @@ pub struct Memory {
     pub(super) signals: Signals,
     pub(super) invalid: [u8; 2],
     pub(super) counters: Counters,
-    /// How far below 1 the ratio must be behind the segment that began last.
+    /// Required reduction of the ratio below 1 at the end of the segment that began last.
     pub(super) reserve_ratio: f32,
 }
 
 impl Memory {
-    /// Idle, on a board that knows what its lines carry.
+    /// Idle, on a board that knows the override at its output.
     pub fn taking_over(feed_override: FeedOverride) -> Self {
         Memory { level: Level::at(feed_override), ..Memory::default() }
     }
 
-    /// As after a person has armed, with nothing in work and 100 % put out: where a simulated run begins.
+    /// Armed, without a segment and at 100 %: the start of a simulated run.
     pub fn armed() -> Self {
         let mut memory = Memory {
             state: State::Armed,
@@ -46,27 +46,27 @@ impl Memory {
         memory
     }
 
-    /// Who has the override.
+    /// State of the supervisor.
     pub fn state(&self) -> State {
         self.state
     }
 
-    /// How often things happened.
+    /// Counters of events.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// What is put out, before rounding.
+    /// Level at the output, before rounding.
     pub fn level(&self) -> Level {
         self.level
     }
 
-    /// How far the segment in work is; of no meaning on rapids.
+    /// Progress on the segment in execution; meaningless on rapids.
     pub fn progress(&self) -> &Progress {
         self.control.progress()
     }
 
-    /// Why an arming asked for did not become the event.
+    /// Reason why a requested arming was rejected; `None` if there was none or it was accepted.
     #[inline(always)]
     pub(super) fn refusal(&mut self, event: Event, pressed: Signals) -> Option<Refusal> {
         if !pressed.asks(Request::Arm) || event == Event::Arm || self.state.is_engaged() {
@@ -83,8 +83,8 @@ impl Memory {
         })
     }
 
-    /// Watches the segment, and keeps what must be in reserve behind one that begins. Answers the segment too, if it is followed
-    /// and its samples are fresh: a law may act on it.
+    /// Tracks the segment and stores the required reduction at the end of one that begins. Also returns the segment if
+    /// a law may act on it: it is followed and its samples are fresh.
     #[inline(always)]
     pub(super) fn look_at<'a>(&mut self, work: Work<'a>, quality: Quality) -> (Change, Option<&'a ActiveSegment>) {
         let Some((count, segment)) = work else { return (self.sight.lose(), None) };
@@ -96,7 +96,7 @@ impl Memory {
         (change, is_followed.then_some(segment))
     }
 
-    /// Counts frames that were invalid since the last tick.
+    /// Counts invalid frames since the last tick.
     #[cold]
     #[inline(never)]
     pub(super) fn count_frames(&mut self, input: &Input) {
@@ -108,7 +108,7 @@ impl Memory {
         self.invalid = now;
     }
 
-    /// Goes where an event leads. Never inline: most ticks change nothing.
+    /// Applies the state change of an event. Not inlined: most ticks change nothing.
     #[inline(never)]
     pub(super) fn change(&mut self, event: Event) {
         if event == Event::Arm {
@@ -122,7 +122,7 @@ impl Memory {
         }
     }
 
-    /// A reduction takes effect at once, whatever else holds.
+    /// Applies a reduction by the dial at once, in any state.
     #[inline(always)]
     pub(super) fn obey(&mut self, turn: Turn) {
         match turn {
@@ -138,7 +138,7 @@ impl Memory {
         matches!(self.state, State::Fallback { keep, .. } if keep > Span(0))
     }
 
-    /// Whether the dial alone decides, above 100 % too.
+    /// Whether the dial alone sets the override, also above 100 %.
     pub(super) fn hands_over_to_dial(&self) -> bool {
         matches!(self.state, State::Idle | State::Disarmed { by: Disarm::Request | Disarm::Operator { .. } })
     }

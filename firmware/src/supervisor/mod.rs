@@ -1,9 +1,10 @@
-//! Whether the laws may have the override at all: 100 % is safe, and the operator has the last word down.
+//! Supervisor: decides whether the laws may have the override. The fallback is 100 %, and the operator can always
+//! reduce it.
 //!
-//! A pure state machine around [`Controller`]: no I/O, no clock; ages and `dt` are arguments. What it does row by row, and what
-//! it does not promise, is in `docs/safety.md`. Each tick goes the same way: [`settings`] judge the samples, [`operator`]
-//! reads the dial, [`segment_tracking`] follows the segment, the most important event moves the [`state`], and the state moves the
-//! level towards its [`target`] by the [ramp](crate::ramp) that nothing gets around.
+//! A pure state machine around [`Controller`]: no I/O, no clock; ages and `dt` are arguments. `docs/safety.md`
+//! specifies its behaviour row by row, and its limits. Each tick has the same steps: [`settings`] give the quality of
+//! the samples, [`operator`] reads the dial, [`segment_tracking`] follows the segment, the most important event
+//! changes the [`state`], and the state moves the level towards its [`target`] through the [ramp](crate::ramp).
 
 pub mod signals;
 
@@ -42,7 +43,7 @@ use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 use target::Target;
 
-/// The supervisor of one machine; config.
+/// The supervisor of one machine; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
     controller: Controller,
@@ -50,36 +51,36 @@ pub struct Supervisor {
     settings: Settings,
 }
 
-/// What a tick decides.
+/// Decision of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// The override to put out.
+    /// Override for the output.
     pub feed_override: FeedOverride,
-    /// Who has it.
+    /// State of the supervisor.
     pub state: State,
-    /// Why it is what it is.
+    /// Reason of the override.
     pub reason: Reason,
-    /// Whether somebody should look.
+    /// Alarm for the operator.
     pub alarm: Alarm,
-    /// Why an arming asked for at this tick was refused.
+    /// Reason why an arming requested at this tick was rejected.
     pub refusal: Option<Refusal>,
-    /// The feed per tooth at the centre that the law wants, along the path; while running.
+    /// Feed per tooth at the centre that the law demands, along the path; while running.
     pub ipt_center: Option<MmPerTooth>,
 }
 
-/// What a tick sees before it decides.
+/// Evaluated inputs of a tick.
 #[derive(Clone, Copy, Debug)]
 struct Seen<'a> {
     quality: Quality,
     turn: Turn,
     change: Change,
-    /// The segment in work, if it is followed and its samples are fresh: a law may act on it.
+    /// The segment in execution if a law may act on it: it is followed and its samples are fresh.
     followed: Option<&'a ActiveSegment>,
-    /// Buttons that were up before.
+    /// Signals that have risen since the last tick.
     pressed: Signals,
     spindle: RevPerMin,
-    /// Since the last tick, for what rises or must last and for what falls or runs out: the former counts no more of a late tick
-    /// than of the longest one.
+    /// Times since the last tick: one for rises and required durations, limited to the longest tick, and one for falls
+    /// and time-outs.
     spans: [Span; 2],
 }
 
@@ -87,7 +88,7 @@ impl Supervisor {
     /// A supervisor for a job.
     ///
     /// # Errors
-    /// Settings or bounds of the override that make no sense.
+    /// Invalid settings or bounds of the override.
     pub fn new(job: &Job, settings: Settings) -> Result<Self, SettingsError> {
         Supervisor::within(&job.limits, settings)
     }
@@ -102,23 +103,23 @@ impl Supervisor {
         Ok(Supervisor { controller: Controller::new(PositionFilter::Exact), ramp, settings })
     }
 
-    /// The controller in it, for whoever follows the position with its filter.
+    /// The controller, for other users of its position filter.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The same supervisor for positions that are noisy, late or now and then missing.
+    /// The same supervisor with a position filter.
     #[must_use]
     pub fn with_filter(self, filter: PositionFilter) -> Self {
         Supervisor { controller: Controller::new(filter), ..self }
     }
 
-    /// What it was told of times and thresholds.
+    /// Times and thresholds.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// One tick.
+    /// Runs one tick.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
         let seen = self.look(memory, work, input);
@@ -129,7 +130,7 @@ impl Supervisor {
             memory.change(event);
         }
         memory.obey(seen.turn);
-        // Running on a segment that a law may act on: every event but `Work` would have led elsewhere.
+        // Running on a segment on which a law may act; any event other than `Work` would have left the state.
         let target = match (memory.state, seen.followed) {
             (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, &seen, goes_on)),
             _ => {
@@ -138,7 +139,7 @@ impl Supervisor {
             }
         };
         let feed_override = self.ramp.round_down(&memory.level);
-        // A law that wants no feed at all holds the axes.
+        // A law that demands no feed holds the axes.
         let halts = feed_override.percent == 0 && target.is_some();
         if halts {
             memory.change(Event::Halt);
@@ -152,7 +153,8 @@ impl Supervisor {
         Output { feed_override, state: memory.state, reason, alarm, refusal, ipt_center }
     }
 
-    /// Judges the samples, reads the dial, watches the segment and the way along it, takes requests by their edge, lets time pass.
+    /// Evaluates the inputs: quality of the samples, dial, segment and progress, rising edges of requests, and elapsed
+    /// time.
     #[inline(always)]
     fn look<'a>(&self, memory: &mut Memory, work: Work<'a>, input: &Input) -> Seen<'a> {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
@@ -175,7 +177,7 @@ impl Supervisor {
         Seen { quality, turn, change, followed, pressed, spindle: input.measured.spindle, spans }
     }
 
-    /// The most important thing that happens at this tick.
+    /// The most important event of this tick.
     #[inline(always)]
     fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen<'_>) -> Event {
         let can_arm = || seen.quality == Quality::Fresh && memory.state.can_arm(self.settings.resync);
@@ -206,7 +208,7 @@ impl Supervisor {
         }
     }
 
-    /// Goes where the law wants it, as far as bounds, operator and slew let it.
+    /// Moves the level towards the law's target, within bounds, operator's share and slew.
     #[inline(always)]
     fn follow_law(&self, memory: &mut Memory, segment: &ActiveSegment, seen: &Seen<'_>, goes_on: bool) -> Target {
         let share_ratio = memory.dial.share_ratio();
@@ -223,7 +225,7 @@ impl Supervisor {
         Target { reason: if is_there { target.reason } else { Reason::Law }, ..target }
     }
 
-    /// Moves the level where no law does.
+    /// Moves the level without a law.
     #[inline(always)]
     fn keep_off(&self, memory: &mut Memory, seen: &Seen<'_>) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
@@ -241,7 +243,7 @@ impl Supervisor {
             State::Running | State::Holding { cause: Hold::ZeroOverride } => return,
             State::Fallback { keep, .. } if keep > Span(0) => return,
             State::Holding { cause: Hold::Feed } => fmath::min(level.ratio(), share_ratio),
-            // No feed that the override acts on: it waits at what the next block can begin with.
+            // The override acts on no feed: it waits at the value with which the next block can begin.
             State::Armed | State::Inhibited { why: Inhibit::NoFeed | Inhibit::Rapid } => {
                 let ready_ratio = share_ratio * (1.0 - memory.reserve_ratio);
                 level.fall_to(ready_ratio);

@@ -1,33 +1,33 @@
 //! The operator's dial.
 //!
-//! Up to 100 % it is a share of whatever the law wants; above 100 % it adds nothing to a law's demand, whose chip is at its
-//! target already. Turned down far enough it takes over.
+//! Up to 100 % it is a share of the law's demand. Above 100 % it has no effect on a demand, whose chip is at its
+//! target already. If it is turned down far enough, the operator takes over.
 
 use arcfeed_shared::units::PERCENT;
 
-/// A dial that moves less than this may just be noise, points of per cent.
+/// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;
 
-/// The dial as last read; state.
+/// State of the dial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dial {
     percent: u8,
-    /// The highest since arming, or since it last took over.
+    /// Largest reading since arming, or since the operator last took over.
     reference_percent: u8,
     share_ratio: f32,
 }
 
-/// What the operator did since the last tick.
+/// Movement of the dial since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// Nothing, or up.
+    /// None, or up.
     Kept,
-    /// Down: the feed falls in proportion.
+    /// Down: the feed falls proportionally.
     Down {
-        /// From where.
+        /// Previous reading, %.
         from_percent: u8,
     },
-    /// Down so far, or so low, that the dial takes over.
+    /// Down so far, or so low, that the operator takes over.
     TakesOver,
 }
 
@@ -38,7 +38,7 @@ impl Default for Dial {
 }
 
 impl Dial {
-    /// Takes a reading, with the thresholds of the settings.
+    /// Processes a reading, with the thresholds of the settings.
     #[inline(always)]
     pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> Turn {
         let turn = if percent == self.percent { Turn::Kept } else { self.turn_to(percent) };
@@ -50,7 +50,7 @@ impl Dial {
         }
     }
 
-    /// Never inline: nobody turns it at most ticks.
+    /// Not inlined: at most ticks the dial does not move.
     #[inline(never)]
     fn turn_to(&mut self, percent: u8) -> Turn {
         let from_percent = core::mem::replace(&mut self.percent, percent);
@@ -59,7 +59,7 @@ impl Dial {
         if percent < from_percent { Turn::Down { from_percent } } else { Turn::Kept }
     }
 
-    /// From here on a drop counts from the present reading.
+    /// Takes the current reading as the reference for drops.
     pub fn take_reference(&mut self) {
         self.reference_percent = self.percent;
     }
@@ -74,17 +74,17 @@ impl Dial {
         f32::from(self.percent) / PERCENT
     }
 
-    /// The share of a law's demand that the operator lets through, at most all of it.
+    /// Share of a law's demand that the operator allows, at most 1.
     pub fn share_ratio(self) -> f32 {
         self.share_ratio
     }
 
-    /// By how much the share fell since the reading was `from_percent`.
+    /// Ratio of the current share to that of the reading `from_percent`.
     pub fn fall_ratio(self, from_percent: u8) -> f32 {
         if from_percent == 0 { 0.0 } else { self.share_ratio() / share_ratio(from_percent) }
     }
 
-    /// Whether the dial was turned up again after it stood at `lowest_percent`.
+    /// Whether the dial was turned up from `lowest_percent`.
     pub fn is_raised_from(self, lowest_percent: u8) -> bool {
         self.percent >= lowest_percent.saturating_add(RAISED_PERCENT)
     }

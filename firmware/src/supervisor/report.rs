@@ -1,4 +1,4 @@
-//! What the supervisor says about its decisions.
+//! Reasons, alarms and counters of the supervisor.
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::units::PERCENT;
@@ -9,74 +9,74 @@ use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
 use super::state::{Disarm, Hold, State};
 
-/// Why the override is what it is.
+/// Reason of the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Reason {
-    /// The law's demand, or on its way there.
+    /// The law's demand, or the slew towards it.
     Law,
     /// The law has no demand: 100 %.
     NoDemand(NoDemand),
     /// No law governs the segment: 100 %.
     NoLaw,
-    /// The spindle's speed is not a positive number: 100 %.
+    /// The spindle speed is not a positive number: 100 %.
     NoSpindle,
-    /// The demand lies below `min`: `min`, and the chip is thicker than its target.
+    /// The demand is below `min`: the override is `min`, and the chip is thicker than its target.
     Floor {
-        /// By how much, % rounded up; `u16::MAX` where the law wants no feed at all.
+        /// Excess of the chip, % rounded up; `u16::MAX` if the law demands no feed.
         chip_excess_percent: u16,
     },
-    /// The demand lies above a limit: the limit.
+    /// The demand is above a limit: the override is at the limit.
     Limited(Limit),
-    /// The samples are too old to act on: unchanged.
+    /// The samples are stale: the override is unchanged.
     Stale,
-    /// Armed, nothing that a law could take up.
+    /// Armed, without a segment for a law.
     Waiting,
-    /// Never armed.
+    /// Not armed yet.
     NotArmed,
-    /// The axes stand.
+    /// The axes are held.
     Held(Hold),
     /// Position or link was lost.
     Lost(Source),
-    /// The board failed.
+    /// The board has a fault.
     Fault(BoardFault),
-    /// Nothing to act on.
+    /// The override has nothing to act on.
     Inhibited(Inhibit),
-    /// The override was taken from the laws.
+    /// The laws were disarmed.
     Disarmed(Disarm),
 }
 
-/// The limit that a demand ran into.
+/// Limit of a demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Limit {
     /// `max` of the job.
     Max,
-    /// What a linear or rotary axis can do on this segment.
+    /// Maximum feed of a linear or rotary axis on this segment.
     Axis,
-    /// The control's own clamp of the feed on arcs.
+    /// Clamp of the control on arcs.
     ArcClamp,
-    /// The job's fastest feed, or its largest raise of the programmed one.
+    /// The job's maximum feed, or its largest raise of the programmed feed.
     Ceiling,
 }
 
-/// Whether somebody should look.
+/// Alarm level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alarm {
-    /// No.
+    /// No alarm.
     None,
-    /// For as long as the condition that disarmed lasts.
+    /// Active while the condition that disarmed lasts.
     Passing,
-    /// Until a person acts: resets a fault, arms or disarms after a loss.
+    /// Active until a person resets the fault, or arms or disarms after a loss.
     Latched,
 }
 
-/// Why arming was refused.
+/// Reason why arming was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// A fault is there, or was not reset.
+    /// A fault is active or was not reset.
     Faulted,
     /// Position or link is not fresh.
     NotFresh,
-    /// After a loss: fresh, but not for long enough yet.
+    /// After a loss: fresh, but not yet for long enough.
     NotResynchronised,
     /// The dial is below its threshold, or was just turned down.
     Operator,
@@ -84,12 +84,12 @@ pub enum Refusal {
     Condition(Condition),
 }
 
-/// How often things happened; they stop at the largest number.
+/// Counters of events; they saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Invalid frames and samples ignored.
     pub invalid_frames: u32,
-    /// Ticks at which running stood still for stale or invalid samples.
+    /// Ticks in the running state with stale or invalid samples.
     pub stale_ticks: u32,
     /// Ticks without a demand: the law does not meet the stock.
     pub no_contact_ticks: u32,
@@ -105,18 +105,18 @@ pub struct Counters {
     pub floor_ticks: u32,
     /// Ticks at a limit.
     pub limited_ticks: u32,
-    /// Times position or link was lost while engaged.
+    /// Number of losses of position or link while engaged.
     pub losses: u32,
     /// Faults.
     pub faults: u32,
-    /// Times the override was taken from the laws.
+    /// Number of disarmings.
     pub disarms: u32,
-    /// Armings refused.
+    /// Rejected armings.
     pub refusals: u32,
 }
 
 impl Reason {
-    /// The reason that a state has by itself; while running the target has its own.
+    /// Reason of a state; in the running state the target has its own reason.
     pub fn of_state(state: &State) -> Self {
         match *state {
             State::Idle => Reason::NotArmed,
@@ -132,7 +132,7 @@ impl Reason {
 }
 
 impl Alarm {
-    /// The alarm of a state, which may last for as long as a condition that forbids the laws.
+    /// Alarm of a state; it may depend on a condition that excludes the laws.
     #[inline(always)]
     pub fn of(state: &State, signals: Signals) -> Self {
         match state {
@@ -175,7 +175,7 @@ impl Counters {
         count(counter);
     }
 
-    /// Counts what a change of state means.
+    /// Counts a change of state.
     pub fn take_change(&mut self, from: &State, to: &State) {
         match (from.is_engaged(), to) {
             (_, State::Faulted { .. }) => count(&mut self.faults),
@@ -192,10 +192,10 @@ fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
 
-/// By how much `level_ratio` exceeds `wanted_ratio`, % rounded up; no excess is zero.
+/// Excess of `level_ratio` over `wanted_ratio`, % rounded up; at least zero.
 pub(super) fn excess_percent(level_ratio: f32, wanted_ratio: f32) -> u16 {
     let excess_percent = (level_ratio / fmath::max(wanted_ratio, 0.0) - 1.0) * PERCENT;
-    // The conversion saturates, and takes no excess for zero.
+    // The conversion saturates at both ends.
     fmath::ceil(excess_percent) as u16
 }
 

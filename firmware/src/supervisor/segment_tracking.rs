@@ -1,21 +1,21 @@
-//! Tracking of the segment in work: whether it has been followed without a gap since it began.
+//! Tracking of the segment in execution: whether it was followed without a gap since its beginning.
 //!
-//! The way along an arc is unambiguous only from its start. A law therefore takes up a segment at its beginning and
-//! loses it with the samples: after a loss the next beginning is the resynchronisation.
+//! The progress along an arc is unambiguous only from its start. Therefore a law starts on a segment at its beginning
+//! and stops at a loss of samples; after a loss it resynchronises at the beginning of the next segment.
 
 use super::input::Quality;
 
-/// The segment in work, and how far it was followed; state.
+/// Tracking state of the segment in execution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SegmentTracking {
     /// No sample since power-on.
     #[default]
     Unknown,
-    /// No segment is in work.
+    /// No segment is in execution.
     Nothing,
-    /// In work, but its beginning was not followed.
+    /// In execution, but its beginning was missed.
     Unseen(u32),
-    /// It began; its first fresh sample has yet to come.
+    /// Begun, but without a fresh sample so far.
     Awaited(u32),
     /// Followed since its beginning.
     Followed(u32),
@@ -24,25 +24,25 @@ pub enum SegmentTracking {
 /// Change at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Nothing.
+    /// No change.
     Same,
-    /// The segment ended or another came, but a law cannot take it up.
+    /// The segment ended or another one began, but a law cannot start on it.
     Boundary,
     /// A new segment with a fresh sample.
     Begins,
-    /// The first fresh sample on a segment that began before: its boundary is over.
+    /// The first fresh sample on a segment that began earlier.
     BeginsLate,
 }
 
 impl Change {
-    /// Whether a law can take up the segment now.
+    /// Whether a law can start on the segment now.
     pub fn is_begin(self) -> bool {
         matches!(self, Change::Begins | Change::BeginsLate)
     }
 }
 
 impl SegmentTracking {
-    /// Takes the count of the segment in work.
+    /// Processes the count of the segment in execution.
     #[inline(always)]
     pub fn look(&mut self, count: u32, quality: Quality) -> Change {
         let before = *self;
@@ -62,14 +62,14 @@ impl SegmentTracking {
         }
     }
 
-    /// Nothing is in work.
+    /// Processes a tick without a segment in execution.
     #[inline(always)]
     pub fn lose(&mut self) -> Change {
         let before = core::mem::replace(self, SegmentTracking::Nothing);
         if before.count().is_some() { Change::Boundary } else { Change::Same }
     }
 
-    /// Whether a law may act on the segment in work.
+    /// Whether a law may act on the segment in execution.
     pub fn is_followed(self) -> bool {
         matches!(self, SegmentTracking::Followed(_))
     }

@@ -1,4 +1,4 @@
-//! What the supervisor is told once: times, counts, and how far a turn of the dial counts as taking over.
+//! Settings of the supervisor: time-outs, counts, and thresholds of the dial.
 
 use arcfeed_shared::units::Span;
 
@@ -6,44 +6,44 @@ use crate::ramp::LimitsError;
 
 use super::input::{Freshness, Loss, Quality, Source};
 
-/// Times and thresholds; config.
+/// Times and thresholds; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Of the position.
+    /// Time-outs of the position.
     pub position: Timeouts,
-    /// Of the link.
+    /// Time-outs of the link.
     pub link: Timeouts,
-    /// So many invalid frames in a row are a loss (K).
+    /// Number of consecutive invalid frames that is a loss (K).
     pub lost_after_frames: u8,
-    /// How long samples must be fresh without a gap before arming is accepted after a loss.
+    /// Time for which samples must be fresh without a gap before arming is accepted after a loss.
     pub resync: Span,
-    /// A tick longer than this raises the override no further than one of this length would.
+    /// Longest tick: a longer one raises the override no further than one of this length.
     pub longest_tick: Span,
-    /// A dial below this takes over, %.
+    /// Dial value below which the operator takes over, %.
     pub take_over_below_percent: u8,
-    /// A dial turned down by more than this takes over, points of per cent.
+    /// Drop of the dial above which the operator takes over, percentage points.
     pub take_over_drop_percent: u8,
 }
 
-/// How long one source may be silent.
+/// Time-outs of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timeouts {
-    /// A sample or frame older than this is stale: the override stays as it is.
+    /// Age at which a sample or frame is stale: the override does not change.
     pub stale_after: Span,
-    /// Silence this long is a loss.
+    /// Age at which the source is lost.
     pub lost_after: Span,
-    /// How long the last value stays in force, counted from the last valid sample or frame.
+    /// Age up to which the last value is kept.
     pub time_to_live: Span,
 }
 
-/// Why a supervisor is refused.
+/// Reason why settings are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingsError {
-    /// The bounds of the override make no sense.
+    /// Invalid bounds of the override.
     Limits(LimitsError),
-    /// Not 0 < `stale_after` <= `lost_after` <= `time_to_live` <= `resync`, of position or link.
+    /// 0 < `stale_after` <= `lost_after` <= `time_to_live` <= `resync` is violated, for position or link.
     Times,
-    /// No invalid frame would be a loss.
+    /// The number of invalid frames is zero.
     Frames,
     /// The longest tick is zero or longer than `stale_after` of position or link.
     Tick,
@@ -55,7 +55,7 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             position: Timeouts::from_ms(20, 50, 300),
-            // A byte of a serial line is some 90 us, a lost frame comes again after 100 ms: see docs/protocol.md.
+            // A byte on a serial line takes about 90 us, a lost frame is repeated after 100 ms: see docs/protocol.md.
             link: Timeouts::from_ms(100, 250, 300),
             lost_after_frames: 5,
             resync: Span::from_ms(500),
@@ -67,7 +67,7 @@ impl Default for Settings {
 }
 
 impl Timeouts {
-    /// Stale, lost, and how long the last value stays.
+    /// Time-outs in milliseconds: stale, lost, and end of the last value.
     pub const fn from_ms(stale_ms: u32, lost_ms: u32, keep_ms: u32) -> Self {
         Timeouts {
             stale_after: Span::from_ms(stale_ms),
@@ -76,7 +76,7 @@ impl Timeouts {
         }
     }
 
-    /// How much longer the last value may stay.
+    /// Remaining time for which the last value is kept.
     fn keep(&self, age: Span) -> Span {
         self.time_to_live.shorter_by(age)
     }
@@ -106,7 +106,7 @@ impl Settings {
         }
     }
 
-    /// What position and link are worth now, the worse of the two.
+    /// Quality of position and link: the worse of the two.
     #[inline(always)]
     pub fn quality(&self, position: &Freshness, link: &Freshness) -> Quality {
         let is_fresh = position.age <= self.position.stale_after && link.age <= self.link.stale_after;
@@ -124,7 +124,7 @@ impl Settings {
         if is_lost { Quality::Lost } else { Quality::Stale }
     }
 
-    /// What was lost; the position first. One of both is.
+    /// The loss; the position has priority. One of both must be lost.
     #[cold]
     pub fn loss(&self, position: &Freshness, link: &Freshness) -> Loss {
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));

@@ -1,28 +1,28 @@
-//! What is on or off, one bit each, in one word: a tick on which nothing is on is told by one comparison.
+//! Binary signals in one word, one bit each; a single comparison detects that none is set.
 
-/// Any number of signals at a time.
+/// A set of signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals(u32);
 
-/// What the board finds wrong with itself.
+/// Fault of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BoardFault {
-    /// The watchdog bit, now or before this start.
+    /// The watchdog has expired, now or before this start.
     Watchdog,
-    /// The parameters fail their check sum or their validation.
+    /// The parameters have a wrong checksum or are invalid.
     Parameters,
-    /// Supply, clock, output read back wrong, dial open or shorted.
+    /// Failure of supply, clock or output (read back), or a dial that is open or shorted.
     Hardware,
 }
 
-/// What a person, or the host for one, asks for.
+/// Request of a person, at the machine or through the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// Let the laws have the override.
+    /// Give the override to the laws.
     Arm,
-    /// Give it back to the operator.
+    /// Give the override back to the operator.
     Disarm,
-    /// Clear a fault; only for a person at the machine.
+    /// Clear a fault; only at the machine.
     Reset,
 }
 
@@ -35,7 +35,7 @@ pub enum Condition {
     OverrideOff,
 }
 
-/// Why the override has nothing to act on for now.
+/// Reason why the override has nothing to act on at present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Inhibit {
     /// A tapping cycle.
@@ -51,7 +51,7 @@ pub enum Inhibit {
 }
 
 impl Signals {
-    /// None.
+    /// No signal.
     pub const NONE: Signals = Signals(0);
     /// G41 or G42 is active.
     pub const CUTTER_COMPENSATION: Signals = Signals(1);
@@ -73,59 +73,59 @@ impl Signals {
         Signals(1 << (8 + fault as u32))
     }
 
-    /// A button pressed or a command of the host; held, it counts once.
+    /// A pressed button or a command of the host; it acts once, also if held.
     pub const fn of_request(request: Request) -> Self {
         Signals(1 << (16 + request as u32))
     }
 
-    /// Conditions and buttons by their bits, as a machine line brings them; `None` if other bits are among them: what is wrong
-    /// with the board only the board knows.
+    /// Conditions and buttons from the bits of a machine line; `None` if other bits are set, as only the board itself
+    /// can report its faults.
     pub const fn of_machine(bits: u32) -> Option<Self> {
         const CONDITIONS: u32 = 0x7F;
         const REQUESTS: u32 = 0b111 << 16;
         if bits & !(CONDITIONS | REQUESTS) == 0 { Some(Signals(bits)) } else { None }
     }
 
-    /// A bit each, as in docs/protocol.md.
+    /// Bits of the signals, as in docs/protocol.md.
     pub const fn bits(self) -> u32 {
         self.0
     }
 
-    /// Both these and those.
+    /// Union of two sets.
     #[must_use]
     pub const fn with(self, others: Signals) -> Self {
         Signals(self.0 | others.0)
     }
 
-    /// Whether one of `others` is among these.
+    /// Whether one of `others` is set.
     pub const fn has(self, others: Signals) -> bool {
         self.0 & others.0 != 0
     }
 
-    /// Those that were not among `before`.
+    /// Signals that are not set in `before`.
     #[must_use]
     pub const fn risen_since(self, before: Signals) -> Self {
         Signals(self.0 & !before.0)
     }
 
-    /// Whether a request is among these.
+    /// Whether a request is set.
     pub const fn asks(self, request: Request) -> bool {
         self.has(Signals::of_request(request))
     }
 
-    /// The board's fault, if it has one; the watchdog first.
+    /// The board's fault, if any; the watchdog has priority.
     #[inline(always)]
     pub fn fault(self) -> Option<BoardFault> {
         let faults = [BoardFault::Watchdog, BoardFault::Parameters, BoardFault::Hardware];
         let any = faults.map(Signals::of_fault).into_iter().fold(Signals::NONE, Signals::with);
-        // One comparison where there is none, as nearly always.
+        // One comparison in the usual case without a fault.
         if !self.has(any) {
             return None;
         }
         faults.into_iter().find(|fault| self.has(Signals::of_fault(*fault)))
     }
 
-    /// The condition that keeps the laws off the override, if any.
+    /// Condition that excludes the laws, if any.
     pub fn refusing(self) -> Option<Condition> {
         if self.has(Self::CUTTER_COMPENSATION) {
             Some(Condition::CutterCompensation)
@@ -134,7 +134,7 @@ impl Signals {
         }
     }
 
-    /// Why the override must stay at 100 % for now, if it must.
+    /// Reason why the override must be 100 % at present, if any.
     #[inline(always)]
     pub fn inhibiting(self) -> Option<Inhibit> {
         let causes = [

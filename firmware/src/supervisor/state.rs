@@ -1,4 +1,4 @@
-//! The states, and what leads from one to the next.
+//! States and transitions.
 
 use arcfeed_shared::units::Span;
 
@@ -6,7 +6,7 @@ use super::input::{Loss, Quality, Source};
 use super::operator::Dial;
 use super::signals::{BoardFault, Condition, Inhibit};
 
-/// Who has the override, and why.
+/// State of the supervisor.
 ///
 /// ```text
 ///                 Arm                     Work
@@ -29,113 +29,114 @@ use super::signals::{BoardFault, Condition, Inhibit};
 ///   Disarmed --Arm--------------------------> Armed
 /// ```
 ///
-/// Of several events at one tick the first of [`Event`]'s order counts; an event not drawn changes nothing.
+/// If several events occur at a tick, the first in the order of [`Event`] applies; an event without an arrow changes
+/// nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum State {
-    /// Never armed since power-on or reset: the dial's value.
+    /// Not armed since power-on or reset: the dial's value.
     #[default]
     Idle,
-    /// A law may act as soon as a segment begins: 100 %, or the dial below it.
+    /// A law acts as soon as a segment begins: 100 %, or the dial if it is lower.
     Armed,
-    /// The laws and the ramp decide.
+    /// The laws and the ramp set the override.
     Running,
-    /// The axes stand: the level does not rise, the way along the segment stays.
+    /// The axes are held: the level does not rise, the progress is kept.
     Holding {
-        /// Why they stand.
+        /// Cause of the hold.
         cause: Hold,
     },
-    /// Position or link lost; needs a person, or the host for one, to arm again.
+    /// Position or link is lost; a person must arm again, at the machine or through the host.
     Fallback {
-        /// What was lost.
+        /// Lost source.
         source: Source,
-        /// How much longer the last value stays; zero: on the way to 100 %, or the dial below it.
+        /// Remaining time of the last value; zero: moving to 100 %, or to the dial if it is lower.
         keep: Span,
-        /// For how long samples have been fresh again.
+        /// Time for which samples have been fresh again.
         fresh_for: Span,
     },
-    /// 0 %, until a person resets.
+    /// 0 % until a person resets the fault.
     Faulted {
         /// The first fault found.
         fault: BoardFault,
     },
-    /// Nothing for the override to act on: 100 %, or the dial below it.
+    /// The override has nothing to act on: 100 %, or the dial if it is lower.
     Inhibited {
-        /// Why.
+        /// Reason.
         why: Inhibit,
     },
-    /// The operator or a condition of the control took the override; needs arming.
+    /// The operator or a condition of the control has taken the override; a person must arm again.
     Disarmed {
-        /// Who or what.
+        /// Cause.
         by: Disarm,
     },
 }
 
-/// Why the axes stand.
+/// Cause of a hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Hold {
     /// Feed hold.
     Feed,
-    /// The override is 0 %: a law wants it and `min` is 0.
+    /// The override is 0 %: a law demands it and `min` is 0.
     ZeroOverride,
 }
 
-/// What disarmed.
+/// Cause of a disarming.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Disarm {
-    /// The operator turned the dial down: the dial's value, but no rise until the dial is turned up.
+    /// The operator has turned the dial down: the dial's value, without a rise until the dial is turned up.
     Operator {
-        /// The dial's lowest reading since.
+        /// Smallest reading of the dial since then.
         lowest_percent: u8,
-        /// Whether it was turned up since.
+        /// Whether the dial was turned up since then.
         raised: bool,
     },
-    /// Somebody asked for it: the dial's value.
+    /// A request: the dial's value.
     Request,
-    /// A condition of the control: 100 %, or the dial below it.
+    /// A condition of the control: 100 %, or the dial if it is lower.
     Condition(Condition),
 }
 
-/// What happens at a tick, most important first.
+/// Event of a tick, the most important first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The board is not to be trusted.
+    /// The board has a fault.
     Fault(BoardFault),
-    /// A person clears a fault that is gone.
+    /// A person resets a fault that is no longer active.
     Reset,
-    /// Somebody asks to disarm.
+    /// Disarming is requested.
     Disarm,
     /// Position or link is lost.
     Lost(Loss),
-    /// The operator's dial takes over, at this reading.
+    /// The operator takes over with the dial.
     Reduced {
-        /// %.
+        /// Reading of the dial, %.
         percent: u8,
     },
-    /// A condition of the control forbids the laws.
+    /// A condition of the control excludes the laws.
     Refuse(Condition),
-    /// Somebody asks to arm and nothing speaks against it.
+    /// Arming is requested and allowed.
     Arm,
     /// The override has nothing to act on.
     Inhibit(Inhibit),
     /// Feed hold on a followed segment.
     Hold,
-    /// The samples are too old to act on, but not lost.
+    /// The samples are stale, but not lost.
     Stale,
-    /// A followed segment is in work, samples are fresh.
+    /// A followed segment is in execution and samples are fresh.
     Work,
-    /// Nothing in work, or its beginning was not seen.
+    /// No segment is in execution, or its beginning was missed.
     Rest,
-    /// The law's step ended at 0 %.
+    /// The law's override is 0 %.
     Halt,
 }
 
 impl State {
-    /// Whether the laws have the override, or get it back by themselves.
+    /// Whether the laws have the override, or get it back without arming.
     pub fn is_engaged(&self) -> bool {
         matches!(self, State::Armed | State::Running | State::Holding { .. } | State::Inhibited { .. })
     }
 
-    /// Whether an arming that nothing speaks against would be accepted.
+    /// Whether the state allows arming.
     pub fn can_arm(&self, resync: Span) -> bool {
         match self {
             State::Idle | State::Disarmed { .. } => true,
@@ -146,7 +147,7 @@ impl State {
         }
     }
 
-    /// Lets time pass: one span for what must last, the other for what runs out.
+    /// Applies elapsed time: `lasted` for required durations, `passed` for time-outs.
     #[inline(always)]
     pub fn elapse(&mut self, quality: Quality, dial: Dial, [lasted, passed]: [Span; 2]) {
         match self {

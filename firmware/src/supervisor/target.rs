@@ -1,4 +1,4 @@
-//! The ratio to go to at a place of a segment: what the law demands there, within the machine's limits and the job's bounds.
+//! Target ratio at a place of a segment: the law's demand within the machine's limits and the job's bounds.
 
 use arcfeed_shared::fmath;
 use arcfeed_shared::machine::LimitedBy;
@@ -11,18 +11,18 @@ use crate::ramp::{Bound, Ramp};
 use super::report::{Limit, Reason, excess_percent};
 use super::signals::Inhibit;
 
-/// The ratio to go to, and why.
+/// Target ratio with its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Of the feed to the feed as sent, the operator's share considered.
+    /// Ratio of the target feed to the sent feed, with the operator's share.
     pub override_ratio: f32,
-    /// Why, once the level is there.
+    /// Reason, once the level has reached the target.
     pub reason: Reason,
-    /// The feed per tooth at the centre wanted, along the path: what the law demands, lowered in time for what comes.
+    /// Target feed per tooth at the centre, along the path: the law's demand, lowered in time for later demands.
     pub ipt_center: Option<MmPerTooth>,
 }
 
-/// What is wanted at a place, before any bound.
+/// Demand at a place, before any bound.
 #[derive(Clone, Copy, Debug)]
 struct Demand {
     ratio: f32,
@@ -32,7 +32,7 @@ struct Demand {
 }
 
 impl Target {
-    /// The target at a path from the segment's start, of which the operator lets a share through.
+    /// Target at a path from the segment's start, reduced to the operator's share.
     #[inline(always)]
     pub fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin, ramp: &Ramp, share_ratio: f32) -> Self {
         let Demand { ratio: demanded_ratio, ipt_center, reason, machine } = Demand::at(travelled_mm, segment, spindle);
@@ -62,7 +62,7 @@ impl Demand {
         let Some(sent) = segment.sent() else { return as_sent(ratio, Reason::Inhibited(Inhibit::NoFeed)) };
         match answer {
             Err(NoDemand::NoLaw) => as_sent(ratio, Reason::NoLaw),
-            // A spindle at rest makes no chip.
+            // A stopped spindle cuts no chip.
             _ if !fmath::is_positive(spindle.0) => as_sent(1.0, Reason::NoSpindle),
             // No feed is too high for the chip: the bounds decide.
             Err(NoDemand::ChipUnreachable) => {

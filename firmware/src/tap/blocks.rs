@@ -1,9 +1,9 @@
-//! Blocks to moves in workpiece coordinates, and what of them the axes can be followed on.
+//! Interpretation of tapped blocks as moves in workpiece coordinates, as far as the axes can be followed on them.
 //!
-//! A move can be followed if its way is the one that is written: no canned cycle, no way to a reference point, nothing under G41,
-//! G42 or G43.4, and every axis known. What cannot be followed is passed over, up to a place that is known again: the end of
-//! the first plain move behind it, or of a cycle. Offsets are those of the panel and not known here: positions are seen
-//! from the workpiece's origin, where they do not matter.
+//! A move can be followed if its path is the programmed one: no canned cycle, no return to a reference point, not
+//! under G41, G42 or G43.4, and all axes known. Other moves are skipped, up to the next known position: the end of the
+//! next plain move, or of a cycle. The offsets of the control are unknown here; positions are relative to the
+//! workpiece's origin, where offsets have no effect.
 
 use arcfeed_shared::nc::alarm::{Fault, NotModelled};
 use arcfeed_shared::nc::block::Block;
@@ -17,44 +17,44 @@ use arcfeed_shared::segment::Segment;
 
 use super::status::Why;
 
-/// System variables that make the control behave otherwise (#3000 to #3999: alarms, clocks, ignored switches).
+/// System variables that change the behaviour of the control (#3000 to #3999: alarms, clocks, ignored switches).
 const BEHAVIOUR: core::ops::RangeInclusive<i64> = 3_000..=3_999;
 /// Bits of X, Y and Z.
 const LINEAR: u8 = 0b111;
-/// Letters of the bits. Rotary axes have no place in the coordinates that are followed.
+/// Letters of the bits. Rotary axes are not part of the followed coordinates.
 const AXES: [u8; 3] = *b"XYZ";
-/// What a program must say before it can be relied on, where it does not begin afresh: unit, plane, distance, feed mode.
+/// Codes that a program must state if it does not start in the power-on state: unit, plane, G90 or G91, feed mode.
 const ALL_SAID: u8 = 0b1111;
 
-/// Reads the blocks of a program, one after the other.
+/// Reads the blocks of a program in order.
 #[derive(Debug)]
 pub(super) struct Blocks {
     begins_afresh: bool,
     reader: Reader,
-    /// In place of the block before: it is large.
+    /// Buffer of the current line; reused, as it is large.
     understood: Understood,
-    /// Bits of [`AXES`] whose place is not known.
+    /// Bits of the [`AXES`] with unknown positions.
     unknown: u8,
-    /// The axes are not where the last block that was followed ends.
+    /// Whether the axes are not at the end of the last followed block.
     is_apart: bool,
     is_tapping: bool,
     said: u8,
     has_moved: bool,
 }
 
-/// What a block is for who follows the axes.
+/// Motion of a block, for following the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one at a time")]
 pub(super) enum BlockMotion {
-    /// It moves nothing, or nowhere that is known.
+    /// No motion, or a motion to an unknown position.
     Nothing,
-    /// A move along its path; whether a law may have it.
+    /// A move along its path, and whether a law may govern it.
     Along(Segment, bool),
-    /// A way that is not known, by way of a place to another.
+    /// A motion on an unknown path, through one position to another.
     Passes {
-        /// There first.
+        /// Intermediate position.
         via: Option<Pose>,
-        /// Its end.
+        /// End position.
         to: Pose,
     },
 }
@@ -73,7 +73,7 @@ impl Blocks {
         }
     }
 
-    /// A program begins, with the axes at rest here, if that is known.
+    /// Starts a program; `at` is the position of the axes at rest, if known.
     pub fn begin(&mut self, at: Option<Pose>) {
         self.reader.restart();
         (self.is_tapping, self.said, self.has_moved) = (false, 0, false);
@@ -83,15 +83,15 @@ impl Blocks {
         }
     }
 
-    /// Tool and spindle as commanded so far.
+    /// Tool and spindle commanded so far.
     pub fn machining(&self) -> Machining {
         self.reader.modal().machining()
     }
 
-    /// Reads the next block: its motion, and whether the program ends with it.
+    /// Reads the next block; returns its motion, and whether the program ends with it.
     ///
     /// # Errors
-    /// From here on the control is not known to do what is written.
+    /// The behaviour of the control is unknown from here on.
     pub fn read(&mut self, text: &[u8]) -> Result<(BlockMotion, bool), Why> {
         self.reader.read_into(text, &mut self.understood).map_err(Why::NotUnderstood)?;
         let block = &self.understood.parsed.block;
@@ -111,7 +111,7 @@ impl Blocks {
         Ok((motion, ends))
     }
 
-    /// G words that the reader does not keep.
+    /// Records G words that the reader does not store.
     fn note_codes(&mut self) {
         for word in self.understood.parsed.block.words.iter().filter(|word| word.letter == b'G') {
             match word.number.as_whole() {
@@ -160,19 +160,20 @@ impl Blocks {
             return BlockMotion::Passes { via: None, to: segment.end };
         }
         let per_minute = self.reader.modal().feed_mode != FeedMode::PerRevolution;
-        // What a feed per revolution amounts to is the spindle's business; the override must leave it alone.
+        // A feed per revolution depends on the spindle; the override must not change it.
         let feed = if per_minute { segment.feed } else { Feed::Missing };
         let is_said = self.begins_afresh || self.said == ALL_SAID;
         BlockMotion::Along(Segment { feed, ..segment }, per_minute && is_said && !self.is_tapping)
     }
 
-    /// A way to a place of the machine's: where that is in the workpiece's coordinates is not known.
+    /// Marks the named axes as unknown: the position is given in machine coordinates, which cannot be converted to
+    /// workpiece coordinates.
     fn forget_named(&mut self) {
         self.unknown |= named(&self.understood.parsed.block);
         self.is_apart = true;
     }
 
-    /// An absolute coordinate says where its axis stands, whatever was before.
+    /// Marks axes with an absolute coordinate as known.
     fn know_named(&mut self) {
         let modal = self.reader.modal();
         if modal.absolute && modal.polar.is_none() {
@@ -185,13 +186,13 @@ impl Blocks {
     }
 }
 
-/// The axes that a block names.
+/// Axes that a block names.
 fn named(block: &Block) -> u8 {
     let bits = AXES.iter().enumerate().filter(|(_, letter)| block.word(**letter).is_some());
     bits.fold(0, |named, (bit, _)| named | 1 << bit)
 }
 
-/// The bottom of a cycle's last hole, which ends at `end`.
+/// Bottom of a cycle's last hole; the cycle ends at `end`.
 fn at_bottom(drill: &Drill, end: Pose) -> Pose {
     let (.., normal) = drill.plane.axes();
     let level = |pose: &Pose| pose.linear.get(normal).map_or(0, |axis| axis.0);

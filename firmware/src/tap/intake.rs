@@ -1,4 +1,4 @@
-//! Characters of the line to blocks that wait to be read, as the control's own buffer holds them.
+//! Buffer of the tap: collects characters of the line into blocks, like the control's own buffer.
 //!
 //! ```text
 //!   Label ---- end of block behind a % ----> Marked ---- first character ----> Program
@@ -6,40 +6,41 @@
 //!     |                                        +-------- block with a % --------+  |
 //!     +------------------------ M02, M30, no room ---------------------------------+
 //! ```
-//! Up to the first end of block after power-on, program end or a mark stands the label, which the control skips. Only a
-//! label with a `%` begins a program here: without one, nobody knows where in a program the line is. Comments, blanks and
-//! what the code ignores are left out, so a program takes less room here than in the control.
+//! The label is the text up to the first end of block after power-on, program end or a mark; the control skips it.
+//! Here only a label with a `%` starts a program: without one, the position in the program is unknown. Comments,
+//! blanks and ignored characters are left out, so a program needs less room here than in the control.
 //!
-//! Blocks are read later, when the machine is near them (see [`super::blocks`]). A mark in the text tells the reader where a
-//! block is damaged, and where text is missing.
+//! Blocks are interpreted later, when the machine is near them (see [`super::blocks`]). Marks in the text show the
+//! reader a damaged block or missing text.
 
 use arcfeed_shared::nc::tape_code::{Code, Symbol, without_parity};
 use heapless::{Deque, Vec};
 
 use super::settings::LINE_MAX;
 
-/// In the text: the block that came here cannot be read. As every mark, a block of its own.
+/// Mark of a damaged block. Every mark is a block of its own.
 pub(super) const DAMAGED: u8 = 2;
-/// In the text: there was no room for what came here.
+/// Mark of missing text, for which there was no room.
 pub(super) const MISSING: u8 = 3;
-/// In the text: the end of a block.
+/// End of a block in the text.
 const END: u8 = b'\n';
-/// What characters leave free: for the end of their block, and for a mark behind it.
+/// Reserved room for the end of a block and a mark after it.
 const RESERVE: usize = 3;
 
-/// The text between the sender and the machine; `N` characters of it.
+/// Text between the sender and the machine, up to `N` characters.
 #[derive(Debug)]
 pub(super) struct Intake<const N: usize> {
     set_code: Option<Code>,
     code: Option<Code>,
     text: Deque<u8, N>,
-    /// Whole blocks in the text.
+    /// Number of complete blocks in the text.
     whole: u16,
     phase: Phase,
     block: Arriving,
-    /// The control may have been reset: a `%` at the end of a line is a label, also in half a comment.
+    /// Whether the control may have been reset: then a `%` at the end of a line is a label, even within an open
+    /// comment.
     expects_label: bool,
-    /// A program has just ended: a `%` right behind it is its own, and no label.
+    /// Whether a program has just ended: then a `%` directly after it is its end mark, not a label.
     expects_end_mark: bool,
 }
 
@@ -50,18 +51,18 @@ enum Phase {
     Program,
 }
 
-/// What is known of the block that is coming in.
+/// State of the block that is being received.
 #[derive(Clone, Copy, Debug, Default)]
 struct Arriving {
-    /// Its first frame that means something.
+    /// First significant frame.
     first: Option<u8>,
-    /// Its last one.
+    /// Last significant frame.
     last: u8,
     in_comment: bool,
     is_damaged: bool,
-    /// Characters of it in the text.
+    /// Number of its characters in the text.
     len: u16,
-    /// The number behind an M, while it is being read.
+    /// Number of an M word while it is being read.
     function: Option<u32>,
     ends_program: bool,
 }
@@ -80,8 +81,8 @@ impl<const N: usize> Intake<N> {
         }
     }
 
-    /// Takes a frame off the line. Whether a program has begun with it: what was left of another is forgotten, here as in
-    /// the control.
+    /// Processes a frame of the line. Returns whether a program starts with it; the rest of the previous program is
+    /// then discarded, as in the control.
     #[inline]
     pub fn take(&mut self, frame: u8) -> bool {
         match self.phase {
@@ -92,23 +93,23 @@ impl<const N: usize> Intake<N> {
         false
     }
 
-    /// A character came that the receiver could not read.
+    /// Registers an unreadable character.
     pub fn take_error(&mut self) {
         self.block.is_damaged = true;
     }
 
-    /// The control asks after a long silence.
+    /// Registers a DC1 of the control after a long silence.
     pub fn expect_label(&mut self) {
         self.expects_label = true;
     }
 
-    /// The control asks, or the line was silent: what comes is not behind what came.
+    /// Registers a DC1 of the control or a silence: the next characters do not continue the previous ones.
     #[inline]
     pub fn part(&mut self) {
         self.expects_end_mark = false;
     }
 
-    /// Takes the next whole block out of the text, without its end: whether it fits.
+    /// Moves the next complete block to `line`, without its end. Returns whether it fits; `None` if there is none.
     pub fn next_block(&mut self, line: &mut Vec<u8, LINE_MAX>) -> Option<bool> {
         if self.whole == 0 {
             return None;
@@ -137,14 +138,14 @@ impl<const N: usize> Intake<N> {
         if is_mark && !self.expects_end_mark {
             self.phase = Phase::Marked;
         } else {
-            // Whatever it was, the next program may come in the other code.
+            // The next program may use the other code.
             self.code = self.set_code;
         }
         self.expects_end_mark &= self.block.first.is_none();
         self.block = Arriving::default();
     }
 
-    /// Further marks and empty lines change nothing.
+    /// Processes a frame after a mark; further marks and empty lines have no effect.
     fn take_behind_mark(&mut self, frame: u8) -> bool {
         let code = self.code();
         if code.ends_block(frame) {
@@ -180,7 +181,7 @@ impl<const N: usize> Intake<N> {
 
     fn end_block(&mut self, code: Code) {
         let mut block = core::mem::take(&mut self.block);
-        // No block of a program ends with a mark: it is a label behind a block that was cut off, or behind half a comment.
+        // No block of a program ends with a mark: this is a label after a truncated block or an open comment.
         let may_be_label = core::mem::take(&mut self.expects_label) || !block.in_comment;
         if block.begins_with_mark(code) || (may_be_label && block.ends_with_mark(code)) {
             self.drop_last(block.len);
@@ -217,13 +218,13 @@ impl<const N: usize> Intake<N> {
         }
     }
 
-    /// No room: what is missing from here on leaves nothing behind it that could be relied on.
+    /// Handles a full buffer: after the missing text nothing can be followed.
     #[cold]
     fn overflow(&mut self) {
         self.drop_last(self.block.len);
         self.mark(MISSING);
         (self.phase, self.code) = (Phase::Label, self.set_code);
-        // What still comes of this block is no label.
+        // The rest of this block is not a label.
         self.block = Arriving { first: Some(0), ..Arriving::default() };
     }
 
@@ -233,7 +234,7 @@ impl<const N: usize> Intake<N> {
         }
     }
 
-    /// Where there is no room left, a mark stands there already.
+    /// Without room there is already a mark.
     fn mark(&mut self, mark: u8) {
         if self.text.len() + 2 <= N {
             let _room = (self.text.push_back(mark), self.text.push_back(END));
@@ -248,7 +249,7 @@ impl<const N: usize> Intake<N> {
 }
 
 impl Arriving {
-    /// Remembers the first and the last frame that are no leader or trailer in any code.
+    /// Records the first and the last frame that are not leader or trailer in any code.
     #[inline]
     fn note(&mut self, frame: u8) {
         if !matches!(without_parity(frame), 0 | b'\r' | 0x7F) {
@@ -265,7 +266,7 @@ impl Arriving {
         code.decode(self.last) == Ok(Symbol::Character(b'%'))
     }
 
-    /// Looks for M2 and M30 as the characters come by.
+    /// Detects M2 and M30 in the characters.
     #[inline]
     fn take_function(&mut self, byte: u8) {
         match (byte, self.function) {

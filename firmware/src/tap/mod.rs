@@ -1,4 +1,5 @@
-//! Feed adaptation between any sender and the control: what goes over the DNC line is read here too, and changed by nothing.
+//! Tap: feed adaptation between any sender and the control. It reads the characters of the DNC line and passes them on
+//! unchanged.
 //!
 //! ```text
 //! sender --> from_sender --> control        characters, each at once
@@ -10,9 +11,9 @@
 //!                v                                        | follow: segment in work, position
 //!        the queue of the tick ---------------------------+
 //! ```
-//! The control's own program is what counts: its F is the feed as sent, and the override is the wanted feed over it. What the
-//! tap cannot know ends the adaptation until the next program begins, or until the axes stand at a place that is known:
-//! docs/tap.md says what and why. No heap, no clock, no I/O.
+//! The program in the control is the reference: its F is the sent feed, and the override is the ratio of the target
+//! feed to it. If the tap cannot know the behaviour of the control, it stops the adaptation until the next program
+//! begins, or until the axes are at a known position: see docs/tap.md. No heap, no clock, no I/O.
 
 pub mod settings;
 
@@ -41,23 +42,24 @@ use settings::{LINE_MAX, TapSettings, TapSettingsError};
 use status::{TapCounters, TapState, Why};
 use watch::{Gate, Place, Way};
 
-/// Most segments handed out that are not done yet.
+/// Maximum number of emitted segments that are not done.
 pub const AHEAD_MAX: usize = 16;
-/// Positions in a row at one place: the axes are at rest.
+/// Number of consecutive equal positions at which the axes count as at rest.
 const AT_REST: u8 = 10;
 
-/// A tap with room for `N` characters between the sender and the machine: as many as the control's buffer, and a few blocks.
+/// A tap with room for `N` characters between the sender and the machine: the size of the control's buffer and a few
+/// blocks.
 #[derive(Debug)]
 pub struct Tap<const N: usize> {
     settings: TapSettings,
     intake: Intake<N>,
     blocks: Blocks,
     line: Vec<u8, LINE_MAX>,
-    /// Handed out and not done yet, with their counts.
+    /// Emitted segments that are not done, with their counts.
     handed: Deque<(u32, Segment), AHEAD_MAX>,
-    /// What the next segment waits for.
+    /// Condition for the next segment.
     gate: Option<Gate>,
-    /// What was handed out will not be executed.
+    /// Whether the emitted segments will not be executed.
     has_to_clear: bool,
     state: TapState,
     counters: TapCounters,
@@ -66,50 +68,50 @@ pub struct Tap<const N: usize> {
     heard: Micros,
 }
 
-/// How the tick stands; state.
+/// Progress of the control task; state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tick {
-    /// Segments it has done.
+    /// Number of segments that it has done.
     executed: u32,
-    /// A segment, and how many it had done when that came to be the next.
+    /// Count of a segment, and the number of segments done when it became the next.
     known: (u32, u32),
 }
 
-/// What the positions tell; state.
+/// Evaluation of the positions; state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Axes {
-    /// Where they came to rest, or passed last.
+    /// Position at rest, or last position.
     place: Option<Pose>,
-    /// Positions there in a row.
+    /// Number of consecutive positions there.
     still: u8,
-    /// The segment they are on, and how far they have come along it.
+    /// Count of the current segment, and the progress along it.
     way: Option<(u32, Way)>,
-    /// Positions off its path in a row.
+    /// Number of consecutive positions off its path.
     off_path: u8,
 }
 
-/// A segment for the tick's queue, behind the others.
+/// A segment for the queue of the control task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Handed {
-    /// Its running count.
+    /// Count of the segment.
     pub count: u32,
     /// The segment.
     pub segment: ActiveSegment,
 }
 
 impl<const N: usize> Tap<N> {
-    /// A tap that listens.
+    /// A tap in the state `Listening`.
     ///
     /// # Errors
-    /// Settings that make no sense.
+    /// Invalid settings.
     pub fn new(settings: TapSettings) -> Result<Self, TapSettingsError> {
         settings.checked().map(Tap::of)
     }
 
-    /// The same in a place that it is made for: it is too large to be handed on.
+    /// Creates a tap in place: it is too large to be returned by value.
     ///
     /// # Errors
-    /// Settings that make no sense.
+    /// Invalid settings.
     pub fn place(place: &mut MaybeUninit<Self>, settings: TapSettings) -> Result<&mut Self, TapSettingsError> {
         let settings = settings.checked()?;
         Ok(place.write(Tap::of(settings)))
@@ -133,7 +135,7 @@ impl<const N: usize> Tap<N> {
         }
     }
 
-    /// Hears a character of the sender: the same, to be passed on.
+    /// Processes a character of the sender; returns it to be passed on.
     #[inline]
     pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
         if self.is_long_since(now) {
@@ -147,7 +149,7 @@ impl<const N: usize> Tap<N> {
         byte
     }
 
-    /// Hears a character of the control: the same, to be passed on.
+    /// Processes a character of the control; returns it to be passed on.
     #[inline]
     pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
         self.counters.from_control = self.counters.from_control.wrapping_add(1);
@@ -165,13 +167,13 @@ impl<const N: usize> Tap<N> {
         byte
     }
 
-    /// A character of the sender was lost, or could not be read, in the board's receiver.
+    /// Registers that the board's receiver lost a character of the sender or could not read it.
     pub fn on_line_error(&mut self) {
         self.intake.take_error();
     }
 
-    /// Takes a position, workpiece coordinates, and how the tick stands: the count of the segment in work, if one is, and how many it
-    /// has done so far. To be called at each new position.
+    /// Processes a position in workpiece coordinates, the count of the segment in execution, if any, and the number of
+    /// executed segments. To be called at each new position.
     pub fn follow(&mut self, in_work: Option<u32>, executed: u32, position: &Pose) {
         self.axes.rest(position);
         let in_work = self.tick.next_or_in_work(in_work, executed);
@@ -194,13 +196,13 @@ impl<const N: usize> Tap<N> {
         }
     }
 
-    /// Whether all segments handed out must be dropped now, the one in work too; asked once. It must not wait behind them in
-    /// a queue: the axes are elsewhere, and a law would act on a move that it is not for.
+    /// Whether all emitted segments must be dropped now, including the one in execution; reads and clears the flag. It
+    /// must not wait in a queue after them: the axes are elsewhere, and a law would act on the wrong move.
     pub fn must_clear(&mut self) -> bool {
         core::mem::take(&mut self.has_to_clear)
     }
 
-    /// The next segment; to be called while the tick's queue has room, behind [`Tap::must_clear`].
+    /// The next segment; to be called after [`Tap::must_clear`], while the queue of the control task has room.
     pub fn next(&mut self, job: &Job) -> Option<Handed> {
         while self.gate.is_none() && !self.handed.is_full() {
             let fits = self.intake.next_block(&mut self.line)?;
@@ -218,12 +220,12 @@ impl<const N: usize> Tap<N> {
         None
     }
 
-    /// Whether blocks are adapted, and why not.
+    /// State of the adaptation.
     pub fn state(&self) -> TapState {
         self.state
     }
 
-    /// What has happened.
+    /// Counters of the tap.
     pub fn counters(&self) -> &TapCounters {
         &self.counters
     }
@@ -232,7 +234,7 @@ impl<const N: usize> Tap<N> {
         now.since(self.heard).0 >= u64::from(self.settings.silence.0)
     }
 
-    /// Reads the block in the line: its move, and whether a law may have it.
+    /// Reads the block in the line: its move, and whether a law may govern it.
     fn read(&mut self, fits: bool) -> Result<Option<(Segment, bool)>, Why> {
         match self.line.as_slice() {
             _ if !fits => return Err(Why::LongBlock),
@@ -270,7 +272,7 @@ impl<const N: usize> Tap<N> {
         Handed { count, segment: ActiveSegment::under(&segment, &conditions, job) }
     }
 
-    /// A program begins; whatever was before is over, or will not be executed.
+    /// Starts a program; the rest of the previous one will not be executed.
     fn begin(&mut self) {
         let was_on = !matches!(self.state, TapState::Listening | TapState::Lost(_)) || !self.handed.is_empty();
         self.counters.programs = self.counters.programs.wrapping_add(1);
@@ -293,12 +295,12 @@ impl<const N: usize> Tap<N> {
 }
 
 impl Tick {
-    /// The next segment to come, with all before it done.
+    /// Sets the next segment; all earlier ones are done.
     fn expect(&mut self, count: u32) {
         self.known = (count, self.executed);
     }
 
-    /// The count of the segment in work, or of the next to come.
+    /// Count of the segment in execution, or of the next one.
     fn next_or_in_work(&mut self, in_work: Option<u32>, executed: u32) -> u32 {
         self.executed = executed;
         if let Some(count) = in_work {
@@ -318,7 +320,7 @@ impl Axes {
         }
     }
 
-    /// How far off the path of a segment they are, mm.
+    /// Distance of the axes from the path of a segment, mm.
     fn off_mm(&mut self, count: u32, place: Option<Place>) -> f32 {
         let Some(place) = place else { return 0.0 };
         let before = self.way.filter(|(same, _)| *same == count).map(|(_, way)| way);

@@ -1,45 +1,45 @@
-//! How the tap is set: what the line, the control and the machine are, none of which it can see.
+//! Settings of the tap: properties of the line, the control and the machine that it cannot detect.
 
 use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings};
 use arcfeed_shared::nc::tape_code::Code;
 use arcfeed_shared::units::{LengthUnit, Nm, Span};
 use arcfeed_shared::wire::message::page::Tapped;
 
-/// Most characters of a block, comments and blanks apart.
+/// Maximum number of characters of a block, without comments and blanks.
 pub const LINE_MAX: usize = 256;
 
-/// The settings of a tap; config.
+/// Settings of a tap; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapSettings {
-    /// The code of the line as the board's receiver hands it on; `None`: ISO or EIA, as the first end of block of each
-    /// program says.
+    /// Code of the line; `None`: ISO or EIA, detected by the first end of block of each program.
     pub code: Option<Code>,
-    /// How the control reads a program: its unit at power-on, decimals, block-delete switches.
+    /// Settings of the control: unit at power-on, decimals, block-delete switches.
     pub nc: Settings,
     /// Whether a program begins in the modal state of power-on: the control clears its codes at reset and program end
-    /// (parameter 3402, bit 6). Where it does not, nothing is adapted before the program has said unit, plane, G90 or G91
-    /// and how F counts.
+    /// (parameter 3402, bit 6). Otherwise nothing is adapted before the program has stated unit, plane, G90 or G91,
+    /// and feed mode.
     pub begins_afresh: bool,
-    /// How far from its path the tool may be; more, and the control does something else than the tap has read.
+    /// Largest distance of the tool from its path; beyond it, the control does not execute the program that the tap
+    /// has read.
     pub off_path: Nm,
-    /// For how many positions in a row it may be further away.
+    /// Number of consecutive positions beyond that distance at which the tap is lost.
     pub off_path_count: u8,
-    /// After so long without a character either way a new program may come, and a control that asks (DC1) may have been
-    /// reset.
+    /// Time without a character in either direction after which a new program may start, and a DC1 may mean a reset of
+    /// the control.
     pub silence: Span,
 }
 
-/// Settings that make no sense.
+/// Reason why settings are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapSettingsError {
-    /// The distance from the path must be positive: any position would be off its path.
+    /// The distance from the path is not positive: any position would be off the path.
     OffPath(Nm),
-    /// Nothing would ever be off its path.
+    /// The number of positions is zero or too large.
     OffPathCount(u8),
 }
 
 impl TapSettings {
-    /// For a 16i in its standard settings.
+    /// Settings for a 16i in its standard settings.
     pub const fn new(unit: LengthUnit) -> Self {
         let nc = Settings::preset(Preset::Fanuc16i, unit, Reading::Lenient);
         TapSettings {
@@ -52,7 +52,7 @@ impl TapSettings {
         }
     }
 
-    /// For a line as the parameters in flash describe it.
+    /// Settings for a line as described in flash.
     pub const fn of_line(line: Tapped, unit: LengthUnit) -> Self {
         let mut settings = TapSettings::new(unit);
         settings.code = line.code;
@@ -61,7 +61,7 @@ impl TapSettings {
     }
 
     /// # Errors
-    /// What makes no sense.
+    /// Invalid settings.
     pub(super) fn checked(mut self) -> Result<Self, TapSettingsError> {
         if self.off_path.0 <= 0 {
             return Err(TapSettingsError::OffPath(self.off_path));
@@ -69,7 +69,7 @@ impl TapSettings {
         if self.off_path_count == 0 || self.off_path_count == u8::MAX {
             return Err(TapSettingsError::OffPathCount(self.off_path_count));
         }
-        // What cannot be followed is passed over, but has to be understood.
+        // Blocks that cannot be followed are skipped, but must be interpreted.
         self.nc.scope = Scope::Everything;
         Ok(self)
     }

@@ -1,4 +1,4 @@
-//! What the tap knows and does, for telemetry.
+//! State and counters of the tap, for telemetry.
 //!
 //! ```text
 //!             label with %        a stretch it cannot follow
@@ -11,62 +11,63 @@
 //!      |                   Lost(why) <-------------------------------+
 //!      +----------------------+   label with %
 //! ```
-//! Only in [`TapState::InStep`] are segments handed out. In all others nothing is in work, and the override is 100 %.
+//! Segments are emitted only in [`TapState::InStep`]. In all other states no segment is in execution, and the override
+//! is 100 %.
 
 use arcfeed_shared::nc::alarm::Fault;
 
-/// Whether blocks are adapted, and why not.
+/// State of the adaptation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TapState {
-    /// No program has begun since power-on, or the last one is over.
+    /// No program has started since power-on, or the last one has ended.
     #[default]
     Listening,
-    /// The blocks are read and the axes follow them.
+    /// Blocks are read and the axes follow them.
     InStep,
-    /// A stretch whose ways are not the program's: a cycle, a reference point, a contour under G41 or G42.
+    /// Moves whose path is not the programmed one: a cycle, a reference point, a contour under G41 or G42.
     Passing,
-    /// What the control does is not known. Until the next program begins.
+    /// The behaviour of the control is unknown, until the next program starts.
     Lost(Why),
 }
 
-/// Why the tap does not know what the control does.
+/// Reason why the behaviour of the control is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// A block came with a character that its code does not have, or that the receiver could not read.
+    /// A block contains a character that is not in its code or could not be received.
     Damaged,
     /// A block is longer than the tap's line.
     LongBlock,
     /// The sender is further ahead of the machine than the tap has room for.
     TooFarAhead,
-    /// The control would stop at a block, or knows what the tap does not: macros, calls, skips.
+    /// A block is an alarm for the control, or needs data that the tap does not have: macros, calls, skips.
     NotUnderstood(Fault),
-    /// What stands in the control decides what the program does: a system variable, another program.
+    /// The effect of the program depends on data in the control: a system variable, another program.
     OutOfSight,
-    /// The axes went elsewhere.
+    /// The axes have left the path.
     OffPath,
 }
 
-/// What has happened since power-on; counts wrap.
+/// Counters since power-on; they wrap around.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TapCounters {
     /// Characters from the sender.
     pub from_sender: u32,
     /// Characters from the control.
     pub from_control: u32,
-    /// DC3 (XOFF) of the control.
+    /// DC3 (XOFF) characters of the control.
     pub stops: u32,
     /// Blocks read.
     pub blocks: u32,
-    /// Segments handed out.
+    /// Emitted segments.
     pub segments: u32,
-    /// Of those, with a cut rule.
+    /// Emitted segments with a cut rule.
     pub governed: u32,
-    /// Programs begun.
+    /// Started programs.
     pub programs: u32,
-    /// Of those, while another was not over.
+    /// Programs that started before the previous one had ended.
     pub restarts: u32,
-    /// Times the tap was lost.
+    /// Number of times the tap was lost.
     pub losses: u32,
-    /// Blocks that came while it was lost.
+    /// Blocks received while it was lost.
     pub passed_over: u32,
 }

@@ -1,16 +1,16 @@
-//! The axes against the moves that were handed out: are they where the program says?
+//! Comparison of the axis positions with the emitted moves.
 //!
-//! A law must not act on a move that the control does not make. So each position is held against the path in work, from its
-//! start to its end: with p relative to the start of a line of length L along the unit vector u, or to the centre of an
-//! arc of radius r that rises by h over its sweep w, at the angle phi behind its start,
+//! A law must not act on a move that the control does not execute. Therefore each position is compared with the path
+//! in execution: with p relative to the start of a line of length L along the unit vector u, or to the centre of an
+//! arc of radius r that rises by h over its sweep w, at the angle phi after its start,
 //!
 //! ```text
 //! line  s = p . u clamped to 0..L,           distance = |p - s u|                                (1)
 //! arc   in the plane d = |p| - r,  across it e = z - h phi / w,      distance = |(d, e)|,  s = r phi  (2)
 //!       behind its end: the distance to the nearer of start and end, which is s too             (3)
 //! ```
-//! The same path the other way round is another move: s must not fall far behind the largest it was. On a full circle s
-//! changes by less than half of it from sample to sample. Rapids have no path. Source: plane geometry.
+//! The same path in the opposite direction is another move: s must not fall far below its maximum so far. On a full
+//! circle s changes by less than half of it between samples. Rapids have no path. Source: plane geometry.
 
 use core::f32::consts::TAU;
 
@@ -21,12 +21,12 @@ use arcfeed_shared::units::Nm;
 
 /// Millimetres in a nanometre.
 const MM_PER_NM: f32 = 1e-6;
-/// How near every axis must be to a place to stand there.
+/// Tolerance of every axis at a place.
 const AT: Nm = Nm(20_000);
-/// How far an axis must be from a place to have left it.
+/// Distance of an axis at which it has left a place.
 const AWAY: Nm = Nm(100_000);
 
-/// A stretch that cannot be followed, and how far the axes have come on it; state.
+/// Gate: a part of the program that cannot be followed, and the progress of the axes through it; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gate {
     from: Option<Pose>,
@@ -36,13 +36,13 @@ pub(super) struct Gate {
 }
 
 impl Gate {
-    /// Up to a place, by way of another.
+    /// A gate that ends at a place, after an intermediate place.
     pub fn new(via: Option<Pose>, to: Pose) -> Self {
         Gate { from: None, has_left: false, via, to }
     }
 
-    /// Takes a position on the stretch, or before it: whether its end is reached. Where the stretch ends where it begins,
-    /// the axes must have gone.
+    /// Processes a position; returns whether the end is reached. If start and end coincide, the axes must have left
+    /// the start.
     pub fn passes(&mut self, position: &Pose) -> bool {
         let from = *self.from.get_or_insert(*position);
         self.has_left |= farthest(position, &from) > AWAY.0.unsigned_abs();
@@ -53,7 +53,7 @@ impl Gate {
     }
 }
 
-/// Whether the linear axes stand at a place.
+/// Whether the linear axes are at a place.
 pub(super) fn is_at(position: &Pose, place: &Pose) -> bool {
     farthest(position, place) <= AT.0.unsigned_abs()
 }
@@ -63,26 +63,26 @@ fn farthest(position: &Pose, place: &Pose) -> u64 {
     axes.map(|(at, to)| at.0.abs_diff(to.0)).max().unwrap_or(0)
 }
 
-/// How the axes come along the path of a move; state.
+/// Progress of the axes along the path of a move; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Way {
     along_mm: f32,
     back_mm: f32,
 }
 
-/// Where a position lies, seen from a path.
+/// Location of a position relative to a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
-    /// How far from it, mm.
+    /// Distance from the path, mm.
     pub distance_mm: f32,
-    /// How far along it, mm.
+    /// Distance along the path, mm.
     pub along_mm: f32,
-    /// Its length, if it ends where it starts.
+    /// Length of the path, if it is a full circle.
     around_mm: Option<f32>,
 }
 
 impl Way {
-    /// Takes the next place on the same path: how far the axes are from where they should be, mm.
+    /// Processes the next place on the same path; returns the distance of the axes from their expected place, mm.
     pub fn off_mm(&mut self, place: &Place) -> f32 {
         let step = place.along_mm - self.along_mm;
         let step = match place.around_mm {
@@ -96,7 +96,7 @@ impl Way {
     }
 }
 
-/// Where a position lies on the path of a move; nothing for rapids.
+/// Location of a position relative to the path of a move; `None` for rapids.
 pub(super) fn place(segment: &Segment, position: &Pose) -> Option<Place> {
     match &segment.path {
         Path::Rapid => None,
@@ -139,7 +139,7 @@ fn on_arc(segment: &Segment, arc: &Arc, position: &Pose) -> Place {
     Place { distance_mm, along_mm: radius * phi, around_mm: is_around.then_some(radius * sweep) }
 }
 
-/// The angle from one vector to another in the sense of a turn, 0 to a whole turn.
+/// Angle from one vector to another in the given sense, from 0 to a full turn.
 fn angle(turn: f32, [x, y]: [f32; 2], [to_x, to_y]: [f32; 2]) -> f32 {
     let angle = fmath::atan2(turn * (x * to_y - y * to_x), x * to_x + y * to_y);
     if angle < 0.0 { angle + TAU } else { angle }

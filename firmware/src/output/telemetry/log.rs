@@ -1,10 +1,10 @@
-//! The last records, in a ring.
+//! Ring buffer of the last records.
 
 use heapless::Deque;
 
 use super::record::TelemetryRecord;
 
-/// The last `N` records (at least one, or it does not compile); the oldest gives way.
+/// The last `N` records (at least one, otherwise it does not compile); a new record replaces the oldest.
 #[derive(Clone, Debug, Default)]
 pub struct RecordLog<const N: usize> {
     records: Deque<TelemetryRecord, N>,
@@ -17,16 +17,16 @@ impl<const N: usize> RecordLog<N> {
         RecordLog { records: Deque::new(), overwritten: 0 }
     }
 
-    /// Adds a record, in place of the oldest if the log is full.
+    /// Adds a record; replaces the oldest if the log is full.
     pub fn push(&mut self, record: TelemetryRecord) {
         let Err(record) = self.records.push_back(record) else { return };
         self.overwritten = self.overwritten.saturating_add(1);
         self.records.pop_front();
-        // There is room now.
+        // Fits: a record was removed.
         let _ = self.records.push_back(record);
     }
 
-    /// Takes the oldest record out.
+    /// Removes and returns the oldest record.
     pub fn pop(&mut self) -> Option<TelemetryRecord> {
         self.records.pop_front()
     }
@@ -36,7 +36,7 @@ impl<const N: usize> RecordLog<N> {
         self.records.iter()
     }
 
-    /// How many records were lost to newer ones; stays at `u32::MAX` once there.
+    /// Number of overwritten records; saturates at `u32::MAX`.
     pub fn overwritten(&self) -> u32 {
         self.overwritten
     }

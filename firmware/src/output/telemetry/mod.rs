@@ -1,7 +1,7 @@
-//! What was put out and why, for a logger or for the time after a fault.
+//! Telemetry: each override with its reason, for a logger and for the analysis of faults.
 //!
-//! The tick only pushes a [`record::TelemetryRecord`] into a [`log::RecordLog`]; who has time for a line sends from
-//! there ([`sender`]). A log that nobody empties is the black box: the last records before a fault.
+//! The tick only pushes a [`record::TelemetryRecord`] into a [`log::RecordLog`]; the main loop sends them
+//! ([`sender`]). A log that is not read is a black box with the last records before a fault.
 
 pub mod reason;
 

@@ -1,8 +1,8 @@
-//! The numbers of the reasons in telemetry.
+//! Numbers of the reasons in telemetry.
 //!
-//! A number, once given, keeps its meaning: loggers outlive firmware. New causes take new numbers; the tens tell the
-//! family. What a reason says besides - by how much a chip exceeds its target - is the record's detail. docs/outputs.md has
-//! the same table.
+//! A number never changes its meaning, because loggers outlive firmware versions. New causes get new numbers; the tens
+//! digit is the family. Additional data of a reason (the excess of a chip over its target) is the record's detail.
+//! docs/outputs.md has the same table.
 
 use crate::law::NoDemand;
 use crate::supervisor::input::Source;
@@ -10,10 +10,10 @@ use crate::supervisor::report::{Limit, Reason};
 use crate::supervisor::signals::{BoardFault, Condition, Inhibit};
 use crate::supervisor::state::{Disarm, Hold};
 
-/// One table, read in both directions.
+/// Declares the causes with their numbers.
 macro_rules! numbered {
     ($($code:literal $cause:ident)+) => {
-        /// Why the override is what it is, without numbers.
+        /// Reason of the override, without its data.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[allow(missing_docs, reason = "each is the reason of the same name")]
@@ -23,7 +23,7 @@ macro_rules! numbered {
         }
 
         impl Cause {
-            /// The cause of a number, if it has been given to one.
+            /// The cause of a number; `None` for an unused number.
             pub fn of_code(code: u8) -> Option<Self> {
                 match code {
                     $($code => Some(Cause::$cause),)+

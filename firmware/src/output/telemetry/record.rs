@@ -1,7 +1,7 @@
-//! One tick's decision as 24 bytes.
+//! Telemetry record: the decision of a tick in 24 bytes.
 //!
-//! Little endian, whole numbers only, so there is no NaN on the wire. Every record that decodes encodes to the same
-//! bytes again. The bytes carry no checksum and no end mark: that is the business of the link they travel on.
+//! Little endian, whole numbers only, so NaN cannot occur. Decoding and encoding again gives the same bytes. The bytes
+//! have no checksum and no end mark; the link provides them.
 
 use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, NM_PER_MM, UM_PER_MM};
 
@@ -14,52 +14,51 @@ use crate::supervisor::report::Reason;
 /// Length of an encoded record, bytes.
 pub const RECORD_LEN: usize = 24;
 
-/// The first byte: this layout.
+/// First byte: number of this layout.
 pub const LAYOUT: u8 = 1;
 
-/// The highest override a record can say, %.
+/// Largest override of a record, %.
 const HIGHEST_PERCENT: u8 = 254;
 
-/// In place of a feed: there is none.
+/// Code of a missing feed.
 const NONE: u32 = u32::MAX;
 
-/// What a tick decided, and when.
+/// Decision of a tick, with its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TelemetryRecord {
-    /// When, by the board's clock.
+    /// Time by the board's clock.
     pub at: Micros,
-    /// What was put out.
+    /// Override at the output.
     pub feed_override: FeedOverride,
-    /// The feed per tooth at the centre that the law wants, nanometres; at most `u32::MAX - 1`.
+    /// Feed per tooth at the centre that the law demands, nanometres; at most `u32::MAX - 1`.
     pub ipt_center_nm: Option<u32>,
-    /// The feed that the machine makes of the override, its limits considered, micrometres per minute; at most
-    /// `u32::MAX - 1`.
+    /// Feed of the machine under the override, within its limits, micrometres per minute; at most `u32::MAX - 1`.
     pub feed_um_per_min: Option<u32>,
-    /// Why.
+    /// Reason of the override.
     pub cause: Cause,
-    /// At the floor: by how much the chip exceeds its target, %, 255 for any more; otherwise 0.
+    /// Excess of the chip over its target at the lower limit of the override, %, at most 255; otherwise 0.
     pub chip_excess_percent: u8,
-    /// Count of the block in work; 0 with nothing in work.
+    /// Count of the block in execution; 0 for none.
     pub block: u32,
 }
 
-/// Why bytes are no record.
+/// Reason why bytes are not a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
-    /// Another layout, or not the start of a record: its first byte.
+    /// The first byte is not that of this layout.
     Layout(u8),
-    /// A number that no cause has.
+    /// An unused number of a cause.
     Cause(u8),
-    /// More than 254 %.
+    /// An override above 254 %.
     Percent(u8),
-    /// A detail of a cause that has none.
+    /// A detail for a cause that has none.
     Detail(u8),
 }
 
 impl TelemetryRecord {
-    /// The record of what a tick at `at` decided.
+    /// The record of a tick at `at`.
     pub fn new(at: Micros, work: Work<'_>, output: &Output) -> Self {
         let feed = work.and_then(|(_, segment)| segment.feed_at(output.feed_override));
         let chip_excess_percent = match output.reason {
@@ -77,7 +76,7 @@ impl TelemetryRecord {
         }
     }
 
-    /// Its bytes.
+    /// Encodes the record.
     pub fn encode(&self) -> [u8; RECORD_LEN] {
         let percent = self.feed_override.percent.min(HIGHEST_PERCENT);
         let [ipt_nm, feed_um] =
@@ -91,10 +90,10 @@ impl TelemetryRecord {
         [LAYOUT, code, percent, detail, b0, b1, b2, b3, i0, i1, i2, i3, f0, f1, f2, f3, t0, t1, t2, t3, t4, t5, t6, t7]
     }
 
-    /// Reads its bytes.
+    /// Decodes a record.
     ///
     /// # Errors
-    /// The first byte that makes no sense.
+    /// The first invalid byte.
     pub fn decode(bytes: &[u8; RECORD_LEN]) -> Result<Self, DecodeError> {
         let [layout, code, percent, detail, rest @ ..] = *bytes;
         let [b0, b1, b2, b3, i0, i1, i2, i3, f0, f1, f2, f3, t0, t1, t2, t3, t4, t5, t6, t7] = rest;
@@ -121,7 +120,7 @@ impl TelemetryRecord {
     }
 }
 
-/// The nearest whole number of a millimetre's parts; nothing for what is not a number or below zero.
+/// The nearest whole number of fractions of a millimetre; `None` for NaN and for negative numbers.
 fn whole(mm: f32, parts_per_mm: i64) -> Option<u32> {
     let parts = mm * parts_per_mm as f32 + 0.5;
     // The cast saturates and drops the fraction.

@@ -1,24 +1,24 @@
-//! From the log to a line.
+//! Sender of the log's records to a line.
 
 use embedded_io::Write;
 
 use super::log::RecordLog;
 use super::record::RECORD_LEN;
 
-/// What is left of the record on its way.
+/// The record that is being sent.
 #[derive(Clone, Debug)]
 pub struct RecordSender {
     bytes: [u8; RECORD_LEN],
     sent: usize,
 }
 
-/// Why the line took no more.
+/// Reason why the line accepted no more bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SendError<E> {
-    /// It takes nothing, without an error.
+    /// The line accepts no bytes, without an error.
     Closed,
-    /// It refused.
+    /// The line has reported an error.
     Line(E),
 }
 
@@ -29,13 +29,13 @@ impl Default for RecordSender {
 }
 
 impl RecordSender {
-    /// Sends what is in the log, the oldest first, and answers how many records have gone out whole.
+    /// Sends the records of the log, the oldest first. Returns the number of completely sent records.
     ///
-    /// A record cut short by an error is finished at the next call: nothing is sent twice, none is left in pieces.
+    /// The next call completes a record that an error has interrupted: no record is sent twice or left incomplete.
     /// Blocks as long as the line does.
     ///
     /// # Errors
-    /// The line took no more; what has not gone out stays for the next call.
+    /// The line accepted no more bytes; the rest is sent by the next call.
     pub fn drain<W: Write, const N: usize>(
         &mut self,
         log: &mut RecordLog<N>,
@@ -49,10 +49,10 @@ impl RecordSender {
         Ok(whole)
     }
 
-    /// Sends the rest of the record on its way; whether there was one.
+    /// Sends the rest of the current record; returns whether there was one.
     fn finish<W: Write>(&mut self, line: &mut W) -> Result<bool, SendError<W::Error>> {
         let mut any = false;
-        // `write_all` would panic on a line that takes nothing.
+        // `write_all` would panic on a line that accepts no bytes.
         while let Some(rest) = self.bytes.get(self.sent..).filter(|rest| !rest.is_empty()) {
             any = true;
             match line.write(rest).map_err(SendError::Line)? {
