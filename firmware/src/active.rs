@@ -87,11 +87,11 @@ fn limit(segment: &Segment, is_governed: bool, job: &Job) -> Option<FeedLimit> {
 impl ActiveSegment {
     /// Prepares a segment of the program as the control received it, with the cut rule whose law governs it.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        ActiveSegment::under(segment, &Conditions::of(segment, rule, job), job)
+        ActiveSegment::with_conditions(segment, &Conditions::of(segment, rule, job), job)
     }
 
     /// Prepares a segment under these conditions.
-    pub fn under(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
+    pub fn with_conditions(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
         let law = SegmentLaw::with_engagement(segment, conditions.rule, conditions.along, job);
         ActiveSegment::with_law(segment, &law, conditions, job)
     }

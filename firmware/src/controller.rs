@@ -14,7 +14,7 @@ pub struct Controller {
 
 /// Progress on the segment in execution, and its sent feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct ControllerState {
     progress: Progress,
     feed_sent: Option<MmPerMin>,
     feed_change_ratio: f32,
@@ -22,7 +22,7 @@ pub struct State {
 
 /// Measured values of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Input {
+pub struct Measurement {
     /// Position of the tool's centre; `None` without a new sample since the last tick.
     pub position: Option<Pose>,
     /// Spindle speed.
@@ -33,20 +33,20 @@ pub struct Input {
 
 /// Sample from which the progress is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample<'a> {
-    /// Position, as in [`Input::position`].
+pub struct PositionSample<'a> {
+    /// Position, as in [`Measurement::position`].
     pub position: Option<&'a Pose>,
     /// Time since the last tick, at most the longest tick.
     pub dt: Span,
 }
 
-impl Default for State {
+impl Default for ControllerState {
     fn default() -> Self {
-        State { progress: Progress::default(), feed_sent: None, feed_change_ratio: 1.0 }
+        ControllerState { progress: Progress::default(), feed_sent: None, feed_change_ratio: 1.0 }
     }
 }
 
-impl State {
+impl ControllerState {
     /// Progress on the segment in execution; meaningless on rapids.
     pub fn progress(&self) -> &Progress {
         &self.progress
@@ -78,7 +78,13 @@ impl Controller {
 
     /// Processes a tick on a segment; `begins` is true on the first one.
     #[inline(always)]
-    pub fn follow(&self, state: &mut State, segment: &ActiveSegment, sample: &Sample<'_>, begins: bool) {
+    pub fn follow(
+        &self,
+        state: &mut ControllerState,
+        segment: &ActiveSegment,
+        sample: &PositionSample<'_>,
+        begins: bool,
+    ) {
         if begins {
             state.begin(segment);
         }

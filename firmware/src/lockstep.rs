@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!        sample                  its bytes are all here            answered
-//! Idle ----------> Waiting ----------------------------------> front, tick, front -----> Idle
+//! Idle ----------> Waiting ----------------------------------> main_loop, tick, front -----> Idle
 //! ```
 
 use arcfeed_shared::units::Micros;
@@ -19,7 +19,7 @@ use crate::main_loop::MainLoop;
 
 /// Serial line of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
+pub enum BoardLine {
     /// To the host.
     Link,
     /// To the machine.
@@ -31,13 +31,13 @@ pub enum Line {
 }
 
 /// The board's ends of its lines.
-pub trait Lines {
+pub trait BoardLines {
     /// Number of received bytes that wait.
-    fn waiting(&self, line: Line) -> usize;
+    fn waiting(&self, line: BoardLine) -> usize;
     /// The next received byte.
-    fn receive(&mut self, line: Line) -> Option<u8>;
+    fn receive(&mut self, line: BoardLine) -> Option<u8>;
     /// Sends bytes; returns the number of accepted bytes.
-    fn send(&mut self, line: Line, bytes: &[u8]) -> usize;
+    fn send(&mut self, line: BoardLine, bytes: &[u8]) -> usize;
 }
 
 /// The board's end of the machine line; state.
@@ -65,7 +65,7 @@ impl Lockstep {
     }
 
     /// Mode of the first sample; `None` before it has arrived.
-    pub fn mode(&mut self, lines: &mut impl Lines) -> Option<ModeCode> {
+    pub fn mode(&mut self, lines: &mut impl BoardLines) -> Option<ModeCode> {
         self.sample(lines).map(|sample| sample.mode)
     }
 
@@ -73,34 +73,34 @@ impl Lockstep {
     /// returns the outputs; its byte counts are ignored.
     pub fn poll<const N: usize>(
         &mut self,
-        front: &mut MainLoop<'_, N>,
-        lines: &mut impl Lines,
+        main_loop: &mut MainLoop<'_, N>,
+        lines: &mut impl BoardLines,
         tick: &mut dyn FnMut(Micros, &Sample) -> Setpoint,
     ) -> bool {
         let Some(sample) = self.sample(lines) else { return false };
-        if !self.are_bytes_here(&sample, lines) {
+        if !self.has_all_bytes(&sample, lines) {
             return false;
         }
         self.waiting = None;
         let now = Micros(sample.at);
-        self.take_link(&sample, front, lines);
-        self.pass_tapped(&sample, front, lines);
-        front.run(now);
+        self.read_link(&sample, main_loop, lines);
+        self.forward_tapped(&sample, main_loop, lines);
+        main_loop.run(now);
         let position = sample.linear.and_then(|linear| pose(linear, sample.rotary).ok());
         if let Some(position) = position {
-            front.see(&position);
+            main_loop.on_position(&position);
         }
         let setpoint = tick(now, &sample);
-        front.run(now);
-        self.put_link(now, front, lines);
+        main_loop.run(now);
+        self.send_link(now, main_loop, lines);
         self.answer(now, &setpoint, lines);
         true
     }
 
     /// The waiting sample, or the next one received.
-    fn sample(&mut self, lines: &mut impl Lines) -> Option<Sample> {
+    fn sample(&mut self, lines: &mut impl BoardLines) -> Option<Sample> {
         while self.waiting.is_none() {
-            let byte = lines.receive(Line::Machine)?;
+            let byte = lines.receive(BoardLine::Machine)?;
             if let Some(Message::Sample(sample)) = self.line.on_byte(byte) {
                 self.waiting = Some(sample);
             }
@@ -108,42 +108,52 @@ impl Lockstep {
         self.waiting
     }
 
-    fn are_bytes_here(&self, sample: &Sample, lines: &impl Lines) -> bool {
-        let tapped = lines.waiting(Line::Sender).saturating_add(lines.waiting(Line::Control));
-        lines.waiting(Line::Link) >= distance(self.taken.link, sample.link_bytes)
+    fn has_all_bytes(&self, sample: &Sample, lines: &impl BoardLines) -> bool {
+        let tapped = lines.waiting(BoardLine::Sender).saturating_add(lines.waiting(BoardLine::Control));
+        lines.waiting(BoardLine::Link) >= distance(self.taken.link, sample.link_bytes)
             && tapped >= distance(self.taken.tap, sample.tap_bytes)
     }
 
-    fn take_link<const N: usize>(&mut self, sample: &Sample, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
+    fn read_link<const N: usize>(
+        &mut self,
+        sample: &Sample,
+        main_loop: &mut MainLoop<'_, N>,
+        lines: &mut impl BoardLines,
+    ) {
         for _ in 0..distance(self.taken.link, sample.link_bytes) {
-            if let Some(byte) = lines.receive(Line::Link) {
-                front.on_link_bytes(Micros(sample.at), &[byte]);
+            if let Some(byte) = lines.receive(BoardLine::Link) {
+                main_loop.on_link_bytes(Micros(sample.at), &[byte]);
             }
         }
         self.taken.link = sample.link_bytes;
     }
 
-    fn pass_tapped<const N: usize>(&mut self, sample: &Sample, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
-        self.put.tap = self.put.tap.wrapping_add(pass(front, lines, Micros(sample.at)));
+    fn forward_tapped<const N: usize>(
+        &mut self,
+        sample: &Sample,
+        main_loop: &mut MainLoop<'_, N>,
+        lines: &mut impl BoardLines,
+    ) {
+        self.put.tap = self.put.tap.wrapping_add(forward(main_loop, lines, Micros(sample.at)));
         self.taken.tap = sample.tap_bytes;
     }
 
     /// Sends due frames; the link keeps its bit rate by the machine's time.
-    fn put_link<const N: usize>(&mut self, now: Micros, front: &mut MainLoop<'_, N>, lines: &mut impl Lines) {
+    fn send_link<const N: usize>(&mut self, now: Micros, main_loop: &mut MainLoop<'_, N>, lines: &mut impl BoardLines) {
         let mut frame = [0; ENCODED_MAX];
         loop {
-            let length = front.poll_link(now, &mut frame);
+            let length = main_loop.poll_link(now, &mut frame);
             let Some(frame) = frame.get(..length).filter(|frame| !frame.is_empty()) else { return };
-            self.put.link = self.put.link.wrapping_add(lines.send(Line::Link, frame) as u32);
+            self.put.link = self.put.link.wrapping_add(lines.send(BoardLine::Link, frame) as u32);
         }
     }
 
-    fn answer(&mut self, now: Micros, setpoint: &Setpoint, lines: &mut impl Lines) {
+    fn answer(&mut self, now: Micros, setpoint: &Setpoint, lines: &mut impl BoardLines) {
         let Counts { link, tap } = self.put;
         let message = Message::Setpoint(Setpoint { link_bytes: link, tap_bytes: tap, ..*setpoint });
         let mut frame = [0; ENCODED_MAX];
         let length = self.line.encode(now, &message, &mut frame);
-        let sent = frame.get(..length).map_or(0, |frame| lines.send(Line::Machine, frame));
+        let sent = frame.get(..length).map_or(0, |frame| lines.send(BoardLine::Machine, frame));
         self.incomplete = self.incomplete.wrapping_add(u32::from(sent < length));
     }
 
@@ -154,15 +164,15 @@ impl Lockstep {
 }
 
 /// Forwards received characters in both directions of the tapped line; returns their number.
-pub fn pass<const N: usize>(front: &mut MainLoop<'_, N>, lines: &mut impl Lines, now: Micros) -> u32 {
+pub fn forward<const N: usize>(main_loop: &mut MainLoop<'_, N>, lines: &mut impl BoardLines, now: Micros) -> u32 {
     let mut passed = 0_u32;
-    while let Some(byte) = lines.receive(Line::Sender) {
-        let byte = front.from_sender(now, byte);
-        passed = passed.wrapping_add(lines.send(Line::Control, &[byte]) as u32);
+    while let Some(byte) = lines.receive(BoardLine::Sender) {
+        let byte = main_loop.from_sender(now, byte);
+        passed = passed.wrapping_add(lines.send(BoardLine::Control, &[byte]) as u32);
     }
-    while let Some(byte) = lines.receive(Line::Control) {
-        let byte = front.from_control(now, byte);
-        passed = passed.wrapping_add(lines.send(Line::Sender, &[byte]) as u32);
+    while let Some(byte) = lines.receive(BoardLine::Control) {
+        let byte = main_loop.from_control(now, byte);
+        passed = passed.wrapping_add(lines.send(BoardLine::Sender, &[byte]) as u32);
     }
     passed
 }

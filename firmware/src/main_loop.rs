@@ -5,7 +5,7 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Micros;
 
 use crate::application::host_link::HostLink;
-use crate::tap::{Handed, Tap};
+use crate::tap::{Tap, TapSegment};
 
 /// Host link and tap; state. The tap has room for `N` characters; with `N` = 0 there is no tap and no code for it.
 pub struct MainLoop<'q, const N: usize> {
@@ -48,7 +48,7 @@ impl<'q, const N: usize> MainLoop<'q, N> {
     }
 
     /// Processes a new position, before its tick.
-    pub fn see(&mut self, position: &Pose) {
+    pub fn on_position(&mut self, position: &Pose) {
         let (host_link, Some(tap)) = self.parts() else { return };
         let status = host_link.handler().status();
         let in_work = status.filter(|status| status.is_in_work).map(|status| status.record.block);
@@ -57,7 +57,7 @@ impl<'q, const N: usize> MainLoop<'q, N> {
             host_link.handler_mut().begin_run();
         }
         while host_link.handler().room() > 0
-            && let Some(Handed { count, segment }) = host_link.handler().job().and_then(|job| tap.next(job))
+            && let Some(TapSegment { count, segment }) = host_link.handler().job().and_then(|job| tap.next(job))
         {
             let _room = host_link.handler_mut().push(count, segment);
         }

@@ -12,7 +12,7 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::Nm;
 
 use crate::active::ActiveSegment;
-use crate::controller::{Controller, Input, Sample, State};
+use crate::controller::{Controller, ControllerState, Measurement, PositionSample};
 use crate::supervisor::input::Work;
 
 /// Tolerance of a segment's end: a few times the noise of the position.
@@ -23,7 +23,7 @@ const REST_TOLERANCE: Nm = Nm(20_000);
 /// Follows the position through the queued segments; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Follower {
-    way: State,
+    progress: ControllerState,
     is_entered: bool,
     count: u32,
 }
@@ -35,30 +35,30 @@ impl Follower {
     }
 
     /// Advances along the segment in execution. Returns true if it is done and must leave the queue.
-    pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Input) -> bool {
-        let sample = Sample { position: measured.position.as_ref(), dt: measured.dt };
-        controller.follow(&mut self.way, front, &sample, !self.is_entered);
+    pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Measurement) -> bool {
+        let sample = PositionSample { position: measured.position.as_ref(), dt: measured.dt };
+        controller.follow(&mut self.progress, front, &sample, !self.is_entered);
         self.is_entered = true;
-        let is_done = is_done(front, &self.way, measured.position.as_ref());
+        let is_done = is_done(front, &self.progress, measured.position.as_ref());
         if is_done {
-            self.go_on();
+            self.next_segment();
         }
         is_done
     }
 
     /// Restarts after the queue was emptied.
     pub fn restart(&mut self) {
-        self.way = State::default();
-        self.go_on();
+        self.progress = ControllerState::default();
+        self.next_segment();
     }
 
-    fn go_on(&mut self) {
+    fn next_segment(&mut self) {
         self.is_entered = false;
         self.count = self.count.wrapping_add(1);
     }
 }
 
-fn is_done(segment: &ActiveSegment, state: &State, position: Option<&Pose>) -> bool {
+fn is_done(segment: &ActiveSegment, state: &ControllerState, position: Option<&Pose>) -> bool {
     match segment.length_mm() {
         Some(length_mm) => state.progress().travelled_mm() >= length_mm - END_TOLERANCE_MM,
         None => position.is_some_and(|position| {

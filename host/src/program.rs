@@ -18,13 +18,13 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_shared::nc::block::{Line, Notice, NoticeKind, Reading};
+use arcfeed_shared::nc::block::{LineKind, Notice, NoticeKind, Reading};
 use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
@@ -63,7 +63,7 @@ pub struct ProgramLine {
     /// Line end as found (see [`arcfeed_shared::nc::text::RawLine`]).
     pub ending: Vec<u8>,
     /// Meaning; `None` if a control would stop here.
-    pub meaning: Option<Understood>,
+    pub meaning: Option<InterpretedLine>,
     /// Origin of the workpiece on the path: that of the work coordinate system in force, shifted by G92.
     pub origin: Pose,
     /// Tool length offset in Z, in machine coordinates.
@@ -135,7 +135,7 @@ impl ProgramLine {
 
     /// The control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
-        let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == Line::ProgramMark);
+        let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == LineKind::ProgramMark);
         !self.text.is_empty() && !is_mark
     }
 }

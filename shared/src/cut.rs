@@ -39,7 +39,7 @@ pub struct CutRule {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moves {
     /// Arcs of a ring about a point on one of its circles.
-    Rotations(Rotation, Turn),
+    Rotations(RotationCircle, Turn),
     /// Arcs in one sense.
     Arcs(Turn),
     /// Straight cutting moves.
@@ -56,7 +56,7 @@ pub enum Work {
     /// An end mill cuts along a contour.
     Mill {
         /// Side of the contour on which the tool runs.
-        side: Side,
+        side: ContourSide,
         /// Radial depth of cut, ae.
         radial_depth: Nm,
     },
@@ -64,7 +64,7 @@ pub enum Work {
 
 /// Side of a contour on which a tool runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum ContourSide {
     /// Inside a concave arc: the contour is longer than the path of the tool's centre.
     Inside,
     /// Outside a convex arc: the contour is shorter than the path of the tool's centre.
@@ -75,7 +75,7 @@ pub enum Side {
 
 /// Circle of the ring on which the rotation centre lies (Petean table 5.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rotation {
+pub enum RotationCircle {
     /// A point on the inner circle: the arc has the inner radius.
     Interior,
     /// A point on the outer circle: the arc has the outer radius.
@@ -93,8 +93,8 @@ impl CutRule {
     }
 
     /// Whether the engagement is given with each of its moves.
-    pub const fn is_told_along(&self) -> bool {
-        matches!(self.work, Work::Ring(_, Stock::Along))
+    pub const fn expects_engagement_per_move(&self) -> bool {
+        matches!(self.work, Work::Ring(_, Stock::PerMove))
     }
 }
 
@@ -111,11 +111,11 @@ impl Moves {
     }
 }
 
-impl Rotation {
+impl RotationCircle {
     fn is_of(self, arc: &Arc, tool: &CupMill) -> bool {
         let radius_mm = match self {
-            Rotation::Interior => tool.inner_radius,
-            Rotation::Exterior => tool.outer_radius,
+            RotationCircle::Interior => tool.inner_radius,
+            RotationCircle::Exterior => tool.outer_radius,
         }
         .to_mm();
         libm::fabs(arc.radius_mm() - radius_mm) <= RADIUS_MATCH_RATIO * radius_mm
@@ -134,7 +134,7 @@ mod tests {
     fn rule(turn: Turn) -> CutRule {
         CutRule {
             tool: 0,
-            moves: Moves::Rotations(Rotation::Interior, turn),
+            moves: Moves::Rotations(RotationCircle::Interior, turn),
             work: Work::Ring(Edge::Outer, Stock::half_plane(StockLine::from_angle(0.0, 0.0))),
             feed_per_tooth: None,
             table: None,

@@ -119,7 +119,7 @@ impl EngagedSpan {
     }
 
     /// Whether the feed direction (the direction k v of the edges' advance) is engaged.
-    pub fn holds_ahead(&self) -> bool {
+    pub fn is_engaged_ahead(&self) -> bool {
         AHEAD.iter().any(|ahead| (self.from..=self.to).contains(ahead))
     }
 
@@ -157,7 +157,7 @@ impl EngagedTable {
     /// See [`EngagedError`].
     pub fn new(knots: &[EngagedKnot]) -> Result<Self, EngagedError> {
         let (first, others) = knots.split_first().ok_or(EngagedError::Count)?;
-        let mut table = EngagedTable::beginning(*first)?;
+        let mut table = EngagedTable::with_first(*first)?;
         others.iter().try_for_each(|knot| table.push(*knot))?;
         Ok(table)
     }
@@ -166,7 +166,7 @@ impl EngagedTable {
     ///
     /// # Errors
     /// [`EngagedError::Order`].
-    pub fn beginning(knot: EngagedKnot) -> Result<Self, EngagedError> {
+    pub fn with_first(knot: EngagedKnot) -> Result<Self, EngagedError> {
         let mut table = EngagedTable { knots: Vec::new() };
         table.push(knot)?;
         Ok(table)
@@ -249,7 +249,7 @@ mod tests {
             [(0.0, 89.0, false), (0.0, 90.0, true), (91.0, 180.0, false), (-300.0, -250.0, true), (-360.0, 0.0, true)]
         {
             let table = EngagedTable::new(&[knot(0.0, [from, to])]).unwrap();
-            assert_eq!(table.arc_at(0.0, Edge::Inner).unwrap().holds_ahead(), holds, "{from} {to}");
+            assert_eq!(table.arc_at(0.0, Edge::Inner).unwrap().is_engaged_ahead(), holds, "{from} {to}");
         }
     }
 
@@ -277,7 +277,7 @@ mod tests {
     #[test]
     fn knots_come_one_by_one_and_a_refused_one_changes_nothing() {
         let all: std::vec::Vec<EngagedKnot> = (0..16).map(|i| knot(i as f32, [0.0, 1.0])).collect();
-        let mut table = EngagedTable::beginning(all[0]).unwrap();
+        let mut table = EngagedTable::with_first(all[0]).unwrap();
         all[1..].iter().for_each(|knot| table.push(*knot).unwrap());
         assert_eq!(table, EngagedTable::new(&all).unwrap());
         assert_eq!(table.push(knot(15.0, [0.0, 1.0])), Err(EngagedError::Order(16)));

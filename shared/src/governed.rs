@@ -148,7 +148,7 @@ pub fn is_across(segment: &Segment, axis: ToolAxis) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cut::{Moves, Side, Work};
+    use crate::cut::{ContourSide, Moves, Work};
     use crate::job::{FeedPolicy, OverrideLimits, Tools};
     use crate::knots::Knots;
     use crate::machine::MachineLimits;
@@ -165,7 +165,7 @@ mod tests {
     }
 
     fn job(law: LawKind) -> Job {
-        let work = Work::Mill { side: Side::Inside, radial_depth: Nm(1_000_000) };
+        let work = Work::Mill { side: ContourSide::Inside, radial_depth: Nm(1_000_000) };
         let rule = |moves| CutRule {
             tool: 0,
             moves,

@@ -1,10 +1,10 @@
 //! Reader of a program: interprets each line and carries the modal state from line to line.
 
 use crate::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use crate::nc::before::Before;
-use crate::nc::block::{Block, Line, Parsed, Reading};
+use crate::nc::block::{Block, LineKind, Parsed, Reading};
 use crate::nc::interpret::set_data;
 use crate::nc::modal::{Modal, MotionKind, Pose, Step};
+use crate::nc::rollback::Rollback;
 use crate::nc::settings::{Preset, Scope, Settings, Tables};
 use crate::segment::{Path, Segment};
 use crate::units::LengthUnit;
@@ -23,7 +23,7 @@ pub struct Reader {
 
 /// An interpreted line.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Understood {
+pub struct InterpretedLine {
     /// Words and notices of the line.
     pub parsed: Parsed,
     /// Effect on the control; empty for marks, titles and blocks that a block-delete switch skips.
@@ -44,18 +44,18 @@ impl Reader {
     /// A reader at power-on with these settings.
     pub fn with(settings: Settings, tables: Tables) -> Self {
         let mut modal = Modal::at_power_on(settings.unit);
-        modal.settle(&tables);
+        modal.update_frame(&tables);
         Reader { modal, settings, tables, lost: [false; 3], unstated: [false; 2] }
     }
 
     /// The same reader at an unknown position: X and Y are unknown until a block states them.
     #[must_use]
-    pub fn from_anywhere(self) -> Self {
+    pub fn at_unknown_position(self) -> Self {
         Reader { unstated: [true; 2], ..self }
     }
 
     /// Whether another reader has the same state; settings are not compared.
-    pub fn stands_like(&self, other: &Reader) -> bool {
+    pub fn has_same_state(&self, other: &Reader) -> bool {
         let state = |reader: &Reader| (reader.lost, reader.unstated);
         self.modal == other.modal && self.tables == other.tables && state(self) == state(other)
     }
@@ -83,7 +83,7 @@ impl Reader {
     /// Sets the offsets, as a macro statement does; the axes keep their machine position.
     pub fn set_tables(&mut self, tables: &Tables) {
         self.tables = *tables;
-        self.modal.settle(&self.tables);
+        self.modal.update_frame(&self.tables);
     }
 
     /// Position of the axes in machine coordinates.
@@ -95,13 +95,13 @@ impl Reader {
     pub fn restart(&mut self) {
         let position = self.modal.position;
         self.modal = Modal::at_power_on(self.settings.unit);
-        self.modal.settle(&self.tables);
-        self.stand_at(position);
+        self.modal.update_frame(&self.tables);
+        self.set_position(position);
     }
 
     /// Sets the position of the axes, whatever the lines read so far have commanded.
-    pub fn stand_at(&mut self, pose: Pose) {
-        self.modal.stand_at(pose);
+    pub fn set_position(&mut self, pose: Pose) {
+        self.modal.set_position(pose);
         (self.lost, self.unstated) = ([false; 3], [false; 2]);
     }
 
@@ -111,32 +111,32 @@ impl Reader {
     /// The first fault of the line. A fault does not affect later blocks: after an arc with bad geometry the state is
     /// at its programmed end. After a block that could not be read, arcs are not checked until X and Y (and Z, if that
     /// block named it) are given again.
-    pub fn read(&mut self, text: &[u8]) -> Result<Understood, Fault> {
-        let mut understood = Understood::default();
-        self.read_into(text, &mut understood)?;
-        Ok(understood)
+    pub fn read(&mut self, text: &[u8]) -> Result<InterpretedLine, Fault> {
+        let mut line = InterpretedLine::default();
+        self.read_into(text, &mut line)?;
+        Ok(line)
     }
 
     /// [`Reader::read`] into an existing line. After a fault its contents are meaningless.
     ///
     /// # Errors
     /// As [`Reader::read`].
-    pub fn read_into(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
-        let result = self.understand(text, understood);
+    pub fn read_into(&mut self, text: &[u8], line: &mut InterpretedLine) -> Result<(), Fault> {
+        let result = self.interpret(text, line);
         if let Err(Fault { cause, .. }) = result
             && !is_geometry(cause)
         {
-            self.lose(text);
+            self.mark_unknown(text);
         }
         result
     }
 
-    fn understand(&mut self, text: &[u8], understood: &mut Understood) -> Result<(), Fault> {
-        let Understood { parsed, step, segment, starts_unknown } = understood;
+    fn interpret(&mut self, text: &[u8], line: &mut InterpretedLine) -> Result<(), Fault> {
+        let InterpretedLine { parsed, step, segment, starts_unknown } = line;
         *starts_unknown = false;
         parsed.read(text, self.settings.reading)?;
         let block = &mut parsed.block;
-        if parsed.line != Line::Block {
+        if parsed.line != LineKind::Block {
             step.clear();
             *segment = None;
             return Ok(());
@@ -153,7 +153,7 @@ impl Reader {
         let is_from_anywhere = self.unstated.contains(&true) && self.modal.polar.is_none();
         let executed = self.execute_into(&parsed.block, step, segment);
         if is_from_anywhere {
-            *starts_unknown = self.begin_somewhere(&parsed.block, step, segment);
+            *starts_unknown = self.handle_unknown_start(&parsed.block, step, segment);
             return executed
                 .or_else(|fault| if *starts_unknown && is_geometry(fault.cause) { Ok(()) } else { Err(fault) });
         }
@@ -162,7 +162,7 @@ impl Reader {
 
     /// Handles a block before X and Y are both stated. Returns whether its move cuts from an unknown position; such an
     /// arc has no segment.
-    fn begin_somewhere(&mut self, block: &Block, step: &Step, segment: &mut Option<Segment>) -> bool {
+    fn handle_unknown_start(&mut self, block: &Block, step: &Step, segment: &mut Option<Segment>) -> bool {
         let is_cut = step.motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);
         let is_arc = step.motion.is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
         let is_unknown = self.modal.absolute && is_cut;
@@ -188,29 +188,29 @@ impl Reader {
     }
 
     fn execute_into(&mut self, block: &Block, step: &mut Step, segment: &mut Option<Segment>) -> Result<(), Fault> {
-        let mut before = Before::new(&self.modal, block);
-        if let Err(fault) = self.modal.advance(block, (&self.settings, &self.tables), step, &mut before) {
-            before.restore(&mut self.modal);
+        let mut rollback = Rollback::new(&self.modal, block);
+        if let Err(fault) = self.modal.advance(block, (&self.settings, &self.tables), step, &mut rollback) {
+            rollback.restore(&mut self.modal);
             return Err(fault);
         }
         if let (Some(what), Scope::PlainMoves) = (step.beyond_plain, self.settings.scope) {
-            before.restore(&mut self.modal);
+            rollback.restore(&mut self.modal);
             return Err(Fault::not_modelled(what, 0));
         }
         if step.sets_data {
             set_data(&self.modal, block, &self.settings, &mut self.tables)?;
-            self.modal.settle(&self.tables);
+            self.modal.update_frame(&self.tables);
         }
-        let is_lost = self.lost.contains(&true);
+        let is_unknown_axis = self.lost.contains(&true);
         *segment = None;
         if let Some(motion) = &step.motion {
             match Path::of(motion) {
-                Ok(path) if !is_lost => *segment = Some(Segment::along(path, motion, block.sequence)),
-                Err(fault) if !(is_lost && is_geometry(fault.cause)) => return Err(fault),
+                Ok(path) if !is_unknown_axis => *segment = Some(Segment::along(path, motion, block.sequence)),
+                Err(fault) if !(is_unknown_axis && is_geometry(fault.cause)) => return Err(fault),
                 Ok(_) | Err(_) => {}
             }
         }
-        if is_lost && self.modal.absolute && step.dwell.is_none() {
+        if is_unknown_axis && self.modal.absolute && step.dwell.is_none() {
             for (lost, axis) in self.lost.iter_mut().zip(b'X'..=b'Z') {
                 *lost &= block.word(axis).is_none();
             }
@@ -220,7 +220,7 @@ impl Reader {
 
     /// Marks the axes as unknown that a block which could not be read may have moved: X and Y if it names any axis, Z
     /// if it names Z.
-    fn lose(&mut self, text: &[u8]) {
+    fn mark_unknown(&mut self, text: &[u8]) {
         let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
         let has = |axis| code.contains(&axis);
         let [x, y, z] = self.lost;
@@ -238,7 +238,7 @@ fn is_geometry(cause: Cause) -> bool {
     )
 }
 
-impl Understood {
+impl InterpretedLine {
     /// Whether this is a cutting move for which the program has given no feed (PS0011).
     pub fn lacks_feed(&self) -> bool {
         self.step.lacks_feed()

@@ -55,7 +55,7 @@ impl ChipFigures {
 
 /// Excluded samples, by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct ExcludedSamples {
     /// The machine was not within 0.5 % of the commanded feed throughout the tooth's cut.
     pub not_steady: u64,
     /// The block ended within the tooth's cut.
@@ -64,14 +64,14 @@ pub struct LeftOut {
     pub no_contact: u64,
 }
 
-impl LeftOut {
+impl ExcludedSamples {
     /// Number of all excluded samples.
     pub fn total(&self) -> u64 {
         self.not_steady + self.block_end + self.no_contact
     }
 
     /// Adds the counts of another run.
-    pub fn merge(&mut self, other: &LeftOut) {
+    pub fn merge(&mut self, other: &ExcludedSamples) {
         self.not_steady += other.not_steady;
         self.block_end += other.block_end;
         self.no_contact += other.no_contact;

@@ -24,7 +24,7 @@ pub enum Stock {
     /// Not a shape, but the engaged arcs of the tool's circles along the segment.
     Engaged(EngagedTable),
     /// Engaged arcs that are given with each segment. The engagement of a segment without such a table is unknown.
-    Along,
+    PerMove,
 }
 
 /// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of
@@ -81,7 +81,7 @@ impl Stock {
                 [line] => Some(line),
                 _ => None,
             },
-            Stock::Disc { .. } | Stock::Engaged(_) | Stock::Along => None,
+            Stock::Disc { .. } | Stock::Engaged(_) | Stock::PerMove => None,
         }
     }
 

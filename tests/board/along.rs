@@ -41,7 +41,7 @@ fn example() -> Example {
     job.tools.first_mut().law = LawKind::EngagedArc { both_edges: true };
     for rule in &mut job.rules {
         if let Work::Ring(_, stock) = &mut rule.work {
-            *stock = Stock::Along;
+            *stock = Stock::PerMove;
         }
     }
     example

@@ -38,7 +38,7 @@ fn counted(position: &Pose) -> Pose {
 
 /// Only the position is an input.
 fn quiet(job: &Job, position: Pose) -> Input {
-    Input::of(controller::Input { position: Some(position), spindle: job.tools.first().spindle, dt: TICK })
+    Input::of(controller::Measurement { position: Some(position), spindle: job.tools.first().spindle, dt: TICK })
 }
 
 fn request(request: Request) -> Signals {

@@ -12,7 +12,7 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
+use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode, without_parity};
 use arcfeed_hil_sim::control::line::{LineCounters, LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Board, Traffic, Wire, Wires};
@@ -20,7 +20,7 @@ use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
-use arcfeed_shared::wire::message::page::{self, Page, Tapped};
+use arcfeed_shared::wire::message::page::{self, Page, TappedLine};
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 
 use crate::runs::{AHEAD, Example, Outcome, chip_range};
@@ -101,12 +101,12 @@ impl<S: Sender> AttachedDevices for Cable<S> {
 fn control(example: &Example) -> ControlSettings {
     let settings = control_settings(&example.file);
     let mut line = LineSettings { sender: SenderParity::None, ..settings.line };
-    line.tape.code = Some(Code::Ascii);
+    line.tape.code = Some(TapeCode::Ascii);
     ControlSettings { line, ..settings }
 }
 
 fn tap_settings(example: &Example) -> TapSettings {
-    TapSettings { code: Some(Code::Ascii), ..TapSettings::new(example.file.job.unit) }
+    TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(example.file.job.unit) }
 }
 
 /// Sends the example through a board.
@@ -172,7 +172,7 @@ pub fn chip_with_page(image: &str, page: &[u8]) -> Emulator {
 
 /// The example's job as it lies in flash.
 pub fn page_of(example: &Example) -> Page {
-    let tapped = Tapped { code: Some(Code::Ascii), ..Tapped::default() };
+    let tapped = TappedLine { code: Some(TapeCode::Ascii), ..TappedLine::default() };
     page::write(&example.file.job, tapped).expect("a board takes the job")
 }
 

@@ -227,7 +227,7 @@ impl<'s> EdgeAt<'s> {
             }
             Stock::Disc { center_mm, radius_mm } => from_origin(*center_mm) + radius_mm,
             Stock::Engaged(table) => return self.angles(table),
-            Stock::Along => f64::NAN,
+            Stock::PerMove => f64::NAN,
         };
         let r0 = self.circle().1;
         (from_origin(self.frame.position) + stock + r0) / r0
@@ -395,7 +395,7 @@ mod tests {
     impl Outcome {
         fn compare(&mut self, scene: &RingScene, truth: &Truth) {
             let found = scene.law().demand(&scene.place(0.5)).map(|demand| f64::from(demand.path_mm_per_tooth));
-            let policy = if scene.policy == EdgePolicy::Protect { "both edges" } else { "one edge" };
+            let policy = if scene.policy == EdgePolicy::Both { "both edges" } else { "one edge" };
             match (found, truth.path) {
                 (found, path) if truth.brink => {
                     let same = if found.is_ok() == path.is_ok() { "same" } else { "other" };

@@ -45,7 +45,7 @@ fn depth_mm(stock: &Stock, point: Point) -> f64 {
         Stock::Disc { center_mm, radius_mm } => {
             radius_mm - libm::hypot(point[0] - center_mm[0], point[1] - center_mm[1])
         }
-        Stock::Engaged(_) | Stock::Along => f64::NAN,
+        Stock::Engaged(_) | Stock::PerMove => f64::NAN,
     }
 }
 
@@ -160,7 +160,7 @@ impl RingScene {
     }
 
     pub fn edges(&self) -> Vec<Edge> {
-        let protects = |edge: &Edge| self.policy == EdgePolicy::Protect || self.policy == EdgePolicy::Only(*edge);
+        let protects = |edge: &Edge| self.policy == EdgePolicy::Both || self.policy == EdgePolicy::Only(*edge);
         [Edge::Outer, Edge::Inner].into_iter().filter(|edge| self.radius(*edge) != 0.0).filter(protects).collect()
     }
 
@@ -247,8 +247,7 @@ impl RingScene {
             outer,
             inner,
             chip: log_between(random, 1e-3, 1.0).min(0.1 * inner).min(0.5 * path_radius),
-            policy: [EdgePolicy::Protect, EdgePolicy::Only(Edge::Outer), EdgePolicy::Only(Edge::Inner)]
-                [random.usize(..3)],
+            policy: [EdgePolicy::Both, EdgePolicy::Only(Edge::Outer), EdgePolicy::Only(Edge::Inner)][random.usize(..3)],
             mirrored: false,
         };
         let edge = if random.bool() { outer } else { inner };

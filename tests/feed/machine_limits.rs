@@ -48,7 +48,8 @@ fn run(file: &JobFile, block: &PlannedBlock, sent: Nm) -> (ActiveSegment, Vec<Ou
         let [x, y] = arc.direction_at(f64::from(tick) / f64::from(TICKS));
         let at = |axis: usize, part: f64| Nm(arc.center[axis].0 + Nm::from_mm(arc.radius_mm() * part).0);
         let position = Some(Pose { linear: [at(0, x), at(1, y), Nm(0)], ..segment.start });
-        let measured = controller::Input { position, spindle: file.job.tools.first().spindle, dt: Span::from_ms(1) };
+        let measured =
+            controller::Measurement { position, spindle: file.job.tools.first().spindle, dt: Span::from_ms(1) };
         supervisor.tick(&mut memory, Some((1, &active)), &Input::of(measured))
     };
     let outputs = (1..TICKS).map(tick).collect();

@@ -97,7 +97,7 @@ fn follow(
     let mut said = Vec::new();
     for position in samples {
         let work @ Some((count, _)) = follower.in_work(ahead.peek()) else { break };
-        let measured = controller::Input { position, spindle: job.tools.first().spindle, dt: TICK.into() };
+        let measured = controller::Measurement { position, spindle: job.tools.first().spindle, dt: TICK.into() };
         let output = supervisor.tick(&mut memory, work, &Input::of(measured));
         said.push((count as usize, memory.progress().travelled_mm(), output.feed_override.percent));
         if ahead.peek().is_some_and(|front| follower.follow(supervisor.controller(), front, &measured)) {

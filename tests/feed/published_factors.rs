@@ -12,7 +12,7 @@
 use arcfeed_firmware::law::contour::{Contour, ContourLimits};
 use arcfeed_firmware::law::engagement::corner_factor;
 use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
-use arcfeed_shared::cut::Side;
+use arcfeed_shared::cut::ContourSide;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 use core::f64::consts::{PI, TAU};
 
@@ -32,11 +32,11 @@ const MISPRINTS: [(f64, f64); 4] = [(1.60, 0.25), (1.20, 0.35), (1.20, 0.45), (1
 const CELL: f64 = 0.010_1;
 
 /// Feed at the edge, diameters of tool and feature, side, feed at the centre as printed.
-const EXAMPLES: [(f64, f64, f64, Side, &str); 4] = [
-    (20.0, 0.5, 1.0, Side::Inside, "10"),
-    (40.0, 1.0, 8.0, Side::Inside, "35.0"),
-    (8.3, 0.370, 0.562, Side::Inside, "2.8"),
-    (8.3, 0.370, 0.562, Side::Outside, "13.8"),
+const EXAMPLES: [(f64, f64, f64, ContourSide, &str); 4] = [
+    (20.0, 0.5, 1.0, ContourSide::Inside, "10"),
+    (40.0, 1.0, 8.0, ContourSide::Inside, "35.0"),
+    (8.3, 0.370, 0.562, ContourSide::Inside, "2.8"),
+    (8.3, 0.370, 0.562, ContourSide::Outside, "13.8"),
 ];
 
 /// Tool radius of the factors; they are ratios.
@@ -216,7 +216,7 @@ mod tests {
         let free = ContourLimits { inside_only: false, floor_ratio: 0.0 };
         let place = Place::on_arc([1.0, 0.0], 1.0, 1.0, 0.0);
         for (feed, tool, feature, side, printed) in EXAMPLES {
-            let q = if side == Side::Inside { (feature - tool) / 2.0 } else { (feature + tool) / 2.0 };
+            let q = if side == ContourSide::Inside { (feature - tool) / 2.0 } else { (feature + tool) / 2.0 };
             let law = Contour::new(Mm(q as f32), Mm((tool / 2.0) as f32), side, MmPerTooth(feed as f32), free);
             let found = law.demand(&place).expect("the tool fits").path_mm_per_tooth;
             let digits = printed.split_once('.').map_or(0, |(_, digits)| digits.len());
@@ -231,7 +231,7 @@ mod tests {
         let place = Place::on_arc([1.0, 0.0], 1.0, 1.0, 0.0);
         let radius = 2.0 * TOOL / 0.8;
         let law_of_contour =
-            Contour::new(Mm((radius - TOOL) as f32), Mm(TOOL as f32), Side::Inside, MmPerTooth(1.0), limits);
+            Contour::new(Mm((radius - TOOL) as f32), Mm(TOOL as f32), ContourSide::Inside, MmPerTooth(1.0), limits);
         let contour = law_of_contour.demand(&place).expect("the tool fits").path_mm_per_tooth;
         let engagement = DEPTHS.map(|depth| law(depth, 0.8, PI / 2.0).expect("the tool fits"));
         println!("Dc/rad_m = 0.8: contour {contour}, engagement {engagement:.3?}");

@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::Duration;
 
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
 use serde_json::{Value, json};
 
@@ -111,9 +111,11 @@ fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_
 
 #[test]
 fn each_control_takes_iso_and_eia_from_a_sender_that_makes_its_own_parity() {
-    for (control, word, code) in
-        [("fanuc-16i", "iso", Code::Iso), ("fanuc-0i", "eia", Code::Eia), ("fanuc-31i", "ascii", Code::Ascii)]
-    {
+    for (control, word, code) in [
+        ("fanuc-16i", "iso", TapeCode::Iso),
+        ("fanuc-0i", "eia", TapeCode::Eia),
+        ("fanuc-31i", "ascii", TapeCode::Ascii),
+    ] {
         let scratch = Scratch::new(word);
         let (server, mut line) = serve(&scratch, &["--code", word, "--control", control]);
         let frames: Vec<u8> = PROGRAM.bytes().map(|byte| code.encode(byte).expect("in every code")).collect();

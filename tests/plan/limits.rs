@@ -8,7 +8,7 @@ use arcfeed_plan::geometry::blisk::Blank;
 use arcfeed_plan::output::limits::{BlankFace, LimitError, StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::path::{Level, Purpose, SlotPath, Step};
 use arcfeed_plan::vector::{Flat, Point, Vector};
-use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
+use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
@@ -70,10 +70,10 @@ fn limits(path: &SlotPath, lean_deg: f64) -> Vec<StockLimit> {
 #[test]
 fn the_four_movements_cut_as_in_table_5_1_on_rotors_of_both_hands() {
     let table = [
-        (1, Rotation::Interior, Edge::Outer, BlankFace::Lower),
-        (2, Rotation::Exterior, Edge::Outer, BlankFace::Upper),
-        (3, Rotation::Exterior, Edge::Inner, BlankFace::Upper),
-        (4, Rotation::Interior, Edge::Inner, BlankFace::Lower),
+        (1, RotationCircle::Interior, Edge::Outer, BlankFace::Lower),
+        (2, RotationCircle::Exterior, Edge::Outer, BlankFace::Upper),
+        (3, RotationCircle::Exterior, Edge::Inner, BlankFace::Upper),
+        (4, RotationCircle::Interior, Edge::Inner, BlankFace::Lower),
     ];
     for mirror in [false, true] {
         let found = limits(&path(mirror), 0.0);

@@ -4,7 +4,7 @@
 use arcfeed_shared::nc::alarm::{Alarm, Cause};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::modal::{MotionKind, Pose, Turn};
-use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::nc::series::SeriesAction;
 use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::units::{LengthUnit, Micros, Nm};
@@ -26,12 +26,13 @@ fn run(reader: &mut Reader, program: &str) -> Vec<String> {
     let mut done = Vec::new();
     for line in program.lines() {
         let understood = reader.read(line.as_bytes()).unwrap_or_else(|fault| panic!("{line}: {fault:?}"));
-        let single = understood.step.motion.map(Act::Move);
-        let dwell = understood.step.dwell.map(Act::Dwell);
-        for act in single.into_iter().chain(dwell).chain(understood.step.series.iter().flat_map(|series| series.acts()))
+        let single = understood.step.motion.map(SeriesAction::Move);
+        let dwell = understood.step.dwell.map(SeriesAction::Dwell);
+        for act in
+            single.into_iter().chain(dwell).chain(understood.step.series.iter().flat_map(|series| series.actions()))
         {
             done.push(match act {
-                Act::Move(motion) => {
+                SeriesAction::Move(motion) => {
                     let kind = match motion.kind {
                         MotionKind::Rapid => 'r',
                         MotionKind::Line => 'f',
@@ -39,8 +40,8 @@ fn run(reader: &mut Reader, program: &str) -> Vec<String> {
                     };
                     format!("{kind} {}", show(&motion.end))
                 }
-                Act::Dwell(span) => format!("d {}", span.to_s()),
-                Act::Spindle(_) => "s".to_owned(),
+                SeriesAction::Dwell(span) => format!("d {}", span.to_s()),
+                SeriesAction::Spindle(_) => "s".to_owned(),
             });
         }
     }

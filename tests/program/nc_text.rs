@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use arcfeed::program::Program;
-use arcfeed_shared::nc::block::{Line, Parsed, Reading, parse_line};
+use arcfeed_shared::nc::block::{LineKind, Parsed, Reading, parse_line};
 use arcfeed_shared::units::LengthUnit;
 use fastrand::Rng;
 use gcode::{Argument, Code, Value};
@@ -48,7 +48,7 @@ fn the_words_of_a_block_are_its_text_each_in_its_place() {
     let (mut rng, mut words) = (Rng::with_seed(42), 0);
     for _ in 0..PROGRAMS {
         for line in random_program(&mut rng).lines() {
-            let Ok(Parsed { line: Line::Block, block, .. }) = parse_line(line.as_bytes(), Reading::Lenient) else {
+            let Ok(Parsed { line: LineKind::Block, block, .. }) = parse_line(line.as_bytes(), Reading::Lenient) else {
                 continue;
             };
             // Written back where they stood, and nothing but what is no word left between them.

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::word::Words;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::units::LengthUnit;
 
 fn main() {
@@ -47,7 +47,7 @@ fn instructions(what: &str, lines: u64) -> u64 {
 fn read(what: &str, lines: u64) -> u64 {
     let mut line = String::with_capacity(128);
     let mut reader = Reader::new(LengthUnit::Mm, Reading::Strict);
-    let mut understood = Understood::default();
+    let mut understood = InterpretedLine::default();
     let mut sum = 0;
     for index in 0..lines {
         line.clear();

@@ -6,11 +6,11 @@ use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::first_macro;
 use arcfeed_shared::nc::macros::step as macros;
 use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Motion, MotionKind, Stop};
-use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::nc::modal::{Motion, MotionKind, ProgramStop};
+use arcfeed_shared::nc::series::SeriesAction;
 use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
 use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{LengthUnit, Micros, Nm};
 
@@ -45,7 +45,7 @@ pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
     for (index, line) in Lines::new(text).enumerate() {
         let understood = reader.read(line.text).map_err(|fault| message(index + 1, line.text, fault))?;
         add(&understood, &mut moves);
-        if understood.step.stop == Some(Stop::End) {
+        if understood.step.stop == Some(ProgramStop::End) {
             break;
         }
     }
@@ -55,12 +55,12 @@ pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
 /// With the macro interpreter.
 fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
     let context = |reader: &Reader, ms| Context::with_length(reader.modal(), reader.machine(), Micros::from_ms(ms));
-    let mut interpreter = Interpreter::new(text, Box::new(()), macros::Settings::default(), &context(reader, 0));
+    let mut interpreter = Interpreter::new(text, Box::new(()), macros::MacroSettings::default(), &context(reader, 0));
     let mut moves = Vec::new();
     let line = |number: u32| Lines::new(text).nth(number as usize - 1).map_or(&[][..], |line| line.text);
     for ms in 0..CALLS_MAX {
         match interpreter.next(&context(reader, ms)) {
-            Ok(macros::Step::Block(block)) => {
+            Ok(macros::MacroStep::Block(block)) => {
                 let number = block.place.line;
                 let understood =
                     reader.read(&block.text).map_err(|fault| message(number as usize, line(number), fault))?;
@@ -69,8 +69,8 @@ fn interpreted(text: &[u8], reader: &mut Reader) -> Result<Vec<Move>, String> {
                     interpreter.set_tables(reader.tables());
                 }
             }
-            Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
-            Ok(macros::Step::End(_) | macros::Step::Restart) => return Ok(moves),
+            Ok(macros::MacroStep::Offset) => reader.set_tables(&interpreter.variables().tables),
+            Ok(macros::MacroStep::End(_) | macros::MacroStep::Restart) => return Ok(moves),
             Ok(_) => {}
             Err(trouble) => return Err(message(trouble.place.line as usize, line(trouble.place.line), trouble.fault)),
         }
@@ -83,13 +83,14 @@ fn message(number: usize, line: &[u8], fault: Fault) -> String {
     format!("line {number}: {} (`{found}`)", short(&fault.cause.to_string()))
 }
 
-fn add(understood: &Understood, moves: &mut Vec<Move>) {
+fn add(understood: &InterpretedLine, moves: &mut Vec<Move>) {
     if let Some(segment) = understood.segment {
         moves.extend(understood.step.motion.map(|motion| of_motion(&motion, Some(&segment))));
     }
-    let acts = understood.step.series.iter().flat_map(|series| series.acts());
-    moves
-        .extend(acts.filter_map(|act| if let Act::Move(motion) = act { Some(of_motion(&motion, None)) } else { None }));
+    let acts = understood.step.series.iter().flat_map(|series| series.actions());
+    moves.extend(
+        acts.filter_map(|act| if let SeriesAction::Move(motion) = act { Some(of_motion(&motion, None)) } else { None }),
+    );
 }
 
 /// The cause without the advice.

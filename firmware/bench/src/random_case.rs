@@ -6,11 +6,11 @@
 //! number, ticks of no and of any length.
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
-use arcfeed_firmware::controller::Input;
+use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::progress::PositionFilter;
-use arcfeed_shared::cut::{CutRule, Moves, Rotation, Side, Work};
+use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
@@ -97,7 +97,7 @@ impl RandomCase {
             Some(table) => {
                 ActiveSegment::with_law(&self.segment, &SegmentLaw::Table(table.clone()), &conditions, &self.job)
             }
-            None => ActiveSegment::under(&self.segment, &conditions, &self.job),
+            None => ActiveSegment::with_conditions(&self.segment, &conditions, &self.job),
         }
     }
 
@@ -115,7 +115,7 @@ impl RandomCase {
     }
 
     /// The inputs of the next tick.
-    pub fn advance(&mut self, random: &mut Random) -> Input {
+    pub fn advance(&mut self, random: &mut Random) -> Measurement {
         let mut noisy = |nm: f64| Nm(nm as i64 + random.below(10_000) as i64 - 5_000);
         let linear = match &mut self.route {
             Route::Arc { arc, at_nm, turn: [cos, sin] } => {
@@ -138,7 +138,7 @@ impl RandomCase {
         };
         let dt = if random.below(100) == 0 { random.below(4_000_000_000) } else { random.below(3_000) };
         let position = (random.below(MISSING) != 0).then_some(Pose { linear, ..Pose::default() });
-        Input { position, spindle: RevPerMin(spindle), dt: Span(dt as u32) }
+        Measurement { position, spindle: RevPerMin(spindle), dt: Span(dt as u32) }
     }
 }
 
@@ -166,7 +166,7 @@ fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
         _ => disc(random, &arc, &tool),
     };
     let work = Work::Ring(*random.one_of(&[Edge::Outer, Edge::Inner]), stock);
-    let moves = Moves::Rotations(Rotation::Interior, arc.turn);
+    let moves = Moves::Rotations(RotationCircle::Interior, arc.turn);
     Cutting { tool: Tool::CupMill(tool), segment, route, moves, work }
 }
 
@@ -174,7 +174,7 @@ fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
 fn for_end_mill(random: &mut Random) -> Cutting {
     let radius = 1_000_000 + random.below(100_000_000);
     let tool = EndMill { radius: Nm(radius as i64), teeth: teeth(random) };
-    let side = *random.one_of(&[Side::Inside, Side::Outside, Side::Slot]);
+    let side = *random.one_of(&[ContourSide::Inside, ContourSide::Outside, ContourSide::Slot]);
     let work = Work::Mill { side, radial_depth: Nm(random.below(radius / 2 * 5) as i64) };
     let (segment, route, moves) = if random.below(2) == 0 {
         let (segment, route) = straight(random);

@@ -59,7 +59,7 @@ pub struct Trace {
 }
 
 impl Trace {
-    fn count(&mut self, case: &RandomCase, input: &controller::Input, output: &Output) {
+    fn count(&mut self, case: &RandomCase, input: &controller::Measurement, output: &Output) {
         let is_refused = matches!(output.reason, Reason::NoDemand(_));
         self.refused += u32::from(is_refused);
         if output.ipt_center.is_some() {
@@ -116,7 +116,7 @@ pub fn run(choice: LawChoice) -> Trace {
 }
 
 /// Nearly always quiet, with somebody who arms again before long.
-fn surroundings(random: &mut Random, measured: controller::Input) -> Input {
+fn surroundings(random: &mut Random, measured: controller::Measurement) -> Input {
     let mut input = Input::of(measured);
     match random.below(400) {
         0..=3 => input.signals = Signals::of_request(Request::Arm),

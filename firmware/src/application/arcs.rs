@@ -11,7 +11,7 @@ use arcfeed_shared::wire::message::table::SegmentArcs;
 /// Engaged arcs received for the next segment; state.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one of it")]
-pub enum Arcs {
+pub enum ReceivedArcs {
     /// No arcs.
     None,
     /// The arcs received so far.
@@ -20,26 +20,26 @@ pub enum Arcs {
     Refused,
 }
 
-impl Arcs {
+impl ReceivedArcs {
     /// Adds the arcs of the next knot along the segment.
     ///
     /// # Errors
     /// Reason why the knot is rejected. Only the first rejection of a segment is reported.
-    pub fn take(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
-        let taken = self.add(arcs);
+    pub fn add(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
+        let taken = self.try_add(arcs);
         if taken.is_err() {
-            *self = Arcs::Refused;
+            *self = ReceivedArcs::Refused;
         }
         taken
     }
 
-    fn add(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
+    fn try_add(&mut self, arcs: &SegmentArcs) -> Result<(), RefusalCode> {
         let SegmentArcs { travelled, outer, inner } = *arcs;
         let knot = || decode_arcs(travelled, [outer, inner]).map_err(|_| RefusalCode::Value);
         let added = match self {
-            Arcs::None => EngagedTable::beginning(knot()?).map(|table| *self = Arcs::Received(table)),
-            Arcs::Received(table) => table.push(knot()?),
-            Arcs::Refused => Ok(()),
+            ReceivedArcs::None => EngagedTable::with_first(knot()?).map(|table| *self = ReceivedArcs::Received(table)),
+            ReceivedArcs::Received(table) => table.push(knot()?),
+            ReceivedArcs::Refused => Ok(()),
         };
         added.map_err(|error| match error {
             EngagedError::Count => RefusalCode::Full,
@@ -52,19 +52,21 @@ impl Arcs {
     ///
     /// # Errors
     /// The reason why not.
-    pub fn suit(&self, rule: Option<&CutRule>) -> Result<(), RefusalCode> {
+    pub fn check_rule(&self, rule: Option<&CutRule>) -> Result<(), RefusalCode> {
         match self {
-            Arcs::Refused => Err(RefusalCode::Incomplete),
-            Arcs::Received(_) if !rule.is_some_and(CutRule::is_told_along) => Err(RefusalCode::Value),
-            Arcs::None | Arcs::Received(_) => Ok(()),
+            ReceivedArcs::Refused => Err(RefusalCode::Incomplete),
+            ReceivedArcs::Received(_) if !rule.is_some_and(CutRule::expects_engagement_per_move) => {
+                Err(RefusalCode::Value)
+            }
+            ReceivedArcs::None | ReceivedArcs::Received(_) => Ok(()),
         }
     }
 
     /// The complete table, if there is one.
     pub fn table(&self) -> Option<&EngagedTable> {
         match self {
-            Arcs::Received(table) => Some(table),
-            Arcs::None | Arcs::Refused => None,
+            ReceivedArcs::Received(table) => Some(table),
+            ReceivedArcs::None | ReceivedArcs::Refused => None,
         }
     }
 }

@@ -35,12 +35,12 @@ impl BoardSettings {
     }
 
     /// Whether these bounds of the override are compatible with the settings.
-    pub fn suit(&self, limits: &OverrideLimits) -> bool {
+    pub fn allow(&self, limits: &OverrideLimits) -> bool {
         Supervisor::within(limits, self.settings).is_ok()
     }
 
     /// The value of one setting.
-    pub fn tell(&self, setting: SettingCode) -> table::Setting {
+    pub fn value(&self, setting: SettingCode) -> table::Setting {
         let Settings { position, link, lost_after_frames, resync, longest_tick, .. } = self.settings;
         let value = match setting {
             SettingCode::PositionStale => position.stale_after.0,
@@ -98,15 +98,15 @@ mod tests {
     fn every_setting_comes_back_as_it_was_set() {
         let mut settings = BoardSettings::new(Settings::default()).unwrap();
         for setting in SettingCode::ALL {
-            let before = settings.tell(*setting).value;
+            let before = settings.value(*setting).value;
             assert_eq!(settings.set(*setting, before + 1), Ok(()), "{setting:?}");
             let others = SettingCode::ALL.iter().filter(|other| *other != setting);
-            let sum: u32 = others.map(|other| settings.tell(*other).value).sum();
-            assert_eq!(settings.tell(*setting).value, before + 1);
+            let sum: u32 = others.map(|other| settings.value(*other).value).sum();
+            assert_eq!(settings.value(*setting).value, before + 1);
             assert_eq!(settings.set(*setting, before), Ok(()));
             let others = SettingCode::ALL.iter().filter(|other| *other != setting);
             assert_eq!(
-                others.map(|other| settings.tell(*other).value).sum::<u32>(),
+                others.map(|other| settings.value(*other).value).sum::<u32>(),
                 sum,
                 "{setting:?} is nothing else's"
             );

@@ -5,13 +5,13 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::units::{MmPerMin, Nm, RevPerMin};
 use arcfeed_shared::wire::message::codes::RefusalCode;
-use arcfeed_shared::wire::message::page::{self, PageError, Tapped};
+use arcfeed_shared::wire::message::page::{self, PageError, TappedLine};
 use arcfeed_shared::wire::message::staging::{Staging, empty_job};
 use arcfeed_shared::wire::message::{moves, table};
 
 use crate::active::{ActiveSegment, Conditions};
 
-use super::arcs::Arcs;
+use super::arcs::ReceivedArcs;
 
 /// The job in force, the parameter set being received, and the engaged arcs of the next segment; state.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ pub struct Buffers {
     /// The parameter set being received.
     pub(super) staging: Staging,
     /// Engaged arcs of the next segment, or of the one that waits for room.
-    pub(super) arcs: Arcs,
+    pub(super) arcs: ReceivedArcs,
 }
 
 impl Default for Buffers {
@@ -34,14 +34,14 @@ impl Default for Buffers {
 impl Buffers {
     /// No job, no set, no arcs.
     pub const fn new() -> Self {
-        Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: Arcs::None }
+        Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: ReceivedArcs::None }
     }
 
     /// Clears the buffers in place: they are too large to be built elsewhere and moved.
     pub(super) fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
-        self.arcs = Arcs::None;
+        self.arcs = ReceivedArcs::None;
     }
 
     /// The job in force.
@@ -63,7 +63,7 @@ impl Buffers {
         let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
         moves::decode(segment).map_err(|_| RefusalCode::Value)?;
-        self.arcs.suit(rule)
+        self.arcs.check_rule(rule)
     }
 
     /// Prepares a checked segment under its law and consumes its arcs; `None` only for a segment that was not checked.
@@ -81,13 +81,13 @@ impl Buffers {
             limit: own.limit.map_or(ceiling, |own| Some(ceiling.map_or(own, |ceiling| own.lower(ceiling)))),
             ..own
         };
-        let active = ActiveSegment::under(&segment, &conditions, job);
-        self.arcs = Arcs::None;
+        let active = ActiveSegment::with_conditions(&segment, &conditions, job);
+        self.arcs = ReceivedArcs::None;
         Some(active)
     }
 
     /// Loads the job of a page of flash, if `suits` accepts it; returns the tapped line for which it was written.
-    pub(super) fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<Tapped, PageError> {
+    pub(super) fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<TappedLine, PageError> {
         let (job, tapped) = page::read(page, &mut self.staging)?;
         if !suits(job) {
             return Err(PageError::Set(RefusalCode::Value));

@@ -9,7 +9,7 @@ use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{Micros, Nm};
 use arcfeed_shared::wire::message::codes::{PathCode, RefusalCode, RequestCode};
 use arcfeed_shared::wire::message::field::Chunk;
-use arcfeed_shared::wire::message::page::{PageError, Tapped};
+use arcfeed_shared::wire::message::page::{PageError, TappedLine};
 use arcfeed_shared::wire::message::{Message, table};
 use heapless::Deque;
 
@@ -18,7 +18,7 @@ use crate::supervisor::Supervisor;
 use crate::supervisor::settings::{Settings, SettingsError};
 use crate::supervisor::signals::BoardFault;
 
-use super::arcs::Arcs;
+use super::arcs::ReceivedArcs;
 use super::board_settings::BoardSettings;
 use super::buffers::Buffers;
 use super::dispatch::Dispatch;
@@ -87,7 +87,7 @@ impl<'q> CommandHandler<'q> {
     }
 
     /// Executes a message. Invalid bytes are rejected.
-    pub fn take(&mut self, kind: u8, payload: &[u8]) {
+    pub fn handle(&mut self, kind: u8, payload: &[u8]) {
         match Message::decode(kind, payload) {
             Ok(message) => self.execute(&message),
             Err(_) => self.refuse(kind, 0, RefusalCode::Message),
@@ -122,7 +122,7 @@ impl<'q> CommandHandler<'q> {
     }
 
     /// Puts an answer back that could not be sent.
-    pub fn keep(&mut self, reply: Message) {
+    pub fn requeue(&mut self, reply: Message) {
         let _room = self.replies.push_front(reply);
     }
 
@@ -142,13 +142,13 @@ impl<'q> CommandHandler<'q> {
     }
 
     /// Registers a sign of life of the host.
-    pub fn heard(&mut self, at: Micros) {
-        self.dispatch.heard(at);
+    pub fn host_alive(&mut self, at: Micros) {
+        self.dispatch.host_alive(at);
     }
 
     /// Starts a session and discards all data of the previous one.
     pub fn on_link_up(&mut self) {
-        self.part();
+        self.end_session();
         if !self.is_tapped {
             self.begin_run();
         }
@@ -156,14 +156,14 @@ impl<'q> CommandHandler<'q> {
 
     /// Ends the session because the host is silent or its frames are corrupted.
     pub fn on_host_lost(&mut self) {
-        self.part();
-        self.dispatch.say(Notice::Lost);
+        self.end_session();
+        self.dispatch.notify(Notice::HostLost);
     }
 
     /// Ends the session because the host restarted or closed the link.
     pub fn on_host_left(&mut self) {
-        self.part();
-        self.dispatch.say(Notice::Gone);
+        self.end_session();
+        self.dispatch.notify(Notice::HostChanged);
         if !self.is_tapped {
             self.begin_run();
         }
@@ -173,12 +173,12 @@ impl<'q> CommandHandler<'q> {
     ///
     /// # Errors
     /// Reason why the page is rejected. A corrupt or invalid page raises a fault.
-    pub fn load_page(&mut self, page: &[u8], set: u32) -> Result<Tapped, PageError> {
-        let read = self.buffers.read_page(page, |job| self.settings.suit(&job.limits));
+    pub fn load_page(&mut self, page: &[u8], set: u32) -> Result<TappedLine, PageError> {
+        let read = self.buffers.read_page(page, |job| self.settings.allow(&job.limits));
         match read {
             Ok(_) => self.take_effect(set),
             Err(PageError::Blank) => {}
-            Err(_) => self.dispatch.say(Notice::Fault(BoardFault::Parameters)),
+            Err(_) => self.dispatch.notify(Notice::Fault(BoardFault::Parameters)),
         }
         read
     }
@@ -191,7 +191,7 @@ impl<'q> CommandHandler<'q> {
     /// Starts a new run: discards unfinished segments.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
-        self.buffers.arcs = Arcs::None;
+        self.buffers.arcs = ReceivedArcs::None;
         self.dispatch.begin_run();
     }
 
@@ -205,7 +205,7 @@ impl<'q> CommandHandler<'q> {
         self.dispatch.put(count, segment, None)
     }
 
-    fn part(&mut self) {
+    fn end_session(&mut self) {
         self.buffers.staging.forget();
         self.is_current = false;
         self.replies.clear();
@@ -220,12 +220,12 @@ impl<'q> CommandHandler<'q> {
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
             // The arcs of a segment that waits for room are complete.
             Message::SegmentArcs(_) if self.parked.is_some() => Err((0, RefusalCode::Full)),
-            Message::SegmentArcs(arcs) => self.buffers.arcs.take(arcs).map_err(|why| (0, why)),
+            Message::SegmentArcs(arcs) => self.buffers.arcs.add(arcs).map_err(|why| (0, why)),
             Message::Segment(segment) => self.segment(segment).map_err(|why| (segment.count, why)),
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
             Message::SetSetting(set) => self.set(set).map_err(|why| (set.setting as u32, why)),
             Message::AskSetting(ask) => {
-                self.answer(self.settings.tell(ask.setting).into());
+                self.answer(self.settings.value(ask.setting).into());
                 Ok(())
             }
             Message::AskInfo(_) => {
@@ -250,10 +250,10 @@ impl<'q> CommandHandler<'q> {
     /// Adds a message to a set. Only the first invalid message is answered; the later ones have no set.
     fn part_of_set(&mut self, part: &Message) -> Result<(), (u32, RefusalCode)> {
         let set = self.buffers.staging.set();
-        match self.buffers.staging.take(part) {
+        match self.buffers.staging.add(part) {
             Ok(()) | Err(RefusalCode::NoSet) => Ok(()),
             Err(why) => {
-                self.dispatch.say(Notice::Fault(BoardFault::Parameters));
+                self.dispatch.notify(Notice::Fault(BoardFault::Parameters));
                 Err((set, why))
             }
         }
@@ -264,7 +264,7 @@ impl<'q> CommandHandler<'q> {
         let sound = self.buffers.staging.commit(commit).and_then(|job| {
             if is_busy {
                 Err(RefusalCode::Busy)
-            } else if self.settings.suit(&job.limits) {
+            } else if self.settings.allow(&job.limits) {
                 Ok(())
             } else {
                 Err(RefusalCode::Value)
@@ -278,7 +278,7 @@ impl<'q> CommandHandler<'q> {
                 self.answer(table::Accepted { set: commit.set }.into());
             }
             Err(RefusalCode::Busy | RefusalCode::NoSet) => {}
-            Err(_) => self.dispatch.say(Notice::Fault(BoardFault::Parameters)),
+            Err(_) => self.dispatch.notify(Notice::Fault(BoardFault::Parameters)),
         }
         sound
     }
@@ -306,7 +306,7 @@ impl<'q> CommandHandler<'q> {
         let limits = self.buffers.job().map_or(OverrideLimits::default(), |job| job.limits);
         // Bounds and settings were checked when they were accepted.
         if let Ok(supervisor) = Supervisor::within(&limits, self.settings.settings) {
-            self.dispatch.order(supervisor);
+            self.dispatch.send_parameters(supervisor);
         }
     }
 
@@ -316,7 +316,7 @@ impl<'q> CommandHandler<'q> {
         }
         if let Err(why) = self.check(segment) {
             // The next segment brings its own arcs.
-            self.buffers.arcs = Arcs::None;
+            self.buffers.arcs = ReceivedArcs::None;
             return Err(why);
         }
         self.next = Some(segment.count.wrapping_add(1));
@@ -351,7 +351,7 @@ impl<'q> CommandHandler<'q> {
 
     fn request(&mut self, request: &table::Request) -> Result<(), RefusalCode> {
         match request.what {
-            RequestCode::Disarm => self.dispatch.say(Notice::Disarm),
+            RequestCode::Disarm => self.dispatch.notify(Notice::Disarm),
             // The parameters of a tapped line are the board's own.
             RequestCode::Arm if !(self.is_current || self.is_tapped && self.buffers.job().is_some()) => {
                 return Err(RefusalCode::NoParameters);
@@ -359,7 +359,7 @@ impl<'q> CommandHandler<'q> {
             RequestCode::Arm if self.status.as_ref().is_none_or(|status| status.epoch != request.epoch) => {
                 return Err(RefusalCode::Outdated);
             }
-            RequestCode::Arm => self.dispatch.say(Notice::Arm(request.epoch)),
+            RequestCode::Arm => self.dispatch.notify(Notice::Arm(request.epoch)),
         }
         Ok(())
     }
@@ -371,7 +371,7 @@ impl<'q> CommandHandler<'q> {
         }
         self.settings.set(set.setting, set.value)?;
         self.send_parameters();
-        self.answer(self.settings.tell(set.setting).into());
+        self.answer(self.settings.value(set.setting).into());
         Ok(())
     }
 

@@ -113,7 +113,7 @@ impl<'q> ControlTask<'q> {
             self.epoch = self.epoch.wrapping_add(1);
         }
         self.host.is_gone = false;
-        self.tell(record, &output, is_in_work);
+        self.send_status(record, &output, is_in_work);
         output
     }
 
@@ -130,14 +130,14 @@ impl<'q> ControlTask<'q> {
     fn take_notices(&mut self) {
         while let Some(notice) = self.queues.notices.dequeue() {
             match notice {
-                Notice::Heard(at) => (self.host.heard, self.host.is_lost) = (Some(at), false),
-                Notice::Lost => self.host.is_lost = true,
-                Notice::Gone => self.host = Host { heard: None, is_lost: true, is_gone: true },
+                Notice::HostAlive(at) => (self.host.heard, self.host.is_lost) = (Some(at), false),
+                Notice::HostLost => self.host.is_lost = true,
+                Notice::HostChanged => self.host = Host { heard: None, is_lost: true, is_gone: true },
                 Notice::Run(run) => self.begin_run(run),
-                Notice::Arm(epoch) if epoch == self.epoch => self.ask(Request::Arm),
+                Notice::Arm(epoch) if epoch == self.epoch => self.set_request(Request::Arm),
                 // Stale: requested before the last fallback, which that person has not seen.
                 Notice::Arm(_) => {}
-                Notice::Disarm => self.ask(Request::Disarm),
+                Notice::Disarm => self.set_request(Request::Disarm),
                 Notice::Fault(fault) => self.fault = Some(fault),
             }
         }
@@ -165,7 +165,7 @@ impl<'q> ControlTask<'q> {
         }
     }
 
-    fn ask(&mut self, request: Request) {
+    fn set_request(&mut self, request: Request) {
         self.request = self.request.with(Signals::of_request(request));
     }
 
@@ -175,7 +175,7 @@ impl<'q> ControlTask<'q> {
         let fault = self.fault.take().map_or(Signals::NONE, Signals::of_fault);
         let request = core::mem::take(&mut self.request);
         Input {
-            measured: controller::Input { position: sensors.position, spindle: sensors.spindle, dt },
+            measured: controller::Measurement { position: sensors.position, spindle: sensors.spindle, dt },
             position: sensors.freshness,
             link: match self.supply {
                 Supply::Link => self.host.freshness(now, self.supervisor.settings().lost_after_frames),
@@ -186,7 +186,7 @@ impl<'q> ControlTask<'q> {
         }
     }
 
-    fn tell(&mut self, record: TelemetryRecord, output: &Output, is_in_work: bool) {
+    fn send_status(&mut self, record: TelemetryRecord, output: &Output, is_in_work: bool) {
         self.refusal = output.refusal.or(self.refusal);
         let status = TaskStatus {
             record,

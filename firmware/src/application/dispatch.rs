@@ -55,7 +55,7 @@ impl<'q> Dispatch<'q> {
     }
 
     /// Sends a notice.
-    pub fn say(&mut self, notice: Notice) {
+    pub fn notify(&mut self, notice: Notice) {
         let at_once = self.waiting.is_empty() && self.notices.enqueue(notice).is_ok();
         if !at_once {
             // Fills only if the control task has stopped.
@@ -64,20 +64,20 @@ impl<'q> Dispatch<'q> {
     }
 
     /// Registers a sign of life of the host. Other notices have priority, as signs of life repeat.
-    pub fn heard(&mut self, at: Micros) {
+    pub fn host_alive(&mut self, at: Micros) {
         if self.waiting.is_empty() && self.notices.len() < self.notices.capacity() / 2 {
-            let _room = self.notices.enqueue(Notice::Heard(at));
+            let _room = self.notices.enqueue(Notice::HostAlive(at));
         }
     }
 
     /// Starts a new run: discards unfinished segments.
     pub fn begin_run(&mut self) {
         self.run = self.run.wrapping_add(1);
-        self.say(Notice::Run(self.run));
+        self.notify(Notice::Run(self.run));
     }
 
     /// Sends parameters and settings; they take effect after the segments queued so far.
-    pub fn order(&mut self, supervisor: Supervisor) {
+    pub fn send_parameters(&mut self, supervisor: Supervisor) {
         self.pending = Some(supervisor);
         self.flush();
     }

@@ -48,7 +48,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
             let (part, others) = rest.split_at_checked(end).unwrap_or((rest, &[]));
             rest = others;
             link.set_ready(handler.is_ready());
-            link.on_bytes(now, part, &mut |received| handler.take(received.kind, received.payload));
+            link.on_bytes(now, part, &mut |received| handler.handle(received.kind, received.payload));
             self.watch();
         }
     }
@@ -67,7 +67,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         if !self.was_up {
             return;
         }
-        self.handler.heard(heard_at(now, self.link.age(now)));
+        self.handler.host_alive(heard_at(now, self.link.age(now)));
         self.answer();
         if now >= self.report_due
             && let Some(report) = self.handler.report()
@@ -140,7 +140,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
     fn answer(&mut self) {
         while let Some(reply) = self.handler.reply() {
             if send(&mut self.link, &reply) == Err(SendError::Full) {
-                return self.handler.keep(reply);
+                return self.handler.requeue(reply);
             }
         }
     }

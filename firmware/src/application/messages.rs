@@ -79,11 +79,11 @@ pub struct PlannedMove {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
     /// The host gave a sign of life at this time.
-    Heard(Micros),
+    HostAlive(Micros),
     /// The host's frames are corrupt: it counts as lost, as after a long silence.
-    Lost,
+    HostLost,
     /// The host has restarted or was replaced: it is lost, and its last value is invalid.
-    Gone,
+    HostChanged,
     /// A new run: segments of earlier runs are discarded.
     Run(u32),
     /// A person who has seen the state at this epoch asks to arm.

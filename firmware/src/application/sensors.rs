@@ -30,7 +30,7 @@ pub struct Sensors {
 /// Receiver of a machine line's samples; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineLine {
-    seen: Sensors,
+    last: Sensors,
     heard: Option<Micros>,
     /// Time of the latest sample by the machine's clock.
     latest: Option<u64>,
@@ -45,45 +45,45 @@ impl Default for MachineLine {
 impl MachineLine {
     /// A machine line before the first sample: maximum age of the position, dial at 0.
     pub const fn new() -> Self {
-        let seen = Sensors {
+        let last = Sensors {
             position: None,
             freshness: Freshness { age: Span(u32::MAX), invalid_in_row: 0 },
             spindle: RevPerMin(0.0),
             operator_percent: 0,
             signals: Signals::NONE,
         };
-        MachineLine { seen, heard: None, latest: None }
+        MachineLine { last, heard: None, latest: None }
     }
 
     /// Processes a sample that arrived at `now`. Returns false, and counts the sample as invalid, if it is invalid or
     /// not later than an earlier one; a copy does not give the current position.
-    pub fn take(&mut self, now: Micros, sample: &Sample) -> bool {
+    pub fn on_sample(&mut self, now: Micros, sample: &Sample) -> bool {
         let position = sample.linear.map(|linear| pose(linear, sample.rotary)).transpose();
         let is_copy = self.latest.is_some_and(|latest| sample.at <= latest);
         let (Ok(position), Some(signals), false) = (position, Signals::of_machine(sample.signals), is_copy) else {
-            self.take_invalid();
+            self.count_invalid();
             return false;
         };
         self.latest = Some(sample.at);
         if position.is_some() {
-            (self.seen.position, self.heard) = (position, Some(now));
-            self.seen.freshness.invalid_in_row = 0;
+            (self.last.position, self.heard) = (position, Some(now));
+            self.last.freshness.invalid_in_row = 0;
         }
-        self.seen.spindle = RevPerMin(sample.spindle.value());
-        (self.seen.operator_percent, self.seen.signals) = (sample.operator_percent, signals);
+        self.last.spindle = RevPerMin(sample.spindle.value());
+        (self.last.operator_percent, self.last.signals) = (sample.operator_percent, signals);
         true
     }
 
     /// Counts an invalid frame.
-    pub fn take_invalid(&mut self) {
-        let invalid = &mut self.seen.freshness.invalid_in_row;
+    pub fn count_invalid(&mut self) {
+        let invalid = &mut self.last.freshness.invalid_in_row;
         *invalid = invalid.saturating_add(1);
     }
 
     /// Sensor values at `now`.
     pub fn sensors(&self, now: Micros) -> Sensors {
         let age = self.heard.map_or(Span(u32::MAX), |heard| now.since(heard).into());
-        Sensors { freshness: Freshness { age, ..self.seen.freshness }, ..self.seen }
+        Sensors { freshness: Freshness { age, ..self.last.freshness }, ..self.last }
     }
 }
 
@@ -129,12 +129,12 @@ mod tests {
     fn a_sample_is_what_it_says_and_grows_old() {
         let mut line = MachineLine::new();
         let signals = Signals::FEED_HOLD.with(Signals::of_request(Request::Arm));
-        assert!(line.take(Micros(1_000), &Sample { signals: signals.bits(), ..sample() }));
+        assert!(line.on_sample(Micros(1_000), &Sample { signals: signals.bits(), ..sample() }));
         let sensors = line.sensors(Micros(4_500));
         assert_eq!(sensors.position.unwrap().linear, [1_000, -2_000, 3_000].map(Nm));
         assert_eq!((sensors.spindle.0, sensors.signals, sensors.freshness.age), (1_000.0, signals, Span(3_500)));
         // Without a new position the rest is news, the position is not.
-        line.take(Micros(5_000), &Sample { at: 6, linear: None, operator_percent: 80, ..sample() });
+        line.on_sample(Micros(5_000), &Sample { at: 6, linear: None, operator_percent: 80, ..sample() });
         let sensors = line.sensors(Micros(5_000));
         assert_eq!((sensors.operator_percent, sensors.freshness.age), (80, Span(4_000)));
     }
@@ -142,15 +142,15 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_counted_and_changes_nothing_else() {
         let mut line = MachineLine::new();
-        line.take(Micros(0), &sample());
+        line.on_sample(Micros(0), &sample());
         let before = line.sensors(Micros(9));
         let fault = Signals::of_fault(BoardFault::Watchdog).bits();
-        assert!(!line.take(Micros(5), &Sample { signals: fault, ..sample() }), "only the board knows its faults");
-        assert!(!line.take(Micros(5), &Sample { linear: Some([i64::MAX; 3]), ..sample() }));
-        line.take_invalid();
+        assert!(!line.on_sample(Micros(5), &Sample { signals: fault, ..sample() }), "only the board knows its faults");
+        assert!(!line.on_sample(Micros(5), &Sample { linear: Some([i64::MAX; 3]), ..sample() }));
+        line.count_invalid();
         let freshness = Freshness { invalid_in_row: 3, ..before.freshness };
         assert_eq!(line.sensors(Micros(9)), Sensors { freshness, ..before });
-        line.take(Micros(9), &Sample { at: 6, ..sample() });
+        line.on_sample(Micros(9), &Sample { at: 6, ..sample() });
         assert_eq!(line.sensors(Micros(9)).freshness, Freshness::NOW);
     }
 
@@ -158,9 +158,9 @@ mod tests {
     fn recorded_samples_that_come_again_and_again_are_no_position() {
         let mut line = MachineLine::new();
         let recorded = (1..=60).map(|at| Sample { at, ..sample() });
-        assert!(recorded.clone().all(|sample| line.take(Micros(sample.at), &sample)));
+        assert!(recorded.clone().all(|sample| line.on_sample(Micros(sample.at), &sample)));
         for (sample, ms) in recorded.cycle().zip(61..1_000) {
-            assert!(!line.take(Micros(ms), &sample));
+            assert!(!line.on_sample(Micros(ms), &sample));
         }
         let freshness = Freshness { age: Span(940), invalid_in_row: u8::MAX };
         assert_eq!(line.sensors(Micros(1_000)).freshness, freshness);

@@ -115,7 +115,7 @@ fn quarter(job: &Job) -> ActiveSegment {
 }
 
 fn mill<'b>(bench: &'b Bench, job: &Job) -> (Mill<'b>, Pins<'b>) {
-    let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
+    let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: TICK };
     let lines = Latched::new(ParallelLines::new(bench.pins()).unwrap());
     let segment = Some((1, quarter(job)));
     let mill = Mill { segment, ticks: 0, request: Signals::NONE, input: Input::of(measured), lines };

@@ -11,7 +11,7 @@
 
 /// Ends of the dial, in counts of the converter; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Dial {
+pub struct DialInput {
     lowest: u16,
     span: u16,
     plausible: (u16, u16),
@@ -20,7 +20,7 @@ pub struct Dial {
 
 /// Last reading of the dial; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Knob {
+pub struct DialState {
     held: u16,
     implausible_ticks: u8,
 }
@@ -36,7 +36,7 @@ const MARGIN: u16 = 64;
 /// Number of consecutive ticks without a plausible reading at which the dial is faulty.
 const IMPLAUSIBLE_TICKS_MAX: u8 = 5;
 
-impl Dial {
+impl DialInput {
     /// A dial that reads `lowest` counts at 0 % and `highest` at `highest_percent`, on a converter whose last count is
     /// `full_scale`. `None` if the ends are too near the rails to detect a broken wire, or too near each other.
     pub const fn new(lowest: u16, highest: u16, full_scale: u16, highest_percent: u8) -> Option<Self> {
@@ -47,14 +47,14 @@ impl Dial {
             return None;
         }
         let plausible = (lowest - MARGIN, highest + MARGIN);
-        Some(Dial { lowest: low, span: high.saturating_sub(low), plausible, highest_percent })
+        Some(DialInput { lowest: low, span: high.saturating_sub(low), plausible, highest_percent })
     }
 
     /// Processes the reading of this tick; returns per cent, rounded down. Zero before the first plausible reading.
     ///
     /// # Errors
     /// No plausible reading for five consecutive ticks.
-    pub fn follow(&self, knob: &mut Knob, reading: Option<u16>) -> Result<u8, DialBroken> {
+    pub fn follow(&self, knob: &mut DialState, reading: Option<u16>) -> Result<u8, DialBroken> {
         let (low, high) = self.plausible;
         match reading.filter(|reading| (low..=high).contains(reading)) {
             Some(reading) => {
@@ -78,10 +78,10 @@ mod tests {
     use super::*;
 
     /// 0 to 150 % on 12 bits.
-    const DIAL: Dial = Dial::new(400, 3_700, 4_095, 150).unwrap();
+    const DIAL: DialInput = DialInput::new(400, 3_700, 4_095, 150).unwrap();
 
     fn last(readings: &[Option<u16>]) -> Result<u8, DialBroken> {
-        let mut knob = Knob::default();
+        let mut knob = DialState::default();
         readings.iter().map(|reading| DIAL.follow(&mut knob, *reading)).last().unwrap()
     }
 
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn it_never_reads_more_than_the_line_between_its_ends_and_at_most_a_step_and_the_backlash_less() {
-        let mut knob = Knob::default();
+        let mut knob = DialState::default();
         let up_and_down = (400..=3_700).chain((400..=3_700).rev());
         for reading in up_and_down {
             let percent = f64::from(DIAL.follow(&mut knob, Some(reading)).unwrap());
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn noise_within_the_backlash_does_not_turn_it() {
         for middle in 450..3_650 {
-            let mut knob = Knob::default();
+            let mut knob = DialState::default();
             let noise = [8, -8, 3, 7, -5, 8, -8, 0];
             let percents = noise.map(|off| DIAL.follow(&mut knob, Some((middle + off) as u16)).unwrap());
             assert!(percents[1..].iter().all(|percent| *percent == percents[1]), "{middle}: {percents:?}");
@@ -141,7 +141,7 @@ mod tests {
         for (lowest, highest, percent) in
             [(128, 3_700, 150), (400, 3_967, 150), (400, 2_000, 150), (2_000, 400, 150), (0, 4_095, 100)]
         {
-            assert_eq!(Dial::new(lowest, highest, 4_095, percent), None, "{lowest} {highest}");
+            assert_eq!(DialInput::new(lowest, highest, 4_095, percent), None, "{lowest} {highest}");
         }
     }
 }

@@ -15,7 +15,7 @@
 //!
 //! Source: docs/laws.md#contour (808D advanced manual p. 79; calculator pages quoted there).
 
-use arcfeed_shared::cut::Side;
+use arcfeed_shared::cut::ContourSide;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
@@ -37,7 +37,7 @@ pub struct Contour {
 
 impl Contour {
     /// Prepares the law for an arc of path radius q; infinite for a line.
-    pub fn new(path_radius: Mm, tool_radius: Mm, side: Side, a: MmPerTooth, limits: ContourLimits) -> Self {
+    pub fn new(path_radius: Mm, tool_radius: Mm, side: ContourSide, a: MmPerTooth, limits: ContourLimits) -> Self {
         Contour { demand: demand(path_radius.0, tool_radius.0, side, a.0, limits) }
     }
 }
@@ -52,21 +52,21 @@ impl FeedLaw for Contour {
     }
 }
 
-fn demand(q_mm: f32, r_mm: f32, side: Side, a: f32, limits: ContourLimits) -> Result<FeedDemand, NoDemand> {
+fn demand(q_mm: f32, r_mm: f32, side: ContourSide, a: f32, limits: ContourLimits) -> Result<FeedDemand, NoDemand> {
     if !(q_mm >= 0.0 && r_mm > 0.0 && a > 0.0 && a.is_finite() && r_mm.is_finite() && limits.floor_ratio >= 0.0) {
         return Err(NoDemand::BadInput);
     }
     let factor = match side {
         _ if q_mm.is_infinite() => 1.0,
-        Side::Inside | Side::Slot => q_mm / (q_mm + r_mm), // (1)
-        Side::Outside if limits.inside_only => 1.0,
+        ContourSide::Inside | ContourSide::Slot => q_mm / (q_mm + r_mm), // (1)
+        ContourSide::Outside if limits.inside_only => 1.0,
         // A tool's centre on a smaller circle than the tool itself cannot be outside a contour.
-        Side::Outside if q_mm <= r_mm => return Err(NoDemand::OutsideValidity),
-        Side::Outside => q_mm / (q_mm - r_mm), // (2)
+        ContourSide::Outside if q_mm <= r_mm => return Err(NoDemand::OutsideValidity),
+        ContourSide::Outside => q_mm / (q_mm - r_mm), // (2)
     };
     let path_mm_per_tooth = a * factor.max(limits.floor_ratio);
     if path_mm_per_tooth > 0.0 && path_mm_per_tooth.is_finite() {
-        Ok(FeedDemand { path_mm_per_tooth, contact: [0.0, if side == Side::Outside { 1.0 } else { -1.0 }] })
+        Ok(FeedDemand { path_mm_per_tooth, contact: [0.0, if side == ContourSide::Outside { 1.0 } else { -1.0 }] })
     } else {
         Err(NoDemand::OutsideValidity)
     }
@@ -78,28 +78,28 @@ mod tests {
 
     const FREE: ContourLimits = ContourLimits { inside_only: false, floor_ratio: 0.0 };
 
-    fn feed(q: f32, side: Side, limits: ContourLimits) -> Result<f32, NoDemand> {
+    fn feed(q: f32, side: ContourSide, limits: ContourLimits) -> Result<f32, NoDemand> {
         Contour::new(Mm(q), Mm(2.0), side, MmPerTooth(0.1), limits).demand.map(|demand| demand.path_mm_per_tooth)
     }
 
     #[test]
     fn inside_only_never_raises_a_feed() {
         let inside_only = ContourLimits { inside_only: true, ..FREE };
-        assert_eq!(feed(10.0, Side::Outside, inside_only), Ok(0.1));
-        assert!(feed(10.0, Side::Outside, FREE).unwrap() > 0.1);
-        assert!(feed(10.0, Side::Inside, inside_only).unwrap() < 0.1);
+        assert_eq!(feed(10.0, ContourSide::Outside, inside_only), Ok(0.1));
+        assert!(feed(10.0, ContourSide::Outside, FREE).unwrap() > 0.1);
+        assert!(feed(10.0, ContourSide::Inside, inside_only).unwrap() < 0.1);
     }
 
     #[test]
     fn a_tool_that_fills_its_arc_keeps_moving_at_the_floor() {
         let floor = ContourLimits { floor_ratio: 0.25, ..FREE };
-        assert_eq!(feed(0.0, Side::Inside, floor), Ok(0.025));
-        assert_eq!(feed(0.0, Side::Inside, FREE), Err(NoDemand::OutsideValidity));
+        assert_eq!(feed(0.0, ContourSide::Inside, floor), Ok(0.025));
+        assert_eq!(feed(0.0, ContourSide::Inside, FREE), Err(NoDemand::OutsideValidity));
     }
 
     #[test]
     fn a_line_keeps_its_feed() {
-        assert_eq!(feed(f32::INFINITY, Side::Inside, FREE), Ok(0.1));
-        assert_eq!(feed(f32::INFINITY, Side::Outside, FREE), Ok(0.1));
+        assert_eq!(feed(f32::INFINITY, ContourSide::Inside, FREE), Ok(0.1));
+        assert_eq!(feed(f32::INFINITY, ContourSide::Outside, FREE), Ok(0.1));
     }
 }

@@ -25,7 +25,7 @@ use super::{FeedDemand, FeedLaw, NoDemand, Place};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePolicy {
     /// Both: the thicker chip decides.
-    Protect,
+    Both,
     /// Only one edge, regardless of the other.
     Only(Edge),
 }
@@ -57,7 +57,7 @@ impl EngagedArc {
     pub fn new(ring: Ring, policy: EdgePolicy, region: Region) -> Self {
         let cut = |edge, edge_radius: Mm| {
             let Ring { path_radius, feed_per_tooth, .. } = ring;
-            let protected = policy == EdgePolicy::Protect || policy == EdgePolicy::Only(edge);
+            let protected = policy == EdgePolicy::Both || policy == EdgePolicy::Only(edge);
             let exists = edge_radius.0 != 0.0;
             (protected && exists).then_some(Cut { path_radius, edge_radius, edge, feed_per_tooth })
         };
@@ -77,7 +77,7 @@ impl EngagedArc {
     /// Demand of one edge.
     fn demand_of(&self, cut: &Cut, place: &Place) -> Result<FeedDemand, NoDemand> {
         let circle = CircleAt { edge: cut.edge, radius_mm: cut.edge_radius.0, place };
-        if self.region.holds_ahead(&circle) {
+        if self.region.is_engaged_ahead(&circle) {
             let path_mm_per_tooth = cut.path_straight_ahead()?.0; // (1)
             return Ok(FeedDemand { path_mm_per_tooth, contact: [1.0, 0.0] });
         }

@@ -17,7 +17,7 @@ pub mod engagement;
 
 pub mod table;
 
-use arcfeed_shared::cut::{CutRule, Side, Work};
+use arcfeed_shared::cut::{ContourSide, CutRule, Work};
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::fmath;
 use arcfeed_shared::job::{Job, LawKind};
@@ -155,7 +155,7 @@ impl SegmentLaw {
             }
             (_, Work::Ring(_, stock), LawKind::EngagedArc { .. }) => {
                 let region = match (stock, along) {
-                    (Stock::Along, Some(table)) => Some(Region::Engaged(table.clone())),
+                    (Stock::PerMove, Some(table)) => Some(Region::Engaged(table.clone())),
                     _ => Region::new(stock, origin_mm(segment), segment.height().to_mm()),
                 };
                 region.map_or(SegmentLaw::Programmed, |region| for_circles(segment, rule, region, job))
@@ -238,7 +238,7 @@ fn for_circles(segment: &Segment, rule: &CutRule, region: Region, job: &Job) -> 
     };
     let [outer_radius, inner_radius] = radii;
     let ring = Ring { outer_radius, inner_radius, path_radius, feed_per_tooth: job.feed_per_tooth_of(rule) };
-    let policy = if both_edges { EdgePolicy::Protect } else { EdgePolicy::Only(*edge) };
+    let policy = if both_edges { EdgePolicy::Both } else { EdgePolicy::Only(*edge) };
     SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
 }
 
@@ -251,7 +251,7 @@ fn origin_mm(segment: &Segment) -> [f64; 2] {
 fn for_mill(
     segment: &Segment,
     mill: &EndMill,
-    (side, radial_depth): (Side, Nm),
+    (side, radial_depth): (ContourSide, Nm),
     law: LawKind,
     feed_per_tooth: MmPerTooth,
 ) -> SegmentLaw {
@@ -265,13 +265,13 @@ fn for_mill(
         }
         LawKind::Engagement => {
             let shape = match (segment.arc(), side) {
-                (Some(arc), Side::Inside) => PathShape::Inside {
+                (Some(arc), ContourSide::Inside) => PathShape::Inside {
                     contour_radius: Mm(arc.radius_mm() as f32 + tool_radius.0),
                     turn_rad: arc.sweep_rad() as f32,
                 },
                 _ => PathShape::Straight,
             };
-            let depth = if side == Side::Slot { Nm(2 * mill.radius.0) } else { radial_depth };
+            let depth = if side == ContourSide::Slot { Nm(2 * mill.radius.0) } else { radial_depth };
             let depth = Mm(depth.to_mm() as f32);
             SegmentLaw::Engagement(Engagement::new(tool_radius, depth, feed_per_tooth, shape))
         }

@@ -79,7 +79,7 @@ impl Region {
                 radius_mm: *radius_mm as f32,
             },
             Stock::Engaged(table) => Region::Engaged(table.clone()),
-            Stock::Along => return None,
+            Stock::PerMove => return None,
         })
     }
 
@@ -95,7 +95,7 @@ impl Region {
     }
 
     /// Whether the direction k v of the circle's advance is engaged.
-    pub fn holds_ahead(&self, circle: &CircleAt<'_>) -> bool {
+    pub fn is_engaged_ahead(&self, circle: &CircleAt<'_>) -> bool {
         let ahead = || circle.point(Vector2::from(circle.place.motion) * circle.advance_ratio());
         match self {
             Region::Convex(planes) => {
@@ -105,7 +105,7 @@ impl Region {
             Region::Disc { center_mm, radius_mm } => length(ahead() - center_mm) <= *radius_mm,
             Region::Engaged(table) => {
                 let span = table.arc_at(circle.place.travelled_mm, circle.edge);
-                span.is_some_and(|span| span.holds_ahead())
+                span.is_some_and(|span| span.is_engaged_ahead())
             }
         }
     }

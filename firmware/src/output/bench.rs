@@ -18,13 +18,13 @@ pub const STROBE: u8 = 8;
 pub const PORT: u8 = 9;
 
 /// A write of a wire: time, wire, level.
-pub type Event = (u64, u8, bool);
+pub type WireEvent = (u64, u8, bool);
 
 /// The wires; initially all high except the strobe.
 #[derive(Default)]
 pub struct Bench {
     now_ns: Cell<u64>,
-    events: RefCell<Vec<Event>>,
+    events: RefCell<Vec<WireEvent>>,
     /// A wire, or the port, that fails, and whether it changes its level nonetheless.
     pub refuses: Cell<Option<(u8, bool)>>,
 }
@@ -125,10 +125,10 @@ impl Bench {
 
     /// All values that a control behind couplers could read during the recorded writes, starting from `percent`.
     pub fn readings(&self, percent: u8, coupler: Coupler) -> Vec<u8> {
-        let late = |(at_ns, wire, high): &Event| {
+        let late = |(at_ns, wire, high): &WireEvent| {
             (at_ns + if *high { coupler.let_go_ns } else { coupler.take_ns }, *wire, *high)
         };
-        let mut arriving: Vec<Event> = self.events.borrow().iter().map(late).collect();
+        let mut arriving: Vec<WireEvent> = self.events.borrow().iter().map(late).collect();
         arriving.sort_by_key(|(at_ns, ..)| *at_ns);
         let mut wires = wires_at(percent);
         let instants = arriving.chunk_by(|(a_ns, ..), (b_ns, ..)| a_ns == b_ns);

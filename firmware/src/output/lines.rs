@@ -7,7 +7,7 @@ use super::line_code::{LINES, LineCode};
 /// A line that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Line {
+pub enum OutputLine {
     /// *FV of this number, 0 to 7.
     Fv(u8),
     /// The strobe of the external register.
@@ -19,21 +19,21 @@ pub enum Line {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineError<E> {
     /// Failed line.
-    pub line: Line,
+    pub line: OutputLine,
     /// Error of the pin.
     pub source: E,
 }
 
 /// The pins of *FV0 to *FV7, in this order.
 #[derive(Clone, Debug)]
-pub struct Lines<P> {
+pub struct OutputLines<P> {
     pins: [P; LINES],
 }
 
-impl<P: OutputPin> Lines<P> {
+impl<P: OutputPin> OutputLines<P> {
     /// The lines at the current levels of their pins; writes nothing.
     pub fn new(pins: [P; LINES]) -> Self {
-        Lines { pins }
+        OutputLines { pins }
     }
 
     /// Releases the lines that are high in `code`. None goes low.
@@ -59,7 +59,7 @@ impl<P: OutputPin> Lines<P> {
     pub fn release(&mut self) -> Result<(), LineError<P::Error>> {
         let mut result = Ok(());
         for (line, pin) in (0..).zip(self.pins.iter_mut()) {
-            let released = pin.set_high().map_err(|source| LineError { line: Line::Fv(line), source });
+            let released = pin.set_high().map_err(|source| LineError { line: OutputLine::Fv(line), source });
             result = result.and(released);
         }
         result
@@ -72,7 +72,7 @@ impl<P: OutputPin> Lines<P> {
             if let Err(source) = written {
                 // The first failure is the one to report.
                 let _ = self.release();
-                return Err(LineError { line: Line::Fv(line), source });
+                return Err(LineError { line: OutputLine::Fv(line), source });
             }
             which >>= 1;
         }

@@ -25,7 +25,7 @@ use embedded_hal::digital::OutputPin;
 
 use super::OverrideOutput;
 use super::line_code::{LINES, LineCode};
-use super::lines::{LineError, Lines};
+use super::lines::{LineError, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
@@ -34,7 +34,7 @@ use crate::ramp::FeedOverride;
 /// Pins of different types are passed as `&mut dyn OutputPin<Error = E>`.
 #[derive(Clone, Debug)]
 pub struct ParallelLines<P, D = NoDelay> {
-    lines: Lines<P>,
+    lines: OutputLines<P>,
     settling: Settling<D>,
     /// Current code of the lines; `None` after a failure.
     held: Option<LineCode>,
@@ -57,7 +57,7 @@ impl<P: OutputPin, D: DelayNs> ParallelLines<P, D> {
     /// # Errors
     /// The first failed pin.
     pub fn with_settling(pins: [P; LINES], settling: Settling<D>) -> Result<Self, LineError<P::Error>> {
-        let mut output = ParallelLines { lines: Lines::new(pins), settling, held: None };
+        let mut output = ParallelLines { lines: OutputLines::new(pins), settling, held: None };
         output.release()?;
         Ok(output)
     }

@@ -68,7 +68,7 @@ impl<P: LinePort, D: DelayNs> PortLines<P, D> {
     }
 
     /// Releases the lines that are high in `code` and waits for the wiring, if other lines are pulled down. (1)
-    fn give_way(&mut self, code: LineCode) -> Result<(), P::Error> {
+    fn release_first(&mut self, code: LineCode) -> Result<(), P::Error> {
         let shared = self.held.map_or(LineCode::RELEASED, |held| held.shared_with(code));
         let mixed = self.held.is_none_or(|held| held.has_more_than(code) && code.has_more_than(held));
         if self.settling.settle_ns > 0 && mixed {
@@ -86,7 +86,7 @@ impl<P: LinePort, D: DelayNs> OverrideOutput for PortLines<P, D> {
     /// new one.
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), P::Error> {
         let code = LineCode::of(feed_override);
-        let written = self.give_way(code).and_then(|()| self.write(code));
+        let written = self.release_first(code).and_then(|()| self.write(code));
         if written.is_err() {
             // The first failure is the one to report.
             let _ = self.release();

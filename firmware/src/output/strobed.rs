@@ -9,14 +9,14 @@ use embedded_hal::digital::OutputPin;
 
 use super::OverrideOutput;
 use super::line_code::{LINES, LineCode};
-use super::lines::{Line, LineError, Lines};
+use super::lines::{LineError, OutputLine, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
 /// Eight data lines and a strobe.
 #[derive(Clone, Debug)]
 pub struct Strobed<P, S, D = NoDelay> {
-    lines: Lines<P>,
+    lines: OutputLines<P>,
     strobe: S,
     settling: Settling<D>,
 }
@@ -37,7 +37,7 @@ impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> 
     /// # Errors
     /// The first failed pin.
     pub fn with_settling(pins: [P; LINES], strobe: S, settling: Settling<D>) -> Result<Self, LineError<P::Error>> {
-        let mut output = Strobed { lines: Lines::new(pins), strobe, settling };
+        let mut output = Strobed { lines: OutputLines::new(pins), strobe, settling };
         output.strobe.set_low().map_err(strobe_error)?;
         output.release()?;
         Ok(output)
@@ -54,7 +54,7 @@ impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> 
 }
 
 fn strobe_error<E>(source: E) -> LineError<E> {
-    LineError { line: Line::Strobe, source }
+    LineError { line: OutputLine::Strobe, source }
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> OverrideOutput for Strobed<P, S, D> {

@@ -14,7 +14,7 @@ pub type Work<'a> = Option<(u32, &'a ActiveSegment)>;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
     /// Position, spindle speed and the time since the last tick.
-    pub measured: controller::Input,
+    pub measured: controller::Measurement,
     /// Age and validity of the position.
     pub position: Freshness,
     /// Age and validity of the link that supplies the segments; [`Freshness::NOW`] if all segments are on the board.
@@ -71,7 +71,7 @@ impl Freshness {
 impl Input {
     /// Input of a board with a fresh position, spindle speed and time, but without an operator's dial and conditions
     /// of the control.
-    pub const fn of(measured: controller::Input) -> Self {
+    pub const fn of(measured: controller::Measurement) -> Self {
         Input {
             measured,
             position: Freshness::NOW,

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::ramp::{FeedOverride, Level};
 
 use super::input::{Input, Quality, Work};
-use super::operator::{Dial, Turn};
+use super::operator::{DialTurn, OperatorDial};
 use super::report::{Counters, Refusal};
 use super::segment_tracking::{Change, SegmentTracking};
 use super::signals::{Request, Signals};
@@ -18,9 +18,9 @@ use super::state::{Disarm, Event, State};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     pub(super) state: State,
-    pub(super) control: controller::State,
-    pub(super) sight: SegmentTracking,
-    pub(super) dial: Dial,
+    pub(super) control: controller::ControllerState,
+    pub(super) tracking: SegmentTracking,
+    pub(super) dial: OperatorDial,
     pub(super) level: Level,
     pub(super) signals: Signals,
     pub(super) invalid: [u8; 2],
@@ -31,7 +31,7 @@ pub struct Memory {
 
 impl Memory {
     /// Idle, on a board that knows the override at its output.
-    pub fn taking_over(feed_override: FeedOverride) -> Self {
+    pub fn with_override(feed_override: FeedOverride) -> Self {
         Memory { level: Level::at(feed_override), ..Memory::default() }
     }
 
@@ -39,8 +39,8 @@ impl Memory {
     pub fn armed() -> Self {
         let mut memory = Memory {
             state: State::Armed,
-            sight: SegmentTracking::Nothing,
-            ..Memory::taking_over(FeedOverride::PROGRAMMED)
+            tracking: SegmentTracking::Nothing,
+            ..Memory::with_override(FeedOverride::PROGRAMMED)
         };
         memory.dial.take_reference();
         memory
@@ -86,13 +86,13 @@ impl Memory {
     /// Tracks the segment and stores the required reduction at the end of one that begins. Also returns the segment if
     /// a law may act on it: it is followed and its samples are fresh.
     #[inline(always)]
-    pub(super) fn look_at<'a>(&mut self, work: Work<'a>, quality: Quality) -> (Change, Option<&'a ActiveSegment>) {
-        let Some((count, segment)) = work else { return (self.sight.lose(), None) };
-        let change = self.sight.look(count, quality);
+    pub(super) fn track<'a>(&mut self, work: Work<'a>, quality: Quality) -> (Change, Option<&'a ActiveSegment>) {
+        let Some((count, segment)) = work else { return (self.tracking.clear(), None) };
+        let change = self.tracking.update(count, quality);
         if change.is_begin() {
             self.reserve_ratio = segment.reserve_ratio();
         }
-        let is_followed = self.sight.is_followed() && quality == Quality::Fresh;
+        let is_followed = self.tracking.is_followed() && quality == Quality::Fresh;
         (change, is_followed.then_some(segment))
     }
 
@@ -117,20 +117,20 @@ impl Memory {
         }
         let state = self.state.next(event);
         if state != self.state {
-            self.counters.take_change(&self.state, &state);
+            self.counters.count_change(&self.state, &state);
             self.state = state;
         }
     }
 
     /// Applies a reduction by the dial at once, in any state.
     #[inline(always)]
-    pub(super) fn obey(&mut self, turn: Turn) {
+    pub(super) fn apply_turn(&mut self, turn: DialTurn) {
         match turn {
-            Turn::Kept => {}
-            Turn::Down { from_percent } if self.state.is_engaged() || self.keeps_last_value() => {
+            DialTurn::Kept => {}
+            DialTurn::Down { from_percent } if self.state.is_engaged() || self.keeps_last_value() => {
                 self.level.fall_by(self.dial.fall_ratio(from_percent));
             }
-            Turn::Down { .. } | Turn::TakesOver => self.level.fall_to(self.dial.ratio()),
+            DialTurn::Down { .. } | DialTurn::TakesOver => self.level.fall_to(self.dial.ratio()),
         }
     }
 

@@ -29,13 +29,13 @@ use arcfeed_shared::job::{Job, OverrideLimits};
 use arcfeed_shared::units::{MmPerTooth, RevPerMin, Span};
 
 use crate::active::ActiveSegment;
-use crate::controller::{Controller, Sample};
+use crate::controller::{Controller, PositionSample};
 use crate::progress::PositionFilter;
 use crate::ramp::{FeedOverride, Ramp};
 
 use input::{Input, Quality, Work};
 use memory::Memory;
-use operator::Turn;
+use operator::DialTurn;
 use report::{Alarm, Reason, Refusal};
 use segment_tracking::Change;
 use settings::{Settings, SettingsError};
@@ -70,9 +70,9 @@ pub struct Output {
 
 /// Evaluated inputs of a tick.
 #[derive(Clone, Copy, Debug)]
-struct Seen<'a> {
+struct Evaluation<'a> {
     quality: Quality,
-    turn: Turn,
+    turn: DialTurn,
     change: Change,
     /// The segment in execution if a law may act on it: it is followed and its samples are fresh.
     followed: Option<&'a ActiveSegment>,
@@ -122,19 +122,19 @@ impl Supervisor {
     /// Runs one tick.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
-        let seen = self.look(memory, work, input);
+        let seen = self.evaluate(memory, work, input);
         let event = self.event(memory, work, input, &seen);
         let refusal = memory.refusal(event, seen.pressed);
         let goes_on = matches!((memory.state, event), (State::Running, Event::Work));
         if !goes_on {
             memory.change(event);
         }
-        memory.obey(seen.turn);
+        memory.apply_turn(seen.turn);
         // Running on a segment on which a law may act; any event other than `Work` would have left the state.
         let target = match (memory.state, seen.followed) {
             (State::Running, Some(segment)) => Some(self.follow_law(memory, segment, &seen, goes_on)),
             _ => {
-                self.keep_off(memory, &seen);
+                self.move_without_law(memory, &seen);
                 None
             }
         };
@@ -148,7 +148,7 @@ impl Supervisor {
             Some(target) if !halts => (target.reason, target.ipt_center),
             _ => (Reason::of_state(&memory.state), None),
         };
-        memory.counters.take(reason);
+        memory.counters.count(reason);
         let alarm = Alarm::of(&memory.state, input.signals);
         Output { feed_override, state: memory.state, reason, alarm, refusal, ipt_center }
     }
@@ -156,11 +156,11 @@ impl Supervisor {
     /// Evaluates the inputs: quality of the samples, dial, segment and progress, rising edges of requests, and elapsed
     /// time.
     #[inline(always)]
-    fn look<'a>(&self, memory: &mut Memory, work: Work<'a>, input: &Input) -> Seen<'a> {
+    fn evaluate<'a>(&self, memory: &mut Memory, work: Work<'a>, input: &Input) -> Evaluation<'a> {
         let Settings { take_over_below_percent, take_over_drop_percent, longest_tick, .. } = self.settings;
         let quality = self.settings.quality(&input.position, &input.link);
         let turn = memory.dial.read(input.operator_percent, take_over_below_percent, take_over_drop_percent);
-        let (change, followed) = memory.look_at(work, quality);
+        let (change, followed) = memory.track(work, quality);
         let pressed = input.signals.risen_since(memory.signals);
         memory.signals = input.signals;
         if quality == Quality::Fresh {
@@ -171,15 +171,15 @@ impl Supervisor {
         let spans @ [dt, _] = [input.measured.dt.min(longest_tick), input.measured.dt];
         memory.state.elapse(quality, memory.dial, spans);
         if let Some(segment) = followed {
-            let sample = Sample { position: input.measured.position.as_ref(), dt };
+            let sample = PositionSample { position: input.measured.position.as_ref(), dt };
             self.controller.follow(&mut memory.control, segment, &sample, change.is_begin());
         }
-        Seen { quality, turn, change, followed, pressed, spindle: input.measured.spindle, spans }
+        Evaluation { quality, turn, change, followed, pressed, spindle: input.measured.spindle, spans }
     }
 
     /// The most important event of this tick.
     #[inline(always)]
-    fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Seen<'_>) -> Event {
+    fn event(&self, memory: &Memory, work: Work<'_>, input: &Input, seen: &Evaluation<'_>) -> Event {
         let can_arm = || seen.quality == Quality::Fresh && memory.state.can_arm(self.settings.resync);
         if let Some(fault) = input.signals.fault() {
             Event::Fault(fault)
@@ -189,7 +189,7 @@ impl Supervisor {
             Event::Disarm
         } else if seen.quality == Quality::Lost {
             Event::Lost(self.settings.loss(&input.position, &input.link))
-        } else if seen.turn == Turn::TakesOver {
+        } else if seen.turn == DialTurn::TakesOver {
             Event::Reduced { percent: input.operator_percent }
         } else if let Some(condition) = input.signals.refusing() {
             Event::Refuse(condition)
@@ -197,7 +197,7 @@ impl Supervisor {
             Event::Arm
         } else if let Some(why) = input.inhibiting(work) {
             Event::Inhibit(why)
-        } else if input.signals.has(Signals::FEED_HOLD) && memory.sight.is_followed() {
+        } else if input.signals.has(Signals::FEED_HOLD) && memory.tracking.is_followed() {
             Event::Hold
         } else if seen.followed.is_some() {
             Event::Work
@@ -210,7 +210,7 @@ impl Supervisor {
 
     /// Moves the level towards the law's target, within bounds, operator's share and slew.
     #[inline(always)]
-    fn follow_law(&self, memory: &mut Memory, segment: &ActiveSegment, seen: &Seen<'_>, goes_on: bool) -> Target {
+    fn follow_law(&self, memory: &mut Memory, segment: &ActiveSegment, seen: &Evaluation<'_>, goes_on: bool) -> Target {
         let share_ratio = memory.dial.share_ratio();
         let travelled_mm = memory.control.progress().travelled_mm();
         let target = Target::at(travelled_mm, segment, seen.spindle, &self.ramp, share_ratio);
@@ -227,7 +227,7 @@ impl Supervisor {
 
     /// Moves the level without a law.
     #[inline(always)]
-    fn keep_off(&self, memory: &mut Memory, seen: &Seen<'_>) {
+    fn move_without_law(&self, memory: &mut Memory, seen: &Evaluation<'_>) {
         if seen.change != Change::Same && !memory.hands_over_to_dial() {
             memory.level.fall_to(1.0);
         }

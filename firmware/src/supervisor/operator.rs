@@ -10,7 +10,7 @@ const RAISED_PERCENT: u8 = 2;
 
 /// State of the dial.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dial {
+pub struct OperatorDial {
     percent: u8,
     /// Largest reading since arming, or since the operator last took over.
     reference_percent: u8,
@@ -19,7 +19,7 @@ pub struct Dial {
 
 /// Movement of the dial since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum DialTurn {
     /// None, or up.
     Kept,
     /// Down: the feed falls proportionally.
@@ -31,20 +31,20 @@ pub enum Turn {
     TakesOver,
 }
 
-impl Default for Dial {
+impl Default for OperatorDial {
     fn default() -> Self {
-        Dial { percent: 100, reference_percent: 100, share_ratio: 1.0 }
+        OperatorDial { percent: 100, reference_percent: 100, share_ratio: 1.0 }
     }
 }
 
-impl Dial {
+impl OperatorDial {
     /// Processes a reading, with the thresholds of the settings.
     #[inline(always)]
-    pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> Turn {
-        let turn = if percent == self.percent { Turn::Kept } else { self.turn_to(percent) };
+    pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> DialTurn {
+        let turn = if percent == self.percent { DialTurn::Kept } else { self.turn_to(percent) };
         if percent < below_percent || self.reference_percent.saturating_sub(percent) > drop_percent {
             self.reference_percent = percent;
-            Turn::TakesOver
+            DialTurn::TakesOver
         } else {
             turn
         }
@@ -52,11 +52,11 @@ impl Dial {
 
     /// Not inlined: at most ticks the dial does not move.
     #[inline(never)]
-    fn turn_to(&mut self, percent: u8) -> Turn {
+    fn turn_to(&mut self, percent: u8) -> DialTurn {
         let from_percent = core::mem::replace(&mut self.percent, percent);
         self.reference_percent = self.reference_percent.max(percent);
         self.share_ratio = share_ratio(percent);
-        if percent < from_percent { Turn::Down { from_percent } } else { Turn::Kept }
+        if percent < from_percent { DialTurn::Down { from_percent } } else { DialTurn::Kept }
     }
 
     /// Takes the current reading as the reference for drops.
@@ -98,40 +98,40 @@ fn share_ratio(percent: u8) -> f32 {
 mod tests {
     use super::*;
 
-    fn turns(readings: &[u8]) -> Vec<Turn> {
-        let mut dial = Dial::default();
+    fn turns(readings: &[u8]) -> Vec<DialTurn> {
+        let mut dial = OperatorDial::default();
         readings.iter().map(|percent| dial.read(*percent, 50, 10)).collect()
     }
 
     #[test]
     fn ten_points_down_are_a_share_and_eleven_take_over() {
-        let down = |from_percent| Turn::Down { from_percent };
-        assert_eq!(turns(&[100, 95, 90]), [Turn::Kept, down(100), down(95)]);
-        assert_eq!(turns(&[100, 95, 89]), [Turn::Kept, down(100), Turn::TakesOver]);
-        assert_eq!(turns(&[100, 89, 88]), [Turn::Kept, Turn::TakesOver, down(89)]);
+        let down = |from_percent| DialTurn::Down { from_percent };
+        assert_eq!(turns(&[100, 95, 90]), [DialTurn::Kept, down(100), down(95)]);
+        assert_eq!(turns(&[100, 95, 89]), [DialTurn::Kept, down(100), DialTurn::TakesOver]);
+        assert_eq!(turns(&[100, 89, 88]), [DialTurn::Kept, DialTurn::TakesOver, down(89)]);
     }
 
     #[test]
     fn below_the_threshold_it_takes_over_at_every_reading() {
         assert_eq!(
             turns(&[92, 49, 49, 49]),
-            [Turn::Down { from_percent: 100 }, Turn::TakesOver, Turn::TakesOver, Turn::TakesOver]
+            [DialTurn::Down { from_percent: 100 }, DialTurn::TakesOver, DialTurn::TakesOver, DialTurn::TakesOver]
         );
     }
 
     #[test]
     fn a_drop_counts_from_the_highest_reading_since_the_reference() {
-        assert_eq!(turns(&[100, 120, 109])[2], Turn::TakesOver);
-        let mut dial = Dial::default();
+        assert_eq!(turns(&[100, 120, 109])[2], DialTurn::TakesOver);
+        let mut dial = OperatorDial::default();
         dial.read(100, 50, 10);
         dial.read(91, 50, 10);
         dial.take_reference();
-        assert_eq!(dial.read(85, 50, 10), Turn::Down { from_percent: 91 });
+        assert_eq!(dial.read(85, 50, 10), DialTurn::Down { from_percent: 91 });
     }
 
     #[test]
     fn above_100_the_share_is_all() {
-        let mut dial = Dial::default();
+        let mut dial = OperatorDial::default();
         for (percent, share) in [(0, 0.0), (60, 0.6), (100, 1.0), (150, 1.0), (255, 1.0)] {
             dial.read(percent, 50, 10);
             assert_eq!(dial.share_ratio(), share);

@@ -151,7 +151,7 @@ impl Alarm {
 impl Counters {
     /// Counts a tick by its reason.
     #[inline(always)]
-    pub fn take(&mut self, reason: Reason) {
+    pub fn count(&mut self, reason: Reason) {
         let counter = match reason {
             Reason::NoDemand(NoDemand::NoContact) => &mut self.no_contact_ticks,
             Reason::NoDemand(NoDemand::OutsideValidity) => &mut self.outside_validity_ticks,
@@ -176,7 +176,7 @@ impl Counters {
     }
 
     /// Counts a change of state.
-    pub fn take_change(&mut self, from: &State, to: &State) {
+    pub fn count_change(&mut self, from: &State, to: &State) {
         match (from.is_engaged(), to) {
             (_, State::Faulted { .. }) => count(&mut self.faults),
             (true, State::Fallback { .. }) => count(&mut self.losses),
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn counters_stop_at_the_largest_number() {
         let mut counters = Counters { floor_ticks: u32::MAX, ..Counters::default() };
-        counters.take(Reason::Floor { chip_excess_percent: 1 });
+        counters.count(Reason::Floor { chip_excess_percent: 1 });
         assert_eq!(counters.floor_ticks, u32::MAX);
     }
 }

@@ -44,7 +44,7 @@ impl Change {
 impl SegmentTracking {
     /// Processes the count of the segment in execution.
     #[inline(always)]
-    pub fn look(&mut self, count: u32, quality: Quality) -> Change {
+    pub fn update(&mut self, count: u32, quality: Quality) -> Change {
         let before = *self;
         *self = match (before, quality) {
             (_, Quality::Lost) | (SegmentTracking::Unknown, _) => SegmentTracking::Unseen(count),
@@ -64,7 +64,7 @@ impl SegmentTracking {
 
     /// Processes a tick without a segment in execution.
     #[inline(always)]
-    pub fn lose(&mut self) -> Change {
+    pub fn clear(&mut self) -> Change {
         let before = core::mem::replace(self, SegmentTracking::Nothing);
         if before.count().is_some() { Change::Boundary } else { Change::Same }
     }
@@ -93,8 +93,8 @@ mod tests {
         let mut change = Change::Same;
         for (in_work, quality) in steps {
             change = match in_work {
-                Some(count) => sight.look(*count, *quality),
-                None => sight.lose(),
+                Some(count) => sight.update(*count, *quality),
+                None => sight.clear(),
             };
         }
         (sight, change)

@@ -3,7 +3,7 @@
 use arcfeed_shared::units::Span;
 
 use super::input::{Loss, Quality, Source};
-use super::operator::Dial;
+use super::operator::OperatorDial;
 use super::signals::{BoardFault, Condition, Inhibit};
 
 /// State of the supervisor.
@@ -149,7 +149,7 @@ impl State {
 
     /// Applies elapsed time: `lasted` for required durations, `passed` for time-outs.
     #[inline(always)]
-    pub fn elapse(&mut self, quality: Quality, dial: Dial, [lasted, passed]: [Span; 2]) {
+    pub fn elapse(&mut self, quality: Quality, dial: OperatorDial, [lasted, passed]: [Span; 2]) {
         match self {
             State::Fallback { keep, fresh_for, .. } => {
                 let is_fresh = quality == Quality::Fresh;

@@ -8,14 +8,14 @@
 use arcfeed_shared::nc::alarm::{Fault, NotModelled};
 use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::machining::Machining;
-use arcfeed_shared::nc::modal::{Feed, FeedMode, Pose, Stop};
+use arcfeed_shared::nc::modal::{Feed, FeedMode, Pose, ProgramStop};
 use arcfeed_shared::nc::series::{Drill, Series};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::word::{Token, Words};
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::segment::Segment;
 
-use super::status::Why;
+use super::status::TapLossReason;
 
 /// System variables that change the behaviour of the control (#3000 to #3999: alarms, clocks, ignored switches).
 const BEHAVIOUR: core::ops::RangeInclusive<i64> = 3_000..=3_999;
@@ -24,21 +24,21 @@ const LINEAR: u8 = 0b111;
 /// Letters of the bits. Rotary axes are not part of the followed coordinates.
 const AXES: [u8; 3] = *b"XYZ";
 /// Codes that a program must state if it does not start in the power-on state: unit, plane, G90 or G91, feed mode.
-const ALL_SAID: u8 = 0b1111;
+const ALL_STATED: u8 = 0b1111;
 
 /// Reads the blocks of a program in order.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    begins_afresh: bool,
+    resets_codes: bool,
     reader: Reader,
     /// Buffer of the current line; reused, as it is large.
-    understood: Understood,
+    line: InterpretedLine,
     /// Bits of the [`AXES`] with unknown positions.
     unknown: u8,
     /// Whether the axes are not at the end of the last followed block.
-    is_apart: bool,
+    is_detached: bool,
     is_tapping: bool,
-    said: u8,
+    stated: u8,
     has_moved: bool,
 }
 
@@ -60,15 +60,15 @@ pub(super) enum BlockMotion {
 }
 
 impl Blocks {
-    pub fn new(settings: Settings, begins_afresh: bool) -> Self {
+    pub fn new(settings: Settings, resets_codes: bool) -> Self {
         Blocks {
             reader: Reader::with(settings, Tables::default()),
-            begins_afresh,
-            understood: Understood::default(),
+            resets_codes,
+            line: InterpretedLine::default(),
             unknown: LINEAR,
-            is_apart: true,
+            is_detached: true,
             is_tapping: false,
-            said: 0,
+            stated: 0,
             has_moved: false,
         }
     }
@@ -76,10 +76,10 @@ impl Blocks {
     /// Starts a program; `at` is the position of the axes at rest, if known.
     pub fn begin(&mut self, at: Option<Pose>) {
         self.reader.restart();
-        (self.is_tapping, self.said, self.has_moved) = (false, 0, false);
-        (self.unknown, self.is_apart) = (if at.is_some() { 0 } else { LINEAR }, at.is_none());
+        (self.is_tapping, self.stated, self.has_moved) = (false, 0, false);
+        (self.unknown, self.is_detached) = (if at.is_some() { 0 } else { LINEAR }, at.is_none());
         if let Some(at) = at {
-            self.reader.stand_at(at);
+            self.reader.set_position(at);
         }
     }
 
@@ -92,19 +92,19 @@ impl Blocks {
     ///
     /// # Errors
     /// The behaviour of the control is unknown from here on.
-    pub fn read(&mut self, text: &[u8]) -> Result<(BlockMotion, bool), Why> {
-        self.reader.read_into(text, &mut self.understood).map_err(Why::NotUnderstood)?;
-        let block = &self.understood.parsed.block;
+    pub fn read(&mut self, text: &[u8]) -> Result<(BlockMotion, bool), TapLossReason> {
+        self.reader.read_into(text, &mut self.line).map_err(TapLossReason::NotUnderstood)?;
+        let block = &self.line.parsed.block;
         let is_other_program = block.program.is_some() && self.has_moved;
-        if is_other_program || self.understood.lacks_feed() || (block.assigns && changes_behaviour(text)) {
-            return Err(Why::OutOfSight);
+        if is_other_program || self.line.lacks_feed() || (block.assigns && changes_behaviour(text)) {
+            return Err(TapLossReason::OutOfSight);
         }
         self.note_codes();
-        let ends = self.understood.step.stop == Some(Stop::End);
-        let motion = match self.understood.segment {
-            _ if self.understood.step.series.is_some() => self.pass(),
-            Some(segment) => self.go(&segment),
-            None if self.understood.step.motion.is_some() => return Err(Why::OutOfSight),
+        let ends = self.line.step.stop == Some(ProgramStop::End);
+        let motion = match self.line.segment {
+            _ if self.line.step.series.is_some() => self.skip_series(),
+            Some(segment) => self.follow_move(&segment),
+            None if self.line.step.motion.is_some() => return Err(TapLossReason::OutOfSight),
             None => BlockMotion::Nothing,
         };
         self.has_moved |= motion != BlockMotion::Nothing;
@@ -113,22 +113,22 @@ impl Blocks {
 
     /// Records G words that the reader does not store.
     fn note_codes(&mut self) {
-        for word in self.understood.parsed.block.words.iter().filter(|word| word.letter == b'G') {
+        for word in self.line.parsed.block.words.iter().filter(|word| word.letter == b'G') {
             match word.number.as_whole() {
                 Some(63) => self.is_tapping = true,
                 Some(61 | 62 | 64) => self.is_tapping = false,
-                Some(20 | 21) => self.said |= 1,
-                Some(17..=19) => self.said |= 2,
-                Some(90 | 91) => self.said |= 4,
-                Some(93..=95) => self.said |= 8,
+                Some(20 | 21) => self.stated |= 1,
+                Some(17..=19) => self.stated |= 2,
+                Some(90 | 91) => self.stated |= 4,
+                Some(93..=95) => self.stated |= 8,
                 _ => {}
             }
         }
     }
 
-    fn pass(&mut self) -> BlockMotion {
-        let Some(Series::Drill(drill)) = &self.understood.step.series else {
-            self.forget_named();
+    fn skip_series(&mut self) -> BlockMotion {
+        let Some(Series::Drill(drill)) = &self.line.step.series else {
+            self.mark_named_unknown();
             return BlockMotion::Nothing;
         };
         if self.unknown != 0 {
@@ -136,19 +136,19 @@ impl Blocks {
         }
         let to = self.in_workpiece(self.reader.modal().position);
         let via = Some(at_bottom(drill, to));
-        self.is_apart = false;
+        self.is_detached = false;
         BlockMotion::Passes { via, to }
     }
 
-    fn go(&mut self, segment: &Segment) -> BlockMotion {
-        let step = &self.understood.step;
+    fn follow_move(&mut self, segment: &Segment) -> BlockMotion {
+        let step = &self.line.step;
         if step.beyond_plain == Some(NotModelled::GCode(530)) {
-            self.forget_named();
+            self.mark_named_unknown();
             return BlockMotion::Nothing;
         }
-        self.know_named();
-        if !self.understood.step.is_plain() && self.reader.modal().feed_mode != FeedMode::PerRevolution {
-            self.is_apart = true;
+        self.mark_named_known();
+        if !self.line.step.is_plain() && self.reader.modal().feed_mode != FeedMode::PerRevolution {
+            self.is_detached = true;
             return BlockMotion::Nothing;
         }
         if self.unknown != 0 {
@@ -156,28 +156,28 @@ impl Blocks {
         }
         let origin = self.reader.modal().work_origin(self.reader.tables());
         let segment = segment.shifted(Pose::ORIGIN.minus(origin));
-        if core::mem::take(&mut self.is_apart) {
+        if core::mem::take(&mut self.is_detached) {
             return BlockMotion::Passes { via: None, to: segment.end };
         }
         let per_minute = self.reader.modal().feed_mode != FeedMode::PerRevolution;
         // A feed per revolution depends on the spindle; the override must not change it.
         let feed = if per_minute { segment.feed } else { Feed::Missing };
-        let is_said = self.begins_afresh || self.said == ALL_SAID;
-        BlockMotion::Along(Segment { feed, ..segment }, per_minute && is_said && !self.is_tapping)
+        let is_stated = self.resets_codes || self.stated == ALL_STATED;
+        BlockMotion::Along(Segment { feed, ..segment }, per_minute && is_stated && !self.is_tapping)
     }
 
     /// Marks the named axes as unknown: the position is given in machine coordinates, which cannot be converted to
     /// workpiece coordinates.
-    fn forget_named(&mut self) {
-        self.unknown |= named(&self.understood.parsed.block);
-        self.is_apart = true;
+    fn mark_named_unknown(&mut self) {
+        self.unknown |= named(&self.line.parsed.block);
+        self.is_detached = true;
     }
 
     /// Marks axes with an absolute coordinate as known.
-    fn know_named(&mut self) {
+    fn mark_named_known(&mut self) {
         let modal = self.reader.modal();
         if modal.absolute && modal.polar.is_none() {
-            self.unknown &= !named(&self.understood.parsed.block);
+            self.unknown &= !named(&self.line.parsed.block);
         }
     }
 

@@ -13,7 +13,7 @@
 //! Blocks are interpreted later, when the machine is near them (see [`super::blocks`]). Marks in the text show the
 //! reader a damaged block or missing text.
 
-use arcfeed_shared::nc::tape_code::{Code, Symbol, without_parity};
+use arcfeed_shared::nc::tape_code::{Symbol, TapeCode, without_parity};
 use heapless::{Deque, Vec};
 
 use super::settings::LINE_MAX;
@@ -30,8 +30,8 @@ const RESERVE: usize = 3;
 /// Text between the sender and the machine, up to `N` characters.
 #[derive(Debug)]
 pub(super) struct Intake<const N: usize> {
-    set_code: Option<Code>,
-    code: Option<Code>,
+    set_code: Option<TapeCode>,
+    code: Option<TapeCode>,
     text: Deque<u8, N>,
     /// Number of complete blocks in the text.
     whole: u16,
@@ -68,7 +68,7 @@ struct Arriving {
 }
 
 impl<const N: usize> Intake<N> {
-    pub fn new(code: Option<Code>) -> Self {
+    pub fn new(code: Option<TapeCode>) -> Self {
         Intake {
             set_code: code,
             code,
@@ -84,17 +84,17 @@ impl<const N: usize> Intake<N> {
     /// Processes a frame of the line. Returns whether a program starts with it; the rest of the previous program is
     /// then discarded, as in the control.
     #[inline]
-    pub fn take(&mut self, frame: u8) -> bool {
+    pub fn push(&mut self, frame: u8) -> bool {
         match self.phase {
-            Phase::Label => self.take_of_label(frame),
-            Phase::Marked => return self.take_behind_mark(frame),
-            Phase::Program => self.take_of_program(frame),
+            Phase::Label => self.push_label(frame),
+            Phase::Marked => return self.push_after_mark(frame),
+            Phase::Program => self.push_program(frame),
         }
         false
     }
 
     /// Registers an unreadable character.
-    pub fn take_error(&mut self) {
+    pub fn mark_damaged(&mut self) {
         self.block.is_damaged = true;
     }
 
@@ -105,7 +105,7 @@ impl<const N: usize> Intake<N> {
 
     /// Registers a DC1 of the control or a silence: the next characters do not continue the previous ones.
     #[inline]
-    pub fn part(&mut self) {
+    pub fn separate(&mut self) {
         self.expects_end_mark = false;
     }
 
@@ -123,11 +123,11 @@ impl<const N: usize> Intake<N> {
         Some(fits)
     }
 
-    fn take_of_label(&mut self, frame: u8) {
+    fn push_label(&mut self, frame: u8) {
         let ends = match self.code {
             Some(code) => code.ends_block(frame),
             None => {
-                self.code = Code::of_end_of_block(frame);
+                self.code = TapeCode::of_end_of_block(frame);
                 self.code.is_some()
             }
         };
@@ -146,7 +146,7 @@ impl<const N: usize> Intake<N> {
     }
 
     /// Processes a frame after a mark; further marks and empty lines have no effect.
-    fn take_behind_mark(&mut self, frame: u8) -> bool {
+    fn push_after_mark(&mut self, frame: u8) -> bool {
         let code = self.code();
         if code.ends_block(frame) {
             self.block = Arriving::default();
@@ -161,12 +161,12 @@ impl<const N: usize> Intake<N> {
         self.whole = 0;
         self.phase = Phase::Program;
         self.block = Arriving::default();
-        self.take_of_program(frame);
+        self.push_program(frame);
         true
     }
 
     #[inline]
-    fn take_of_program(&mut self, frame: u8) {
+    fn push_program(&mut self, frame: u8) {
         let code = self.code();
         if code.ends_block(frame) {
             return self.end_block(code);
@@ -179,7 +179,7 @@ impl<const N: usize> Intake<N> {
         }
     }
 
-    fn end_block(&mut self, code: Code) {
+    fn end_block(&mut self, code: TapeCode) {
         let mut block = core::mem::take(&mut self.block);
         // No block of a program ends with a mark: this is a label after a truncated block or an open comment.
         let may_be_label = core::mem::take(&mut self.expects_label) || !block.in_comment;
@@ -190,7 +190,7 @@ impl<const N: usize> Intake<N> {
             self.drop_last(block.len);
             self.mark(DAMAGED);
         } else if block.len > 0 {
-            block.take_function(END);
+            block.scan_function(END);
             let _room = self.text.push_back(END);
             self.whole = self.whole.saturating_add(1);
         }
@@ -209,7 +209,7 @@ impl<const N: usize> Intake<N> {
             _ if block.in_comment => {}
             b' ' | b'\t' => {}
             0x21..=0x7E if self.text.len() + RESERVE < N => {
-                block.take_function(byte);
+                block.scan_function(byte);
                 block.len = block.len.saturating_add(1);
                 let _room = self.text.push_back(byte);
             }
@@ -243,8 +243,8 @@ impl<const N: usize> Intake<N> {
     }
 
     #[inline]
-    fn code(&self) -> Code {
-        self.code.unwrap_or(Code::Iso)
+    fn code(&self) -> TapeCode {
+        self.code.unwrap_or(TapeCode::Iso)
     }
 }
 
@@ -258,17 +258,17 @@ impl Arriving {
         }
     }
 
-    fn begins_with_mark(&self, code: Code) -> bool {
+    fn begins_with_mark(&self, code: TapeCode) -> bool {
         self.first.is_some_and(|frame| code.decode(frame) == Ok(Symbol::Character(b'%')))
     }
 
-    fn ends_with_mark(&self, code: Code) -> bool {
+    fn ends_with_mark(&self, code: TapeCode) -> bool {
         code.decode(self.last) == Ok(Symbol::Character(b'%'))
     }
 
     /// Detects M2 and M30 in the characters.
     #[inline]
-    fn take_function(&mut self, byte: u8) {
+    fn scan_function(&mut self, byte: u8) {
         match (byte, self.function) {
             (b'0'..=b'9', Some(number)) => {
                 self.function = Some(number.saturating_mul(10).saturating_add(u32::from(byte - b'0')));

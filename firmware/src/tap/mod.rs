@@ -39,8 +39,8 @@ use crate::active::{ActiveSegment, Conditions};
 use blocks::{BlockMotion, Blocks};
 use intake::Intake;
 use settings::{LINE_MAX, TapSettings, TapSettingsError};
-use status::{TapCounters, TapState, Why};
-use watch::{Gate, Place, Way};
+use status::{TapCounters, TapLossReason, TapState};
+use watch::{Gate, PathLocation, PathProgress};
 
 /// Maximum number of emitted segments that are not done.
 pub const AHEAD_MAX: usize = 16;
@@ -56,21 +56,21 @@ pub struct Tap<const N: usize> {
     blocks: Blocks,
     line: Vec<u8, LINE_MAX>,
     /// Emitted segments that are not done, with their counts.
-    handed: Deque<(u32, Segment), AHEAD_MAX>,
+    emitted: Deque<(u32, Segment), AHEAD_MAX>,
     /// Condition for the next segment.
     gate: Option<Gate>,
     /// Whether the emitted segments will not be executed.
     has_to_clear: bool,
     state: TapState,
     counters: TapCounters,
-    tick: Tick,
+    tick: TaskProgress,
     axes: Axes,
     heard: Micros,
 }
 
 /// Progress of the control task; state.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tick {
+struct TaskProgress {
     /// Number of segments that it has done.
     executed: u32,
     /// Count of a segment, and the number of segments done when it became the next.
@@ -85,14 +85,14 @@ struct Axes {
     /// Number of consecutive positions there.
     still: u8,
     /// Count of the current segment, and the progress along it.
-    way: Option<(u32, Way)>,
+    way: Option<(u32, PathProgress)>,
     /// Number of consecutive positions off its path.
     off_path: u8,
 }
 
 /// A segment for the queue of the control task.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Handed {
+pub struct TapSegment {
     /// Count of the segment.
     pub count: u32,
     /// The segment.
@@ -121,15 +121,15 @@ impl<const N: usize> Tap<N> {
     fn of(settings: TapSettings) -> Self {
         Tap {
             intake: Intake::new(settings.code),
-            blocks: Blocks::new(settings.nc, settings.begins_afresh),
+            blocks: Blocks::new(settings.nc, settings.resets_codes),
             settings,
             line: Vec::new(),
-            handed: Deque::new(),
+            emitted: Deque::new(),
             gate: None,
             has_to_clear: false,
             state: TapState::Listening,
             counters: TapCounters::default(),
-            tick: Tick::default(),
+            tick: TaskProgress::default(),
             axes: Axes::default(),
             heard: Micros(0),
         }
@@ -139,11 +139,11 @@ impl<const N: usize> Tap<N> {
     #[inline]
     pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
         if self.is_long_since(now) {
-            self.intake.part();
+            self.intake.separate();
         }
         self.heard = now;
         self.counters.from_sender = self.counters.from_sender.wrapping_add(1);
-        if self.intake.take(byte) {
+        if self.intake.push(byte) {
             self.begin();
         }
         byte
@@ -155,7 +155,7 @@ impl<const N: usize> Tap<N> {
         self.counters.from_control = self.counters.from_control.wrapping_add(1);
         match without_parity(byte) {
             DC1 => {
-                self.intake.part();
+                self.intake.separate();
                 if self.is_long_since(now) {
                     self.intake.expect_label();
                 }
@@ -169,19 +169,19 @@ impl<const N: usize> Tap<N> {
 
     /// Registers that the board's receiver lost a character of the sender or could not read it.
     pub fn on_line_error(&mut self) {
-        self.intake.take_error();
+        self.intake.mark_damaged();
     }
 
     /// Processes a position in workpiece coordinates, the count of the segment in execution, if any, and the number of
     /// executed segments. To be called at each new position.
     pub fn follow(&mut self, in_work: Option<u32>, executed: u32, position: &Pose) {
-        self.axes.rest(position);
+        self.axes.update(position);
         let in_work = self.tick.next_or_in_work(in_work, executed);
         let is_done = |(count, _): &(u32, Segment)| (count.wrapping_sub(in_work) as i32) < 0;
-        while self.handed.front().is_some_and(is_done) {
-            self.handed.pop_front();
+        while self.emitted.front().is_some_and(is_done) {
+            self.emitted.pop_front();
         }
-        let Some((count, segment)) = self.handed.front() else {
+        let Some((count, segment)) = self.emitted.front() else {
             if self.gate.as_mut().is_some_and(|gate| gate.passes(position)) {
                 (self.gate, self.state) = (None, TapState::InStep);
             }
@@ -192,7 +192,7 @@ impl<const N: usize> Tap<N> {
         self.axes.off_path = if off_mm > far_mm { self.axes.off_path.saturating_add(1) } else { 0 };
         if self.axes.off_path >= self.settings.off_path_count {
             self.clear();
-            self.lose(Why::OffPath);
+            self.set_lost(TapLossReason::OffPath);
         }
     }
 
@@ -203,8 +203,8 @@ impl<const N: usize> Tap<N> {
     }
 
     /// The next segment; to be called after [`Tap::must_clear`], while the queue of the control task has room.
-    pub fn next(&mut self, job: &Job) -> Option<Handed> {
-        while self.gate.is_none() && !self.handed.is_full() {
+    pub fn next(&mut self, job: &Job) -> Option<TapSegment> {
+        while self.gate.is_none() && !self.emitted.is_full() {
             let fits = self.intake.next_block(&mut self.line)?;
             if self.state != TapState::InStep {
                 self.counters.passed_over = self.counters.passed_over.wrapping_add(1);
@@ -212,9 +212,9 @@ impl<const N: usize> Tap<N> {
             }
             self.counters.blocks = self.counters.blocks.wrapping_add(1);
             match self.read(fits) {
-                Ok(Some((segment, may_govern))) => return Some(self.hand_out(segment, may_govern, job)),
+                Ok(Some((segment, may_govern))) => return Some(self.emit(segment, may_govern, job)),
                 Ok(None) => {}
-                Err(why) => self.lose(why),
+                Err(why) => self.set_lost(why),
             }
         }
         None
@@ -235,11 +235,11 @@ impl<const N: usize> Tap<N> {
     }
 
     /// Reads the block in the line: its move, and whether a law may govern it.
-    fn read(&mut self, fits: bool) -> Result<Option<(Segment, bool)>, Why> {
+    fn read(&mut self, fits: bool) -> Result<Option<(Segment, bool)>, TapLossReason> {
         match self.line.as_slice() {
-            _ if !fits => return Err(Why::LongBlock),
-            [intake::DAMAGED] => return Err(Why::Damaged),
-            [intake::MISSING] => return Err(Why::TooFarAhead),
+            _ if !fits => return Err(TapLossReason::LongBlock),
+            [intake::DAMAGED] => return Err(TapLossReason::Damaged),
+            [intake::MISSING] => return Err(TapLossReason::TooFarAhead),
             _ => {}
         }
         let (motion, ends) = self.blocks.read(&self.line)?;
@@ -255,7 +255,7 @@ impl<const N: usize> Tap<N> {
         })
     }
 
-    fn hand_out(&mut self, segment: Segment, may_govern: bool, job: &Job) -> Handed {
+    fn emit(&mut self, segment: Segment, may_govern: bool, job: &Job) -> TapSegment {
         let count = self.counters.segments;
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let matched = job.match_move(&segment, &self.blocks.machining());
@@ -265,16 +265,16 @@ impl<const N: usize> Tap<N> {
         let conditions = governing.map_or(own, |Governing { spindle, .. }| Conditions { spindle, ..own });
         self.counters.segments = count.wrapping_add(1);
         self.counters.governed = self.counters.governed.wrapping_add(u32::from(rule.is_some()));
-        if self.handed.is_empty() {
+        if self.emitted.is_empty() {
             self.tick.expect(count);
         }
-        let _room = self.handed.push_back((count, segment));
-        Handed { count, segment: ActiveSegment::under(&segment, &conditions, job) }
+        let _room = self.emitted.push_back((count, segment));
+        TapSegment { count, segment: ActiveSegment::with_conditions(&segment, &conditions, job) }
     }
 
     /// Starts a program; the rest of the previous one will not be executed.
     fn begin(&mut self) {
-        let was_on = !matches!(self.state, TapState::Listening | TapState::Lost(_)) || !self.handed.is_empty();
+        let was_on = !matches!(self.state, TapState::Listening | TapState::Lost(_)) || !self.emitted.is_empty();
         self.counters.programs = self.counters.programs.wrapping_add(1);
         self.counters.restarts = self.counters.restarts.wrapping_add(u32::from(was_on));
         self.clear();
@@ -283,18 +283,18 @@ impl<const N: usize> Tap<N> {
     }
 
     fn clear(&mut self) {
-        self.has_to_clear |= !self.handed.is_empty();
-        self.handed.clear();
+        self.has_to_clear |= !self.emitted.is_empty();
+        self.emitted.clear();
         (self.gate, self.axes.off_path) = (None, 0);
     }
 
-    fn lose(&mut self, why: Why) {
+    fn set_lost(&mut self, why: TapLossReason) {
         self.counters.losses = self.counters.losses.wrapping_add(1);
         (self.gate, self.state) = (None, TapState::Lost(why));
     }
 }
 
-impl Tick {
+impl TaskProgress {
     /// Sets the next segment; all earlier ones are done.
     fn expect(&mut self, count: u32) {
         self.known = (count, self.executed);
@@ -312,7 +312,7 @@ impl Tick {
 }
 
 impl Axes {
-    fn rest(&mut self, position: &Pose) {
+    fn update(&mut self, position: &Pose) {
         if self.place.is_some_and(|place| watch::is_at(position, &place)) {
             self.still = self.still.saturating_add(1);
         } else {
@@ -321,7 +321,7 @@ impl Axes {
     }
 
     /// Distance of the axes from the path of a segment, mm.
-    fn off_mm(&mut self, count: u32, place: Option<Place>) -> f32 {
+    fn off_mm(&mut self, count: u32, place: Option<PathLocation>) -> f32 {
         let Some(place) = place else { return 0.0 };
         let before = self.way.filter(|(same, _)| *same == count).map(|(_, way)| way);
         let mut way = before.unwrap_or_default();

@@ -1,9 +1,9 @@
 //! Settings of the tap: properties of the line, the control and the machine that it cannot detect.
 
 use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings};
-use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::nc::tape_code::TapeCode;
 use arcfeed_shared::units::{LengthUnit, Nm, Span};
-use arcfeed_shared::wire::message::page::Tapped;
+use arcfeed_shared::wire::message::page::TappedLine;
 
 /// Maximum number of characters of a block, without comments and blanks.
 pub const LINE_MAX: usize = 256;
@@ -12,13 +12,13 @@ pub const LINE_MAX: usize = 256;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapSettings {
     /// Code of the line; `None`: ISO or EIA, detected by the first end of block of each program.
-    pub code: Option<Code>,
+    pub code: Option<TapeCode>,
     /// Settings of the control: unit at power-on, decimals, block-delete switches.
     pub nc: Settings,
     /// Whether a program begins in the modal state of power-on: the control clears its codes at reset and program end
     /// (parameter 3402, bit 6). Otherwise nothing is adapted before the program has stated unit, plane, G90 or G91,
     /// and feed mode.
-    pub begins_afresh: bool,
+    pub resets_codes: bool,
     /// Largest distance of the tool from its path; beyond it, the control does not execute the program that the tap
     /// has read.
     pub off_path: Nm,
@@ -45,7 +45,7 @@ impl TapSettings {
         TapSettings {
             code: None,
             nc,
-            begins_afresh: true,
+            resets_codes: true,
             off_path: Nm(500_000),
             off_path_count: 5,
             silence: Span::from_ms(2_000),
@@ -53,7 +53,7 @@ impl TapSettings {
     }
 
     /// Settings for a line as described in flash.
-    pub const fn of_line(line: Tapped, unit: LengthUnit) -> Self {
+    pub const fn of_line(line: TappedLine, unit: LengthUnit) -> Self {
         let mut settings = TapSettings::new(unit);
         settings.code = line.code;
         settings.nc.decimals = line.decimals;

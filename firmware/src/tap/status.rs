@@ -27,12 +27,12 @@ pub enum TapState {
     /// Moves whose path is not the programmed one: a cycle, a reference point, a contour under G41 or G42.
     Passing,
     /// The behaviour of the control is unknown, until the next program starts.
-    Lost(Why),
+    Lost(TapLossReason),
 }
 
 /// Reason why the behaviour of the control is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Why {
+pub enum TapLossReason {
     /// A block contains a character that is not in its code or could not be received.
     Damaged,
     /// A block is longer than the tap's line.

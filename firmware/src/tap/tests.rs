@@ -1,10 +1,10 @@
 use super::*;
-use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Side, Work};
+use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RULES_MAX, Work};
 use arcfeed_shared::job::{LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::machine::MachineLimits;
 use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::nc::tape_code::TapeCode;
 use arcfeed_shared::tool::{EndMill, Tool};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 
@@ -14,7 +14,7 @@ fn job() -> Job {
     let rule = CutRule {
         tool: 0,
         moves: Moves::Arcs(Turn::Ccw),
-        work: Work::Mill { side: Side::Inside, radial_depth: Nm(1_000_000) },
+        work: Work::Mill { side: ContourSide::Inside, radial_depth: Nm(1_000_000) },
         feed_per_tooth: None,
         table: None,
         sequence: None,
@@ -43,7 +43,7 @@ fn pose(x: i64, y: i64, z: i64) -> Pose {
 
 /// A tap that has seen the axes at rest at the origin.
 fn tap() -> Small {
-    let mut tap = Small::new(TapSettings { code: Some(Code::Ascii), ..TapSettings::new(LengthUnit::Mm) }).unwrap();
+    let mut tap = Small::new(TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(LengthUnit::Mm) }).unwrap();
     stand(&mut tap, pose(0, 0, 0));
     tap
 }

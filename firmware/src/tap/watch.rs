@@ -65,14 +65,14 @@ fn farthest(position: &Pose, place: &Pose) -> u64 {
 
 /// Progress of the axes along the path of a move; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Way {
+pub(super) struct PathProgress {
     along_mm: f32,
     back_mm: f32,
 }
 
 /// Location of a position relative to a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct PathLocation {
     /// Distance from the path, mm.
     pub distance_mm: f32,
     /// Distance along the path, mm.
@@ -81,9 +81,9 @@ pub(super) struct Place {
     around_mm: Option<f32>,
 }
 
-impl Way {
+impl PathProgress {
     /// Processes the next place on the same path; returns the distance of the axes from their expected place, mm.
-    pub fn off_mm(&mut self, place: &Place) -> f32 {
+    pub fn off_mm(&mut self, place: &PathLocation) -> f32 {
         let step = place.along_mm - self.along_mm;
         let step = match place.around_mm {
             Some(around) if step > around / 2.0 => step - around,
@@ -97,7 +97,7 @@ impl Way {
 }
 
 /// Location of a position relative to the path of a move; `None` for rapids.
-pub(super) fn place(segment: &Segment, position: &Pose) -> Option<Place> {
+pub(super) fn place(segment: &Segment, position: &Pose) -> Option<PathLocation> {
     match &segment.path {
         Path::Rapid => None,
         Path::Line => Some(on_line(segment, position)),
@@ -105,17 +105,17 @@ pub(super) fn place(segment: &Segment, position: &Pose) -> Option<Place> {
     }
 }
 
-fn on_line(segment: &Segment, position: &Pose) -> Place {
+fn on_line(segment: &Segment, position: &Pose) -> PathLocation {
     let along = between(&segment.start, &segment.end);
     let point = between(&segment.start, position);
     let square = dot(along, along);
     let ratio = if square > 0.0 { dot(point, along) / square } else { 0.0 };
     let ratio = fmath::max(fmath::min(ratio, 1.0), 0.0);
     let distance_mm = norm([0, 1, 2].map(|axis| part(point, axis) - ratio * part(along, axis))); // (1)
-    Place { distance_mm, along_mm: ratio * fmath::sqrt(square), around_mm: None }
+    PathLocation { distance_mm, along_mm: ratio * fmath::sqrt(square), around_mm: None }
 }
 
-fn on_arc(segment: &Segment, arc: &Arc, position: &Pose) -> Place {
+fn on_arc(segment: &Segment, arc: &Arc, position: &Pose) -> PathLocation {
     let (first, second, normal) = arc.plane.axes();
     let axis = |pose: &Pose, index: usize| pose.linear.get(index).copied().unwrap_or_default();
     let [center_first, center_second] = arc.center;
@@ -130,13 +130,13 @@ fn on_arc(segment: &Segment, arc: &Arc, position: &Pose) -> Place {
     if phi > sweep {
         let [start, end] = [&segment.start, &segment.end].map(|place| norm(between(place, position)));
         let along_mm = if start <= end { 0.0 } else { radius * sweep };
-        return Place { distance_mm: fmath::min(start, end), along_mm, around_mm: None }; // (3)
+        return PathLocation { distance_mm: fmath::min(start, end), along_mm, around_mm: None }; // (3)
     }
     let [start, end] = [&segment.start, &segment.end].map(|place| mm(axis(place, normal), axis(position, normal)));
     let across = start + phi / sweep * (end - start);
     let [x, y] = point;
     let distance_mm = fmath::length(fmath::length(x, y) - radius, across); // (2)
-    Place { distance_mm, along_mm: radius * phi, around_mm: is_around.then_some(radius * sweep) }
+    PathLocation { distance_mm, along_mm: radius * phi, around_mm: is_around.then_some(radius * sweep) }
 }
 
 /// Angle from one vector to another in the given sense, from 0 to a full turn.

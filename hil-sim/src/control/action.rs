@@ -4,7 +4,7 @@ use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::nc::machining::Machining;
 use arcfeed_shared::nc::macros::program::is_statement;
 use arcfeed_shared::nc::macros::variables::Ignored;
-use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::modal::{Pose, ProgramStop};
 use arcfeed_shared::nc::series::Series;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, Nm};
@@ -30,13 +30,13 @@ pub enum Action {
     /// An M, S or T function: takes no time here, but moves before it come to rest.
     Auxiliary,
     /// A move in machine coordinates, and the stop after it.
-    Move(Segment, Option<Stop>),
+    Move(Segment, Option<ProgramStop>),
     /// Several moves in program coordinates (see `plain.rs`), and the stop after them.
-    Series(Box<Series>, Option<Stop>),
+    Series(Box<Series>, Option<ProgramStop>),
     /// G4.
     Dwell(Micros),
     /// M0, M1, M2, M30.
-    Stop(Stop),
+    Stop(ProgramStop),
     /// Functions switched off from here on: #3003, #3004.
     Ignore(Ignored),
     /// The control stops here with an alarm.

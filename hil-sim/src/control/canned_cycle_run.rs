@@ -5,7 +5,7 @@
 //! and feed hold until it is out.
 
 use arcfeed_shared::nc::modal::{MotionKind, Pose};
-use arcfeed_shared::nc::series::{Act, Cursor, Series, Stage};
+use arcfeed_shared::nc::series::{Series, SeriesAction, SeriesCursor, Stage};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::Micros;
 
@@ -18,7 +18,7 @@ use super::plain::along_z;
 #[derive(Debug)]
 pub struct CannedCycleRun {
     series: Box<Series>,
-    cursor: Cursor,
+    cursor: SeriesCursor,
     context: MoveContext,
     sequence: Option<i64>,
     /// Hole and stage of the last step returned; a stop in single block before the next step counts as returned.
@@ -69,9 +69,9 @@ impl CannedCycleRun {
             }
             (self.cursor, self.given) = (ahead, Some(stage));
             match act {
-                Some(Act::Spindle(_)) => {}
-                Some(Act::Dwell(span)) => return Some(RunStep::Dwell(span)),
-                Some(Act::Move(motion)) => {
+                Some(SeriesAction::Spindle(_)) => {}
+                Some(SeriesAction::Dwell(span)) => return Some(RunStep::Dwell(span)),
+                Some(SeriesAction::Move(motion)) => {
                     let is_cut = motion.kind == MotionKind::Line;
                     let mut end = motion.end.plus(along_z(self.context.tool));
                     if let (Series::Drill(drill), (_, Stage::Positioning)) = (&*self.series, stage) {

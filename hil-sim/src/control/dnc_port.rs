@@ -17,7 +17,7 @@ use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::units::{Micros, US_PER_S};
 
-use super::code::{Code, DC1, DC3, with_even_parity, without_parity};
+use super::code::{DC1, DC3, TapeCode, with_even_parity, without_parity};
 use super::line::{LineCounters, LineSettings};
 use super::punch::Punch;
 use super::tape::{ReceivedBlock, Tape};
@@ -165,8 +165,8 @@ impl DncPort {
     }
 
     /// Code of the line: that of the received program, ISO before it is known.
-    pub fn code(&self) -> Code {
-        self.tape.code().unwrap_or(Code::Iso)
+    pub fn code(&self) -> TapeCode {
+        self.tape.code().unwrap_or(TapeCode::Iso)
     }
 
     /// Counters of the line's traffic.
@@ -210,7 +210,7 @@ impl DncPort {
             return None;
         }
         let tape = &self.tape;
-        let code = tape.code().unwrap_or(Code::Ascii);
+        let code = tape.code().unwrap_or(TapeCode::Ascii);
         let end = self.buffer.iter().position(|&frame| code.ends_block(frame))?;
         self.blocks -= 1;
         let frames: Vec<u8> = self.buffer.drain(..=end).collect();
@@ -245,7 +245,7 @@ impl DncPort {
     }
 
     fn send(&mut self, control_code: u8) {
-        let is_ascii = self.settings.is_some_and(|settings| settings.tape.code == Some(Code::Ascii));
+        let is_ascii = self.settings.is_some_and(|settings| settings.tape.code == Some(TapeCode::Ascii));
         self.outgoing.push_back(if is_ascii { control_code } else { with_even_parity(control_code) });
     }
 

@@ -13,7 +13,7 @@
 //! Source: time of the SAR check, Fanuc Power Mate i-H/D connection manual B-63443EN/02 p. 197.
 
 use arcfeed_shared::nc::block::{Block, parse_line};
-use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::modal::{Pose, ProgramStop};
 use arcfeed_shared::nc::settings::Reading;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{Micros, MmPerMin, S_PER_MIN};
@@ -81,7 +81,7 @@ impl DriveState {
 
     /// Stops the spindle at M2, M30 and reset, as the ladder of a machine does.
     pub fn end(&mut self, stop: Stop) {
-        if let (Some(spindle), Stop::End) = (&mut self.spindle, stop) {
+        if let (Some(spindle), ProgramStop::End) = (&mut self.spindle, stop) {
             spindle.set_rotation(SpindleRotation::Stop);
         }
     }

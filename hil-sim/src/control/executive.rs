@@ -11,10 +11,10 @@ use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::print::Output;
 use arcfeed_shared::nc::macros::program::Library;
-use arcfeed_shared::nc::macros::stack::Place;
-use arcfeed_shared::nc::macros::step::{Ending, PlainBlock, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::stack::SourceLine;
+use arcfeed_shared::nc::macros::step::{Ending, MacroSettings, MacroStep, PlainBlock, ProgramFault};
 use arcfeed_shared::nc::macros::variables::{Context, Ignored};
-use arcfeed_shared::nc::modal::{Pose, Stop};
+use arcfeed_shared::nc::modal::{Pose, ProgramStop};
 use arcfeed_shared::nc::settings::Tables;
 use arcfeed_shared::units::Micros;
 
@@ -66,7 +66,7 @@ impl Executive {
     fn with(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>, is_dnc: bool) -> Self {
         let reader = PlainReader::new(settings);
         let context = Context::with_length(reader.modal(), reader.machine(), Micros(0));
-        let of_macros = Settings { is_dnc, ..Settings::default() };
+        let of_macros = MacroSettings { is_dnc, ..MacroSettings::default() };
         let mut interpreter = Interpreter::new(text, library, of_macros, &context);
         interpreter.set_tables(&settings.tables);
         Executive {
@@ -148,10 +148,10 @@ impl Executive {
         while !self.is_over {
             let context = Context::with_length(self.reader.modal(), self.reader.machine(), now);
             let block = match self.interpreter.next(&context) {
-                Ok(Step::Block(block)) => self.read(block),
-                Ok(Step::Message(text)) => self.wait_with(&text),
-                Ok(Step::Busy) => return NextBlock::Busy,
-                Ok(Step::End(Ending::Text)) => {
+                Ok(MacroStep::Block(block)) => self.read(block),
+                Ok(MacroStep::Message(text)) => self.wait_with(&text),
+                Ok(MacroStep::Busy) => return NextBlock::Busy,
+                Ok(MacroStep::End(Ending::Text)) => {
                     self.is_over = true;
                     self.block(Action::Fault(Fault::alarm(Alarm::EndOfRecord, 0)))
                 }
@@ -159,18 +159,18 @@ impl Executive {
                     self.is_over = true;
                     self.stop(&trouble)
                 }
-                Ok(Step::Ignore(ignored)) => self.own(Action::Ignore(ignored)),
-                Ok(Step::Output(output)) => {
+                Ok(MacroStep::Ignore(ignored)) => self.own(Action::Ignore(ignored)),
+                Ok(MacroStep::Output(output)) => {
                     self.outputs.push(output);
                     continue;
                 }
-                Ok(Step::Offset) => {
+                Ok(MacroStep::Offset) => {
                     self.reader.reader().set_tables(&self.interpreter.variables().tables);
                     continue;
                 }
-                Ok(Step::Restart) => continue,
-                Ok(Step::Starved) => return NextBlock::Starved,
-                Ok(Step::End(Ending::Program)) => {
+                Ok(MacroStep::Restart) => continue,
+                Ok(MacroStep::Starved) => return NextBlock::Starved,
+                Ok(MacroStep::End(Ending::Program)) => {
                     self.is_over = true;
                     continue;
                 }
@@ -250,7 +250,7 @@ impl Executive {
         let message = String::from_utf8_lossy(message).into_owned();
         let text = format!("({message})").into_bytes();
         self.messages.push_back(message);
-        let block = self.own(Action::Stop(Stop::Program));
+        let block = self.own(Action::Stop(ProgramStop::Program));
         if block.text.is_empty() { ReadBlock { text, ..block } } else { block }
     }
 
@@ -259,8 +259,8 @@ impl Executive {
         ReadBlock { text: self.fed.take().unwrap_or_default(), ..self.block(action) }
     }
 
-    fn stop(&mut self, trouble: &Trouble) -> ReadBlock {
-        let Trouble { fault, place, calls, message } = trouble;
+    fn stop(&mut self, trouble: &ProgramFault) -> ReadBlock {
+        let ProgramFault { fault, place, calls, message } = trouble;
         if !message.is_empty() {
             self.messages.push_back(String::from_utf8_lossy(message).into_owned());
         }
@@ -277,8 +277,8 @@ impl Executive {
 }
 
 /// Line of the main program's file to which a place belongs: its own, or that of the call that led to it.
-fn main_line(place: Place, calls: &[Place]) -> u32 {
-    let of_main = |place: &&Place| place.library.is_none();
+fn main_line(place: SourceLine, calls: &[SourceLine]) -> u32 {
+    let of_main = |place: &&SourceLine| place.library.is_none();
     std::iter::once(&place).chain(calls.iter().rev()).find(of_main).map_or(0, |place| place.line)
 }
 

@@ -65,7 +65,7 @@ use std::collections::VecDeque;
 use arcfeed_shared::nc::alarm::Fault;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
 use arcfeed_shared::nc::macros::variables::Ignored;
-use arcfeed_shared::nc::modal::{Modal, Pose, Stop};
+use arcfeed_shared::nc::modal::{Modal, Pose, ProgramStop};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Micros, MmPerMin};
 
@@ -117,7 +117,7 @@ pub struct Control {
     drive_state: DriveState,
     phase: Phase,
     dwell_left: Micros,
-    after_move: Option<Stop>,
+    after_move: Option<ProgramStop>,
     halts_after: bool,
     alarm: Option<AlarmRecord>,
     ended: bool,
@@ -391,9 +391,9 @@ impl Control {
         self.reads_no_further = false;
         self.drive_state.end(stop);
         match stop {
-            Stop::Optional if !self.switches.optional_stop => {}
-            Stop::Program | Stop::Optional => self.phase = Phase::Stopped { since: now },
-            Stop::End => self.ended = true,
+            ProgramStop::Optional if !self.switches.optional_stop => {}
+            ProgramStop::Program | ProgramStop::Optional => self.phase = Phase::Stopped { since: now },
+            ProgramStop::End => self.ended = true,
         }
         self.halts_after &= self.phase == Phase::Running;
     }

@@ -13,7 +13,7 @@
 //! Feed hold is independent of these states: axes come to rest and a dwell waits until cycle start.
 
 use arcfeed_shared::nc::macros::variables::Ignored;
-use arcfeed_shared::nc::modal::Stop;
+use arcfeed_shared::nc::modal::ProgramStop;
 use arcfeed_shared::units::Micros;
 
 use super::Control;
@@ -82,7 +82,7 @@ impl Control {
         self.ended = false;
         self.held = false;
         self.search = None;
-        self.drive_state.end(Stop::End);
+        self.drive_state.end(ProgramStop::End);
         self.phase = Phase::Resetting;
     }
 

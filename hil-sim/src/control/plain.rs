@@ -8,7 +8,7 @@
 use arcfeed_shared::nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_shared::nc::block::Block;
 use arcfeed_shared::nc::modal::{Modal, Plane, Pose};
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
@@ -120,7 +120,7 @@ impl PlainReader {
         }
     }
 
-    fn context(&self, understood: &Understood) -> MoveContext {
+    fn context(&self, understood: &InterpretedLine) -> MoveContext {
         let (modal, tables) = (self.reader.modal(), self.reader.tables());
         let tool = modal.tool_length(tables);
         let origin = modal.work_origin(tables).plus(along_z(tool));
@@ -149,8 +149,8 @@ pub fn along_z(length: Nm) -> Pose {
 }
 
 /// Action of a block that has been read, in program coordinates.
-fn action(understood: &Understood) -> Action {
-    let Understood { parsed, step, segment, .. } = understood;
+fn action(understood: &InterpretedLine) -> Action {
+    let InterpretedLine { parsed, step, segment, .. } = understood;
     let has_function = |block: &Block| block.words.iter().any(|word| matches!(word.letter, b'M' | b'S' | b'T'));
     if understood.lacks_feed() {
         return Action::Fault(Fault::alarm(Alarm::NoFeed, 0));

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::nc::macros::print::Output;
 
-use super::code::{Code, DC1, DC2, DC3, DC4, with_even_parity};
+use super::code::{DC1, DC2, DC3, DC4, TapeCode, with_even_parity};
 
 /// The output's state.
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ pub struct Punch {
 
 impl Punch {
     /// Queues a macro statement's output; `code` is the control's code.
-    pub fn put(&mut self, output: &Output, code: Code) {
+    pub fn put(&mut self, output: &Output, code: TapeCode) {
         match output {
             Output::Open => self.open(),
             Output::Close => self.close(),
@@ -44,7 +44,7 @@ impl Punch {
     }
 
     /// DPRNT: a line of text; characters that the code does not have become blanks.
-    pub fn print(&mut self, text: &[u8], code: Code) {
+    pub fn print(&mut self, text: &[u8], code: TapeCode) {
         let frames = text.iter().chain(b"\n").filter_map(|byte| code.encode(*byte).or(code.encode(b' ')));
         self.queue.extend(frames);
     }
@@ -91,7 +91,7 @@ mod tests {
     fn a_line_goes_out_between_dc2_and_dc4() {
         let mut punch = Punch::default();
         punch.open();
-        punch.print(b"X1.5", Code::Ascii);
+        punch.print(b"X1.5", TapeCode::Ascii);
         punch.close();
         assert_eq!(drain(&mut punch), b"\x12X1.5\n\x14");
     }
@@ -100,7 +100,7 @@ mod tests {
     fn dc3_stops_it_and_dc1_starts_it_again() {
         let mut punch = Punch::default();
         punch.open();
-        punch.print(b"AB", Code::Ascii);
+        punch.print(b"AB", TapeCode::Ascii);
         assert_eq!((punch.poll(), punch.poll()), (Some(DC2), Some(b'A')));
         assert!(punch.receive(DC3));
         assert_eq!(punch.poll(), None);

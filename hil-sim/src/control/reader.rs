@@ -151,7 +151,7 @@ fn deleted_by(text: &[u8]) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::nc::modal::Stop;
+    use arcfeed_shared::nc::modal::ProgramStop;
     use arcfeed_shared::units::LengthUnit;
 
     fn blocks(program: &str, switches: &Switches) -> Vec<ReadBlock> {
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_program_may_end_in_the_block_of_its_last_move() {
-        assert!(matches!(actions("G0X1.M30").as_slice(), [Action::Move(_, Some(Stop::End))]));
+        assert!(matches!(actions("G0X1.M30").as_slice(), [Action::Move(_, Some(ProgramStop::End))]));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use arcfeed_shared::nc::block::Block;
-use arcfeed_shared::nc::modal::{FeedMode, Modal, MotionKind, Plane, Side, Turn};
+use arcfeed_shared::nc::modal::{CompensationSide, FeedMode, Modal, MotionKind, Plane, Turn};
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 /// Largest number of M codes in the list; the last ones stay.
@@ -83,8 +83,8 @@ fn codes(modal: &Modal) -> Vec<String> {
     };
     let compensation = match modal.compensation {
         None => 40,
-        Some(Side::Left) => 41,
-        Some(Side::Right) => 42,
+        Some(CompensationSide::Left) => 41,
+        Some(CompensationSide::Right) => 42,
     };
     let motion = modal.cycle.map_or(motion, |cycle| i32::from(cycle.code));
     let distance = if modal.absolute { 90 } else { 91 };
@@ -110,7 +110,7 @@ fn codes(modal: &Modal) -> Vec<String> {
         system => format!("G54.1 P{}", system - 5),
     });
     codes.extend(modal.polar.map(|_| "G16".to_owned()));
-    codes.extend(modal.frame.stretch().map(|stretch| if stretch.code == 510 { "G51" } else { "G51.1" }.to_owned()));
+    codes.extend(modal.frame.scaling().map(|stretch| if stretch.code == 510 { "G51" } else { "G51.1" }.to_owned()));
     codes.extend(modal.frame.rotation().map(|turned| format!("G68 R{}", turned.angle.to_deg())));
     codes
 }

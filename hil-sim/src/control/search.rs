@@ -9,7 +9,7 @@
 //! X, Y, Z here.
 
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::modal::{Feed, Pose, Stop};
+use arcfeed_shared::nc::modal::{Feed, Pose, ProgramStop};
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{MmPerMin, Nm};
 
@@ -92,9 +92,9 @@ impl Approach {
             return SearchResult::Here(blocks);
         }
         match &block.action {
-            Action::Stop(Stop::End) | Action::Move(_, Some(Stop::End)) | Action::Series(_, Some(Stop::End)) => {
-                SearchResult::Never(Box::new(never(block.line)))
-            }
+            Action::Stop(ProgramStop::End)
+            | Action::Move(_, Some(ProgramStop::End))
+            | Action::Series(_, Some(ProgramStop::End)) => SearchResult::Never(Box::new(never(block.line))),
             Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
                 SearchResult::Never(Box::new(never(block.line)))
             }

@@ -121,13 +121,13 @@ mod tests {
     use arcfeed_shared::nc::alarm::Alarm;
 
     use super::*;
-    use crate::control::code::{Code, DC1};
+    use crate::control::code::{DC1, TapeCode};
 
     const MS: Micros = Micros::from_ms(1);
 
     fn read(text: &str, corrupt: impl Fn(u8) -> u8) -> Store {
         let mut store = Store::new(LineSettings::default());
-        let frames: Vec<u8> = text.bytes().filter_map(|byte| Code::Iso.encode(byte)).map(corrupt).collect();
+        let frames: Vec<u8> = text.bytes().filter_map(|byte| TapeCode::Iso.encode(byte)).map(corrupt).collect();
         // Eight bits, as the sender of a line without parity of its own sends them.
         let mut line = LineSettings::default();
         line.sender = crate::control::line::SenderParity::None;

@@ -9,13 +9,13 @@
 use arcfeed_shared::nc::alarm::{Alarm, Fault};
 use arcfeed_shared::nc::word::{column, is_control_character};
 
-use super::code::{Code, Symbol};
+use super::code::{Symbol, TapeCode};
 
 /// Settings for reading the tape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapeSettings {
     /// Code of the tape; `None`: ISO or EIA, as the first end of block shows.
-    pub code: Option<Code>,
+    pub code: Option<TapeCode>,
     /// Whether everything before the first end of block is skipped.
     pub label_skip: bool,
     /// Whether a block with an odd number of characters is alarm PS0002 (parameter 0000, TVC).
@@ -54,7 +54,7 @@ pub enum ReceivedBlock {
 #[derive(Debug)]
 pub struct Tape {
     settings: TapeSettings,
-    code: Option<Code>,
+    code: Option<TapeCode>,
     skips: bool,
     /// Whether a character other than `%` has followed the label.
     has_begun: bool,
@@ -69,13 +69,13 @@ impl Tape {
 
     /// A program in memory, which was checked when it was stored.
     pub fn in_memory() -> Self {
-        Tape::new(TapeSettings { code: Some(Code::Ascii), label_skip: false, ..TapeSettings::default() })
+        Tape::new(TapeSettings { code: Some(TapeCode::Ascii), label_skip: false, ..TapeSettings::default() })
     }
 
     /// Notes a frame as it arrives; returns whether it ends a block.
     pub fn watch(&mut self, frame: u8) -> bool {
         let Some(code) = self.code else {
-            self.code = Code::of_end_of_block(frame);
+            self.code = TapeCode::of_end_of_block(frame);
             return self.code.is_some();
         };
         match code.decode(frame) {
@@ -92,13 +92,13 @@ impl Tape {
     }
 
     /// The code, once it is known.
-    pub fn code(&self) -> Option<Code> {
+    pub fn code(&self) -> Option<TapeCode> {
         self.code
     }
 
     /// Reads the frames of a block, its end of block included.
     pub fn read(&mut self, frames: &[u8]) -> ReceivedBlock {
-        let code = self.code.unwrap_or(Code::Ascii);
+        let code = self.code.unwrap_or(TapeCode::Ascii);
         let mut text = Vec::with_capacity(frames.len());
         let mut fault = None;
         for frame in frames {
@@ -144,7 +144,7 @@ mod tests {
         found
     }
 
-    fn encoded(code: Code, text: &str) -> Vec<u8> {
+    fn encoded(code: TapeCode, text: &str) -> Vec<u8> {
         text.bytes().map(|byte| code.encode(byte).unwrap()).collect()
     }
 
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_first_end_of_block_determines_the_code() {
-        for code in [Code::Iso, Code::Eia] {
+        for code in [TapeCode::Iso, TapeCode::Eia] {
             let found = blocks(TapeSettings::default(), &encoded(code, "%LEADER\nG1X-1.5\nM30\n"));
             assert_eq!(found, [ReceivedBlock::Label { has_mark: true }, block("G1X-1.5"), block("M30")], "{code:?}");
         }
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_first_block_without_a_mark_before_it_is_skipped() {
-        let found = blocks(TapeSettings::default(), &encoded(Code::Iso, "G0Z100.\nG0X0\n"));
+        let found = blocks(TapeSettings::default(), &encoded(TapeCode::Iso, "G0Z100.\nG0X0\n"));
         assert_eq!(found, [ReceivedBlock::Label { has_mark: false }, block("G0X0")]);
     }
 
@@ -178,7 +178,7 @@ mod tests {
     fn blocks_with_an_odd_number_of_characters_fail_the_tv_check() {
         let settings = TapeSettings { tv_check: true, ..TapeSettings::default() };
         // With its end: the label 3 (not checked), 4, 5, 6 with a comment.
-        let found = blocks(settings, &encoded(Code::Iso, "%A\nG00\nG000\n(ABC)\n"));
+        let found = blocks(settings, &encoded(TapeCode::Iso, "%A\nG00\nG000\n(ABC)\n"));
         let refused = ReceivedBlock::Refused { text: b"G000".into(), fault: Fault::alarm(Alarm::BlockParity, 0) };
         assert_eq!(found, [ReceivedBlock::Label { has_mark: true }, block("G00"), refused, block("(ABC)")]);
     }
@@ -187,7 +187,7 @@ mod tests {
     fn characters_that_iso_does_not_have_are_an_alarm_where_the_control_is_strict() {
         let settings = TapeSettings { strict_characters: true, ..TapeSettings::default() };
         for (text, column) in [("(tool 2)", 2), ("(1/2\")", 5), ("G1X1.?", 6)] {
-            let frames = encoded(Code::Iso, &format!("%\n{text}\n"));
+            let frames = encoded(TapeCode::Iso, &format!("%\n{text}\n"));
             let fault = Fault::alarm(Alarm::Character, column);
             assert_eq!(blocks(settings, &frames)[1], ReceivedBlock::Refused { text: text.into(), fault });
             assert_eq!(blocks(TapeSettings::default(), &frames)[1], block(text));
@@ -197,11 +197,11 @@ mod tests {
     #[test]
     fn the_program_ends_with_the_mark_behind_it() {
         let mut tape = Tape::new(TapeSettings::default());
-        for frame in encoded(Code::Iso, "\n%\nM30\n") {
+        for frame in encoded(TapeCode::Iso, "\n%\nM30\n") {
             tape.watch(frame);
         }
         assert!(!tape.has_ended());
-        tape.watch(Code::Iso.encode(b'%').unwrap());
+        tape.watch(TapeCode::Iso.encode(b'%').unwrap());
         assert!(tape.has_ended());
     }
 }

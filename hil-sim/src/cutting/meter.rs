@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 
 use arcfeed_shared::cut::{CutRule, Work};
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::report::{ChipFigures, ExcludedSamples};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::stock::StockLine;
 use arcfeed_shared::telemetry::Sample;
@@ -51,7 +51,7 @@ pub struct MoveChips {
     /// Thickest chip relative to the target, anywhere inside the rule's half plane: outer and inner circle.
     pub thickest: [ChipFigures; 2],
     /// Samples that are not among the steady ones.
-    pub left_out: LeftOut,
+    pub left_out: ExcludedSamples,
 }
 
 /// The meter's state.
@@ -138,7 +138,7 @@ impl ChipMeter {
             contact: ChipFigures::default(),
             any_contact: ChipFigures::default(),
             thickest: [ChipFigures::default(); 2],
-            left_out: LeftOut::default(),
+            left_out: ExcludedSamples::default(),
         });
     }
 

@@ -60,7 +60,7 @@ impl InProcessController {
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));
         let is_on = has_override && fault != ControllerFault::LawOff;
         let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
-        let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: period };
+        let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: period };
         let frozen_from = match fault {
             ControllerFault::FrozenAfter(ticks) => Some(Micros(ticks * u64::from(period.0))),
             _ => None,
@@ -81,7 +81,7 @@ impl OverrideSource for InProcessController {
         self.io.segment = begun.map(|MoveStart { count, segment, rule, along, spindle, limit, end_percent }| {
             let own = Conditions::of(segment, rule, job);
             let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
-            (count, ActiveSegment::under(segment, &conditions, job))
+            (count, ActiveSegment::with_conditions(segment, &conditions, job))
         });
     }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use arcfeed_firmware::application::control_task::ControlTask;
 use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
-use arcfeed_firmware::lockstep::{Line, Lines, Lockstep};
+use arcfeed_firmware::lockstep::{BoardLine, BoardLines, Lockstep};
 use arcfeed_firmware::main_loop::MainLoop;
 
 use super::board::{BoardFailure, Wire, Wires};
@@ -38,16 +38,16 @@ struct Rings {
     outward: [VecDeque<u8>; LINES],
 }
 
-impl Lines for Rings {
-    fn waiting(&self, line: Line) -> usize {
+impl BoardLines for Rings {
+    fn waiting(&self, line: BoardLine) -> usize {
         self.inward[line as usize].len()
     }
 
-    fn receive(&mut self, line: Line) -> Option<u8> {
+    fn receive(&mut self, line: BoardLine) -> Option<u8> {
         self.inward[line as usize].pop_front()
     }
 
-    fn send(&mut self, line: Line, bytes: &[u8]) -> usize {
+    fn send(&mut self, line: BoardLine, bytes: &[u8]) -> usize {
         self.outward[line as usize].extend(bytes);
         bytes.len()
     }
@@ -76,7 +76,7 @@ impl<'q, const N: usize> InProcess<'q, N> {
     fn run(&mut self) {
         let InProcess { main_loop, task, machine, lockstep, rings, log } = self;
         let mut tick = |now, sample: &_| {
-            machine.take(now, sample);
+            machine.on_sample(now, sample);
             setpoint(sample.at, &task.tick(now, &machine.sensors(now)), [0; 2])
         };
         while lockstep.poll(main_loop, rings, &mut tick) {
@@ -111,11 +111,11 @@ impl<const N: usize> Wires for InProcess<'_, N> {
 }
 
 /// The board's end of a wire.
-fn line(wire: Wire) -> Line {
+fn line(wire: Wire) -> BoardLine {
     match wire {
-        Wire::Link => Line::Link,
-        Wire::Machine => Line::Machine,
-        Wire::Sender => Line::Sender,
-        Wire::Control => Line::Control,
+        Wire::Link => BoardLine::Link,
+        Wire::Machine => BoardLine::Machine,
+        Wire::Sender => BoardLine::Sender,
+        Wire::Control => BoardLine::Control,
     }
 }

@@ -48,7 +48,7 @@ fn begin_percent(block: &PlannedBlock, job: &Job) -> u8 {
         end_percent: block.end_percent,
         ..own
     };
-    let begins = ActiveSegment::under(&segment, &conditions, job).begin_percent();
+    let begins = ActiveSegment::with_conditions(&segment, &conditions, job).begin_percent();
     let most = if rule.is_some() { u8::MAX } else { FeedOverride::PROGRAMMED.percent };
     begins.min(most).max(job.limits.min_percent)
 }

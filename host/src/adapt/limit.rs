@@ -4,9 +4,9 @@
 //! all other moves, every axis covers what the program says.
 
 use arcfeed_shared::job::Job;
-use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::Setup;
 use arcfeed_shared::kinematics::machine::Machine;
+use arcfeed_shared::kinematics::tip_feed::TipMove;
 use arcfeed_shared::machine::{FeedLimit, LimitedBy};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::segment::{Path, Segment};

@@ -4,7 +4,7 @@
 
 use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::nc::word::Word;
-use arcfeed_shared::reader::Understood;
+use arcfeed_shared::reader::InterpretedLine;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
 use super::modes::Modes;
@@ -108,7 +108,7 @@ pub struct Leak;
 /// Whether a governed feed can leak into a line at all: only where a block-delete switch may change it, or where the program
 /// has stated no feed.
 pub fn may_leak(line: &ProgramLine) -> bool {
-    line.skipping.is_some() || line.meaning.as_ref().is_some_and(Understood::lacks_feed)
+    line.skipping.is_some() || line.meaning.as_ref().is_some_and(InterpretedLine::lacks_feed)
 }
 
 impl FeedRewriter {

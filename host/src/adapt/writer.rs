@@ -174,7 +174,7 @@ impl<'a> Writer<'a> {
     /// Where the circles are engaged along a move, where its rule leaves that to be told.
     fn told_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
-        let engaged = self.engaged.as_mut().filter(|_| rule.is_told_along())?;
+        let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
         engaged.next(segment).cloned()
     }
 

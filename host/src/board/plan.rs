@@ -11,7 +11,7 @@ use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_shared::engaged::EngagedTable;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::series::Act;
+use arcfeed_shared::nc::series::SeriesAction;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::{Nm, RevPerMin};
 use arcfeed_shared::wire::message::fixed::Q40;
@@ -201,9 +201,9 @@ impl BoardPlan {
 fn series(line: &ProgramLine) -> Vec<Segment> {
     let Some(meaning) = &line.meaning else { return Vec::new() };
     let Some(series) = &meaning.step.series else { return Vec::new() };
-    let motions = series.acts().filter_map(|act| match act {
-        Act::Move(motion) => Segment::from_motion(&motion, meaning.parsed.block.sequence).ok(),
-        Act::Dwell(_) | Act::Spindle(_) => None,
+    let motions = series.actions().filter_map(|act| match act {
+        SeriesAction::Move(motion) => Segment::from_motion(&motion, meaning.parsed.block.sequence).ok(),
+        SeriesAction::Dwell(_) | SeriesAction::Spindle(_) => None,
     });
     motions.map(|segment| segment.shifted(Pose::ORIGIN.minus(line.origin))).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::cut::{Moves, Rotation, Side, Work};
+use arcfeed_shared::cut::{ContourSide, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::{Edge, Tool};
@@ -259,8 +259,8 @@ fn feed_unit(unit: LengthUnit) -> &'static str {
 /// Rotation, as in job files.
 pub fn rotation_word(moves: Moves) -> Option<&'static str> {
     match moves {
-        Moves::Rotations(Rotation::Interior, _) => Some("interior"),
-        Moves::Rotations(Rotation::Exterior, _) => Some("exterior"),
+        Moves::Rotations(RotationCircle::Interior, _) => Some("interior"),
+        Moves::Rotations(RotationCircle::Exterior, _) => Some("exterior"),
         Moves::Arcs(_) | Moves::Lines => None,
     }
 }
@@ -278,9 +278,9 @@ pub fn side_word(work: &Work) -> &'static str {
     match work {
         Work::Ring(Edge::Outer, _) => "outer",
         Work::Ring(Edge::Inner, _) => "inner",
-        Work::Mill { side: Side::Inside, .. } => "inside",
-        Work::Mill { side: Side::Outside, .. } => "outside",
-        Work::Mill { side: Side::Slot, .. } => "slot",
+        Work::Mill { side: ContourSide::Inside, .. } => "inside",
+        Work::Mill { side: ContourSide::Outside, .. } => "outside",
+        Work::Mill { side: ContourSide::Slot, .. } => "slot",
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use annotate_snippets::Renderer;
-use arcfeed_shared::kinematics::between::Mode;
+use arcfeed_shared::kinematics::deviation::Mode;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::settings::Scope;
 use serde::Serialize;

@@ -111,7 +111,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         depth_mm,
         ahead_mm: f64::from(file.job.tools.first().feed_per_tooth.0),
         every_mm: setup.workpiece.step_mm,
-        rules: file.job.rules.iter().map(CutRule::is_told_along).collect(),
+        rules: file.job.rules.iter().map(CutRule::expects_engagement_per_move).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
@@ -136,7 +136,7 @@ fn map(
     let planned = adapt(program, &file.job).blocks;
     let asked = |block: &&PlannedBlock| {
         let rule = block.rule.and_then(|index| file.job.rules.get(index));
-        block.reason != PlanReason::Special && rule.is_some_and(CutRule::is_told_along)
+        block.reason != PlanReason::Special && rule.is_some_and(CutRule::expects_engagement_per_move)
     };
     let asked: Vec<&PlannedBlock> = planned.iter().filter(asked).collect();
     let same = |block: &PlannedBlock, sequence: Option<i64>| block.segment.sequence == sequence;

@@ -86,7 +86,7 @@ impl UnknownMoves {
     /// Counts a block if it is one of these moves.
     pub fn add(&mut self, block: &PlannedBlock, file: &JobFile) {
         let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
-        if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::is_told_along) {
+        if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::expects_engagement_per_move) {
             self.first_line = if self.count == 0 { block.line } else { self.first_line };
             self.count += 1;
         }

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use arcfeed_shared::nc::tape_code::Code;
-use arcfeed_shared::wire::message::page::{self, Tapped};
+use arcfeed_shared::nc::tape_code::TapeCode as LineCode;
+use arcfeed_shared::wire::message::page::{self, TappedLine};
 use arcfeed_shared::wire::message::parameters::ParametersError;
 use arcfeed_shared::wire::message::staging::Staging;
 
@@ -31,12 +31,12 @@ impl Parameters {
         warn_of_rules(&self.job, &file, None);
         let job = self.job.display();
         let code = match file.dnc.code {
-            Some(TapeCode::Iso) => Code::Iso,
-            Some(TapeCode::Eia) => Code::Eia,
+            Some(TapeCode::Iso) => LineCode::Iso,
+            Some(TapeCode::Eia) => LineCode::Eia,
             // The receiver removes the parity of the line.
-            Some(TapeCode::Ascii) | None => Code::Ascii,
+            Some(TapeCode::Ascii) | None => LineCode::Ascii,
         };
-        let tapped = Tapped { code: Some(code), decimals: file.nc.decimals };
+        let tapped = TappedLine { code: Some(code), decimals: file.nc.decimals };
         let page = page::write(&file.job, tapped).map_err(|error| {
             Failure::Input(match error {
                 ParametersError::Policy => {
@@ -45,7 +45,7 @@ impl Parameters {
                     )
                 }
                 ParametersError::Number => format!("{job}: it has a number that no board takes"),
-                ParametersError::Along(index) => format!(
+                ParametersError::EngagementPerMove(index) => format!(
                     "{job}: cut rule {}: its engaged arcs are sent with each move, and at a tapped line no sender has them: \
                      send with arcfeed stream --board, or give the rule a shape or a table as its stock",
                     index + 1

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::kinematics::between::Mode;
+use arcfeed_shared::kinematics::deviation::Mode;
 use arcfeed_shared::kinematics::linearise::Tolerance;
 
 use super::five_axis::{PathReport, PlacementArgs, load_cl, load_machine, tool_end};

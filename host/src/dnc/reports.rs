@@ -17,7 +17,7 @@
 //! lie further back than the look-ahead of the control. No report is inserted where #5001 differs from the program's
 //! position: under G41, G42, cycles, polar coordinates, scaling, rotation, tilted planes, G43.4.
 
-use arcfeed_shared::nc::modal::{Modal, Stop};
+use arcfeed_shared::nc::modal::{Modal, ProgramStop};
 use arcfeed_shared::units::LengthUnit;
 
 use super::restored_state::PowerOn;
@@ -83,7 +83,7 @@ impl Reports {
             let text = sent.line_text(index).unwrap_or_default();
             let before = *reader.modal();
             let read = reader.read(text.strip_suffix(b"\n").unwrap_or(text));
-            let is_end = read.as_ref().is_ok_and(|read| read.step.stop == Some(Stop::End));
+            let is_end = read.as_ref().is_ok_and(|read| read.step.stop == Some(ProgramStop::End));
             if is_end && since > 0 && agrees_with_program(&before) {
                 reports.expect(sent, (index - 1, &before, feed), &mut added);
             }
@@ -221,7 +221,7 @@ fn agrees_with_program(modal: &Modal) -> bool {
     modal.compensation.is_none()
         && modal.cycle.is_none()
         && modal.polar.is_none()
-        && modal.frame.stretch().is_none()
+        && modal.frame.scaling().is_none()
         && modal.frame.rotation().is_none()
         && modal.unmodelled == 0
         && !modal.follows_tool_center

@@ -83,7 +83,7 @@ impl StateBefore {
         let shift = reader.modal().frame.shift();
         let understood =
             reader.read(text).map_err(|fault| format!("line {source} cannot be read any more: {}", fault.cause))?;
-        if understood.step.stop.is_some_and(|stop| stop == arcfeed_shared::nc::modal::Stop::End) {
+        if understood.step.stop.is_some_and(|stop| stop == arcfeed_shared::nc::modal::ProgramStop::End) {
             return Err(format!("line {source} ends the program"));
         }
         let block = &understood.parsed.block;
@@ -112,11 +112,11 @@ impl StateBefore {
         let found = [
             (modal.compensation.is_some(), "G41 or G42 is in force: the tool meets the contour only where it began"),
             (modal.polar.is_some(), "G16 is in force"),
-            (modal.frame.stretch().is_some(), "scaling or mirror image is in force"),
+            (modal.frame.scaling().is_some(), "scaling or mirror image is in force"),
             (modal.unmodelled != 0, "a tilted plane is in force"),
             (modal.follows_tool_center, "G43.4 is in force"),
             (modal.preset != Pose::ORIGIN, "G92 has set coordinates: what they refer to is gone"),
-            (modal.is_unsettled, "G68 or G69 stands before it and no move since has named both axes"),
+            (modal.rotation_pending, "G68 or G69 stands before it and no move since has named both axes"),
             (has_data, "G10 has written offsets: whether the control still has them is not known"),
         ];
         match found.into_iter().find(|(holds, _)| *holds) {

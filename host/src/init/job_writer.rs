@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::cut::RotationCircle;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, Nm};
 
@@ -213,7 +213,7 @@ fn rule(cut: &ProposedCut, groups: &[Group], unit: LengthUnit) -> String {
     };
     let _ = match (cut.rotation, cut.edge) {
         (Some(rotation), Some(edge)) => {
-            let rotation = if rotation == Rotation::Interior { "interior" } else { "exterior" };
+            let rotation = if rotation == RotationCircle::Interior { "interior" } else { "exterior" };
             let side = if edge == Edge::Outer { "outer" } else { "inner" };
             write!(
                 text,

@@ -3,7 +3,7 @@
 //! A cup mill turns about points on its own two circles: two radii that recur, make up most of its arcs and have the
 //! proportion of a ring, and whose arcs are not rounded corners of a contour. Anything else is taken for an end mill.
 
-use arcfeed_shared::cut::{RULES_MAX, Rotation};
+use arcfeed_shared::cut::{RULES_MAX, RotationCircle};
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::Nm;
@@ -44,7 +44,7 @@ pub enum LikelyTool {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedCut {
     /// Point about which a ring turns.
-    pub rotation: Option<Rotation>,
+    pub rotation: Option<RotationCircle>,
     /// The sense.
     pub turn: Turn,
     /// Cutting circle, where the published order of movements applies.
@@ -105,13 +105,13 @@ fn ring(groups: &[Group], own: &[usize]) -> Option<[f64; 2]> {
 /// Movements of a ring, in the published order with the circles that cut there.
 fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) -> Vec<ProposedCut> {
     let movements = [
-        (Rotation::Interior, Turn::Ccw, Edge::Outer),
-        (Rotation::Exterior, Turn::Cw, Edge::Outer),
-        (Rotation::Exterior, Turn::Ccw, Edge::Inner),
-        (Rotation::Interior, Turn::Cw, Edge::Inner),
+        (RotationCircle::Interior, Turn::Ccw, Edge::Outer),
+        (RotationCircle::Exterior, Turn::Cw, Edge::Outer),
+        (RotationCircle::Exterior, Turn::Ccw, Edge::Inner),
+        (RotationCircle::Interior, Turn::Cw, Edge::Inner),
     ];
     let cuts = movements.into_iter().map(|(rotation, turn, edge)| {
-        let radius_mm = if rotation == Rotation::Interior { inner_mm } else { outer_mm };
+        let radius_mm = if rotation == RotationCircle::Interior { inner_mm } else { outer_mm };
         let is_it = |group: &Group| group.turn == turn && same_radius(radius_mm, group.radius_mm);
         let mine: Vec<usize> = own.iter().copied().filter(|index| is_it(&groups[*index])).collect();
         let others: Vec<&Group> = (0..groups.len())

@@ -1,6 +1,6 @@
 //! `[[cut]]`: the moves to which a law applies, and the stock there.
 
-use arcfeed_shared::cut::{CutRule, Moves, RULES_MAX, Rotation, Side, Work};
+use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RULES_MAX, RotationCircle, Work};
 use arcfeed_shared::job::{LawKind, Tools};
 use arcfeed_shared::knots::Knots;
 use arcfeed_shared::nc::modal::Turn;
@@ -71,8 +71,8 @@ fn ring_rule(cut: &Spanned<CutTable>, around: &RuleContext<'_>) -> Result<CutRul
         return Err(at(cut, needs));
     }
     let rotation = match rotation {
-        RotationWord::Interior => Rotation::Interior,
-        RotationWord::Exterior => Rotation::Exterior,
+        RotationWord::Interior => RotationCircle::Interior,
+        RotationWord::Exterior => RotationCircle::Exterior,
     };
     let moves = Moves::Rotations(rotation, turn(*direction));
     let stock = match (&table.stock, around.law) {
@@ -115,9 +115,11 @@ fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Compl
         return Err(at(cut, needs));
     }
     let (side, radial_depth) = match (table.side.as_ref(), &table.radial_depth) {
-        (SideWord::Inside, Some(depth)) => (Side::Inside, Nm::from_mm(length_mm(depth, unit, "radial_depth")?)),
-        (SideWord::Outside, Some(depth)) => (Side::Outside, Nm::from_mm(length_mm(depth, unit, "radial_depth")?)),
-        (SideWord::Slot, None) => (Side::Slot, Nm(0)),
+        (SideWord::Inside, Some(depth)) => (ContourSide::Inside, Nm::from_mm(length_mm(depth, unit, "radial_depth")?)),
+        (SideWord::Outside, Some(depth)) => {
+            (ContourSide::Outside, Nm::from_mm(length_mm(depth, unit, "radial_depth")?))
+        }
+        (SideWord::Slot, None) => (ContourSide::Slot, Nm(0)),
         _ => return Err(at(&table.side, needs)),
     };
     restricted(moves, Work::Mill { side, radial_depth }, table, unit)
@@ -200,7 +202,7 @@ fn build_stock(stock: &Spanned<StockTable>, edge: Edge, around: &RuleContext<'_>
             tables::engaged(rows, edge, around.unit, around.law)
         }
         (None, None, None, None, None, None, None, None, Some(map)) => match around.law {
-            LawKind::EngagedArc { .. } => Ok(Stock::Along),
+            LawKind::EngagedArc { .. } => Ok(Stock::PerMove),
             _ => Err(at(map, "`map` is for the engaged-arc law; give this law a line")),
         },
         _ => Err(at(

@@ -4,7 +4,7 @@
 //! poles, changes of branch, fast turns beside a pole, and feeds.
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::forward::ToolPose;
 use arcfeed_shared::kinematics::inverse::Angles;
 use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
 use arcfeed_shared::kinematics::singularity::{RepairLimits, ToolEnd};
@@ -112,8 +112,8 @@ impl Checker<'_> {
             let run: Vec<&Move> = rest.iter().take_while(is_beside).collect();
             let starts = run.first().map(|step| step.rotary_at(0.0));
             let course: Vec<[f64; 2]> = starts.into_iter().chain(run.iter().map(|step| step.rotary_at(1.0))).collect();
-            let pose = |at: &[f64; 2]| Pose { tip_mm: [0.0; 3], axis: machine.axis_at(*at) };
-            let mut poses: Vec<Pose> = course.iter().map(pose).collect();
+            let pose = |at: &[f64; 2]| ToolPose { tip_mm: [0.0; 3], axis: machine.axis_at(*at) };
+            let mut poses: Vec<ToolPose> = course.iter().map(pose).collect();
             for found in machine.repair(&mut poses, &course, ToolEnd::Other, &nothing) {
                 let line = run.get(found.after.saturating_sub(1)).map_or(0, |step| step.made.line);
                 self.add(line, FindingKind::Singularity { found, asked: false });

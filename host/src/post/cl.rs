@@ -8,7 +8,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::forward::ToolPose;
 use arcfeed_shared::kinematics::vector::{Vector, unit};
 use arcfeed_shared::units::MM_PER_INCH;
 
@@ -34,7 +34,7 @@ pub struct ClPoint {
     /// Line of the file, counted from 1.
     pub line: usize,
     /// Tip and tool axis.
-    pub pose: Pose,
+    pub pose: ToolPose,
     /// Feed to the point; `None`: rapid.
     pub feed_mm_per_min: Option<f64>,
 }
@@ -122,7 +122,7 @@ impl Cl {
 }
 
 /// Reads `x,y,z` or `x,y,z,i,j,k`; without a direction the previous one stays.
-fn goto(numbers: &str, state: &mut State) -> Result<Pose, String> {
+fn goto(numbers: &str, state: &mut State) -> Result<ToolPose, String> {
     let parsed: Result<Vec<f64>, _> = numbers.split(',').map(|number| number.trim().parse()).collect();
     let values = parsed.ok().filter(|values| values.iter().all(|value: &f64| value.is_finite()));
     let (tip, axis) = match values.as_deref() {
@@ -131,7 +131,7 @@ fn goto(numbers: &str, state: &mut State) -> Result<Pose, String> {
         _ => return Err("GOTO takes x,y,z or x,y,z,i,j,k".into()),
     };
     state.axis = axis;
-    Ok(Pose { tip_mm: tip.map(|coordinate| coordinate * state.mm), axis })
+    Ok(ToolPose { tip_mm: tip.map(|coordinate| coordinate * state.mm), axis })
 }
 
 /// Normalises i, j, k, whose length differs from 1 by rounding.

@@ -4,8 +4,8 @@
 //! that would change the meaning of positions (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is
 //! rejected.
 
-use arcfeed_shared::kinematics::between::Mode;
-use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
+use arcfeed_shared::kinematics::deviation::Mode;
+use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::{difference, length, unit};
 use arcfeed_shared::nc::text::{Lines, RawLine};
@@ -118,7 +118,7 @@ impl State {
     }
 
     /// Position of the tool, each word from this block or an earlier one.
-    fn pose(&self, machine: &Machine, setup: &Setup, mode: Mode) -> Result<Pose, String> {
+    fn pose(&self, machine: &Machine, setup: &Setup, mode: Mode) -> Result<ToolPose, String> {
         let all = |words: [Option<f64>; 3], names: &str| match words {
             [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
             _ => Err(format!("a first move needs all of {names}")),
@@ -126,7 +126,7 @@ impl State {
         let linear_mm = all(self.linear, "X, Y, Z")?;
         if mode == Mode::Tcp {
             let axis = unit(all(self.direction, "I, J, K")?).ok_or("I, J, K have no direction")?;
-            return Ok(Pose { tip_mm: linear_mm, axis });
+            return Ok(ToolPose { tip_mm: linear_mm, axis });
         }
         let [Some(first), Some(second)] = self.rotary else {
             return Err("a first move needs both rotary axes".into());
@@ -134,7 +134,7 @@ impl State {
         let rotary_deg = [first, second];
         Ok(match mode {
             Mode::Machine => machine.forward(&Axes { linear_mm, rotary_deg }, setup),
-            Mode::PartRotary | Mode::Tcp => Pose { tip_mm: linear_mm, axis: machine.axis_at(rotary_deg) },
+            Mode::PartRotary | Mode::Tcp => ToolPose { tip_mm: linear_mm, axis: machine.axis_at(rotary_deg) },
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use arcfeed_shared::kinematics::change::{Change, WayRound};
+use arcfeed_shared::kinematics::branch_change::{BranchChange, BranchChangeMoves};
 use arcfeed_shared::kinematics::forward::Axes;
 use arcfeed_shared::kinematics::inverse::Unreachable;
 use arcfeed_shared::kinematics::machine::{AxisName, Letter};
@@ -39,7 +39,7 @@ pub enum FindingKind {
     /// An axis would leave its range.
     OverLimit(AxisName),
     /// The rotary axes change their branch on the move to the point.
-    Change(Change, Box<WayRound>),
+    Change(BranchChange, Box<BranchChangeMoves>),
     /// The program turns an axis that the machine lacks.
     NoAxis(Letter),
     /// A move of the program leads to the other branch.
@@ -173,8 +173,8 @@ impl fmt::Display for FindingKind {
     }
 }
 
-fn write_change(f: &mut fmt::Formatter<'_>, change: &Change, way: &WayRound) -> fmt::Result {
-    let Change { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg, .. } = change;
+fn write_change(f: &mut fmt::Formatter<'_>, change: &BranchChange, way: &BranchChangeMoves) -> fmt::Result {
+    let BranchChange { from_deg: [from_0, from_1], to_deg: [to_0, to_1], departure_deg, .. } = change;
     write!(
         f,
         "the rotary axes jump from ({from_0:.3}, {from_1:.3}) to ({to_0:.3}, {to_1:.3}) and would swing the tool by {departure_deg:.1} degrees"

@@ -10,8 +10,8 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::kinematics::between::{Deviation, Mode, Stop};
-use arcfeed_shared::kinematics::change::WayRound;
+use arcfeed_shared::kinematics::branch_change::BranchChangeMoves;
+use arcfeed_shared::kinematics::deviation::{Deviation, Mode, PathPoint};
 use arcfeed_shared::kinematics::forward::Axes;
 use arcfeed_shared::kinematics::linearise::Tolerance;
 use arcfeed_shared::kinematics::vector::{difference, length};
@@ -52,7 +52,7 @@ pub fn write(cl: &Cl, plan: &AxisPlan, task: &Task, style: &Style<'_>) -> Result
     }
     let mut text = header(cl, style);
     let mut writer = Writer { task, mode: style.mode, feed: None, points: 0 };
-    let mut before: Option<Stop> = None;
+    let mut before: Option<PathPoint> = None;
     for (index, (point, stop)) in cl.points.iter().zip(&plan.stops).enumerate() {
         let way = ways.iter().find(|(at, _)| *at == index).map(|(_, way)| way);
         let from = match (way, before) {
@@ -78,7 +78,7 @@ pub fn write(cl: &Cl, plan: &AxisPlan, task: &Task, style: &Style<'_>) -> Result
 }
 
 /// Changes of branch with the points at which they end.
-fn ways_round(plan: &AxisPlan) -> Vec<(usize, &WayRound)> {
+fn ways_round(plan: &AxisPlan) -> Vec<(usize, &BranchChangeMoves)> {
     let mut ways = Vec::new();
     for finding in &plan.findings {
         if let FindingKind::Change(change, way) = &finding.what {
@@ -111,7 +111,7 @@ struct Writer<'t> {
 
 impl Writer<'_> {
     /// Writes one move; a rapid if there is no feed.
-    fn block(&mut self, text: &mut String, from: &Stop, to: &Stop, feed_mm_per_min: Option<f64>) {
+    fn block(&mut self, text: &mut String, from: &PathPoint, to: &PathPoint, feed_mm_per_min: Option<f64>) {
         self.points += 1;
         let feed = feed_mm_per_min.map(|feed| match self.mode {
             Mode::Machine => self.inverse_time(from, to, feed),
@@ -134,7 +134,7 @@ impl Writer<'_> {
     }
 
     /// F in G93: one over the minutes of a move, as long as the slowest axis takes.
-    fn inverse_time(&self, from: &Stop, to: &Stop, feed_mm_per_min: f64) -> String {
+    fn inverse_time(&self, from: &PathPoint, to: &PathPoint, feed_mm_per_min: f64) -> String {
         let way_mm = length(difference(to.pose.tip_mm, from.pose.tip_mm));
         // A turn at a fixed tip has no path: it takes the time of a millimetre.
         let way_mm = if way_mm > 0.0 { way_mm } else { 1.0 };
@@ -144,7 +144,7 @@ impl Writer<'_> {
     }
 
     /// Writes the words of a position.
-    fn place(&self, text: &mut String, to: &Stop) {
+    fn place(&self, text: &mut String, to: &PathPoint) {
         let linear = if self.mode == Mode::Machine { to.axes.linear_mm } else { to.pose.tip_mm };
         for ((letter, value), axis) in ["X", "Y", "Z"].into_iter().zip(linear).zip(self.task.machine.linear()) {
             word(text, letter, value, decimals(axis.resolution_mm));
@@ -161,8 +161,8 @@ impl Writer<'_> {
     }
 
     /// Leaves the part, reorients, and approaches the next point from above; returns the position reached.
-    fn round(&mut self, text: &mut String, way: &WayRound, last: &Stop, feed: Option<f64>) -> Stop {
-        let at = |axes: Axes| Stop { pose: self.task.machine.forward(&axes, &self.task.setup), axes };
+    fn round(&mut self, text: &mut String, way: &BranchChangeMoves, last: &PathPoint, feed: Option<f64>) -> PathPoint {
+        let at = |axes: Axes| PathPoint { pose: self.task.machine.forward(&axes, &self.task.setup), axes };
         let [retract, clear, reorient, above] = [way.retract, way.clear, way.reorient, way.above].map(at);
         text.push_str("(RETRACT, REORIENT, RETURN)\n");
         self.block(text, last, &retract, feed);

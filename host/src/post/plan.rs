@@ -1,9 +1,9 @@
 //! Axis positions for CL data: branch selection of the rotary axes, repairs, and all findings.
 
-use arcfeed_shared::kinematics::between::Stop;
-use arcfeed_shared::kinematics::change::Passage;
+use arcfeed_shared::kinematics::branch_change::Transition;
+use arcfeed_shared::kinematics::deviation::PathPoint;
 use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
+use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::singularity::{RepairLimits, Singularity, ToolEnd};
 use arcfeed_shared::kinematics::vector::{difference, length};
@@ -30,7 +30,7 @@ pub struct Task {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisPlan {
     /// Axis positions of each point.
-    pub stops: Vec<Stop>,
+    pub stops: Vec<PathPoint>,
     /// All findings, in the order of lines.
     pub findings: Vec<Finding>,
     /// Total turns of the rotary axes, before the repairs and after.
@@ -41,7 +41,7 @@ impl AxisPlan {
     /// Chooses the axis positions. A path with points out of reach has findings and no stops.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
-        let mut poses: Vec<Pose> = cl.points.iter().map(|point| point.pose).collect();
+        let mut poses: Vec<ToolPose> = cl.points.iter().map(|point| point.pose).collect();
         let mut plan = AxisPlan::default();
         let Some(mut course) = plan.course(cl, task, &poses) else { return plan };
         plan.travel_deg = [travel(&course); 2];
@@ -62,11 +62,11 @@ impl AxisPlan {
     }
 
     /// Rotary positions of all points; adds every point out of reach to the findings.
-    fn course(&mut self, cl: &Cl, task: &Task, poses: &[Pose]) -> Option<Vec<[f64; 2]>> {
-        match task.machine.course(poses, None) {
+    fn select_branches(&mut self, cl: &Cl, task: &Task, poses: &[ToolPose]) -> Option<Vec<[f64; 2]>> {
+        match task.machine.select_branches(poses, None) {
             Ok(course) => Some(course),
             Err(_) => {
-                let refusal = |pose: &Pose| task.machine.course(std::slice::from_ref(pose), None).err();
+                let refusal = |pose: &ToolPose| task.machine.select_branches(std::slice::from_ref(pose), None).err();
                 let mut open = false;
                 for (point, pose) in cl.points.iter().zip(poses) {
                     match (refusal(pose), self.findings.last_mut()) {
@@ -95,7 +95,7 @@ impl AxisPlan {
     }
 
     /// Checks ranges, poles, moves and feeds.
-    fn check(&mut self, cl: &Cl, task: &Task, poses: &[Pose], course: &[[f64; 2]]) {
+    fn check(&mut self, cl: &Cl, task: &Task, poses: &[ToolPose], course: &[[f64; 2]]) {
         let Task { machine, setup, limits, retract_mm, .. } = task;
         let [first, _] = machine.rotary();
         let mut told_over = Vec::new();
@@ -111,13 +111,14 @@ impl AxisPlan {
                 self.findings.push(Finding { line: point.line, what: FindingKind::Pole { letter: first.letter } });
             }
         }
-        let passages = machine.passages(poses, course, limits.departure_deg);
+        let passages = machine.transitions(poses, course, limits.departure_deg);
         for ((point, passage), pair) in cl.points.iter().skip(1).zip(passages).zip(poses.windows(2)) {
             let what = match (passage, pair) {
-                (Passage::Coarse { departure_deg }, _) => FindingKind::Coarse { departure_deg },
-                (Passage::Change(change), [last, next]) => {
-                    FindingKind::Change(change, Box::new(machine.way_round(&change, [last, next], setup, *retract_mm)))
-                }
+                (Transition::Coarse { departure_deg }, _) => FindingKind::Coarse { departure_deg },
+                (Transition::Change(change), [last, next]) => FindingKind::Change(
+                    change,
+                    Box::new(machine.branch_change_moves(&change, [last, next], setup, *retract_mm)),
+                ),
                 _ => continue,
             };
             self.findings.push(Finding { line: point.line, what });
@@ -133,13 +134,13 @@ impl AxisPlan {
 }
 
 /// Axis positions of a pose.
-pub fn stop(task: &Task, pose: &Pose, rotary_deg: [f64; 2]) -> Stop {
+pub fn stop(task: &Task, pose: &ToolPose, rotary_deg: [f64; 2]) -> PathPoint {
     let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
-    Stop { pose: *pose, axes: Axes { linear_mm, rotary_deg } }
+    PathPoint { pose: *pose, axes: Axes { linear_mm, rotary_deg } }
 }
 
 /// The move that the axes slow down most, except changes of branch.
-fn slowest(cl: &Cl, task: &Task, stops: &[Stop], changed: &[usize]) -> Option<Finding> {
+fn slowest(cl: &Cl, task: &Task, stops: &[PathPoint], changed: &[usize]) -> Option<Finding> {
     let mut slowed = Vec::new();
     for (pair, point) in stops.windows(2).zip(cl.points.iter().skip(1)) {
         let ([from, to], Some(asked)) = (pair, point.feed_mm_per_min) else { continue };

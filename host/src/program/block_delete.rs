@@ -4,7 +4,7 @@
 //! its spindle speed, its unit or the F in force may depend on a switch that the program does not show. If two switches
 //! act within one such section, two readings do not cover all cases: no later block counts as equal again.
 
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 
 use super::ProgramLine;
 
@@ -30,7 +30,7 @@ impl BlockDeleteReader {
     /// Starts the second reading at a line that may have a `/`, and ends it where both readings agree; `before` is the
     /// control before that line.
     pub fn fork(&mut self, text: &[u8], before: &Reader) {
-        if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.stands_like(before)) {
+        if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.has_same_state(before)) {
             self.reader = None;
         }
         if self.reader.is_none() && text.contains(&b'/') {
@@ -55,13 +55,13 @@ impl BlockDeleteReader {
             self.reader = None;
             return None;
         }
-        let is_harmless = understood.is_some() && reader.stands_like(after) && !readings().any(moves_or_feeds);
+        let is_harmless = understood.is_some() && reader.has_same_state(after) && !readings().any(moves_or_feeds);
         Some(BlockDeleteEffect { is_harmless: is_harmless && !self.is_mixed })
     }
 }
 
 /// The line moves an axis or has an F.
-fn moves_or_feeds(reading: &Understood) -> bool {
+fn moves_or_feeds(reading: &InterpretedLine) -> bool {
     let step = &reading.step;
     step.motion.is_some() || step.series.is_some() || reading.parsed.block.word(b'F').is_some()
 }

@@ -13,12 +13,12 @@ use arcfeed_shared::nc::block::{Parsed, Reading, parse_line};
 use arcfeed_shared::nc::macro_alarm::MacroAlarm;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::program::{Library, first_macro};
-use arcfeed_shared::nc::macros::stack::{Bounds, Place};
-use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, Trouble};
+use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
+use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, ProgramFault};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::{Lines, RawLine};
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::units::Micros;
 
 use super::{Diagnostic, MoveCounts, MoveTrace, Program, ProgramLine, ProgramSummary};
@@ -63,13 +63,15 @@ pub struct RunBounds {
 
 impl RunBounds {
     /// Describes the bound that is reached, with the setting that raises it.
-    fn check(&self, step: &Result<macros::Step, Trouble>, blocks: u32, time: Duration) -> Option<String> {
-        let is_endless = |trouble: &Trouble| trouble.fault.cause == Cause::Macro(MacroAlarm::Endless);
+    fn check(&self, step: &Result<macros::MacroStep, ProgramFault>, blocks: u32, time: Duration) -> Option<String> {
+        let is_endless = |trouble: &ProgramFault| trouble.fault.cause == Cause::Macro(MacroAlarm::Endless);
         let (bound, option) = match step {
             Err(trouble) if is_endless(trouble) => {
                 (format!("{} statements since the last move", self.blocks), "--max-blocks")
             }
-            Ok(macros::Step::Block(_)) if blocks >= self.blocks => (format!("at most {}", self.blocks), "--max-blocks"),
+            Ok(macros::MacroStep::Block(_)) if blocks >= self.blocks => {
+                (format!("at most {}", self.blocks), "--max-blocks")
+            }
             Ok(_) if time > self.time => (format!("{} s", self.time.as_secs()), "--max-seconds"),
             _ => return None,
         };
@@ -125,7 +127,7 @@ impl Program {
             self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
-        let meaning = without_code.map(|parsed| Understood { parsed, ..Understood::default() });
+        let meaning = without_code.map(|parsed| InterpretedLine { parsed, ..InterpretedLine::default() });
         let (text, ending) = (text.to_vec(), ending.to_vec());
         self.lines.push(ProgramLine { text, ending, meaning, ..ProgramLine::default() });
     }
@@ -140,9 +142,12 @@ impl Expansion<'_> {
             None => Box::new(()),
         };
         let bounds = Bounds { steps: self.bounds.blocks, ..Bounds::default() };
-        let settings =
-            macros::Settings { block_delete: self.settings.delete_switches, bounds, ..macros::Settings::default() };
-        let mut reader = Reader::with(self.settings, self.tables).from_anywhere();
+        let settings = macros::MacroSettings {
+            block_delete: self.settings.delete_switches,
+            bounds,
+            ..macros::MacroSettings::default()
+        };
+        let mut reader = Reader::with(self.settings, self.tables).at_unknown_position();
         let mut found = Findings { lines, folder: folder.as_ref(), reported: BTreeSet::new(), list: Vec::new() };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
@@ -151,12 +156,13 @@ impl Expansion<'_> {
         loop {
             let step = interpreter.next(&context(&reader, now));
             if let Some(reached) = self.bounds.check(&step, blocks, started.elapsed()) {
-                let Trouble { fault, place, calls, .. } = interpreter.stop(Fault::in_macro(MacroAlarm::Endless, 1));
+                let ProgramFault { fault, place, calls, .. } =
+                    interpreter.stop(Fault::in_macro(MacroAlarm::Endless, 1));
                 found.add(fault, place, &calls, reached.as_bytes());
                 break;
             }
             match step {
-                Ok(macros::Step::Block(block)) => {
+                Ok(macros::MacroStep::Block(block)) => {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
                     understood.iter().for_each(|block| moves.add(block));
@@ -168,17 +174,19 @@ impl Expansion<'_> {
                         interpreter.set_tables(reader.tables());
                     }
                 }
-                Ok(macros::Step::Output(_) | macros::Step::Message(_) | macros::Step::Ignore(_)) => {}
-                Ok(macros::Step::Offset) => reader.set_tables(&interpreter.variables().tables),
-                Ok(macros::Step::Busy) => now = now.after(SLICE),
+                Ok(macros::MacroStep::Output(_) | macros::MacroStep::Message(_) | macros::MacroStep::Ignore(_)) => {}
+                Ok(macros::MacroStep::Offset) => reader.set_tables(&interpreter.variables().tables),
+                Ok(macros::MacroStep::Busy) => now = now.after(SLICE),
                 // M99 in a main program: the following text has been executed before.
-                Ok(macros::Step::Restart | macros::Step::Starved | macros::Step::End(Ending::Program)) => break,
-                Ok(macros::Step::End(Ending::Text)) => {
-                    let end = Place { library: None, line: lines.len() as u32 };
+                Ok(
+                    macros::MacroStep::Restart | macros::MacroStep::Starved | macros::MacroStep::End(Ending::Program),
+                ) => break,
+                Ok(macros::MacroStep::End(Ending::Text)) => {
+                    let end = SourceLine { library: None, line: lines.len() as u32 };
                     found.add(Fault::alarm(Alarm::EndOfRecord, 0), end, &[], b"");
                     break;
                 }
-                Err(Trouble { fault, place, calls, message }) => {
+                Err(ProgramFault { fault, place, calls, message }) => {
                     found.add(fault, place, &calls, &message);
                     break;
                 }
@@ -188,8 +196,8 @@ impl Expansion<'_> {
     }
 }
 
-/// Place in the main program's file; for a place in the library that of the call that led to it.
-fn in_main(place: Place, calls: &[Place]) -> Place {
+/// Line in the main program's file; for a place in the library that of the call that led to it.
+fn in_main(place: SourceLine, calls: &[SourceLine]) -> SourceLine {
     let call = || calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
     if place.library.is_none() { place } else { call() }
 }
@@ -207,7 +215,7 @@ struct Findings<'a> {
 }
 
 impl Findings<'_> {
-    fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<Understood> {
+    fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<InterpretedLine> {
         match reader.read(&block.text) {
             Ok(understood) => {
                 if understood.lacks_feed() && self.is_new(Fault::alarm(Alarm::NoFeed, 0), block.place) {
@@ -223,18 +231,18 @@ impl Findings<'_> {
         }
     }
 
-    fn is_new(&mut self, fault: Fault, place: Place) -> bool {
+    fn is_new(&mut self, fault: Fault, place: SourceLine) -> bool {
         self.reported.len() < FAULTS_MAX && self.reported.insert((place.library, place.line, fault.column))
     }
 
-    fn text(&self, place: Place) -> Vec<u8> {
+    fn text(&self, place: SourceLine) -> Vec<u8> {
         let line = self.lines.get((place.line as usize).saturating_sub(1));
         line.map(|line| line.text.clone()).unwrap_or_default()
     }
 
     /// Adds a fault. A fault in a program of the library is reported at the call in the main program's file that led to
     /// it.
-    fn add(&mut self, fault: Fault, place: Place, calls: &[Place], message: &[u8]) {
+    fn add(&mut self, fault: Fault, place: SourceLine, calls: &[SourceLine], message: &[u8]) {
         if !self.is_new(fault, place) {
             return;
         }

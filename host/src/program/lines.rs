@@ -1,9 +1,9 @@
 //! Reads a program line by line, as a control does: only the control's state is kept after a line.
 
-use arcfeed_shared::nc::block::{Line, Parsed, Reading};
+use arcfeed_shared::nc::block::{LineKind, Parsed, Reading};
 use arcfeed_shared::nc::settings::{Settings, Tables};
 use arcfeed_shared::nc::text::RawLine;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 
 use super::block_delete::BlockDeleteReader;
 use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
@@ -24,7 +24,7 @@ impl LineReader {
     /// A control with these settings, before the first line.
     pub fn new(settings: Settings, tables: Tables) -> Self {
         LineReader {
-            reader: Reader::with(settings, tables).from_anywhere(),
+            reader: Reader::with(settings, tables).at_unknown_position(),
             reading: settings.reading,
             skipping: BlockDeleteReader::default(),
             count: 0,
@@ -76,13 +76,13 @@ impl LineReader {
             self.has_trailer = true;
             found.push(Diagnostic::of_line(self.count, &text, BEHIND_THE_END));
         }
-        let parsed = Parsed { line: Line::ProgramMark, ..Parsed::default() };
+        let parsed = Parsed { line: LineKind::ProgramMark, ..Parsed::default() };
         let (ending, meaning) =
-            (std::mem::take(&mut line.ending), Some(Understood { parsed, ..Understood::default() }));
+            (std::mem::take(&mut line.ending), Some(InterpretedLine { parsed, ..InterpretedLine::default() }));
         *line = ProgramLine { text, ending, meaning, ..ProgramLine::default() };
     }
 
-    fn note(&self, text: &[u8], understood: &Understood, found: &mut Vec<Diagnostic>) {
+    fn note(&self, text: &[u8], understood: &InterpretedLine, found: &mut Vec<Diagnostic>) {
         let line = self.count;
         for notice in &understood.parsed.notices {
             found.push(Diagnostic::of_notice(line, text, *notice));

@@ -1,8 +1,8 @@
 //! Counts of moves.
 
 use arcfeed_shared::nc::modal::{Motion, MotionKind};
-use arcfeed_shared::nc::series::Act;
-use arcfeed_shared::reader::Understood;
+use arcfeed_shared::nc::series::SeriesAction;
+use arcfeed_shared::reader::InterpretedLine;
 
 /// Counts of moves; those of canned cycles and reference returns count one by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,12 +21,12 @@ pub struct MoveCounts {
 
 impl MoveCounts {
     /// Counts the moves of one more block.
-    pub fn add(&mut self, block: &Understood) {
+    pub fn add(&mut self, block: &InterpretedLine) {
         if let Some(motion) = block.segment.and(block.step.motion) {
             self.add_move(&motion);
         }
-        for act in block.step.series.iter().flat_map(|series| series.acts()) {
-            if let Act::Move(motion) = act {
+        for act in block.step.series.iter().flat_map(|series| series.actions()) {
+            if let SeriesAction::Move(motion) = act {
                 self.add_move(&motion);
             }
         }

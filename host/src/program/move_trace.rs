@@ -1,8 +1,8 @@
 //! Moves in the order of execution, for following a machine's axes.
 
 use arcfeed_shared::nc::modal::Motion;
-use arcfeed_shared::nc::series::Act;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::nc::series::SeriesAction;
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
@@ -23,7 +23,7 @@ pub struct MoveTrace {
 
 impl MoveTrace {
     /// Moves of a block, those of cycles and reference returns one by one; `reader` is the control after the block.
-    pub fn of_block(line: usize, block: &Understood, reader: &Reader) -> impl Iterator<Item = MoveTrace> {
+    pub fn of_block(line: usize, block: &InterpretedLine, reader: &Reader) -> impl Iterator<Item = MoveTrace> {
         let (tool_length, follows_tip) = tool_of(reader);
         segments(block).map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
     }
@@ -51,12 +51,12 @@ pub(super) fn tool_of(reader: &Reader) -> (Nm, bool) {
     (modal.tool_length(reader.tables()), modal.follows_tool_center)
 }
 
-fn segments(block: &Understood) -> impl Iterator<Item = Segment> {
+fn segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
     let sequence = block.parsed.block.sequence;
     let segment = move |motion: Motion| Segment::from_motion(&motion, sequence).ok();
-    let of_series = block.step.series.iter().flat_map(|series| series.acts()).filter_map(move |act| match act {
-        Act::Move(motion) => segment(motion),
-        Act::Dwell(_) | Act::Spindle(_) => None,
+    let of_series = block.step.series.iter().flat_map(|series| series.actions()).filter_map(move |act| match act {
+        SeriesAction::Move(motion) => segment(motion),
+        SeriesAction::Dwell(_) | SeriesAction::Spindle(_) => None,
     });
     block.segment.into_iter().chain(of_series)
 }

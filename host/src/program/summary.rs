@@ -1,8 +1,8 @@
 //! Content of a program, counted line by line.
 
-use arcfeed_shared::nc::block::Line;
+use arcfeed_shared::nc::block::LineKind;
 use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::Stop;
+use arcfeed_shared::nc::modal::ProgramStop;
 
 use super::{MoveCounts, ProgramLine};
 
@@ -52,16 +52,16 @@ impl ProgramSummary {
 
 fn is_comment(line: &ProgramLine) -> bool {
     line.meaning.as_ref().is_some_and(|meaning| match meaning.parsed.line {
-        Line::Block => meaning.parsed.block.is_empty() && meaning.parsed.block.program.is_none(),
-        Line::Title => true,
-        Line::ProgramMark => false,
+        LineKind::Block => meaning.parsed.block.is_empty() && meaning.parsed.block.program.is_none(),
+        LineKind::Title => true,
+        LineKind::ProgramMark => false,
     })
 }
 
 /// The program can end in this line. A line that could not be read may contain M30.
 fn may_end(line: &ProgramLine) -> bool {
     match &line.meaning {
-        Some(understood) => understood.step.stop == Some(Stop::End),
+        Some(understood) => understood.step.stop == Some(ProgramStop::End),
         None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
     }
 }

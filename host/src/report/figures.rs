@@ -4,7 +4,7 @@ use std::fmt;
 
 use arcfeed_line_errors::Counts;
 use arcfeed_shared::nc::alarm::Cause;
-use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::report::{ChipFigures, ExcludedSamples};
 use arcfeed_shared::units::LengthUnit;
 use serde::Serialize;
 
@@ -176,7 +176,7 @@ impl IptFigures {
     pub fn new(
         figures: &ChipFigures,
         all: &ChipFigures,
-        left_out: &LeftOut,
+        left_out: &ExcludedSamples,
         target_mm: f64,
         unit: LengthUnit,
     ) -> Option<Self> {

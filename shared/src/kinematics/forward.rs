@@ -17,7 +17,7 @@ use super::vector::{Vector, difference, scaled, sum, turned};
 
 /// Pose of the tool in the part's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct ToolPose {
     /// Tool tip.
     pub tip_mm: Vector,
     /// (i, j, k): unit vector from the tip to the holder.
@@ -44,10 +44,10 @@ pub struct Setup {
 
 impl Machine {
     /// The pose at these positions. (2), (3)
-    pub fn forward(&self, axes: &Axes, setup: &Setup) -> Pose {
+    pub fn forward(&self, axes: &Axes, setup: &Setup) -> ToolPose {
         let held = sum(axes.linear_mm, self.held(axes.rotary_deg, setup));
         let on_table = self.through(Carries::Part, axes.rotary_deg, held);
-        Pose { tip_mm: difference(on_table, setup.part_zero_mm), axis: self.axis_at(axes.rotary_deg) }
+        ToolPose { tip_mm: difference(on_table, setup.part_zero_mm), axis: self.axis_at(axes.rotary_deg) }
     }
 
     /// The tool axis at these positions. (3)

@@ -17,7 +17,7 @@
 
 use core::fmt;
 
-use super::forward::{Axes, Pose, Setup};
+use super::forward::{Axes, Setup, ToolPose};
 use super::machine::{AxisName, Letter, Machine, RotaryAxis};
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, length, scaled, sum, wrapped_deg};
 
@@ -94,7 +94,7 @@ impl Machine {
     }
 
     /// All positions for a pose with the rotary axes in their ranges, each as near to `near_deg` as whole turns allow.
-    pub fn inverse(&self, pose: &Pose, setup: &Setup, near_deg: [f64; 2]) -> Solutions {
+    pub fn inverse(&self, pose: &ToolPose, setup: &Setup, near_deg: [f64; 2]) -> Solutions {
         let axes =
             |rotary_deg: [f64; 2]| Axes { linear_mm: self.linear_for(pose.tip_mm, rotary_deg, setup), rotary_deg };
         let one = |angles: [f64; 2]| self.in_range(angles, near_deg).map(axes);

@@ -4,7 +4,7 @@
 //! line. If the tool axis is within its tolerance, the rotary axes take the midpoint of their move; otherwise the
 //! direction is the midpoint of the arc, with the rotary positions nearest to the midpoint of their move. The
 //! deviation falls with the square of the length, so that a few halvings suffice. A move that is still out of
-//! tolerance after the last halving is a swing ([`super::change`]) or passes a pole too closely
+//! tolerance after the last halving is a swing ([`super::branch_change`]) or passes a pole too closely
 //! ([`super::singularity`]).
 //!
 //! Source: Tournier, 4.1.1 ("sampling of the movement"); halving is the simplest method.
@@ -12,8 +12,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::between::{Deviation, Mode, Stop, mixed};
-use super::forward::{Axes, Pose, Setup};
+use super::deviation::{Deviation, Mode, PathPoint, mixed};
+use super::forward::{Axes, Setup, ToolPose};
 use super::machine::Machine;
 use super::vector::{along_arc, scaled, sum};
 
@@ -31,7 +31,7 @@ pub struct Tolerance {
 
 /// A move that added points do not bring within the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NotStraight {
+pub struct LinearisationError {
     /// Index of the point at which the move ends.
     pub point: usize,
     /// Remaining deviation.
@@ -53,10 +53,10 @@ impl Machine {
         &self,
         mode: Mode,
         setup: &Setup,
-        stops: &[Stop],
+        stops: &[PathPoint],
         tolerance: &Tolerance,
-    ) -> Result<Vec<Stop>, NotStraight> {
-        let mut path: Vec<Stop> = stops.first().copied().into_iter().collect();
+    ) -> Result<Vec<PathPoint>, LinearisationError> {
+        let mut path: Vec<PathPoint> = stops.first().copied().into_iter().collect();
         for (point, to) in stops.iter().enumerate().skip(1) {
             let mut ahead = alloc::vec![(*to, 0)];
             while let (Some(&from), Some((to, halvings))) = (path.last(), ahead.pop()) {
@@ -68,7 +68,7 @@ impl Machine {
                 let keeps_axis = left.axis_deg <= tolerance.axis_deg;
                 let may_halve = halvings < HALVINGS;
                 let middle = if may_halve { self.middle(setup, [&from, &to], keeps_axis) } else { None };
-                let middle = middle.ok_or(NotStraight { point, left })?;
+                let middle = middle.ok_or(LinearisationError { point, left })?;
                 ahead.push((to, halvings + 1));
                 ahead.push((middle, halvings + 1));
             }
@@ -77,7 +77,7 @@ impl Machine {
     }
 
     /// Midpoint of a move.
-    fn middle(&self, setup: &Setup, [from, to]: [&Stop; 2], keeps_axis: bool) -> Option<Stop> {
+    fn middle(&self, setup: &Setup, [from, to]: [&PathPoint; 2], keeps_axis: bool) -> Option<PathPoint> {
         let tip_mm = scaled(sum(from.pose.tip_mm, to.pose.tip_mm), 0.5);
         let between_deg = mixed(&from.axes, &to.axes, 0.5).rotary_deg;
         let (axis, rotary_deg) = if keeps_axis {
@@ -87,11 +87,11 @@ impl Machine {
             (axis, self.nearest(axis, between_deg, true)?)
         };
         let linear_mm = self.linear_for(tip_mm, rotary_deg, setup);
-        Some(Stop { pose: Pose { tip_mm, axis }, axes: Axes { linear_mm, rotary_deg } })
+        Some(PathPoint { pose: ToolPose { tip_mm, axis }, axes: Axes { linear_mm, rotary_deg } })
     }
 }
 
-impl fmt::Display for NotStraight {
+impl fmt::Display for LinearisationError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Deviation { tip_mm, axis_deg } = self.left;
         let point = self.point + 1;
@@ -102,4 +102,4 @@ impl fmt::Display for NotStraight {
     }
 }
 
-impl core::error::Error for NotStraight {}
+impl core::error::Error for LinearisationError {}

@@ -20,11 +20,11 @@ pub mod forward;
 
 pub mod inverse;
 
-pub mod between;
+pub mod deviation;
 
-pub mod course;
+pub mod branch_selection;
 
-pub mod change;
+pub mod branch_change;
 
 pub mod singularity;
 
@@ -32,4 +32,4 @@ pub mod linearise;
 
 pub mod feed;
 
-pub mod follow;
+pub mod tip_feed;

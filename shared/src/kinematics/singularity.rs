@@ -23,7 +23,7 @@
 
 use alloc::vec::Vec;
 
-use super::forward::Pose;
+use super::forward::ToolPose;
 use super::machine::Machine;
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, scaled, sum, turned, unit, wrapped_deg};
 
@@ -94,18 +94,18 @@ impl Machine {
     /// afterwards.
     pub fn repair(
         &self,
-        poses: &mut [Pose],
-        course: &[[f64; 2]],
+        poses: &mut [ToolPose],
+        rotary_deg: &[[f64; 2]],
         end: ToolEnd,
         limits: &RepairLimits,
     ) -> Vec<Singularity> {
         let mut found = Vec::new();
         let mut from = 0;
-        while let Some((before, after, gain_ratio)) = self.stretch(poses, course, from, limits) {
-            let mended = self.mended(poses, [before, after], from, limits.gain_ratio);
+        while let Some((before, after, gain_ratio)) = self.stretch(poses, rotary_deg, from, limits) {
+            let corrected = self.corrected(poses, [before, after], from, limits.gain_ratio);
             let stretch = Singularity { before, after, gain_ratio, error_deg: 0.0, outcome: RepairOutcome::NoRoom };
             found.push(
-                mended
+                corrected
                     .map_or(stretch, |(before, directions)| apply(poses, before, &directions, (stretch, end, limits))),
             );
             from = found.last().map_or(after, |stretch| stretch.after);
@@ -116,12 +116,12 @@ impl Machine {
     /// The next interval after a point: its ends and its largest gain.
     fn stretch(
         &self,
-        poses: &[Pose],
-        course: &[[f64; 2]],
+        poses: &[ToolPose],
+        rotary_deg: &[[f64; 2]],
         from: usize,
         limits: &RepairLimits,
     ) -> Option<(usize, usize, f64)> {
-        let gains = poses.windows(2).zip(course.windows(2)).enumerate().skip(from);
+        let gains = poses.windows(2).zip(rotary_deg.windows(2)).enumerate().skip(from);
         let mut stretch: Option<(usize, usize, f64)> = None;
         for (index, (poses, places)) in gains {
             let gain = match (poses, places) {
@@ -152,11 +152,17 @@ impl Machine {
 
     /// New directions for the points within an interval, and the point before the first. The interval is widened until
     /// they are coherent, but not beyond `floor`.
-    fn mended(&self, poses: &[Pose], ends: [usize; 2], floor: usize, gain_ratio: f64) -> Option<(usize, Vec<Vector>)> {
+    fn corrected(
+        &self,
+        poses: &[ToolPose],
+        ends: [usize; 2],
+        floor: usize,
+        gain_ratio: f64,
+    ) -> Option<(usize, Vec<Vector>)> {
         let [mut before, mut after] = ends;
         loop {
             if after > before + 1
-                && let Some(directions) = self.evened(poses.get(before..=after)?, gain_ratio)
+                && let Some(directions) = self.with_uniform_azimuth(poses.get(before..=after)?, gain_ratio)
             {
                 return Some((before, directions));
             }
@@ -167,7 +173,7 @@ impl Machine {
 
     /// The directions between the first and the last of `poses` with a uniformly changing azimuth; `None` if their
     /// gain is still too large.
-    fn evened(&self, poses: &[Pose], gain_ratio: f64) -> Option<Vec<Vector>> {
+    fn with_uniform_azimuth(&self, poses: &[ToolPose], gain_ratio: f64) -> Option<Vec<Vector>> {
         let [axis, _] = self.rotary().map(|axis| axis.direction);
         let (first, last) = (poses.first()?.axis, poses.last()?.axis);
         let start = self.azimuth_deg(first)?;
@@ -215,7 +221,7 @@ fn folded_deg(angle_deg: f64) -> f64 {
 
 /// Sets the new directions of the points after `before` if the tool allows it.
 fn apply(
-    poses: &mut [Pose],
+    poses: &mut [ToolPose],
     before: usize,
     directions: &[Vector],
     (stretch, end, limits): (Singularity, ToolEnd, &RepairLimits),

@@ -19,7 +19,7 @@ pub const NOTICES_MAX: usize = 4;
 
 /// Kind of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Line {
+pub enum LineKind {
     /// `%`.
     ProgramMark,
     /// A CAM title (`O` without a number), which the control does not execute. Lenient reading only.
@@ -78,7 +78,7 @@ pub enum NoticeKind {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
     /// Kind of line.
-    pub line: Line,
+    pub line: LineKind,
     /// Block of the line; without words for marks and titles.
     pub block: Block,
     /// The first [`NOTICES_MAX`] notices.
@@ -166,10 +166,10 @@ impl Parsed {
         block.clear();
         if reading == Reading::Lenient && is_title(text) {
             push(notices, NoticeKind::Title, 1);
-            *line = Line::Title;
+            *line = LineKind::Title;
             return Ok(());
         }
-        *line = Line::Block;
+        *line = LineKind::Block;
         let mut at = 0;
         loop {
             while let Some((word, end)) = plain_word(text, at) {
@@ -186,7 +186,7 @@ impl Parsed {
             at = end;
             match token {
                 Token::ProgramMark if start == 0 => {
-                    *line = Line::ProgramMark;
+                    *line = LineKind::ProgramMark;
                     return Ok(());
                 }
                 Token::ProgramMark => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
@@ -305,7 +305,7 @@ mod tests {
 
     fn block(text: &str) -> Block {
         let parsed = parse_line(text.as_bytes(), Reading::Lenient).unwrap();
-        assert_eq!(parsed.line, Line::Block, "{text}");
+        assert_eq!(parsed.line, LineKind::Block, "{text}");
         parsed.block
     }
 

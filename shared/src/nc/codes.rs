@@ -2,8 +2,8 @@
 
 use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::frame::Rotation;
-use super::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Polar, Side};
+use super::frame::CoordinateRotation;
+use super::modal::{CompensationSide, Cycle, FeedMode, Modal, MotionKind, Plane, Polar};
 use super::word::Word;
 use crate::units::{LengthUnit, MicroDeg, Nm};
 
@@ -83,11 +83,11 @@ impl Modal {
             80 => one_shot = OneShot::LookAhead,
             100 => one_shot = OneShot::Data,
             150 => self.polar = None,
-            160 => self.polar = Some(self.seen_from_pole()),
+            160 => self.polar = Some(self.polar_position()),
             280 | 300 => one_shot = OneShot::Reference((tenths / 10) as u8),
             400 => self.compensate(None),
-            410 => self.compensate(Some(Side::Left)),
-            420 => self.compensate(Some(Side::Right)),
+            410 => self.compensate(Some(CompensationSide::Left)),
+            420 => self.compensate(Some(CompensationSide::Right)),
             430 | 440 | 434 | 490 => {
                 self.follows_tool_center = tenths == 434;
                 self.length_sign = match tenths {
@@ -96,7 +96,7 @@ impl Modal {
                     _ => 1,
                 };
             }
-            500 => self.end_stretch(510),
+            500 => self.end_scaling(510),
             510 => one_shot = OneShot::Scale,
             501 => one_shot = OneShot::MirrorOff,
             511 => one_shot = OneShot::Mirror,
@@ -110,7 +110,7 @@ impl Modal {
             680 => one_shot = OneShot::Rotate,
             690 => {
                 self.unmodelled = 0;
-                self.rotate(None::<Rotation>);
+                self.rotate(None::<CoordinateRotation>);
             }
             920 => one_shot = OneShot::Preset,
             921 => one_shot = OneShot::PresetBack,
@@ -129,7 +129,7 @@ impl Modal {
         self.cycle = None;
     }
 
-    fn compensate(&mut self, side: Option<Side>) {
+    fn compensate(&mut self, side: Option<CompensationSide>) {
         self.starts_up ^= self.compensation.is_some() != side.is_some();
         self.compensation = side;
     }
@@ -157,7 +157,7 @@ impl Modal {
         self.cycle = Some(Cycle { code, ..cycle });
     }
 
-    fn seen_from_pole(&self) -> Polar {
+    fn polar_position(&self) -> Polar {
         let (first, second, _) = self.plane.axes();
         let at = |index: usize| self.program.linear.get(index).map_or(0.0, |axis| axis.0 as f64);
         let (x, y) = (at(first), at(second));

@@ -42,7 +42,7 @@ impl Modal {
         if target.named == 0 && block.word(b'R').is_none() {
             return Ok(None);
         }
-        self.may_move(&target)?;
+        self.check_move(&target)?;
         if matches!(cycle.code, 73 | 83) && cycle.q == Nm(0) {
             return Err(Fault::alarm(Alarm::NoPeck, 0));
         }
@@ -50,7 +50,7 @@ impl Modal {
         if holes > REPEATS_MAX {
             return Err(Fault::alarm(Alarm::TooManyDigits, column));
         }
-        self.refuse_odd_series(holes)?;
+        self.check_series(holes)?;
         self.resolve_polar(block, &mut target, settings.decimals);
         let mut above = target.end;
         if let (Some(level), Some(here)) = (above.linear.get_mut(normal), self.program.linear.get(normal)) {
@@ -78,7 +78,7 @@ impl Modal {
             return Ok(None);
         }
         let in_plane = (1_u8 << first) | (1_u8 << second);
-        self.is_unsettled &= target.named & in_plane != in_plane;
+        self.rotation_pending &= target.named & in_plane != in_plane;
         self.program = drill.end();
         self.position = self.frame.to_path(self.program);
         Ok(Some(Series::Drill(drill)))
@@ -86,14 +86,14 @@ impl Modal {
 
     /// Rejects cycles that are not modelled: repeated steps by an angle, and holes across a rotated plane, along a
     /// scaled axis or with a scaled shift.
-    fn refuse_odd_series(&self, holes: i64) -> Result<(), Fault> {
+    fn check_series(&self, holes: i64) -> Result<(), Fault> {
         let refuse = |code| Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
         if self.polar.is_some() && !self.absolute && holes > 1 {
             return refuse(160);
         }
         let (.., normal) = self.plane.axes();
         let shifts = self.cycle.is_some_and(|cycle| matches!(cycle.code, 76 | 87));
-        self.refuse_under_stretch(Some(normal).filter(|_| !shifts))?;
+        self.reject_under_scaling(Some(normal).filter(|_| !shifts))?;
         match self.frame.rotation() {
             Some(rotation) if rotation.plane != self.plane => refuse(680),
             _ => Ok(()),

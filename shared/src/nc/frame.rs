@@ -12,13 +12,13 @@
 //! Lengths are exact integers, except that (1) rounds to nanometres. Machine coordinates are path coordinates plus the
 //! tool length along Z.
 
+use super::axis_scaling::AxisScaling;
 use super::motion::{Plane, Pose};
-use super::stretch::Stretch;
 use crate::units::{MicroDeg, Nm};
 
 /// Coordinate rotation (G68) in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rotation {
+pub struct CoordinateRotation {
     /// Plane of the rotation.
     pub plane: Plane,
     /// Coordinates of the centre, after G51, on the plane's first and second axis.
@@ -31,15 +31,15 @@ pub struct Rotation {
 
 /// Transformation from program to path coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Frame {
+pub struct CoordinateFrame {
     shift: Pose,
-    stretch: Option<Stretch>,
-    rotation: Option<Rotation>,
+    scaling: Option<AxisScaling>,
+    rotation: Option<CoordinateRotation>,
     /// Cached: every block reads it, few change it.
     is_elsewhere: bool,
 }
 
-impl Rotation {
+impl CoordinateRotation {
     /// A rotation; exact for quarter turns.
     pub fn new(plane: Plane, center: [Nm; 2], angle: MicroDeg) -> Self {
         const QUARTER: i64 = 90_000_000;
@@ -50,7 +50,7 @@ impl Rotation {
             (0, _) => (-1.0, 0.0),
             _ => libm::sincos(angle.to_deg().to_radians()),
         };
-        Rotation { plane, center, angle, cos, sin }
+        CoordinateRotation { plane, center, angle, cos, sin }
     }
 
     fn turn(&self, axes: &mut [Nm; 3], center: [Nm; 2], sin: f64) {
@@ -67,11 +67,11 @@ impl Rotation {
     }
 }
 
-impl Frame {
+impl CoordinateFrame {
     /// A frame with the program's origin on the path, G51 or G51.1, and G68.
-    pub fn new(shift: Pose, stretch: Option<Stretch>, rotation: Option<Rotation>) -> Self {
-        let is_elsewhere = stretch.is_some() || rotation.is_some() || shift != Pose::ORIGIN;
-        Frame { shift, stretch, rotation, is_elsewhere }
+    pub fn new(shift: Pose, scaling: Option<AxisScaling>, rotation: Option<CoordinateRotation>) -> Self {
+        let is_elsewhere = scaling.is_some() || rotation.is_some() || shift != Pose::ORIGIN;
+        CoordinateFrame { shift, scaling, rotation, is_elsewhere }
     }
 
     /// The program's origin on the path.
@@ -80,12 +80,12 @@ impl Frame {
     }
 
     /// G51, G51.1.
-    pub fn stretch(&self) -> Option<&Stretch> {
-        self.stretch.as_ref()
+    pub fn scaling(&self) -> Option<&AxisScaling> {
+        self.scaling.as_ref()
     }
 
     /// G68.
-    pub fn rotation(&self) -> Option<&Rotation> {
+    pub fn rotation(&self) -> Option<&CoordinateRotation> {
         self.rotation.as_ref()
     }
 
@@ -98,13 +98,13 @@ impl Frame {
     /// Whether program coordinates differ from path coordinates at most by a shift.
     #[inline]
     pub fn is_shift(&self) -> bool {
-        self.rotation.is_none() && self.stretch.is_none()
+        self.rotation.is_none() && self.scaling.is_none()
     }
 
     /// Converts a point from program to path coordinates.
     pub fn to_path(&self, mut program: Pose) -> Pose {
-        if let Some(stretch) = &self.stretch {
-            stretch.apply(&mut program.linear);
+        if let Some(scaling) = &self.scaling {
+            scaling.apply(&mut program.linear);
         }
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut program.linear, rotation.center, rotation.sin);
@@ -118,16 +118,16 @@ impl Frame {
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut program.linear, rotation.center, -rotation.sin);
         }
-        if let Some(stretch) = &self.stretch {
-            stretch.undo(&mut program.linear);
+        if let Some(scaling) = &self.scaling {
+            scaling.undo(&mut program.linear);
         }
         program
     }
 
     /// Converts a vector, such as I, J, K, from program to path coordinates.
     pub fn vector(&self, mut vector: [Nm; 3]) -> [Nm; 3] {
-        if let Some(stretch) = &self.stretch {
-            stretch.vector(&mut vector);
+        if let Some(scaling) = &self.scaling {
+            scaling.vector(&mut vector);
         }
         if let Some(rotation) = &self.rotation {
             rotation.turn(&mut vector, [Nm(0); 2], rotation.sin);
@@ -147,8 +147,8 @@ mod tests {
     #[test]
     fn a_quarter_about_a_centre_is_exact_and_leads_back() {
         let center = [10.0, 0.0].map(Nm::from_mm);
-        let rotation = Rotation::new(Plane::Xy, center, MicroDeg(90_000_000));
-        let frame = Frame::new(pose(100.0, 0.0), None, Some(rotation));
+        let rotation = CoordinateRotation::new(Plane::Xy, center, MicroDeg(90_000_000));
+        let frame = CoordinateFrame::new(pose(100.0, 0.0), None, Some(rotation));
         let mut wanted = pose(110.0, 5.0);
         wanted.linear[2] = Nm(14);
         assert_eq!(frame.to_path(pose(15.0, 0.0)), wanted);
@@ -158,8 +158,8 @@ mod tests {
 
     #[test]
     fn three_four_five_turned_back_is_within_a_nanometre() {
-        let rotation = Rotation::new(Plane::Xy, [Nm(0); 2], MicroDeg(-36_869_898));
-        let turned = Frame::new(Pose::ORIGIN, None, Some(rotation)).to_path(pose(4.0, 3.0));
+        let rotation = CoordinateRotation::new(Plane::Xy, [Nm(0); 2], MicroDeg(-36_869_898));
+        let turned = CoordinateFrame::new(Pose::ORIGIN, None, Some(rotation)).to_path(pose(4.0, 3.0));
         // 36.869898 degrees is atan(3/4) to half a microdegree: 9e-9 rad over 5 mm.
         assert!((turned.linear[0].0 - 5_000_000).abs() <= 1 && turned.linear[1].0.abs() <= 45, "{turned:?}");
     }

@@ -2,10 +2,10 @@
 
 use super::address;
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::before::Before;
 use super::block::{Block, letters};
 use super::codes::OneShot;
-use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, Step, Stop};
+use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, ProgramStop, Step};
+use super::rollback::Rollback;
 use super::series::Series;
 use super::settings::{Settings, Tables};
 use super::word::Word;
@@ -22,8 +22,8 @@ impl Modal {
     /// The first alarm that the control would raise, or the construct that this version does not interpret.
     pub fn interpret(&self, block: &Block, settings: &Settings, tables: &Tables) -> Result<(Modal, Step), Fault> {
         let (mut next, mut step) = (*self, Step::default());
-        let mut before = Before::new(self, block);
-        next.advance(block, (settings, tables), &mut step, &mut before)?;
+        let mut rollback = Rollback::new(self, block);
+        next.advance(block, (settings, tables), &mut step, &mut rollback)?;
         Ok((next, step))
     }
 
@@ -34,35 +34,35 @@ impl Modal {
         block: &Block,
         (settings, tables): (&Settings, &Tables),
         step: &mut Step,
-        before: &mut Before,
+        rollback: &mut Rollback,
     ) -> Result<(), Fault> {
         step.clear();
         let system = self.system;
         address::check(block)?;
-        let one_shot = self.take_codes(block, before)?;
+        let one_shot = self.apply_codes(block, rollback)?;
         if block.may_have(FUNCTIONS) {
-            self.take_functions(block, one_shot, step)?;
+            self.apply_functions(block, one_shot, step)?;
         }
         if self.system != system {
-            self.settle(tables);
+            self.update_frame(tables);
         }
         match one_shot {
-            OneShot::No => self.go(block, settings, step)?,
+            OneShot::No => self.interpret_motion(block, settings, step)?,
             OneShot::AdditionalSystem => {
                 self.select_additional(block, tables)?;
-                self.go(block, settings, step)?;
+                self.interpret_motion(block, settings, step)?;
             }
             _ => {
                 if one_shot != OneShot::Data && block.word(b'F').is_some() {
-                    let _of_no_move = self.take_feed(block);
+                    let _of_no_move = self.apply_feed(block);
                 }
-                self.once(one_shot, block, (settings, tables), step)?;
+                self.execute_one_shot(one_shot, block, (settings, tables), step)?;
             }
         }
         if self.starts_up
             && let Some(motion) = &step.motion
         {
-            self.start_up(motion)?;
+            self.check_start_up(motion)?;
         }
         if step.motion.is_some() || step.series.is_some() {
             step.beyond_plain = self.beyond_plain(step, one_shot);
@@ -71,14 +71,14 @@ impl Modal {
     }
 
     /// Applies the G codes of a block; returns its last one-shot code.
-    fn take_codes(&mut self, block: &Block, before: &mut Before) -> Result<OneShot, Fault> {
+    fn apply_codes(&mut self, block: &Block, rollback: &mut Rollback) -> Result<OneShot, Fault> {
         let mut one_shot = OneShot::No;
         for word in block.words.iter().filter(|word| word.letter == b'G') {
             if let Some(kind) = MotionKind::of_code(word.number.as_whole()) {
                 self.set_motion(kind);
                 continue;
             }
-            before.keep_whole(self);
+            rollback.keep_whole(self);
             match self.apply_g(word)? {
                 OneShot::No => {}
                 found => one_shot = found,
@@ -88,8 +88,8 @@ impl Modal {
     }
 
     /// Applies M, S, T and H.
-    fn take_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
-        self.machining_state.take(block);
+    fn apply_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
+        self.machining_state.apply(block);
         for word in &block.words {
             match word.letter {
                 b'M' => step.stop = m_code(word, block)?.or(step.stop),
@@ -105,8 +105,8 @@ impl Modal {
     }
 
     /// Interprets a move along the path, or a block of a cycle.
-    fn go(&mut self, block: &Block, settings: &Settings, step: &mut Step) -> Result<(), Fault> {
-        let feed = self.take_feed(block);
+    fn interpret_motion(&mut self, block: &Block, settings: &Settings, step: &mut Step) -> Result<(), Fault> {
+        let feed = self.apply_feed(block);
         if let Some(cycle) = self.cycle {
             step.series = self.drill(cycle, block, settings, feed)?;
             return Ok(());
@@ -120,7 +120,7 @@ impl Modal {
 
     /// Checks the first move in the plane after G41, G42 or G40. It applies or removes the contour's offset and must
     /// not be an arc.
-    fn start_up(&mut self, motion: &Motion) -> Result<(), Fault> {
+    fn check_start_up(&mut self, motion: &Motion) -> Result<(), Fault> {
         let (first, second, _) = motion.plane.axes();
         let moves = |axis: usize| motion.start.linear.get(axis) != motion.end.linear.get(axis);
         if matches!(motion.kind, MotionKind::Arc(_)) {
@@ -142,8 +142,8 @@ impl Modal {
             _ => {}
         }
         match self.compensation {
-            Some(super::modal::Side::Left) => return under(410),
-            Some(super::modal::Side::Right) => return under(420),
+            Some(super::modal::CompensationSide::Left) => return under(410),
+            Some(super::modal::CompensationSide::Right) => return under(420),
             None => {}
         }
         if self.follows_tool_center {
@@ -155,8 +155,8 @@ impl Modal {
         if self.frame.is_plain() {
             return None;
         }
-        if let Some(stretch) = self.frame.stretch() {
-            return under(stretch.code);
+        if let Some(scaling) = self.frame.scaling() {
+            return under(scaling.code);
         }
         under(match (self.frame.rotation(), self.preset, self.local) {
             (Some(_), ..) => 680,
@@ -171,12 +171,12 @@ fn is_cut(motion: &Motion) -> bool {
     motion.kind != MotionKind::Rapid
 }
 
-fn m_code(word: &Word, block: &Block) -> Result<Option<Stop>, Fault> {
+fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
     let fault = Fault::alarm(Alarm::DecimalPoint, word.column);
     Ok(match word.number.as_whole().ok_or(fault)? {
-        0 => Some(Stop::Program),
-        1 => Some(Stop::Optional),
-        2 | 30 => Some(Stop::End),
+        0 => Some(ProgramStop::Program),
+        1 => Some(ProgramStop::Optional),
+        2 | 30 => Some(ProgramStop::End),
         // M96 P enables a signal that calls a program in the middle of any block.
         code @ (96 | 98 | 99) if code != 96 || block.word(b'P').is_some() => {
             return Err(Fault::not_modelled(NotModelled::MCode(code as u16), word.column));

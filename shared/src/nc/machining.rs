@@ -50,7 +50,7 @@ pub struct MachiningState {
 
 impl MachiningState {
     /// Applies the T and M words of a block.
-    pub(super) fn take(&mut self, block: &Block) {
+    pub(super) fn apply(&mut self, block: &Block) {
         let waiting = self.selected;
         if let Some(word) = block.word(b'T') {
             self.selected = Some(word.number.scaled(1));

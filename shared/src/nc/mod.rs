@@ -24,7 +24,7 @@ mod scale;
 
 pub mod block;
 
-pub mod stretch;
+pub mod axis_scaling;
 
 pub mod frame;
 
@@ -36,7 +36,7 @@ pub mod modal;
 
 pub mod address;
 
-pub(crate) mod before;
+pub(crate) mod rollback;
 
 mod codes;
 

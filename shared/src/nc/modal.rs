@@ -3,10 +3,12 @@
 //! F is in whole millimetres or inches per minute (`F25` is 25 in/min under G20). [`super::settings::Decimals`] gives
 //! the unit of axis words without a decimal point.
 
-pub use super::motion::{Center, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, Side, Stop, Turn};
+pub use super::motion::{
+    Center, CompensationSide, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, ProgramStop, Turn,
+};
 
 use super::alarm::NotModelled;
-use super::frame::{Frame, Rotation};
+use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::machining::{Machining, MachiningState};
 use super::series::Series;
 use super::settings::Tables;
@@ -36,7 +38,7 @@ pub struct Modal {
     /// The same position in program coordinates.
     pub program: Pose,
     /// Transformation from program to path coordinates.
-    pub frame: Frame,
+    pub frame: CoordinateFrame,
     /// G54 to G59 (0 to 5), G54.1 P1 on (6 on).
     pub system: u16,
     /// G52.
@@ -44,7 +46,7 @@ pub struct Modal {
     /// G92.
     pub preset: Pose,
     /// G41 / G42.
-    pub compensation: Option<Side>,
+    pub compensation: Option<CompensationSide>,
     /// G41, G42 or G40 was given after the last move in the plane.
     pub starts_up: bool,
     /// G43 (1), G44 (-1), G49 (0).
@@ -62,7 +64,7 @@ pub struct Modal {
     /// G43.4 in force.
     pub follows_tool_center: bool,
     /// G68 or G69 has rotated the plane, and no move has named both its axes since then.
-    pub is_unsettled: bool,
+    pub rotation_pending: bool,
 }
 
 /// A canned cycle in force; coordinates are the program's.
@@ -101,7 +103,7 @@ pub struct Step {
     /// G4.
     pub dwell: Option<Micros>,
     /// M0, M1, M2, M30.
-    pub stop: Option<Stop>,
+    pub stop: Option<ProgramStop>,
     /// S: spindle speed in rev/min and the column of the word.
     pub spindle: Option<(i64, u16)>,
     /// Reason why this is not a single plain move of the tool centre in the program's own coordinates; `None` if it
@@ -125,7 +127,7 @@ impl Modal {
             machining_state: MachiningState::default(),
             position: Pose::ORIGIN,
             program: Pose::ORIGIN,
-            frame: Frame::default(),
+            frame: CoordinateFrame::default(),
             system: 0,
             local: Pose::ORIGIN,
             preset: Pose::ORIGIN,
@@ -138,7 +140,7 @@ impl Modal {
             polar: None,
             unmodelled: 0,
             follows_tool_center: false,
-            is_unsettled: false,
+            rotation_pending: false,
         }
     }
 
@@ -148,25 +150,25 @@ impl Modal {
     }
 
     /// Updates the frame and the program position from the offsets; the tool does not move.
-    pub fn settle(&mut self, tables: &Tables) {
+    pub fn update_frame(&mut self, tables: &Tables) {
         let shift = tables.origin(self.system).plus(self.preset).plus(self.local);
-        self.frame = Frame::new(shift, self.frame.stretch().copied(), self.frame.rotation().copied());
+        self.frame = CoordinateFrame::new(shift, self.frame.scaling().copied(), self.frame.rotation().copied());
         self.program = self.frame.to_program(self.position);
     }
 
     /// Sets the position of the tool in path coordinates.
-    pub fn stand_at(&mut self, position: Pose) {
+    pub fn set_position(&mut self, position: Pose) {
         self.position = position;
         self.program = self.frame.to_program(position);
     }
 
-    pub(super) fn rotate(&mut self, rotation: Option<Rotation>) {
+    pub(super) fn rotate(&mut self, rotation: Option<CoordinateRotation>) {
         if self.frame.rotation() == rotation.as_ref() {
             return;
         }
-        self.frame = Frame::new(self.frame.shift(), self.frame.stretch().copied(), rotation);
+        self.frame = CoordinateFrame::new(self.frame.shift(), self.frame.scaling().copied(), rotation);
         self.program = self.frame.to_program(self.position);
-        self.is_unsettled = true;
+        self.rotation_pending = true;
     }
 
     /// Origin of the workpiece's drawing in path coordinates: that of the work coordinate system, shifted by G92 but

@@ -73,7 +73,7 @@ pub enum FeedMode {
 
 /// Group 07: side of the contour on which the tool runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum CompensationSide {
     /// G41.
     Left,
     /// G42.
@@ -128,7 +128,7 @@ pub enum Center {
 
 /// Stop of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum ProgramStop {
     /// M0: wait for the operator.
     Program,
     /// M1: wait if the switch is on.

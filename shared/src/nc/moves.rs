@@ -32,7 +32,7 @@ impl Modal {
     /// Applies F and returns the feed of the block's move. A G94 or G95 feed is modal, an inverse-time feed is not. F0
     /// counts as missing.
     #[inline]
-    pub(super) fn take_feed(&mut self, block: &Block) -> Feed {
+    pub(super) fn apply_feed(&mut self, block: &Block) -> Feed {
         let word = block.word(b'F');
         if self.feed_mode == FeedMode::InverseTime {
             // After G93 the meaning of the earlier F differs between controls, until F is given again.
@@ -144,14 +144,14 @@ impl Modal {
         if !is_move {
             return Ok(());
         }
-        self.may_move(target)?;
+        self.check_move(target)?;
         let is_turned = self.frame.rotation().is_some_and(|rotation| rotation.plane != self.plane);
         if is_arc && is_turned {
             return Err(Fault::alarm(Alarm::RotationPlane, 0));
         }
         let (kind, radius) = match self.motion {
             MotionKind::Arc(turn) => {
-                let (length, turn) = self.stretch_arc(radius.unwrap_or_default(), turn)?;
+                let (length, turn) = self.scale_arc(radius.unwrap_or_default(), turn)?;
                 (MotionKind::Arc(turn), radius.map(|_| length))
             }
             straight => (straight, None),
@@ -172,18 +172,18 @@ impl Modal {
             motion.center = Center::Radius(radius);
         }
         (self.position, self.program) = (motion.end, target.end);
-        if self.is_unsettled {
-            self.is_unsettled = target.named & self.in_plane() != self.in_plane();
+        if self.rotation_pending {
+            self.rotation_pending = target.named & self.in_plane() != self.in_plane();
         }
         Ok(())
     }
 
     /// Checks that the modal state allows a move to be interpreted.
-    pub(super) fn may_move(&self, target: &Target) -> Result<(), Fault> {
+    pub(super) fn check_move(&self, target: &Target) -> Result<(), Fault> {
         if self.unmodelled != 0 {
             return Err(Fault::not_modelled(NotModelled::MoveUnder(self.unmodelled), 0));
         }
-        if self.is_unsettled {
+        if self.rotation_pending {
             let named = target.named & self.in_plane();
             if named != 0 && (named != self.in_plane() || !self.absolute) {
                 return Err(Fault::not_modelled(NotModelled::AfterRotation, 0));

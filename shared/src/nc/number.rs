@@ -118,7 +118,7 @@ pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
 /// Reason why there is no number at byte `from`, and the offset of the fault: PS0003 more than [`DIGITS_MAX`] digits,
 /// PS0005 no digit at all, PS0007 a second decimal point.
 #[cold]
-pub fn what_is_wrong(line: &[u8], from: usize) -> (Alarm, usize) {
+pub fn number_fault(line: &[u8], from: usize) -> (Alarm, usize) {
     let first = from + usize::from(matches!(line.get(from), Some(b'-' | b'+')));
     let (mut digits, mut points, mut at) = (0, 0, first);
     while let Some(byte @ (b'0'..=b'9' | b'.')) = line.get(at) {
@@ -163,14 +163,14 @@ mod tests {
 
     #[test]
     fn what_is_not_a_number_names_its_alarm_and_place() {
-        assert_eq!(what_is_wrong(b"123456789", 0), (Alarm::TooManyDigits, 8));
-        assert_eq!(what_is_wrong(b"-1234.56789", 0), (Alarm::TooManyDigits, 10));
-        assert_eq!(what_is_wrong(b"123456789.1.1", 0), (Alarm::TooManyDigits, 8));
-        assert_eq!(what_is_wrong(b"12345678.1.1", 0), (Alarm::TooManyDigits, 9));
-        assert_eq!(what_is_wrong(&[b'1'; 100], 0), (Alarm::TooManyDigits, 8));
-        assert_eq!(what_is_wrong(b"-X", 0), (Alarm::NoDataAfterAddress, 1));
-        assert_eq!(what_is_wrong(b".", 0), (Alarm::NoDataAfterAddress, 1));
-        assert_eq!(what_is_wrong(b"1.2.3", 0), (Alarm::DecimalPoint, 3));
+        assert_eq!(number_fault(b"123456789", 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(number_fault(b"-1234.56789", 0), (Alarm::TooManyDigits, 10));
+        assert_eq!(number_fault(b"123456789.1.1", 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(number_fault(b"12345678.1.1", 0), (Alarm::TooManyDigits, 9));
+        assert_eq!(number_fault(&[b'1'; 100], 0), (Alarm::TooManyDigits, 8));
+        assert_eq!(number_fault(b"-X", 0), (Alarm::NoDataAfterAddress, 1));
+        assert_eq!(number_fault(b".", 0), (Alarm::NoDataAfterAddress, 1));
+        assert_eq!(number_fault(b"1.2.3", 0), (Alarm::DecimalPoint, 3));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
 use super::codes::OneShot;
-use super::frame::{Frame, Rotation};
+use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::modal::{Center, Feed, Modal, Motion, MotionKind, Pose, Step};
 use super::moves::rotary;
 use super::series::Series;
@@ -18,7 +18,7 @@ const AXES: [u8; 6] = *b"XYZABC";
 
 impl Modal {
     /// Executes a one-shot code.
-    pub(super) fn once(
+    pub(super) fn execute_one_shot(
         &mut self,
         what: OneShot,
         block: &Block,
@@ -42,22 +42,22 @@ impl Modal {
                 step.sets_data = true;
             }
             OneShot::Reference(code) => step.series = Some(self.go_to_reference(code, block, settings, tables)?),
-            OneShot::Machine => step.motion = self.go_by_machine(block, settings, tables)?,
+            OneShot::Machine => step.motion = self.move_in_machine_coordinates(block, settings, tables)?,
             OneShot::Rotate => self.start_rotation(block, settings)?,
             OneShot::Scale => self.start_scaling(block, settings)?,
             OneShot::Mirror => self.start_mirror(block, settings)?,
             OneShot::MirrorOff => self.end_mirror(block),
             OneShot::Local => {
-                self.refuse_under_stretch(None)?;
+                self.reject_under_scaling(None)?;
                 let target = self.given(block, settings);
                 self.each_axis(block, |modal, axis| {
                     *modal.local.axis_mut(axis)? = target.axis(axis);
                     Some(())
                 });
-                self.settle(tables);
+                self.update_frame(tables);
             }
             OneShot::Preset => {
-                self.refuse_under_stretch(None)?;
+                self.reject_under_scaling(None)?;
                 // G92 renames the current position: it moves the program's origin, not the tool.
                 let target = self.given(block, settings);
                 let shift = self.program.minus(target);
@@ -67,16 +67,16 @@ impl Modal {
                     *modal.local.axis_mut(axis)? = 0;
                     Some(())
                 });
-                self.settle(tables);
+                self.update_frame(tables);
             }
             OneShot::PresetBack => {
-                self.refuse_under_stretch(None)?;
+                self.reject_under_scaling(None)?;
                 self.each_axis(block, |modal, axis| {
                     *modal.preset.axis_mut(axis)? = 0;
                     *modal.local.axis_mut(axis)? = 0;
                     Some(())
                 });
-                self.settle(tables);
+                self.update_frame(tables);
             }
         }
         Ok(())
@@ -89,7 +89,7 @@ impl Modal {
             return Err(Fault::alarm(Alarm::OffsetNumber, column));
         }
         self.system = 5 + number as u16;
-        self.settle(tables);
+        self.update_frame(tables);
         Ok(())
     }
 
@@ -130,7 +130,7 @@ impl Modal {
             (_, Some((_, column))) => return Err(Fault::alarm(Alarm::ReferencePoint, column)),
         };
         let target = self.target(block, settings.decimals);
-        self.may_move(&target)?;
+        self.check_move(&target)?;
         let between = self.keep_unnamed(self.frame.to_path(target.end), target.named);
         let reference = settings.reference.get(point).copied().unwrap_or_default();
         let reference = self.on_path(reference, tables);
@@ -146,7 +146,12 @@ impl Modal {
     }
 
     /// G53: moves these axes in machine coordinates at rapid. Under G91 it has no effect.
-    fn go_by_machine(&mut self, block: &Block, settings: &Settings, tables: &Tables) -> Result<Option<Motion>, Fault> {
+    fn move_in_machine_coordinates(
+        &mut self,
+        block: &Block,
+        settings: &Settings,
+        tables: &Tables,
+    ) -> Result<Option<Motion>, Fault> {
         let target = self.given(block, settings);
         let machine = self.on_path(target, tables);
         let mut end = self.position;
@@ -170,19 +175,19 @@ impl Modal {
             return Err(Fault::not_modelled(NotModelled::GCode(680), word.column));
         }
         let (first, second, _) = self.plane.axes();
-        let unturned = Frame::new(self.frame.shift(), self.frame.stretch().copied(), None);
+        let unturned = CoordinateFrame::new(self.frame.shift(), self.frame.scaling().copied(), None);
         let here = unturned.to_program(self.position);
         let given = self.given(block, settings);
         let mut around = here.linear;
         for (index, (place, given)) in around.iter_mut().zip(given.linear).enumerate() {
             *place = if block.word(b'X' + index as u8).is_some() { given } else { *place };
         }
-        if let Some(stretch) = self.frame.stretch() {
-            stretch.apply(&mut around);
+        if let Some(scaling) = self.frame.scaling() {
+            scaling.apply(&mut around);
         }
         let center = [first, second].map(|index| around.get(index).copied().unwrap_or_default());
         let angle = block.word(b'R').map_or(0, |word| rotary(word.number, settings.decimals));
-        self.rotate(Some(Rotation::new(self.plane, center, MicroDeg(angle))));
+        self.rotate(Some(CoordinateRotation::new(self.plane, center, MicroDeg(angle))));
         Ok(())
     }
 }

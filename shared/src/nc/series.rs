@@ -4,24 +4,24 @@
 //! which rapid changes to feed, Z the bottom. The lists follow the manual (B-63534EN, 13.1). G88 is missing, because
 //! in it the operator retracts the tool by hand.
 
-use super::frame::Frame;
+use super::frame::CoordinateFrame;
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
 use crate::units::{Micros, Nm};
 
 /// One action of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Act {
+pub enum SeriesAction {
     /// A straight move, rapid or at feed.
     Move(Motion),
     /// A dwell.
     Dwell(Micros),
     /// A change of the spindle's motion.
-    Spindle(Spindle),
+    Spindle(SpindleAction),
 }
 
 /// Change of the spindle's motion in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spindle {
+pub enum SpindleAction {
     /// Stop.
     Stop,
     /// Oriented stop.
@@ -50,7 +50,7 @@ pub struct Drill {
     /// Plane of the cycle; it drills along the normal.
     pub plane: Plane,
     /// Transformation from program to path coordinates.
-    pub frame: Frame,
+    pub frame: CoordinateFrame,
     /// Position of the tool before the cycle.
     pub start: Pose,
     /// Position above the first hole, at the level of the start.
@@ -92,7 +92,7 @@ enum Op {
     FeedBottom,
     Peck,
     Dwell,
-    Spindle(Spindle),
+    Spindle(SpindleAction),
     ShiftOut,
     ShiftBack,
     /// Return to the level of G98 or G99.
@@ -103,10 +103,10 @@ enum Op {
 /// Operations of a cycle at one hole.
 const fn ops(code: u8) -> &'static [Op] {
     use Op::{Dwell, FeedBottom, FeedR, Initial, Peck, Position, RapidR, Return, ShiftBack, ShiftOut};
-    const STOP: Op = Op::Spindle(Spindle::Stop);
-    const ORIENT: Op = Op::Spindle(Spindle::Orient);
-    const REVERSE: Op = Op::Spindle(Spindle::Reverse);
-    const FORWARD: Op = Op::Spindle(Spindle::Forward);
+    const STOP: Op = Op::Spindle(SpindleAction::Stop);
+    const ORIENT: Op = Op::Spindle(SpindleAction::Orient);
+    const REVERSE: Op = Op::Spindle(SpindleAction::Reverse);
+    const FORWARD: Op = Op::Spindle(SpindleAction::Forward);
     match code {
         73 | 83 => &[Position, RapidR, Peck, Return],
         74 | 84 => &[Position, RapidR, FeedBottom, Dwell, REVERSE, FeedR, Dwell, FORWARD, Return],
@@ -126,30 +126,30 @@ const fn ops(code: u8) -> &'static [Op] {
 
 impl Series {
     /// All actions of the block in order, without moves of zero length.
-    pub fn acts(&self) -> Acts<'_> {
-        Acts { series: self, cursor: self.begin() }
+    pub fn actions(&self) -> SeriesActions<'_> {
+        SeriesActions { series: self, cursor: self.begin() }
     }
 
     /// A cursor before the first action.
-    pub fn begin(&self) -> Cursor {
+    pub fn begin(&self) -> SeriesCursor {
         let (at, depth) = match self {
             Series::Reference([start, ..]) => (*start, Nm(0)),
             Series::Drill(drill) => (drill.start, drill.levels.r),
         };
-        Cursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
+        SeriesCursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
     }
 
     /// The next action.
-    pub fn advance(&self, cursor: &mut Cursor) -> Option<Act> {
+    pub fn advance(&self, cursor: &mut SeriesCursor) -> Option<SeriesAction> {
         loop {
             let act = match self {
                 Series::Reference(way) => cursor.reference(way),
                 Series::Drill(drill) => cursor.drill(drill),
             }?;
             let is_idle = match act {
-                Act::Move(motion) => motion.start == motion.end,
-                Act::Dwell(span) => span == Micros(0),
-                Act::Spindle(_) => false,
+                SeriesAction::Move(motion) => motion.start == motion.end,
+                SeriesAction::Dwell(span) => span == Micros(0),
+                SeriesAction::Spindle(_) => false,
             };
             if !is_idle {
                 return Some(act);
@@ -204,14 +204,14 @@ fn at_level(mut point: Pose, normal: usize, level: Nm) -> Pose {
 
 /// Iterator of [`Series::actions`].
 #[derive(Clone, Debug)]
-pub struct Acts<'a> {
+pub struct SeriesActions<'a> {
     series: &'a Series,
-    cursor: Cursor,
+    cursor: SeriesCursor,
 }
 
 /// Progress in a series.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cursor {
+pub struct SeriesCursor {
     at: Pose,
     hole: u32,
     op: usize,
@@ -233,13 +233,13 @@ pub enum Stage {
     Work,
 }
 
-impl Cursor {
+impl SeriesCursor {
     /// The hole, from 0, and the stage of the last action.
     pub fn stage(&self) -> (u32, Stage) {
         (self.hole, self.stage)
     }
 
-    fn reference(&mut self, way: &[Pose; 3]) -> Option<Act> {
+    fn reference(&mut self, way: &[Pose; 3]) -> Option<SeriesAction> {
         let [start, between, end] = *way;
         self.op += 1;
         let (from, to, stage) = match self.op {
@@ -248,10 +248,10 @@ impl Cursor {
             _ => return None,
         };
         self.stage = stage;
-        Some(Act::Move(straight(MotionKind::Rapid, Plane::Xy, [from, to], Feed::Missing)))
+        Some(SeriesAction::Move(straight(MotionKind::Rapid, Plane::Xy, [from, to], Feed::Missing)))
     }
 
-    fn drill(&mut self, drill: &Drill) -> Option<Act> {
+    fn drill(&mut self, drill: &Drill) -> Option<SeriesAction> {
         while self.hole < drill.holes {
             let Some(op) = ops(drill.code).get(self.op) else {
                 (self.hole, self.op, self.depth) = (self.hole + 1, 0, drill.levels.r);
@@ -278,7 +278,7 @@ impl Cursor {
         None
     }
 
-    fn perform(&mut self, drill: &Drill, op: Op) -> Act {
+    fn perform(&mut self, drill: &Drill, op: Op) -> SeriesAction {
         use MotionKind::{Line, Rapid};
         let Levels { initial, r, bottom } = drill.levels;
         let to = |level| at_level(self.at, drill.normal(), level);
@@ -294,13 +294,13 @@ impl Cursor {
             Op::Initial => self.go(drill, Rapid, to(initial)),
             Op::ShiftOut => self.go(drill, Rapid, drill.shifted(self.at, drill.q)),
             Op::ShiftBack => self.go(drill, Rapid, drill.shifted(self.at, Nm(drill.q.0.saturating_neg()))),
-            Op::Dwell => Act::Dwell(drill.dwell),
-            Op::Spindle(what) => Act::Spindle(what),
+            Op::Dwell => SeriesAction::Dwell(drill.dwell),
+            Op::Spindle(what) => SeriesAction::Spindle(what),
         }
     }
 
     /// The next move of a pecking cycle at this hole; `None` at full depth.
-    fn peck(&mut self, drill: &Drill) -> Option<Act> {
+    fn peck(&mut self, drill: &Drill) -> Option<SeriesAction> {
         let Levels { r, bottom, .. } = drill.levels;
         let to = |level| at_level(self.at, drill.normal(), level);
         if self.depth == bottom {
@@ -322,10 +322,10 @@ impl Cursor {
         Some(self.go(drill, MotionKind::Rapid, to(stop_short)))
     }
 
-    fn go(&mut self, drill: &Drill, kind: MotionKind, to: Pose) -> Act {
+    fn go(&mut self, drill: &Drill, kind: MotionKind, to: Pose) -> SeriesAction {
         let ends = [drill.frame.to_path(self.at), drill.frame.to_path(to)];
         self.at = to;
-        Act::Move(straight(kind, drill.plane, ends, drill.feed))
+        SeriesAction::Move(straight(kind, drill.plane, ends, drill.feed))
     }
 }
 
@@ -334,10 +334,10 @@ fn straight(kind: MotionKind, plane: Plane, [start, end]: [Pose; 2], feed: Feed)
     Motion { kind, plane, start, end, center: Center::Offset([Nm(0); 3]), feed }
 }
 
-impl Iterator for Acts<'_> {
-    type Item = Act;
+impl Iterator for SeriesActions<'_> {
+    type Item = SeriesAction;
 
-    fn next(&mut self) -> Option<Act> {
+    fn next(&mut self) -> Option<SeriesAction> {
         self.series.advance(&mut self.cursor)
     }
 }

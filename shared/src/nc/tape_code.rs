@@ -24,7 +24,7 @@ const EIA_BACKSPACE: u8 = 0x2A;
 
 /// Tape code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Code {
+pub enum TapeCode {
     /// Seven bits and an even-parity bit.
     Iso,
     /// RS-244: letters of one case, odd parity.
@@ -99,12 +99,12 @@ const EIA: [(u8, u8); 47] = [
     (b'/', 0x31),
 ];
 
-impl Code {
+impl TapeCode {
     /// Detects the code from the first end of block; `None` if the frame is not an end of block.
     pub fn of_end_of_block(frame: u8) -> Option<Self> {
         match frame {
-            EIA_END_OF_BLOCK => Some(Code::Eia),
-            _ if frame & !PARITY == LINE_FEED => Some(Code::Iso),
+            EIA_END_OF_BLOCK => Some(TapeCode::Eia),
+            _ if frame & !PARITY == LINE_FEED => Some(TapeCode::Iso),
             _ => None,
         }
     }
@@ -113,8 +113,8 @@ impl Code {
     /// the next one.
     pub fn ends_block(self, frame: u8) -> bool {
         match self {
-            Code::Iso | Code::Ascii => frame & !PARITY == LINE_FEED,
-            Code::Eia => frame == EIA_END_OF_BLOCK,
+            TapeCode::Iso | TapeCode::Ascii => frame & !PARITY == LINE_FEED,
+            TapeCode::Eia => frame == EIA_END_OF_BLOCK,
         }
     }
 
@@ -124,10 +124,10 @@ impl Code {
     /// Wrong parity, or an undefined combination of holes.
     pub fn decode(self, frame: u8) -> Result<Symbol, NotInCode> {
         match self {
-            Code::Ascii => Ok(ascii(frame & !PARITY)),
-            Code::Iso if frame.count_ones().is_multiple_of(2) => Ok(ascii(frame & !PARITY)),
-            Code::Iso => Err(NotInCode),
-            Code::Eia => match frame {
+            TapeCode::Ascii => Ok(ascii(frame & !PARITY)),
+            TapeCode::Iso if frame.count_ones().is_multiple_of(2) => Ok(ascii(frame & !PARITY)),
+            TapeCode::Iso => Err(NotInCode),
+            TapeCode::Eia => match frame {
                 EIA_END_OF_BLOCK => Ok(Symbol::EndOfBlock),
                 EIA_BACKSPACE | DELETE => Ok(Symbol::Ignored),
                 _ => {
@@ -141,10 +141,12 @@ impl Code {
     /// The frame for an ASCII character (a line feed for the end of a block); `None` if the code does not have it.
     pub fn encode(self, byte: u8) -> Option<u8> {
         match (self, byte) {
-            (Code::Ascii, _) => Some(byte & !PARITY),
-            (Code::Iso, _) => Some(with_even_parity(byte)),
-            (Code::Eia, LINE_FEED) => Some(EIA_END_OF_BLOCK),
-            (Code::Eia, _) => EIA.iter().find(|(ascii, _)| *ascii == byte.to_ascii_uppercase()).map(|(_, eia)| *eia),
+            (TapeCode::Ascii, _) => Some(byte & !PARITY),
+            (TapeCode::Iso, _) => Some(with_even_parity(byte)),
+            (TapeCode::Eia, LINE_FEED) => Some(EIA_END_OF_BLOCK),
+            (TapeCode::Eia, _) => {
+                EIA.iter().find(|(ascii, _)| *ascii == byte.to_ascii_uppercase()).map(|(_, eia)| *eia)
+            }
         }
     }
 }
@@ -185,9 +187,13 @@ mod tests {
         for row in PRINTED.split(", ") {
             let [byte, eia, iso] = <[&str; 3]>::try_from(row.split(' ').collect::<Vec<_>>()).unwrap();
             let byte = byte.as_bytes()[0];
-            assert_eq!((Code::Eia.encode(byte), Code::Iso.encode(byte)), (Some(hex(eia)), Some(hex(iso))), "{row}");
-            assert_eq!(Code::Eia.decode(hex(eia)), Ok(Symbol::Character(byte)), "{row}");
-            assert_eq!(Code::Iso.decode(hex(iso)), Ok(Symbol::Character(byte)), "{row}");
+            assert_eq!(
+                (TapeCode::Eia.encode(byte), TapeCode::Iso.encode(byte)),
+                (Some(hex(eia)), Some(hex(iso))),
+                "{row}"
+            );
+            assert_eq!(TapeCode::Eia.decode(hex(eia)), Ok(Symbol::Character(byte)), "{row}");
+            assert_eq!(TapeCode::Iso.decode(hex(iso)), Ok(Symbol::Character(byte)), "{row}");
             rows += 1;
         }
         assert_eq!(rows, 24);
@@ -200,7 +206,7 @@ mod tests {
             assert!(EIA[..index].iter().all(|(other, code)| other != byte && code != eia));
         }
         // Digits and letters count in the four lowest holes, as punched: 1 to 9 again in A to I, J to R and (2 to 9) S to Z.
-        let low = |byte| Code::Eia.encode(byte).unwrap() & 0x0F;
+        let low = |byte| TapeCode::Eia.encode(byte).unwrap() & 0x0F;
         for (first, from) in [(b'1', 1), (b'A', 1), (b'J', 1), (b'S', 2)] {
             for count in 0..=9 - from {
                 assert_eq!(low(first + count), from + count, "{}", char::from(first + count));
@@ -210,7 +216,7 @@ mod tests {
 
     #[test]
     fn one_wrong_hole_is_always_found() {
-        for code in [Code::Iso, Code::Eia] {
+        for code in [TapeCode::Iso, TapeCode::Eia] {
             for byte in b"%O1234(DRILL)N10G1X-1.5Y+2,3/\n" {
                 let frame = code.encode(*byte).unwrap();
                 for hole in 0..8 {
@@ -230,8 +236,8 @@ mod tests {
     #[test]
     fn cr_nul_and_del_mean_nothing_in_iso() {
         for byte in [0, b'\r', DELETE] {
-            assert_eq!(Code::Iso.decode(with_even_parity(byte)), Ok(Symbol::Ignored));
+            assert_eq!(TapeCode::Iso.decode(with_even_parity(byte)), Ok(Symbol::Ignored));
         }
-        assert_eq!(Code::Eia.decode(0), Err(NotInCode));
+        assert_eq!(TapeCode::Eia.decode(0), Err(NotInCode));
     }
 }

@@ -102,7 +102,7 @@ impl<'a> Words<'a> {
             return Err(Fault::not_modelled(NotModelled::Macro, column(self.at)));
         }
         let Some(number) = self.number() else {
-            let (alarm, offset) = number::what_is_wrong(self.line, self.at);
+            let (alarm, offset) = number::number_fault(self.line, self.at);
             return Err(Fault::alarm(alarm, column(offset)));
         };
         Ok(Token::Word(Word { letter, number, column: (start + 1) as u16, len: (self.at - start) as u8 }))
@@ -148,7 +148,7 @@ impl<'a> Words<'a> {
     }
 
     #[cold]
-    fn what_is_wrong_with(&self, byte: u8, start: usize) -> Alarm {
+    fn character_alarm(&self, byte: u8, start: usize) -> Alarm {
         let is_at_beginning = || self.line.iter().take(start).all(|byte| is_ignored(*byte));
         match byte {
             b'0'..=b'9' | b'+' | b'-' | b'.' if is_at_beginning() => Alarm::AddressNotFound,
@@ -175,7 +175,7 @@ impl<'a> Iterator for Words<'a> {
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
             b'%' => Ok(Token::ProgramMark),
-            _ => Err(Fault::alarm(self.what_is_wrong_with(byte, start), column(start))),
+            _ => Err(Fault::alarm(self.character_alarm(byte, start), column(start))),
         };
         if token.is_err() {
             self.at = self.line.len();

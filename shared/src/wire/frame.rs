@@ -46,7 +46,7 @@ static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 /// Class of a frame: its purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Class {
+pub enum FrameClass {
     /// Identification of the sender. Outside of any session.
     Hello = 0,
     /// Sign of life with an echo of the peer's clock.
@@ -70,7 +70,7 @@ pub enum Class {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// Class of the frame.
-    pub class: Class,
+    pub class: FrameClass,
     /// Whether the sender currently accepts no reliable messages.
     pub is_busy: bool,
     /// Kind of the message; 0 if there is none.
@@ -99,21 +99,21 @@ pub struct Frame<'a> {
 impl Header {
     /// Header of a message without a link.
     pub const fn plain(kind: u8, seq: u16, t_us: u32) -> Self {
-        Header { class: Class::Plain, is_busy: false, kind, seq, ack: 0, t_us }
+        Header { class: FrameClass::Plain, is_busy: false, kind, seq, ack: 0, t_us }
     }
 }
 
-impl Class {
+impl FrameClass {
     const fn of_bits(bits: u8) -> Self {
         match bits & CLASS {
-            0 => Class::Hello,
-            1 => Class::Heartbeat,
-            2 => Class::Ack,
-            3 => Class::Nak,
-            4 => Class::Bye,
-            5 => Class::Reliable,
-            6 => Class::Latest,
-            _ => Class::Plain,
+            0 => FrameClass::Hello,
+            1 => FrameClass::Heartbeat,
+            2 => FrameClass::Ack,
+            3 => FrameClass::Nak,
+            4 => FrameClass::Bye,
+            5 => FrameClass::Reliable,
+            6 => FrameClass::Latest,
+            _ => FrameClass::Plain,
         }
     }
 }
@@ -151,7 +151,7 @@ pub fn parse(body: &[u8]) -> Option<Frame<'_>> {
     let (header, payload) = message.split_first_chunk::<HEADER_LEN>()?;
     let [first, kind, s0, s1, a0, a1, t0, t1, t2, t3] = *header;
     let header = Header {
-        class: Class::of_bits(first),
+        class: FrameClass::of_bits(first),
         is_busy: first & BUSY != 0,
         kind,
         seq: u16::from_le_bytes([s0, s1]),

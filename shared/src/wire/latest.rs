@@ -103,7 +103,7 @@ pub struct Newest {
 
 impl Newest {
     /// Whether a value is newer than the newest so far; if so, it becomes the newest.
-    pub fn is_news(&mut self, seq: u16) -> bool {
+    pub fn accept_newer(&mut self, seq: u16) -> bool {
         let is_news = self.seq.is_none_or(|last| (1..u16::MAX / 2).contains(&seq.wrapping_sub(last)));
         if is_news {
             self.seq = Some(seq);
@@ -164,7 +164,7 @@ mod tests {
         let mut newest = Newest::default();
         for (seq, is_news) in [(65_534, true), (65_534, false), (65_533, false), (1, true), (65_535, false), (2, true)]
         {
-            assert_eq!(newest.is_news(seq), is_news, "{seq}");
+            assert_eq!(newest.accept_newer(seq), is_news, "{seq}");
         }
     }
 }

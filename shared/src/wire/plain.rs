@@ -2,7 +2,7 @@
 //! repeated; corrupt ones are counted.
 
 use super::deframer::Deframer;
-use super::frame::{Class, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};
+use super::frame::{FrameClass, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};
 use super::message::Message;
 use crate::units::Micros;
 
@@ -26,7 +26,7 @@ impl PlainLine {
             self.invalid = self.invalid.wrapping_add(1);
             return None;
         };
-        let is_plain = frame.version == VERSION && frame.salt == NO_SALT && frame.header.class == Class::Plain;
+        let is_plain = frame.version == VERSION && frame.salt == NO_SALT && frame.header.class == FrameClass::Plain;
         let message = is_plain.then(|| Message::decode(frame.header.kind, frame.payload).ok()).flatten();
         self.invalid = self.invalid.wrapping_add(u32::from(message.is_none()));
         message

@@ -214,7 +214,7 @@ pub struct Inbox {
 
 impl Inbox {
     /// Classifies message `seq`.
-    pub const fn judge(&self, seq: u16) -> Arrival {
+    pub const fn classify(&self, seq: u16) -> Arrival {
         match seq.wrapping_sub(self.expected) {
             0 => Arrival::Next,
             ahead if ahead < u16::MAX / 2 => Arrival::Gap,
@@ -223,7 +223,7 @@ impl Inbox {
     }
 
     /// Marks the expected message as delivered.
-    pub fn taken(&mut self) {
+    pub fn delivered(&mut self) {
         self.expected = self.expected.wrapping_add(1);
     }
 

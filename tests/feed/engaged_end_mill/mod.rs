@@ -97,7 +97,7 @@ fn path_of_chip_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32, c
     let mut found = Vec::new();
     for both_edges in [false, true] {
         let in_rule = job(end_mill(), Stock::Engaged(table.clone()), both_edges, chip);
-        let along = job(end_mill(), Stock::Along, both_edges, chip);
+        let along = job(end_mill(), Stock::PerMove, both_edges, chip);
         found.push(SegmentLaw::for_segment(segment, in_rule.rules.first(), &in_rule).demand(&place));
         found.push(SegmentLaw::with_engagement(segment, Some(&along.rules[0]), Some(table), &along).demand(&place));
     }
@@ -210,10 +210,10 @@ fn where_nothing_limits_it_is_said_why() {
 #[test]
 fn without_a_table_and_for_a_ring_on_a_line_there_is_no_law() {
     let (line, engagement) = (line(), table([0.0, 60.0]));
-    let along = job(end_mill(), Stock::Along, true, CHIP_MM);
+    let along = job(end_mill(), Stock::PerMove, true, CHIP_MM);
     let ring =
         Tool::CupMill(CupMill { outer_radius: Nm::from_mm(60.0), inner_radius: Nm::from_mm(50.0), active_teeth: 8 });
-    let ring = job(ring, Stock::Along, true, CHIP_MM);
+    let ring = job(ring, Stock::PerMove, true, CHIP_MM);
     assert_eq!(SegmentLaw::for_segment(&line, along.rules.first(), &along), SegmentLaw::Programmed);
     assert_eq!(
         SegmentLaw::with_engagement(&line, Some(&ring.rules[0]), Some(&engagement), &ring),

@@ -4,11 +4,11 @@ use super::scenes::CircumferenceScene;
 use super::{PLAIN, Scene};
 use crate::geometry::log_between;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::controller::Input;
+use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{self, Output, Supervisor};
-use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
+use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Pose};
 use arcfeed_shared::segment::{Path, Segment};
@@ -58,7 +58,7 @@ impl Setup {
             [scene.edge_radius.max(other), scene.edge_radius.min(other)].map(Nm::from_mm);
         let rule = CutRule {
             tool: 0,
-            moves: Moves::Rotations(Rotation::Interior, arc.turn),
+            moves: Moves::Rotations(RotationCircle::Interior, arc.turn),
             work: Work::Ring(scene.edge, Stock::half_plane(scene.stock())),
             feed_per_tooth: None,
             table: None,
@@ -99,18 +99,22 @@ impl Setup {
     }
 
     /// One tick every `dt_us` from the start on, with what `input` makes of the plain one.
-    fn run(&self, dt_us: u64, input: impl FnMut(u64, Input) -> Input) -> Vec<Output> {
+    fn run(&self, dt_us: u64, input: impl FnMut(u64, Measurement) -> Measurement) -> Vec<Output> {
         self.run_with_levels(dt_us, input).into_iter().map(|(output, _)| output).collect()
     }
 
     /// The same, with what is put out before rounding.
-    fn run_with_levels(&self, dt_us: u64, mut input: impl FnMut(u64, Input) -> Input) -> Vec<(Output, f64)> {
+    fn run_with_levels(
+        &self,
+        dt_us: u64,
+        mut input: impl FnMut(u64, Measurement) -> Measurement,
+    ) -> Vec<(Output, f64)> {
         let supervisor = Supervisor::new(&self.job, Settings::default()).expect("limits that make sense");
         let segment = ActiveSegment::new(&self.segment, Some(&self.rule), &self.job);
         let mut memory = Memory::armed();
         let tick = |i: u64| {
             let position = Some(self.pose(i * dt_us));
-            let plain = Input { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
+            let plain = Measurement { position, spindle: RevPerMin(REV_PER_MIN), dt: Span(dt_us as u32) };
             let input = supervisor::input::Input::of(input(i * dt_us, plain));
             let output = supervisor.tick(&mut memory, Some((0, &segment)), &input);
             (output, f64::from(memory.level().ratio()))
@@ -129,7 +133,7 @@ fn percent(output: &Output) -> f64 {
     f64::from(output.feed_override.percent)
 }
 
-fn weird_input(random: &mut Rng, plain: Input) -> Input {
+fn weird_input(random: &mut Rng, plain: Measurement) -> Measurement {
     let speeds = [0.0, -1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e-45, 3.4e38];
     let coordinates = [0, i64::MAX, i64::MIN, 1, -1_000_000];
     let mut input = plain;
@@ -189,7 +193,7 @@ mod tests {
             let stopped = random.u64(..DURATION_US);
             let outputs = setup.run(dt_us, |at_us, plain| {
                 // A spindle that stops makes the demand jump to 100 %.
-                if at_us > stopped { Input { spindle: RevPerMin(0.0), ..plain } } else { plain }
+                if at_us > stopped { Measurement { spindle: RevPerMin(0.0), ..plain } } else { plain }
             });
             let limits = &setup.job.limits;
             let (up, down) = (f64::from(limits.slew_up_percent_per_s), f64::from(limits.slew_down_percent_per_s));
@@ -259,11 +263,11 @@ mod tests {
     fn a_hold_keeps_the_override_and_a_stopped_spindle_takes_it_to_100() {
         on_many(16, LawKind::Circumference, |random, setup| {
             let held = setup.pose(random.u64(DURATION_US / 10..DURATION_US));
-            let outputs = setup.run(1_000, |_, plain| Input { position: Some(held), ..plain });
+            let outputs = setup.run(1_000, |_, plain| Measurement { position: Some(held), ..plain });
             let last = outputs.len() - 1;
             assert!(setup.in_bounds(&outputs) && outputs[last].feed_override == outputs[last - 1].feed_override);
             // From 254 % down and from 0 % up both take no longer than the two seconds.
-            let stopped = setup.run(1_000, |_, plain| Input { spindle: RevPerMin(0.0), ..plain });
+            let stopped = setup.run(1_000, |_, plain| Measurement { spindle: RevPerMin(0.0), ..plain });
             assert_eq!((stopped[last].feed_override.percent, stopped[last].reason), (100, Reason::NoSpindle));
             assert!(setup.in_bounds(&stopped));
         });
@@ -273,8 +277,8 @@ mod tests {
     fn without_samples_the_override_stays_bounded_and_settles() {
         on_many(17, LawKind::Circumference, |random, setup| {
             let lost = random.u64(..DURATION_US / 4);
-            let outputs =
-                setup.run(1_000, |at_us, plain| Input { position: plain.position.filter(|_| at_us < lost), ..plain });
+            let outputs = setup
+                .run(1_000, |at_us, plain| Measurement { position: plain.position.filter(|_| at_us < lost), ..plain });
             assert!(setup.in_bounds(&outputs));
             // With a filter that follows the samples as they come the place stays, and so does the demand, which is not reported while the
             // override is below its first step and holds the axes.

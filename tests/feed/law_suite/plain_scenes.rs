@@ -6,7 +6,7 @@ use arcfeed_firmware::law::contour::{Contour, ContourLimits};
 use arcfeed_firmware::law::engagement::{Engagement, PathShape};
 use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::law::{FeedLaw, Place};
-use arcfeed_shared::cut::Side;
+use arcfeed_shared::cut::ContourSide;
 use arcfeed_shared::units::{Mm, MmPerTooth};
 use core::f64::consts::PI;
 use fastrand::Rng;
@@ -16,7 +16,7 @@ use fastrand::Rng;
 pub struct ContourScene {
     pub path_radius: f64,
     pub tool_radius: f64,
-    pub side: Side,
+    pub side: ContourSide,
     pub chip: f64,
     pub inside_only: bool,
     pub floor: f64,
@@ -27,7 +27,7 @@ impl ContourScene {
         ContourScene {
             path_radius: log_between(random, 0.01, 1e3),
             tool_radius: log_between(random, 0.5, 100.0),
-            side: if random.bool() { Side::Inside } else { Side::Outside },
+            side: if random.bool() { ContourSide::Inside } else { ContourSide::Outside },
             chip: log_between(random, 1e-3, 1.0),
             inside_only: random.bool(),
             floor: if random.bool() { 0.0 } else { between(random, 0.0, 0.5) },

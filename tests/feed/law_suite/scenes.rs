@@ -66,7 +66,7 @@ impl Scene for RingScene {
                 numbers.extend(center_mm.iter_mut());
                 numbers.push(radius_mm);
             }
-            Stock::Engaged(_) | Stock::Along => {}
+            Stock::Engaged(_) | Stock::PerMove => {}
         }
         numbers
     }

@@ -12,7 +12,7 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
-use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
+use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
@@ -77,7 +77,7 @@ impl Bench {
         let job = job(limits);
         Bench {
             supervisor: Supervisor::new(&job, Settings::default()).expect("the settings are sound"),
-            memory: Memory::taking_over(FeedOverride::PROGRAMMED),
+            memory: Memory::with_override(FeedOverride::PROGRAMMED),
             segments: PIECES.map(|piece| prepare(piece, &job)).to_vec(),
             work: None,
             pose: start(),
@@ -117,7 +117,7 @@ impl Bench {
         let segment = self.work.and_then(|(count, piece)| {
             self.segments.iter().find(|(other, ..)| *other == piece).map(|(_, segment, _)| (count, segment))
         });
-        let measured = controller::Input { position: Some(self.pose), spindle: self.spindle, dt: self.dt };
+        let measured = controller::Measurement { position: Some(self.pose), spindle: self.spindle, dt: self.dt };
         let input = Input {
             measured,
             position: self.position,
@@ -218,7 +218,7 @@ fn rule_that_misses() -> CutRule {
     let stock = StockLine { normal: [0.0, 1.0], offset_mm: -500.0, rise_ratio: 0.0 };
     CutRule {
         tool: 0,
-        moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
+        moves: Moves::Rotations(RotationCircle::Exterior, Turn::Cw),
         work: Work::Ring(Edge::Outer, Stock::half_plane(stock)),
         feed_per_tooth: None,
         table: None,

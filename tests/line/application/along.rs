@@ -58,7 +58,7 @@ fn host_data(is_along: bool) -> HostData {
     let run = ibr_slot();
     let (tables, like) = (tables(), &run.job.rules[0]);
     let rules = match is_along {
-        true => vec![rule(like, Stock::Along), rule(like, Stock::everywhere())],
+        true => vec![rule(like, Stock::PerMove), rule(like, Stock::everywhere())],
         false => tables.iter().map(|table| rule(like, Stock::Engaged(table.clone()))).collect(),
     };
     let mut job = Job { rules: rules.into_iter().collect(), ..run.job.clone() };

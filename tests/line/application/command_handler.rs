@@ -7,7 +7,7 @@ use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, SettingCode};
-use arcfeed_shared::wire::message::page::{self, Tapped};
+use arcfeed_shared::wire::message::page::{self, TappedLine};
 use arcfeed_shared::wire::message::schema::{FieldType, Optional};
 use arcfeed_shared::wire::message::{Message, SCHEMA, moves, parameters, table};
 
@@ -226,7 +226,7 @@ fn a_host_that_comes_and_goes_at_a_tapped_line_looks_on_and_changes_nothing() {
     world.host.is_silent = true;
     world.board = crate::application::world::Board::supplied(Supply::Tap, 1, None);
     let handler = world.board.host_link.handler_mut();
-    let page = page::write(&run.job, Tapped::default()).expect("the job can be encoded");
+    let page = page::write(&run.job, TappedLine::default()).expect("the job can be encoded");
     handler.load_page(&page, 7).expect("the job is sound");
     let (first, rule) = all_moves()[0];
     let rule = rule.map(|rule| &run.job.rules[rule]);

@@ -40,7 +40,7 @@ fn without_a_link(run: &Recording) -> Vec<u8> {
     let (mut memory, mut follower) = (Memory::armed(), Follower::default());
     let mut trace = Vec::new();
     for (position, ..) in &run.ticks {
-        let measured = controller::Input {
+        let measured = controller::Measurement {
             position: Some(*position),
             spindle: run.job.tools.first().spindle,
             dt: Span::from_ms(1),

@@ -9,7 +9,7 @@ use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::cut::{CutRule, Moves, Rotation, Work};
+use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
 use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_shared::segment::{Arc, Path, Segment};
@@ -32,7 +32,7 @@ const SETTLE: usize = 5_000;
 fn job() -> Job {
     let rule = CutRule {
         tool: 0,
-        moves: Moves::Rotations(Rotation::Exterior, Turn::Cw),
+        moves: Moves::Rotations(RotationCircle::Exterior, Turn::Cw),
         work: Work::Ring(
             Edge::Outer,
             Stock::half_plane(StockLine { normal: [0.0, 1.0], offset_mm: 50.0, rise_ratio: 0.0 }),
@@ -76,7 +76,7 @@ fn feed(job: &Job) -> Nm {
     let supervisor = Supervisor::new(job, Settings::default()).expect("the bounds are sound");
     let probe = ActiveSegment::new(&quarter(Nm(1_000_000_000)), job.rules.first(), job);
     let measured =
-        controller::Input { position: Some(start()), spindle: job.tools.first().spindle, dt: Span::from_ms(1) };
+        controller::Measurement { position: Some(start()), spindle: job.tools.first().spindle, dt: Span::from_ms(1) };
     let output = supervisor.tick(&mut Memory::armed(), Some((0, &probe)), &Input::of(measured));
     let path = output.ipt_center.expect("the probe meets the stock");
     let wanted =

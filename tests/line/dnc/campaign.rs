@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use arcfeed::dnc::readback::ReadBack;
 use arcfeed::dnc::{Sender, State};
 use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_hil_sim::control::store::{Store, StoreState};
 use arcfeed_shared::units::Micros;
 use fastrand::Rng;
@@ -133,7 +133,7 @@ fn what_the_line_can_see_is_never_passed_over() {
 fn stored_and_punched(settings: &ControlSettings, frames: &[u8]) -> Option<ReadBack> {
     let mut store = Store::new(settings.line);
     let mut back = ReadBack::new(
-        wire(if settings.line.tape.code == Some(Code::Ascii) { Check::None } else { Check::Parity }).encode,
+        wire(if settings.line.tape.code == Some(TapeCode::Ascii) { Check::None } else { Check::Parity }).encode,
     );
     store.port().on_bytes(frames);
     for ms in 0..20_000 {

@@ -3,7 +3,7 @@
 use arcfeed::dnc::restored_state::PowerOn;
 use arcfeed::dnc::transmission::{Transmission, Wire};
 use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::{Code, with_even_parity};
+use arcfeed_hil_sim::control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_shared::nc::block::Reading;
@@ -92,7 +92,7 @@ pub fn transmission(text: &str, check: Check) -> Transmission {
 /// A control that checks so, with a buffer small enough to fill.
 pub fn control(check: Check, baudrate: u32) -> ControlSettings {
     let settings = ControlSettings::fanuc_16i(LengthUnit::Mm);
-    let code = if check == Check::None { Code::Ascii } else { Code::Iso };
+    let code = if check == Check::None { TapeCode::Ascii } else { TapeCode::Iso };
     let tape = TapeSettings { code: Some(code), tv_check: check == Check::ParityAndTv, ..settings.line.tape };
     let line = LineSettings {
         baudrate,

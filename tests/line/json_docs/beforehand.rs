@@ -112,8 +112,8 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     let line = "units = 'mm'\nprogram = 'line.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2 }\nlimits = { max_feed = 900 }\n\
                 spindle = { rev_per_min = 1000, set_by = 'operator' }\nlaw = { kind = 'engagement', feed_per_tooth = 0.05 }\n\
                 [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
-    let (_, from_anywhere) = objects(&["adapt", &scratch.write("line.toml", line)]);
-    reasons.extend(from_anywhere.iter().map(|block| block["reason"].to_string()));
+    let (_, at_unknown_position) = objects(&["adapt", &scratch.write("line.toml", line)]);
+    reasons.extend(at_unknown_position.iter().map(|block| block["reason"].to_string()));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()

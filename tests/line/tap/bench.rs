@@ -16,8 +16,8 @@ use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::{TapCounters, TapState};
-use arcfeed_firmware::tap::{Handed, Tap};
-use arcfeed_hil_sim::control::code::{Code, DC1, DC3, without_parity};
+use arcfeed_firmware::tap::{Tap, TapSegment};
+use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode, without_parity};
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::override_source::{MachineSignals, MoveStart, OverrideSource};
@@ -48,7 +48,7 @@ pub fn example(job: &str) -> (JobFile, Vec<u8>) {
 }
 
 /// The control of a job on a line of eight bits: what the sender puts out is what arrives.
-pub fn control(file: &JobFile, code: Option<Code>) -> ControlSettings {
+pub fn control(file: &JobFile, code: Option<TapeCode>) -> ControlSettings {
     let settings = control_settings(file);
     let mut line = LineSettings { sender: SenderParity::None, ..settings.line };
     line.tape.code = code;
@@ -56,7 +56,7 @@ pub fn control(file: &JobFile, code: Option<Code>) -> ControlSettings {
 }
 
 /// A program as a sender puts it on such a line.
-pub fn encoded(text: &[u8], code: Code) -> Vec<u8> {
+pub fn encoded(text: &[u8], code: TapeCode) -> Vec<u8> {
     text.iter().filter_map(|byte| code.encode(*byte)).collect()
 }
 
@@ -112,7 +112,7 @@ impl<const ROOM: usize> Board<ROOM> {
             self.follower.restart();
         }
         while self.queue.len() < AT_HAND {
-            let Some(Handed { count, segment }) = self.tap.next(&self.job) else { break };
+            let Some(TapSegment { count, segment }) = self.tap.next(&self.job) else { break };
             if self.queue.is_empty() {
                 self.in_work = count;
             }
@@ -120,7 +120,7 @@ impl<const ROOM: usize> Board<ROOM> {
         }
     }
 
-    fn follow(&mut self, measured: &controller::Input) {
+    fn follow(&mut self, measured: &controller::Measurement) {
         let Some(front) = self.queue.front() else { return };
         if self.follower.follow(self.supervisor.controller(), front, measured) {
             self.queue.pop_front();
@@ -154,7 +154,8 @@ impl<const ROOM: usize> OverrideSource for Board<ROOM> {
 
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         let board = self;
-        let measured = controller::Input { position: Some(shown.position), spindle: shown.spindle, dt: STEP.into() };
+        let measured =
+            controller::Measurement { position: Some(shown.position), spindle: shown.spindle, dt: STEP.into() };
         let input = Input { operator_percent: shown.operator_percent, signals: shown.signals, ..Input::of(measured) };
         board.follow(&measured);
         let in_work = board.queue.front().map(|_| board.in_work);

@@ -4,8 +4,8 @@
 //! two thousand places on each of its moves.
 
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::{TapState, Why};
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_firmware::tap::status::{TapLossReason, TapState};
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_shared::units::Nm;
 use fastrand::Rng;
 
@@ -45,7 +45,7 @@ fn corrupt(frames: &mut Vec<u8>, damage: Damage, rng: &mut Rng) {
 }
 
 /// A stream that is corrupted before the tap (true) or between the tap and the control.
-fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
+fn run(code: TapeCode, damage: Damage, seed: u64, before: bool) -> Ended {
     let (file, text) = example(JOBS[seed as usize / ALL.len() % JOBS.len()]);
     let mut rng = Rng::with_seed(seed);
     let mut corrupted = encoded(&text, code);
@@ -70,7 +70,7 @@ fn run(code: Code, damage: Damage, seed: u64, before: bool) -> Ended {
     ended
 }
 
-fn decoded(frames: &[u8], code: Code) -> Vec<u8> {
+fn decoded(frames: &[u8], code: TapeCode) -> Vec<u8> {
     use arcfeed_hil_sim::control::code::Symbol;
     let byte = |frame: &u8| match code.decode(*frame) {
         Ok(Symbol::Character(byte)) => Some(byte),
@@ -84,7 +84,7 @@ fn decoded(frames: &[u8], code: Code) -> Vec<u8> {
 
 #[test]
 fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
-    for code in [Code::Iso, Code::Ascii] {
+    for code in [TapeCode::Iso, TapeCode::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, true);
             assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
@@ -95,11 +95,11 @@ fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
 #[test]
 fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path() {
     let mut found_out = 0;
-    for code in [Code::Iso, Code::Ascii] {
+    for code in [TapeCode::Iso, TapeCode::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, false);
             assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
-            found_out += u32::from(ended.state == TapState::Lost(Why::OffPath));
+            found_out += u32::from(ended.state == TapState::Lost(TapLossReason::OffPath));
         }
     }
     println!("off its path in {found_out} of {} runs", 2 * RUNS);
@@ -112,7 +112,7 @@ fn another(written: &str, executed: &str, off_path: Nm) -> Ended {
     let text = String::from_utf8(text).expect("the example is text");
     let other = text.replacen(written, executed, 1);
     assert!(other != text && other.len() == text.len(), "{written} is in it");
-    let settings = TapSettings { code: Some(Code::Ascii), off_path, ..TapSettings::new(file.job.unit) };
+    let settings = TapSettings { code: Some(TapeCode::Ascii), off_path, ..TapSettings::new(file.job.unit) };
     let frames = text.clone().into_bytes();
     let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames);
     bench.simulation.source_mut().heard = moves(text.as_bytes(), file.job.unit);
@@ -141,7 +141,7 @@ const ELSEWHERE: [[&str; 2]; 5] = [
 fn another_path_than_the_one_that_was_read_is_noticed_within_the_count() {
     for [written, executed] in ELSEWHERE {
         let ended = another(written, executed, Nm(500_000));
-        assert_eq!(ended.state, TapState::Lost(Why::OffPath), "{written}");
+        assert_eq!(ended.state, TapState::Lost(TapLossReason::OffPath), "{written}");
         assert!(ended.figures.off_path_in_row <= OFF_PATH_COUNT, "{ended:?}");
     }
 }

@@ -4,8 +4,8 @@ use std::fs;
 
 use arcfeed::job::JobFile;
 use arcfeed_shared::nc::settings::Decimals;
-use arcfeed_shared::nc::tape_code::Code;
-use arcfeed_shared::wire::message::page::{PAGE_MAX, Tapped, read};
+use arcfeed_shared::nc::tape_code::TapeCode;
+use arcfeed_shared::wire::message::page::{PAGE_MAX, TappedLine, read};
 use arcfeed_shared::wire::message::staging::Staging;
 use arcfeed_tests::{Scratch, root, run};
 
@@ -19,7 +19,7 @@ fn a_page_of_flash_has_the_whole_job() {
         println!("{}", String::from_utf8_lossy(&output.stdout));
         let bytes = fs::read(page).expect("it is written");
         let wanted = JobFile::load(&job).expect("the example is sound").job;
-        let tapped = Tapped { code: Some(Code::Ascii), decimals: Decimals::LeastIncrement };
+        let tapped = TappedLine { code: Some(TapeCode::Ascii), decimals: Decimals::LeastIncrement };
         assert_eq!(read(&bytes, &mut Staging::new()), Ok((&wanted, tapped)));
         assert!(bytes.len() <= PAGE_MAX / 4, "{}", bytes.len());
     }

@@ -3,7 +3,7 @@
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::TapState;
 use arcfeed_hil_sim::control::Control;
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
@@ -31,7 +31,7 @@ pub fn in_process(job: &str) -> (Vec<MoveChips>, Vec<(u8, u8)>) {
 fn the_chips_of_the_example_are_those_of_a_notified_controller() {
     let (file, text) = example("examples/ibr-slot/job.toml");
     let settings = TapSettings::new(file.job.unit);
-    let mut bench = Bench::new(control(&file, None), settings, &file.job, encoded(&text, Code::Iso));
+    let mut bench = Bench::new(control(&file, None), settings, &file.job, encoded(&text, TapeCode::Iso));
     bench.simulation.source_mut().heard = moves(&text, file.job.unit);
     let ended = bench.run();
     println!("{ended:?}");

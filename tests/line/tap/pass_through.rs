@@ -2,7 +2,7 @@
 
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_hil_sim::control::code::{Code, DC1, DC3};
+use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode};
 use arcfeed_shared::units::{LengthUnit, Micros};
 use arcfeed_tests::root;
 use fastrand::Rng;
@@ -15,9 +15,10 @@ const NOISE: u32 = 200_000;
 #[test]
 fn the_program_arrives_as_it_was_sent_in_each_code() {
     let (file, text) = example("examples/ibr-slot/job.toml");
-    for code in [Code::Iso, Code::Eia, Code::Ascii] {
+    for code in [TapeCode::Iso, TapeCode::Eia, TapeCode::Ascii] {
         let frames = encoded(&text, code);
-        let settings = TapSettings { code: (code == Code::Ascii).then_some(code), ..TapSettings::new(file.job.unit) };
+        let settings =
+            TapSettings { code: (code == TapeCode::Ascii).then_some(code), ..TapSettings::new(file.job.unit) };
         let mut bench = Bench::new(control(&file, settings.code), settings, &file.job, frames.clone());
         let ended = bench.run();
         let executed = bench.simulation.control().executed();
@@ -35,7 +36,7 @@ fn the_program_arrives_as_it_was_sent_in_each_code() {
 #[test]
 fn whatever_goes_over_the_line_passes_unchanged() {
     let mut rng = Rng::with_seed(7);
-    for code in [None, Some(Code::Iso), Some(Code::Eia), Some(Code::Ascii)] {
+    for code in [None, Some(TapeCode::Iso), Some(TapeCode::Eia), Some(TapeCode::Ascii)] {
         let mut tap = Tap::<1_024>::new(TapSettings { code, ..TapSettings::new(LengthUnit::Mm) }).expect("sound");
         let mut now = Micros(0);
         for _ in 0..NOISE {

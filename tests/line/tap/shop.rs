@@ -1,8 +1,8 @@
 //! Other practice of shops: offsets and cycles, a restarted program, switches, a tap with little room.
 
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::{TapState, Why};
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_firmware::tap::status::{TapLossReason, TapState};
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_hil_sim::cutting::meter::MoveChips;
 use arcfeed_shared::units::Micros;
 
@@ -16,7 +16,7 @@ fn bench(job: &str, edit: impl Fn(String) -> String) -> Bench {
     let (file, text) = example(job);
     let text = edit(String::from_utf8(text).expect("the program is text"));
     let settings = TapSettings::new(file.job.unit);
-    Bench::new(control(&file, None), settings, &file.job, encoded(text.as_bytes(), Code::Iso))
+    Bench::new(control(&file, None), settings, &file.job, encoded(text.as_bytes(), TapeCode::Iso))
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn behind_the_holes_a_second_bore_has_its_law_too() {
 #[test]
 fn a_program_that_is_reset_and_started_again_is_adapted_again() {
     let (file, text) = example(SLOT);
-    let frames = encoded(&text, Code::Iso);
+    let frames = encoded(&text, TapeCode::Iso);
     for reset_ms in [700, 5_000, 20_000, 45_000] {
         let mut bench = bench(SLOT, |text| text);
         while bench.simulation.now() < Micros::from_ms(reset_ms) {
@@ -94,7 +94,7 @@ fn blocks_that_the_controls_switch_deletes_are_deleted_here_if_the_setting_says_
         settings.nc.delete_switches = switch;
         let mut control = control(&file, None);
         control.switches.block_delete = 1;
-        let mut bench = Bench::new(control, settings, &file.job, encoded(text.as_bytes(), Code::Iso));
+        let mut bench = Bench::new(control, settings, &file.job, encoded(text.as_bytes(), TapeCode::Iso));
         let ended = bench.run();
         assert!(bench.simulation.control().has_ended());
         assert_eq!(ended.counters.losses > 0, is_lost, "{ended:?}");
@@ -107,11 +107,11 @@ fn a_sender_too_far_ahead_is_said_and_the_rest_runs_as_it_was_sent() {
     // The control's buffer is 1024 characters and 15 blocks; this tap has room for 300.
     let (file, text) = example(SLOT);
     let settings = TapSettings::new(file.job.unit);
-    let frames = encoded(&text, Code::Iso);
+    let frames = encoded(&text, TapeCode::Iso);
     let mut bench = Bench::<300>::with_room(control(&file, None), settings, &file.job, frames);
     let ended = bench.run();
     assert!(bench.simulation.control().has_ended());
-    assert_eq!(ended.state, TapState::Lost(Why::TooFarAhead));
+    assert_eq!(ended.state, TapState::Lost(TapLossReason::TooFarAhead));
     assert!((1..20).contains(&ended.counters.governed), "{ended:?}");
     assert_eq!(ended.figures.off_path_in_row, 0);
 }

@@ -5,7 +5,7 @@
 //! with itself, is what was sent, and is counted as such.
 
 use arcfeed_shared::wire::deframer::Deframer;
-use arcfeed_shared::wire::frame::{Class, ENCODED_MAX, Frame, Header, NO_SALT, encode};
+use arcfeed_shared::wire::frame::{ENCODED_MAX, Frame, FrameClass, Header, NO_SALT, encode};
 use arcfeed_shared::wire::session::salt;
 use arcfeed_shared::wire::settings::Role;
 use arcfeed_tests::of_full_set;
@@ -95,7 +95,7 @@ struct Sent {
 }
 
 fn sent(rng: &mut Rng) -> Sent {
-    use Class::{Ack, Bye, Heartbeat, Hello, Latest, Nak, Reliable};
+    use FrameClass::{Ack, Bye, Heartbeat, Hello, Latest, Nak, Reliable};
     let salt = salt(Role::Host, [rng.u32(..), rng.u32(..), rng.u32(..)]);
     let mut sent = Sent { salt, frames: Vec::new(), bodies: Vec::new() };
     for count in 0..200_u16 {
@@ -119,7 +119,7 @@ fn sent(rng: &mut Rng) -> Sent {
 }
 
 fn is_accepted(frame: &Frame<'_>, salt: u32) -> bool {
-    frame.salt == salt || (frame.salt == NO_SALT && frame.header.class == Class::Hello)
+    frame.salt == salt || (frame.salt == NO_SALT && frame.header.class == FrameClass::Hello)
 }
 
 /// Number of accepted frames in `bytes`: equal to a sent one, and different.
@@ -173,7 +173,7 @@ fn no_corrupted_frame_is_accepted() {
 fn every_flip_of_one_two_or_three_bits_of_a_body_is_seen() {
     // Before stuffing, where the checksum's own promise holds: all of them, no seed.
     let salt = 0x1234_5678;
-    let header = Header { class: Class::Ack, is_busy: false, kind: 0, seq: 0, ack: 300, t_us: 99 };
+    let header = Header { class: FrameClass::Ack, is_busy: false, kind: 0, seq: 0, ack: 300, t_us: 99 };
     let mut out = [0; ENCODED_MAX];
     let len = encode(&header, [&[], &[]], salt, &mut out).expect("it fits");
     let mut body = cobs_decoded(&out[..len - 1]);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::deframer::Deframer;
-use arcfeed_shared::wire::frame::{Class, ENCODED_MAX, Header, checksum, encode};
+use arcfeed_shared::wire::frame::{ENCODED_MAX, FrameClass, Header, checksum, encode};
 use arcfeed_shared::wire::link::{Link, LinkState};
 use arcfeed_shared::wire::message::field::PAYLOAD_MAX;
 use arcfeed_shared::wire::message::fixed::Q40;
@@ -13,8 +13,16 @@ use arcfeed_shared::wire::session::{Echo, Hello, salt};
 use arcfeed_shared::wire::settings::{LinkSettings, Role};
 use arcfeed_tests::root;
 
-const CLASSES: [Class; 8] =
-    [Class::Hello, Class::Heartbeat, Class::Ack, Class::Nak, Class::Bye, Class::Reliable, Class::Latest, Class::Plain];
+const CLASSES: [FrameClass; 8] = [
+    FrameClass::Hello,
+    FrameClass::Heartbeat,
+    FrameClass::Ack,
+    FrameClass::Nak,
+    FrameClass::Bye,
+    FrameClass::Reliable,
+    FrameClass::Latest,
+    FrameClass::Plain,
+];
 
 pub fn document() -> String {
     std::fs::read_to_string(root().join("docs/protocol.md")).expect("the document is there")
@@ -76,7 +84,7 @@ impl Example {
     /// Bytes between header and check.
     fn payload(&self) -> Vec<u8> {
         match self.header().class {
-            Class::Hello => Hello {
+            FrameClass::Hello => Hello {
                 role: self.small("role"),
                 schema: self.number("schema"),
                 session: self.number("session"),
@@ -86,8 +94,8 @@ impl Example {
             }
             .encode()
             .to_vec(),
-            Class::Heartbeat => self.echo().encode().to_vec(),
-            Class::Latest => [self.small::<u16>("left").to_le_bytes().to_vec(), self.bytes("payload")].concat(),
+            FrameClass::Heartbeat => self.echo().encode().to_vec(),
+            FrameClass::Latest => [self.small::<u16>("left").to_le_bytes().to_vec(), self.bytes("payload")].concat(),
             _ => self.bytes("payload"),
         }
     }
@@ -122,7 +130,7 @@ fn every_frame_of_the_document_is_made_and_read_byte_for_byte() {
         let frame = deframer.push(*last).expect("a frame ends").expect("and is whole");
         assert_eq!((frame.version, frame.header, frame.salt), (1, header, salt), "{block}");
         assert_eq!(frame.payload, payload, "{block}");
-        if header.class == Class::Hello {
+        if header.class == FrameClass::Hello {
             assert_eq!(Hello::decode(frame.payload).expect("a hello").encode().to_vec(), payload);
         }
     }

@@ -1,7 +1,7 @@
 //! The machines of the examples, and paths to run on them.
 
 use arcfeed::machine_file::MachineFile;
-use arcfeed_shared::kinematics::forward::{Pose, Setup};
+use arcfeed_shared::kinematics::forward::{Setup, ToolPose};
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_tests::root;
@@ -33,8 +33,8 @@ pub fn direction(tilt_deg: f64, azimuth_deg: f64) -> Vector {
 }
 
 /// A pose with its tip on a line along X.
-pub fn pose(x_mm: f64, axis: Vector) -> Pose {
-    Pose { tip_mm: [x_mm, 5.0, 60.0], axis }
+pub fn pose(x_mm: f64, axis: Vector) -> ToolPose {
+    ToolPose { tip_mm: [x_mm, 5.0, 60.0], axis }
 }
 
 /// Rotation of the first and the second axis along a path.

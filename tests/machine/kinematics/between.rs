@@ -1,7 +1,7 @@
 //! The kinematic error between points against its closed form, and paths made straight looked at with matrices.
 
-use arcfeed_shared::kinematics::between::{Mode, Stop};
-use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
+use arcfeed_shared::kinematics::deviation::{Mode, PathPoint};
+use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
 use arcfeed_shared::kinematics::linearise::Tolerance;
 use arcfeed_shared::kinematics::machine::Machine;
 use arcfeed_shared::kinematics::vector::{Vector, cross, difference, length, sum};
@@ -9,9 +9,9 @@ use arcfeed_shared::kinematics::vector::{Vector, cross, difference, length, sum}
 use crate::kinematics::bench::{FILES, SETUP, direction, machine};
 use crate::kinematics::oracle;
 
-fn stops(machine: &Machine, poses: &[Pose], setup: &Setup) -> Vec<Stop> {
-    let course = machine.course(poses, None).expect("within reach");
-    let stop = |(pose, at): (&Pose, &[f64; 2])| Stop {
+fn stops(machine: &Machine, poses: &[ToolPose], setup: &Setup) -> Vec<PathPoint> {
+    let course = machine.select_branches(poses, None).expect("within reach");
+    let stop = |(pose, at): (&ToolPose, &[f64; 2])| PathPoint {
         pose: *pose,
         axes: Axes { linear_mm: machine.linear_for(pose.tip_mm, *at, setup), rotary_deg: *at },
     };
@@ -24,7 +24,7 @@ fn a_turn_about_one_axis_bulges_by_the_height_of_its_arc() {
     let mikron = machine("mikron-ucp710");
     let setup = Setup::default();
     for by_deg in [0.5_f64, 5.0, 30.0, 90.0] {
-        let poses = [0.0, by_deg].map(|azimuth| Pose { tip_mm: [70.0, 0.0, 12.0], axis: direction(35.0, azimuth) });
+        let poses = [0.0, by_deg].map(|azimuth| ToolPose { tip_mm: [70.0, 0.0, 12.0], axis: direction(35.0, azimuth) });
         let stops = stops(&mikron, &poses, &setup);
         let closed = 70.0 * (1.0 - libm::cos((by_deg / 2.0).to_radians()));
         let found = mikron.deviation(Mode::Machine, &setup, &stops[0], &stops[1]);
@@ -48,7 +48,7 @@ fn off_line(point: Vector, from: Vector, to: Vector) -> f64 {
 }
 
 /// The largest distance of the tip from the line, every two-hundredth of each move, by matrices.
-fn worst_tip(machine: &Machine, stops: &[Stop]) -> f64 {
+fn worst_tip(machine: &Machine, stops: &[PathPoint]) -> f64 {
     let mut worst = 0.0_f64;
     for pair in stops.windows(2) {
         for part in 0..=200 {
@@ -75,9 +75,9 @@ fn added_points_bring_every_move_within_the_tolerance() {
             let [x, y, z] = direction(35.0, azimuth);
             if up[1] > 0.5 { [x, z, y] } else { [x, y, z] }
         };
-        let poses: Vec<Pose> = (0..12)
+        let poses: Vec<ToolPose> = (0..12)
             .map(|at| f64::from(at) * 8.0)
-            .map(|way| Pose { tip_mm: sum([way, 20.0, 10.0], [0.0, way / 3.0, 0.0]), axis: lean(way) })
+            .map(|way| ToolPose { tip_mm: sum([way, 20.0, 10.0], [0.0, way / 3.0, 0.0]), axis: lean(way) })
             .collect();
         let stops = stops(&machine, &poses, &SETUP);
         let before = worst_tip(&machine, &stops);
@@ -105,8 +105,8 @@ fn added_points_bring_every_move_within_the_tolerance() {
 fn a_swing_cannot_be_made_straight() {
     let mikron = machine("mikron-ucp710");
     let tip_mm = [10.0, 20.0, 30.0];
-    let at = |rotary_deg: [f64; 2]| Stop {
-        pose: Pose { tip_mm, axis: direction(20.0, 50.0) },
+    let at = |rotary_deg: [f64; 2]| PathPoint {
+        pose: ToolPose { tip_mm, axis: direction(20.0, 50.0) },
         axes: Axes { linear_mm: mikron.linear_for(tip_mm, rotary_deg, &SETUP), rotary_deg },
     };
     let jump = [at([140.0, 20.0]), at([320.0, -20.0])];

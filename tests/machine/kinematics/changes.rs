@@ -1,7 +1,7 @@
 //! Changes of branch: never in the cut, always reported, with a path around it.
 
-use arcfeed_shared::kinematics::change::{Change, Passage};
-use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::branch_change::{BranchChange, Transition};
+use arcfeed_shared::kinematics::forward::ToolPose;
 use arcfeed_shared::kinematics::machine::{Letter, Machine};
 use arcfeed_shared::kinematics::vector::{angle_deg, difference, length};
 
@@ -11,15 +11,15 @@ use crate::kinematics::oracle;
 /// Largest deviation of the tool axis from its arc.
 const ALLOWED_DEG: f64 = 0.5;
 
-fn changes(machine: &Machine, poses: &[Pose]) -> (Vec<[f64; 2]>, Vec<Passage>, Vec<Change>) {
-    let course = machine.course(poses, None).expect("within reach");
-    let passages = machine.passages(poses, &course, ALLOWED_DEG);
-    let of = |passage: &Passage| if let Passage::Change(change) = passage { Some(*change) } else { None };
+fn changes(machine: &Machine, poses: &[ToolPose]) -> (Vec<[f64; 2]>, Vec<Transition>, Vec<BranchChange>) {
+    let course = machine.select_branches(poses, None).expect("within reach");
+    let passages = machine.transitions(poses, &course, ALLOWED_DEG);
+    let of = |passage: &Transition| if let Transition::Change(change) = passage { Some(*change) } else { None };
     let changes = passages.iter().filter_map(of).collect();
     (course, passages, changes)
 }
 
-fn ring(tilt: f64, to: f64, step: f64) -> Vec<Pose> {
+fn ring(tilt: f64, to: f64, step: f64) -> Vec<ToolPose> {
     let points = (to / step) as u32;
     (0..=points).map(|point| pose(f64::from(point), direction(tilt, f64::from(point) * step))).collect()
 }
@@ -29,7 +29,7 @@ fn a_range_that_ends_forces_one_change_and_names_its_axis() {
     let mikron = with_first_range(&machine("mikron-ucp710"), Some([-360.0, 360.0]));
     let poses = ring(40.0, 600.0, 2.0);
     let (course, passages, changes) = changes(&mikron, &poses);
-    let smooth = passages.iter().filter(|passage| **passage == Passage::Smooth).count();
+    let smooth = passages.iter().filter(|passage| **passage == Transition::Smooth).count();
     println!("600 degrees round, C from -360 to 360: {changes:?}");
     assert_eq!((changes.len(), smooth), (1, passages.len() - 1));
     let change = changes[0];
@@ -43,11 +43,11 @@ fn a_range_that_ends_forces_one_change_and_names_its_axis() {
 fn the_jump_of_the_paper_is_found_where_the_tilt_reaches_its_end() {
     // From 20 degrees on one side over the pole to 60 on the other: A 20 to -60, C still. The other way round C must turn.
     let mikron = machine("mikron-ucp710");
-    let line = |from: i32, to: i32| -> Vec<Pose> {
+    let line = |from: i32, to: i32| -> Vec<ToolPose> {
         (from..=to).map(|tilt| pose(f64::from(tilt), direction(f64::from(tilt), 25.0))).collect()
     };
     let (_, passages, none) = changes(&mikron, &line(-60, 20));
-    assert!(none.is_empty() && passages.iter().all(|passage| *passage == Passage::Smooth));
+    assert!(none.is_empty() && passages.iter().all(|passage| *passage == Transition::Smooth));
     let (_, _, forced) = changes(&mikron, &line(-60, 60));
     println!("from 60 over the pole to 60: {forced:?}");
     assert_eq!(forced.len(), 1);
@@ -60,7 +60,7 @@ fn a_coarse_move_is_no_change() {
     let mikron = machine("mikron-ucp710");
     let poses = [pose(0.0, direction(40.0, 0.0)), pose(1.0, direction(40.0, 30.0))];
     let (_, passages, changes) = changes(&mikron, &poses);
-    assert!(changes.is_empty() && matches!(passages[0], Passage::Coarse { departure_deg } if departure_deg > 0.9));
+    assert!(changes.is_empty() && matches!(passages[0], Transition::Coarse { departure_deg } if departure_deg > 0.9));
 }
 
 #[test]
@@ -71,17 +71,17 @@ fn every_swing_of_random_paths_is_reported() {
         let machine = with_first_range(&machine(file), Some([-200.0, 200.0]));
         for _ in 0..40 {
             let (mut tilt, mut azimuth, turn) = (random.f64() * 60.0, random.f64() * 360.0, random.f64() * 6.0 - 3.0);
-            let poses: Vec<Pose> = (0..200)
+            let poses: Vec<ToolPose> = (0..200)
                 .map(|at| {
                     (tilt, azimuth) = (tilt + random.f64() - 0.5, azimuth + turn);
                     pose(f64::from(at), direction(tilt, azimuth))
                 })
                 .collect();
-            let Ok(course) = machine.course(&poses, None) else { continue };
-            let passages = machine.passages(&poses, &course, ALLOWED_DEG);
+            let Ok(course) = machine.select_branches(&poses, None) else { continue };
+            let passages = machine.transitions(&poses, &course, ALLOWED_DEG);
             for (at, passage) in passages.iter().enumerate() {
                 moves += 1;
-                let reported_here = *passage != Passage::Smooth;
+                let reported_here = *passage != Transition::Smooth;
                 reported += u32::from(reported_here);
                 // Looked at with matrices at 50 points: the tool axis stays near both ends, or the move is reported.
                 let worst = (0..=50)
@@ -97,7 +97,7 @@ fn every_swing_of_random_paths_is_reported() {
 }
 
 /// Excess of the distances of the tool axis from both ends over the distance of the ends: zero on their arc.
-fn leaning(machine: &Machine, poses: [&Pose; 2], places: [[f64; 2]; 2], part: i32) -> f64 {
+fn leaning(machine: &Machine, poses: [&ToolPose; 2], places: [[f64; 2]; 2], part: i32) -> f64 {
     let at = |axis: usize| places[0][axis] + (places[1][axis] - places[0][axis]) * f64::from(part) / 50.0;
     let axes = arcfeed_shared::kinematics::forward::Axes { linear_mm: [0.0; 3], rotary_deg: [at(0), at(1)] };
     let axis = oracle::forward(machine, &axes, &SETUP).axis;
@@ -112,7 +112,7 @@ fn the_way_round_leaves_along_the_tool_turns_in_the_clear_and_comes_back() {
     let (_, _, changes) = changes(&mikron, &poses);
     let change = changes[0];
     let [last, next] = [&poses[change.point - 1], &poses[change.point]];
-    let way = mikron.way_round(&change, [last, next], &SETUP, 50.0);
+    let way = mikron.branch_change_moves(&change, [last, next], &SETUP, 50.0);
     let at = |axes| oracle::forward(&mikron, axes, &SETUP);
     for (retracted, pose, place) in [(&way.retract, last, change.from_deg), (&way.above, next, change.to_deg)] {
         let off = difference(at(retracted).tip_mm, pose.tip_mm);

@@ -1,6 +1,6 @@
 //! The choice over a whole path against every possible choice, on short paths.
 
-use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::forward::ToolPose;
 use arcfeed_shared::kinematics::vector::Vector;
 use arcfeed_tests::of_full_set;
 
@@ -46,8 +46,8 @@ fn no_other_choice_of_branches_and_turns_travels_less() {
         };
         let axes: Vec<Vector> = (0..6).map(|_| axis()).collect();
         let layers: Vec<Vec<[f64; 2]>> = axes.iter().map(|axis| printed_solutions(*axis, c_range)).collect();
-        let poses: Vec<Pose> = axes.iter().map(|axis| pose(0.0, *axis)).collect();
-        match (limited.course(&poses, None), least_travel(&layers)) {
+        let poses: Vec<ToolPose> = axes.iter().map(|axis| pose(0.0, *axis)).collect();
+        match (limited.select_branches(&poses, None), least_travel(&layers)) {
             (Ok(course), Some(least)) => {
                 worst = worst.max((travels(&course).iter().sum::<f64>() - least).abs());
                 reached += 1;
@@ -65,8 +65,8 @@ fn no_other_choice_of_branches_and_turns_travels_less() {
 #[test]
 fn an_axis_without_end_goes_on_and_on() {
     let mikron = machine("mikron-ucp710");
-    let poses: Vec<Pose> = (0..=400).map(|step| pose(0.0, direction(50.0, f64::from(step) * 3.0))).collect();
-    let course = mikron.course(&poses, None).expect("within reach");
+    let poses: Vec<ToolPose> = (0..=400).map(|step| pose(0.0, direction(50.0, f64::from(step) * 3.0))).collect();
+    let course = mikron.select_branches(&poses, None).expect("within reach");
     let [c, a] = travels(&course);
     println!("1200 degrees round: C travels {c:.6}, A {a:.1e}, C ends at {:.3}", course[400][0]);
     assert!((c - 1_200.0).abs() < 1e-9 && a < 1e-9);
@@ -77,15 +77,15 @@ fn an_axis_without_end_goes_on_and_on() {
 fn in_a_pole_the_first_axis_stays_where_it_was() {
     let mikron = machine("mikron-ucp710");
     let tilts = [-3.0, -2.0, -1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0];
-    let poses: Vec<Pose> = tilts.iter().map(|tilt| pose(0.0, direction(*tilt, 30.0))).collect();
-    let course = mikron.course(&poses, None).expect("within reach");
+    let poses: Vec<ToolPose> = tilts.iter().map(|tilt| pose(0.0, direction(*tilt, 30.0))).collect();
+    let course = mikron.select_branches(&poses, None).expect("within reach");
     let [c, a] = travels(&course);
     assert!(c < 1e-9 && (a - 6.0).abs() < 1e-9, "{course:?}");
     // A path that begins there begins where it will need C.
-    let later = mikron.course(&poses[4..], None).expect("within reach");
+    let later = mikron.select_branches(&poses[4..], None).expect("within reach");
     assert!(travels(&later)[0] < 1e-9, "{later:?}");
     // From a given position, the axis holds it until it must turn.
-    let held = mikron.course(&poses[4..], Some([777.0, 0.0])).expect("within reach");
+    let held = mikron.select_branches(&poses[4..], Some([777.0, 0.0])).expect("within reach");
     assert_eq!(held[0][0], 777.0);
 }
 
@@ -93,7 +93,7 @@ fn in_a_pole_the_first_axis_stays_where_it_was() {
 fn what_no_axis_reaches_is_said_with_its_point() {
     let mikron = machine("mikron-ucp710");
     let poses = [10.0, 100.0, 125.0, 90.0].map(|tilt| pose(0.0, direction(tilt, 12.0)));
-    let refused = mikron.course(&poses, None).expect_err("beyond A -120");
+    let refused = mikron.select_branches(&poses, None).expect_err("beyond A -120");
     println!("{refused}");
     assert_eq!(refused.point, 2);
     assert!(format!("{refused}").starts_with("point 3: A would have to stand at"));

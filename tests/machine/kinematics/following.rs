@@ -4,9 +4,9 @@ use arcfeed_tests::of_full_set;
 use std::f64::consts::PI;
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::follow::TipMove;
 use arcfeed_shared::kinematics::forward::{Axes, Setup};
 use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
+use arcfeed_shared::kinematics::tip_feed::TipMove;
 use arcfeed_shared::kinematics::vector::{Vector, difference, dot, scaled};
 
 use crate::kinematics::bench::{FILES, SETUP, machine};

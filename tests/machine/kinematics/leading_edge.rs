@@ -1,7 +1,7 @@
 //! Tournier, section 3: 2 m/min round a leading edge ask 65 450 deg/min of a rotary axis.
 
 use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::{Axes, Pose};
+use arcfeed_shared::kinematics::forward::{Axes, ToolPose};
 use arcfeed_shared::kinematics::machine::{AxisName, Letter, LinearAxis, Machine};
 
 use crate::kinematics::bench::{SETUP, machine};
@@ -14,10 +14,10 @@ fn least_feed(machine: &Machine, letter: Letter, radius: f64) -> AxisFeed {
     let point = |step: i32| {
         let (sin, cos) = libm::sincos((f64::from(step) * 0.25).to_radians());
         let out = if letter == Letter::A { [0.0, sin, cos] } else { [sin, 0.0, cos] };
-        Pose { tip_mm: out.map(|component| component * radius), axis: out }
+        ToolPose { tip_mm: out.map(|component| component * radius), axis: out }
     };
-    let poses: Vec<Pose> = (4..=100).map(point).collect();
-    let course = machine.course(&poses, None).expect("within reach");
+    let poses: Vec<ToolPose> = (4..=100).map(point).collect();
+    let course = machine.select_branches(&poses, None).expect("within reach");
     let axes: Vec<Axes> = poses
         .iter()
         .zip(&course)

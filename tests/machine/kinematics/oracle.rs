@@ -1,11 +1,11 @@
 //! A second forward kinematics, by homogeneous matrices link after link, and all solutions by search.
 
-use arcfeed_shared::kinematics::forward::{Axes, Pose, Setup};
+use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
 use arcfeed_shared::kinematics::machine::{Carries, Machine, RotaryAxis};
 use nalgebra::{Matrix4, Point3, Unit, Vector3, Vector4};
 
 /// The part's and the tool's frame in that of the machine, and the one seen from the other.
-pub fn forward(machine: &Machine, axes: &Axes, setup: &Setup) -> Pose {
+pub fn forward(machine: &Machine, axes: &Axes, setup: &Setup) -> ToolPose {
     let [first, second] = machine.rotary();
     let slide = Matrix4::new_translation(&Vector3::from(axes.linear_mm));
     let (mut part, mut tool): (Matrix4<f64>, Matrix4<f64>) = (Matrix4::identity(), slide);
@@ -25,7 +25,7 @@ pub fn forward(machine: &Machine, axes: &Axes, setup: &Setup) -> Pose {
     let up = Vector3::from(machine.tool());
     let tip = seen.transform_point(&Point3::from(up * -setup.tool_length_mm));
     let axis = seen * Vector4::new(up.x, up.y, up.z, 0.0);
-    Pose { tip_mm: [tip.x, tip.y, tip.z], axis: [axis.x, axis.y, axis.z] }
+    ToolPose { tip_mm: [tip.x, tip.y, tip.z], axis: [axis.x, axis.y, axis.z] }
 }
 
 fn link(axis: &RotaryAxis, by_deg: f64) -> Matrix4<f64> {

@@ -1,6 +1,6 @@
 //! Tournier's appendix: what the post-processor of a Mikron UCP710 gave for published CL points.
 
-use arcfeed_shared::kinematics::forward::Pose;
+use arcfeed_shared::kinematics::forward::ToolPose;
 use arcfeed_shared::kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
 use arcfeed_shared::kinematics::vector::{difference, length, scaled, sum, unit};
 use arcfeed_tests::root;
@@ -35,8 +35,8 @@ fn rows(strategy: u8) -> Vec<Row> {
     rows
 }
 
-fn poses(rows: &[Row]) -> Vec<Pose> {
-    rows.iter().map(|row| Pose { tip_mm: row.tip, axis: unit(row.ijk).expect("a direction") }).collect()
+fn poses(rows: &[Row]) -> Vec<ToolPose> {
+    rows.iter().map(|row| ToolPose { tip_mm: row.tip, axis: unit(row.ijk).expect("a direction") }).collect()
 }
 
 /// Error in A and in C of half a digit of i and j.
@@ -52,7 +52,7 @@ fn every_row_is_reproduced_as_far_as_its_printed_digits_go() {
     let (mut by_k, mut not_by_ij) = (0, Vec::new());
     for strategy in [1, 2] {
         let rows = rows(strategy);
-        let course = mikron.course(&poses(&rows), None).expect("all within reach");
+        let course = mikron.select_branches(&poses(&rows), None).expect("all within reach");
         for (row, [c_deg, a_deg]) in rows.iter().zip(&course) {
             let [a_digit, c_digit] = supported(row.ijk);
             let is_pole = row.ijk[2] == 1.0;
@@ -86,11 +86,11 @@ fn every_row_is_reproduced_as_far_as_its_printed_digits_go() {
 fn the_jump_of_strategy_2_is_found_and_repaired() {
     let mikron = machine("mikron-ucp710");
     let old = poses(&rows(2));
-    let before = mikron.course(&old, None).expect("within reach");
+    let before = mikron.select_branches(&old, None).expect("within reach");
     let mut new = old.clone();
     let limits = RepairLimits::default();
     let found = mikron.repair(&mut new, &before, ToolEnd::Ball { radius_mm: BALL_MM }, &limits);
-    let after = mikron.course(&new, None).expect("within reach");
+    let after = mikron.select_branches(&new, None).expect("within reach");
     let [[c_before, _], [c_after, _]] = [travels(&before), travels(&after)];
     println!("C before {:?}", before.iter().map(|place| place[0]).collect::<Vec<_>>());
     println!("C after  {:?}", after.iter().map(|place| place[0]).collect::<Vec<_>>());
@@ -115,7 +115,7 @@ fn the_jump_of_strategy_2_is_found_and_repaired() {
         assert!((place[1] - kept[1]).abs() < 1e-9, "A keeps its value");
     }
     for (new, old) in new.iter().zip(&old) {
-        let center = |pose: &Pose| sum(pose.tip_mm, scaled(pose.axis, BALL_MM));
+        let center = |pose: &ToolPose| sum(pose.tip_mm, scaled(pose.axis, BALL_MM));
         assert!(length(difference(center(new), center(old))) < 1e-12, "the ball's centre stays");
         assert!((libm::hypot(new.axis[0], new.axis[1]) - libm::hypot(old.axis[0], old.axis[1])).abs() < 1e-15);
     }
@@ -125,7 +125,7 @@ fn the_jump_of_strategy_2_is_found_and_repaired() {
 fn strategy_1_has_nothing_to_repair_although_a_changes_its_sign() {
     let mikron = machine("mikron-ucp710");
     let mut path = poses(&rows(1));
-    let course = mikron.course(&path, None).expect("within reach");
+    let course = mikron.select_branches(&path, None).expect("within reach");
     assert!(course[0][1] > 0.0 && course[4][1] < 0.0);
     assert!(mikron.repair(&mut path, &course, ToolEnd::Other, &RepairLimits::default()).is_empty());
     println!("strategy 1: C travel {:.3} deg", travels(&course)[0]);
@@ -135,7 +135,7 @@ fn strategy_1_has_nothing_to_repair_although_a_changes_its_sign() {
 fn a_tool_that_is_no_ball_is_left_alone() {
     let mikron = machine("mikron-ucp710");
     let old = poses(&rows(2));
-    let course = mikron.course(&old, None).expect("within reach");
+    let course = mikron.select_branches(&old, None).expect("within reach");
     let mut new = old.clone();
     let found = mikron.repair(&mut new, &course, ToolEnd::Other, &RepairLimits::default());
     assert_eq!((found.len(), found[0].outcome), (1, RepairOutcome::Refused));

@@ -1,6 +1,6 @@
 //! There and back again, over every machine, at random places, in poles and at the ends of the ranges.
 
-use arcfeed_shared::kinematics::forward::{Axes, Pose};
+use arcfeed_shared::kinematics::forward::{Axes, ToolPose};
 use arcfeed_shared::kinematics::inverse::Solutions;
 use arcfeed_shared::kinematics::machine::{Machine, RotaryAxis};
 use arcfeed_shared::kinematics::vector::{difference, length};
@@ -32,7 +32,7 @@ fn place(machine: &Machine, random: &mut fastrand::Rng) -> Axes {
 }
 
 /// Distance of two poses: tip in mm, direction as a chord.
-fn apart(one: &Pose, other: &Pose) -> [f64; 2] {
+fn apart(one: &ToolPose, other: &ToolPose) -> [f64; 2] {
     [length(difference(one.tip_mm, other.tip_mm)), length(difference(one.axis, other.axis))]
 }
 
@@ -105,7 +105,7 @@ fn homogeneous_matrices_say_the_same() {
 fn how_many_solutions_there_are_follows_from_the_range_of_the_tilt() {
     let mikron = machine("mikron-ucp710");
     let count = |tilt: f64| {
-        let pose = Pose { tip_mm: [0.0; 3], axis: crate::kinematics::bench::direction(tilt, 77.0) };
+        let pose = ToolPose { tip_mm: [0.0; 3], axis: crate::kinematics::bench::direction(tilt, 77.0) };
         match mikron.inverse(&pose, &SETUP, [0.0; 2]) {
             Solutions::None(_) => 0,
             Solutions::One(_) => 1,

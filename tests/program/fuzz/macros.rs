@@ -7,8 +7,8 @@ use arcfeed_hil_sim::control::{Control, Preset};
 use arcfeed_shared::nc::alarm::{Cause, Fault, NotModelled};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::stack::{Bounds, Place};
-use arcfeed_shared::nc::macros::step::{Settings, Step};
+use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
+use arcfeed_shared::nc::macros::step::{MacroSettings, MacroStep};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::nc::settings::{Preset as NcPreset, Scope, Settings as NcSettings, Tables};
 use arcfeed_shared::nc::text::Lines;
@@ -206,7 +206,7 @@ fn programs(input: &[u8], seed: u64) -> (Vec<u8>, BTreeMap<u32, Vec<u8>>) {
 }
 
 /// The line at a place: the text has it, and the column lies in it or just behind.
-fn assert_inside(place: Place, fault: Fault, main: &[u8], library: &BTreeMap<u32, Vec<u8>>) {
+fn assert_inside(place: SourceLine, fault: Fault, main: &[u8], library: &BTreeMap<u32, Vec<u8>>) {
     let text = place.library.map_or(main, |number| &library[&number]);
     let line = Lines::new(text).nth(place.line as usize - 1).unwrap_or_else(|| panic!("{place:?}: {fault:?}"));
     assert!(usize::from(fault.column) <= line.text.len() + 1, "{place:?}: {fault:?}");
@@ -216,7 +216,8 @@ fn assert_inside(place: Place, fault: Fault, main: &[u8], library: &BTreeMap<u32
 pub fn interpreter(input: &[u8], seed: u64) {
     let (main, library) = programs(input, seed);
     let bounds = Bounds { steps: 500, slice: 50, memory: 20_000, ..Bounds::default() };
-    let settings = Settings { bounds, block_delete: u16::from(seed.is_multiple_of(3)) * 2, ..Settings::default() };
+    let settings =
+        MacroSettings { bounds, block_delete: u16::from(seed.is_multiple_of(3)) * 2, ..MacroSettings::default() };
     let mut settings_of_control = NcSettings::preset(NcPreset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
     settings_of_control.scope = Scope::Everything;
     let mut reader = Reader::with(settings_of_control, Tables::default());
@@ -225,7 +226,7 @@ pub fn interpreter(input: &[u8], seed: u64) {
     let mut interpreter = Interpreter::new(&main, Box::new(library.clone()), settings, &context(&reader, 0));
     for call in 0..CALLS_MAX {
         match interpreter.next(&context(&reader, call)) {
-            Ok(Step::Block(block)) => {
+            Ok(MacroStep::Block(block)) => {
                 block
                     .calls
                     .iter()
@@ -239,13 +240,13 @@ pub fn interpreter(input: &[u8], seed: u64) {
                     assert_inside(block.place, block.in_source(fault), &main, &library);
                 }
             }
-            Ok(Step::Offset) => reader.set_tables(&interpreter.variables().tables),
-            Ok(Step::End(_) | Step::Starved) => return,
+            Ok(MacroStep::Offset) => reader.set_tables(&interpreter.variables().tables),
+            Ok(MacroStep::End(_) | MacroStep::Starved) => return,
             Err(trouble) => {
                 assert!(trouble.calls.len() <= 8, "{trouble:?}");
                 assert_inside(trouble.place, trouble.fault, &main, &library);
                 let again = interpreter.next(&context(&reader, call));
-                assert!(matches!(again, Ok(Step::End(_))), "{again:?} after {trouble:?}");
+                assert!(matches!(again, Ok(MacroStep::End(_))), "{again:?} after {trouble:?}");
                 return;
             }
             Ok(_) => {}

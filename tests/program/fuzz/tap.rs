@@ -6,7 +6,7 @@ use arcfeed::job::JobFile;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::TapState;
 use arcfeed_firmware::tap::{AHEAD_MAX, Tap};
-use arcfeed_hil_sim::control::code::{Code, DC1, DC3};
+use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Micros, Nm};
@@ -54,10 +54,10 @@ fn program(input: &[u8], rng: &mut Rng) -> Vec<u8> {
 /// none comes while the tap is not in step.
 pub fn tap(input: &[u8], seed: u64) {
     let mut rng = Rng::with_seed(seed);
-    let code = *rng.choice(&[None, Some(Code::Iso), Some(Code::Eia), Some(Code::Ascii)]).expect("codes");
-    let settings = TapSettings { code, begins_afresh: rng.bool(), ..TapSettings::new(job().unit) };
+    let code = *rng.choice(&[None, Some(TapeCode::Iso), Some(TapeCode::Eia), Some(TapeCode::Ascii)]).expect("codes");
+    let settings = TapSettings { code, resets_codes: rng.bool(), ..TapSettings::new(job().unit) };
     let mut tap = Tap::<600>::new(settings).expect("sound settings");
-    let on_line = code.unwrap_or(*rng.choice(&[Code::Iso, Code::Eia]).expect("codes"));
+    let on_line = code.unwrap_or(*rng.choice(&[TapeCode::Iso, TapeCode::Eia]).expect("codes"));
     let text = [program(input, &mut rng), program(input, &mut rng)].concat();
     let (mut now, mut wanted, mut done, mut position) = (Micros(0), 0_u32, 0_u32, Pose::ORIGIN);
     (0..rng.u8(..30)).for_each(|_| tap.follow(None, 0, &position));

@@ -6,7 +6,7 @@ use arcfeed::job::{JobFile, Parity, SerialSettings};
 use arcfeed::port::rfc2217::client::{RequestedLine, Rfc2217Client};
 use arcfeed::port::rfc2217::server::Server;
 use arcfeed::port::url::{PortUrl, Rfc2217Options};
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_hil_sim::control::dnc_port::DncPort;
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
@@ -123,7 +123,9 @@ fn line_settings(random: &mut Rng) -> LineSettings {
         xon_above,
         after_dc3_max: random.u32(..12),
         tape: TapeSettings {
-            code: *random.choice(&[None, Some(Code::Iso), Some(Code::Eia), Some(Code::Ascii)]).expect("codes"),
+            code: *random
+                .choice(&[None, Some(TapeCode::Iso), Some(TapeCode::Eia), Some(TapeCode::Ascii)])
+                .expect("codes"),
             label_skip: random.bool(),
             tv_check: random.bool(),
             strict_characters: random.bool(),

@@ -2,7 +2,7 @@
 //!
 //! Numbers: program-error list of the Fanuc 16i.
 
-use arcfeed_shared::nc::macros::step::Settings;
+use arcfeed_shared::nc::macros::step::MacroSettings;
 
 use crate::macros::run::{run, run_with};
 
@@ -78,7 +78,7 @@ fn an_alarm_of_the_program_brings_its_message() {
 #[test]
 fn in_dnc_operation_a_main_program_cannot_jump() {
     for (text, column) in [("GOTO5", 1), ("IF[1EQ1]GOTO5", 9), ("WHILE[1EQ1]DO1", 1), ("DO1", 1)] {
-        let mut run = run_with("", &[], Settings { is_dnc: true, ..Settings::default() });
+        let mut run = run_with("", &[], MacroSettings { is_dnc: true, ..MacroSettings::default() });
         run.interpreter.feed(text.as_bytes(), 7);
         let context = run.interpreter.variables().context;
         let trouble = run.interpreter.next(&context).expect_err("refused");

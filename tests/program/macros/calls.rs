@@ -1,7 +1,7 @@
 //! Subprograms, macro calls and where they return to.
 
-use arcfeed_shared::nc::macros::stack::Place;
-use arcfeed_shared::nc::macros::step::Settings;
+use arcfeed_shared::nc::macros::stack::SourceLine;
+use arcfeed_shared::nc::macros::step::MacroSettings;
 
 use crate::macros::run::{run, run_with};
 
@@ -49,11 +49,11 @@ fn under_g66_1_a_block_is_a_list_of_arguments() {
 #[test]
 fn a_library_is_asked_for_what_the_file_lacks() {
     let library = [(9010, "%\nO9010\nG0X3.\nG65P9011X4.\nM99\n%"), (9011, "G0X#24\n#1=1/0\nM99\n")];
-    let run = run_with("O1\nG0X1.\n\nM98P9010\nM30\n", &library, Settings::default());
+    let run = run_with("O1\nG0X1.\n\nM98P9010\nM30\n", &library, MacroSettings::default());
     assert_eq!(run.ends_mm().iter().map(|end| end[0]).collect::<Vec<_>>(), [1.0, 3.0, 4.0]);
     let trouble = run.ended.expect_err("it divides by zero");
-    assert_eq!(trouble.place, Place { library: Some(9011), line: 2 });
-    assert_eq!(trouble.calls, [Place { library: None, line: 4 }, Place { library: Some(9010), line: 4 }]);
+    assert_eq!(trouble.place, SourceLine { library: Some(9011), line: 2 });
+    assert_eq!(trouble.calls, [SourceLine { library: None, line: 4 }, SourceLine { library: Some(9010), line: 4 }]);
     assert_eq!(trouble.fault.column, 5);
 }
 
@@ -64,7 +64,7 @@ fn goto_searches_forward_and_then_from_the_start() {
 
 #[test]
 fn a_switch_leaves_blocks_out() {
-    let settings = Settings { block_delete: 0b100, ..Settings::default() };
+    let settings = MacroSettings { block_delete: 0b100, ..MacroSettings::default() };
     let run = run_with("G0X1.\n/2X2.\n/X3.\n/2#1=4.\nX#1\nX5.\nM30\n", &[], settings);
     assert_eq!(run.ends_mm().iter().map(|end| end[0]).collect::<Vec<_>>(), [1.0, 3.0, 5.0]);
 }

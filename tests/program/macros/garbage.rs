@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
 use arcfeed_shared::nc::macros::stack::Bounds;
-use arcfeed_shared::nc::macros::step::{Settings, Step};
+use arcfeed_shared::nc::macros::step::{MacroSettings, MacroStep};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::units::{LengthUnit, Micros};
@@ -59,22 +59,22 @@ fn ends(text: &str, library: BTreeMap<u32, Vec<u8>>) -> bool {
     let bounds = Bounds { steps: 500, slice: 50, memory: 1_000, ..Bounds::default() };
     let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
     let mut now = Micros(0);
-    let settings = Settings { bounds, ..Settings::default() };
+    let settings = MacroSettings { bounds, ..MacroSettings::default() };
     let context = Context::new(reader.modal(), now);
     let mut interpreter = Interpreter::new(text.as_bytes(), Box::new(library), settings, &context);
     for _ in 0..STEPS_MAX {
         now = now.after(Micros(700));
         match interpreter.next(&Context::new(reader.modal(), now)) {
-            Ok(Step::Block(block)) => {
+            Ok(MacroStep::Block(block)) => {
                 if let Err(fault) = reader.read(&block.text) {
                     assert!(block.calls.len() <= 8 && block.in_source(fault).column <= 400);
                 }
             }
-            Ok(Step::End(_) | Step::Starved) => return true,
+            Ok(MacroStep::End(_) | MacroStep::Starved) => return true,
             Err(trouble) => {
                 assert!(trouble.calls.len() <= 8, "{trouble:?}");
                 let again = interpreter.next(&context);
-                assert!(matches!(again, Ok(Step::End(_))), "{again:?} after {trouble:?}");
+                assert!(matches!(again, Ok(MacroStep::End(_))), "{again:?} after {trouble:?}");
                 return true;
             }
             Ok(_) => {}

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use arcfeed_shared::nc::alarm::{Cause, Fault};
 use arcfeed_shared::nc::block::Reading;
 use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::stack::{Bounds, Place};
-use arcfeed_shared::nc::macros::step::{Ending, Settings, Step, Trouble};
+use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
+use arcfeed_shared::nc::macros::step::{Ending, MacroSettings, MacroStep, ProgramFault};
 use arcfeed_shared::nc::macros::variables::Context;
 use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::Segment;
@@ -17,13 +17,13 @@ use arcfeed_tests::root;
 #[derive(Debug)]
 pub struct Run {
     /// Moves, each with its line.
-    pub moves: Vec<(Place, Segment)>,
+    pub moves: Vec<(SourceLine, Segment)>,
     /// Punched output.
     pub output: Vec<u8>,
     /// Messages of #3006.
     pub messages: Vec<String>,
     /// End of the run.
-    pub ended: Result<Ending, Trouble>,
+    pub ended: Result<Ending, ProgramFault>,
     /// The interpreter at its end.
     pub interpreter: Interpreter,
 }
@@ -58,11 +58,15 @@ pub fn corpus(name: &str) -> String {
 
 /// Runs a text in millimetres with few statements allowed.
 pub fn run(text: &str) -> Run {
-    run_with(text, &[], Settings { bounds: Bounds { steps: 100_000, ..Bounds::default() }, ..Settings::default() })
+    run_with(
+        text,
+        &[],
+        MacroSettings { bounds: Bounds { steps: 100_000, ..Bounds::default() }, ..MacroSettings::default() },
+    )
 }
 
 /// With a library of programs, and settings.
-pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run {
+pub fn run_with(text: &str, library: &[(u32, &str)], settings: MacroSettings) -> Run {
     let library: BTreeMap<u32, Vec<u8>> =
         library.iter().map(|(number, text)| (*number, text.as_bytes().to_vec())).collect();
     let mut reader = Reader::new(LengthUnit::Mm, Reading::Lenient);
@@ -74,7 +78,7 @@ pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run 
     // Restarts count as an end.
     for _ in 0..100_000 {
         match run.interpreter.next(&Context::with_length(reader.modal(), reader.machine(), now)) {
-            Ok(Step::Block(block)) => match reader.read(&block.text) {
+            Ok(MacroStep::Block(block)) => match reader.read(&block.text) {
                 Ok(understood) => {
                     run.moves.extend(understood.segment.map(|segment| (block.place, segment)));
                     if understood.step.sets_data {
@@ -83,17 +87,17 @@ pub fn run_with(text: &str, library: &[(u32, &str)], settings: Settings) -> Run 
                 }
                 Err(fault) => {
                     let (place, calls) = (block.place, block.calls.clone());
-                    run.ended = Err(Trouble { fault: block.in_source(fault), place, calls, message: Vec::new() });
+                    run.ended = Err(ProgramFault { fault: block.in_source(fault), place, calls, message: Vec::new() });
                     return run;
                 }
             },
-            Ok(Step::Output(output)) => run.output.extend(output.bytes()),
-            Ok(Step::Offset) => reader.set_tables(&run.interpreter.variables().tables),
-            Ok(Step::Ignore(_)) => {}
-            Ok(Step::Message(text)) => run.messages.push(String::from_utf8_lossy(&text).into_owned()),
-            Ok(Step::Busy) => now = now.after(Micros::from_ms(1)),
-            Ok(Step::Starved | Step::Restart) => return run,
-            Ok(Step::End(ending)) => {
+            Ok(MacroStep::Output(output)) => run.output.extend(output.bytes()),
+            Ok(MacroStep::Offset) => reader.set_tables(&run.interpreter.variables().tables),
+            Ok(MacroStep::Ignore(_)) => {}
+            Ok(MacroStep::Message(text)) => run.messages.push(String::from_utf8_lossy(&text).into_owned()),
+            Ok(MacroStep::Busy) => now = now.after(Micros::from_ms(1)),
+            Ok(MacroStep::Starved | MacroStep::Restart) => return run,
+            Ok(MacroStep::End(ending)) => {
                 run.ended = Ok(ending);
                 return run;
             }

@@ -23,12 +23,12 @@ use arcfeed_firmware::application::command_handler::{CommandHandler, Identity};
 use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::application::messages::Queues;
 use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::lockstep::{Line, Lines as _, Lockstep, pass};
+use arcfeed_firmware::lockstep::{BoardLine, BoardLines as _, Lockstep, forward};
 use arcfeed_firmware::main_loop::MainLoop;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
-use arcfeed_firmware::tap::status::{TapState, Why};
+use arcfeed_firmware::tap::status::{TapState, TapLossReason};
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::Message;
@@ -103,7 +103,7 @@ impl<const N: usize> Main<N> {
             match lockstep.mode(&mut self.lines) {
                 Some(ModeCode::Lockstep) => self.keep_step(lockstep),
                 Some(ModeCode::Free) => self.run_free(is_guarded),
-                None if self.lines.waiting(Line::Link) > 0 => self.run_free(is_guarded),
+                None if self.lines.waiting(BoardLine::Link) > 0 => self.run_free(is_guarded),
                 None => self.lines.sleep(),
             }
         }
@@ -131,7 +131,7 @@ impl<const N: usize> Main<N> {
     /// A tick every millisecond.
     fn run_free(mut self, is_guarded: fn() -> bool) -> ! {
         cortex_m::interrupt::free(|_| {
-            let _count = pass(&mut self.front, &mut self.lines, Micros(0));
+            let _count = forward(&mut self.front, &mut self.lines, Micros(0));
             // SAFETY: interrupts are held back.
             unsafe { self.lines.bridge() };
         });
@@ -162,8 +162,8 @@ impl<const N: usize> Main<N> {
 
     /// As everything that is heard: what waits, and not what comes meanwhile. A line that never rests must not hold the loop.
     fn hear_machine(&mut self, machine: &mut PlainLine) {
-        for _ in 0..self.lines.waiting(Line::Machine) {
-            let Some(byte) = self.lines.receive(Line::Machine) else { return };
+        for _ in 0..self.lines.waiting(BoardLine::Machine) {
+            let Some(byte) = self.lines.receive(BoardLine::Machine) else { return };
             let invalid = machine.invalid();
             let heard = match machine.on_byte(byte) {
                 Some(Message::Sample(sample)) => Some(sample),
@@ -172,7 +172,7 @@ impl<const N: usize> Main<N> {
             };
             let position = heard.and_then(|sample| pose(sample.linear?, sample.rotary).ok());
             if let Some(position) = position {
-                self.front.see(&position);
+                self.front.on_position(&position);
             }
             // With no room, the tick has plenty to go on.
             let _room = self.tick.heard.enqueue(heard);
@@ -181,8 +181,8 @@ impl<const N: usize> Main<N> {
 
     fn hear_link(&mut self, now: Micros) {
         let mut part = heapless::Vec::<u8, PART>::new();
-        for _ in 0..self.lines.waiting(Line::Link) {
-            let Some(byte) = self.lines.receive(Line::Link) else { break };
+        for _ in 0..self.lines.waiting(BoardLine::Link) {
+            let Some(byte) = self.lines.receive(BoardLine::Link) else { break };
             let _room = part.push(byte);
             if part.is_full() {
                 self.front.on_link_bytes(now, &part);
@@ -194,15 +194,15 @@ impl<const N: usize> Main<N> {
 
     /// What the receivers' handlers have passed on.
     fn hear_tapped(&mut self, now: Micros) {
-        for _ in 0..self.lines.waiting(Line::Sender) {
-            let Some(byte) = self.lines.receive(Line::Sender) else { break };
+        for _ in 0..self.lines.waiting(BoardLine::Sender) {
+            let Some(byte) = self.lines.receive(BoardLine::Sender) else { break };
             let _passed = self.front.from_sender(now, byte);
         }
         if self.lines.sender.take_gap() {
             self.front.on_line_error();
         }
-        for _ in 0..self.lines.waiting(Line::Control) {
-            let Some(byte) = self.lines.receive(Line::Control) else { break };
+        for _ in 0..self.lines.waiting(BoardLine::Control) {
+            let Some(byte) = self.lines.receive(BoardLine::Control) else { break };
             let _passed = self.front.from_control(now, byte);
         }
         // Of the control's characters the tap only counts.
@@ -214,7 +214,7 @@ impl<const N: usize> Main<N> {
         while self.lines.link.room() >= ENCODED_MAX {
             let length = self.front.poll_link(now, &mut frame);
             match frame.get(..length) {
-                Some(frame) if !frame.is_empty() => self.lines.send(Line::Link, frame),
+                Some(frame) if !frame.is_empty() => self.lines.send(BoardLine::Link, frame),
                 _ => return,
             };
         }
@@ -229,7 +229,7 @@ impl<const N: usize> Main<N> {
         let mut frame = [0; ENCODED_MAX];
         if self.lines.machine.room() >= ENCODED_MAX {
             let length = machine.encode(now, &Message::Setpoint(setpoint), &mut frame);
-            let _sent = frame.get(..length).map(|frame| self.lines.send(Line::Machine, frame));
+            let _sent = frame.get(..length).map(|frame| self.lines.send(BoardLine::Machine, frame));
         }
     }
 
@@ -280,12 +280,12 @@ fn words(state: TapState) -> &'static str {
         TapState::Listening => "listening",
         TapState::InStep => "in step",
         TapState::Passing => "passing over",
-        TapState::Lost(Why::Damaged) => "lost, a damaged block",
-        TapState::Lost(Why::LongBlock) => "lost, a block too long",
-        TapState::Lost(Why::TooFarAhead) => "lost, the sender too far ahead",
-        TapState::Lost(Why::NotUnderstood(_)) => "lost, a block not understood",
-        TapState::Lost(Why::OutOfSight) => "lost, a block that depends on the control",
-        TapState::Lost(Why::OffPath) => "lost, the axes off the path",
+        TapState::Lost(TapLossReason::Damaged) => "lost, a damaged block",
+        TapState::Lost(TapLossReason::LongBlock) => "lost, a block too long",
+        TapState::Lost(TapLossReason::TooFarAhead) => "lost, the sender too far ahead",
+        TapState::Lost(TapLossReason::NotUnderstood(_)) => "lost, a block not understood",
+        TapState::Lost(TapLossReason::OutOfSight) => "lost, a block that depends on the control",
+        TapState::Lost(TapLossReason::OffPath) => "lost, the axes off the path",
     }
 }
 

@@ -131,31 +131,31 @@ impl Lines {
         unsafe { cortex_m::interrupt::enable() };
     }
 
-    fn line(&mut self, line: lockstep::Line) -> &mut Line {
+    fn line(&mut self, line: lockstep::BoardLine) -> &mut Line {
         match line {
-            lockstep::Line::Link => &mut self.link,
-            lockstep::Line::Machine => &mut self.machine,
-            lockstep::Line::Sender => &mut self.sender,
-            lockstep::Line::Control => &mut self.control,
+            lockstep::BoardLine::Link => &mut self.link,
+            lockstep::BoardLine::Machine => &mut self.machine,
+            lockstep::BoardLine::Sender => &mut self.sender,
+            lockstep::BoardLine::Control => &mut self.control,
         }
     }
 }
 
-impl lockstep::Lines for Lines {
-    fn waiting(&self, line: lockstep::Line) -> usize {
+impl lockstep::BoardLines for Lines {
+    fn waiting(&self, line: lockstep::BoardLine) -> usize {
         match line {
-            lockstep::Line::Link => self.link.waiting(),
-            lockstep::Line::Machine => self.machine.waiting(),
-            lockstep::Line::Sender => self.sender.waiting(),
-            lockstep::Line::Control => self.control.waiting(),
+            lockstep::BoardLine::Link => self.link.waiting(),
+            lockstep::BoardLine::Machine => self.machine.waiting(),
+            lockstep::BoardLine::Sender => self.sender.waiting(),
+            lockstep::BoardLine::Control => self.control.waiting(),
         }
     }
 
-    fn receive(&mut self, line: lockstep::Line) -> Option<u8> {
+    fn receive(&mut self, line: lockstep::BoardLine) -> Option<u8> {
         self.line(line).receive()
     }
 
-    fn send(&mut self, line: lockstep::Line, bytes: &[u8]) -> usize {
+    fn send(&mut self, line: lockstep::BoardLine, bytes: &[u8]) -> usize {
         self.line(line).send(bytes)
     }
 }

@@ -128,11 +128,11 @@ impl TickSide {
     }
 
     fn hear(&mut self, heard: Heard) {
-        let Some(sample) = heard else { return self.machine.take_invalid() };
+        let Some(sample) = heard else { return self.machine.count_invalid() };
         if sample.mode == ModeCode::Lockstep {
             self.now = Micros(sample.at);
         }
         // What makes no sense is counted there.
-        let _makes_sense = self.machine.take(self.now, &sample);
+        let _is_valid = self.machine.on_sample(self.now, &sample);
     }
 }

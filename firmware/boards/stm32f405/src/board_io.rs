@@ -2,7 +2,7 @@
 
 use arcfeed_firmware::controller;
 use arcfeed_firmware::input::contacts::Contacts;
-use arcfeed_firmware::input::dial::Knob;
+use arcfeed_firmware::input::dial::DialState;
 use arcfeed_firmware::input::position::{Position, Readings};
 use arcfeed_firmware::input::tacho::{Tacho, Turning};
 use arcfeed_firmware::output::OverrideOutput;
@@ -55,7 +55,7 @@ pub struct Outputs {
 struct Readers {
     position: Position,
     turning: Turning,
-    knob: Knob,
+    knob: DialState,
     panel: Panel,
 }
 
@@ -135,7 +135,7 @@ impl BoardIo {
             operator_percent: dial.unwrap_or(0),
             signals: said.signals.with(fault.map_or(Signals::NONE, Signals::of_fault)),
             // All blocks are on board: the link is always fresh.
-            ..Input::of(controller::Input { position: pose, spindle, dt: TICK })
+            ..Input::of(controller::Measurement { position: pose, spindle, dt: TICK })
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The one machine this image is built for: to be set, and checked on the machine, before anything else.
 
-use arcfeed_firmware::input::dial::Dial;
+use arcfeed_firmware::input::dial::DialInput;
 use arcfeed_firmware::input::encoder::Encoder;
 use arcfeed_firmware::input::tacho::Tacho;
 use arcfeed_shared::units::RevPerMin;
@@ -10,7 +10,7 @@ use arcfeed_shared::units::RevPerMin;
 pub const ENCODERS: [Encoder; 3] = [axis(1_000, 600), axis(1_000, 600), axis(1_000, 600)];
 
 /// The operator's dial on 12 bits: 1 kOhm to either rail from a track of 8 kOhm would read 410 and 3 686.
-pub const DIAL: Dial = match Dial::new(410, 3_686, 4_095, 150) {
+pub const DIAL: DialInput = match DialInput::new(410, 3_686, 4_095, 150) {
     Some(dial) => dial,
     None => panic!("the dial's ends make no sense"),
 };

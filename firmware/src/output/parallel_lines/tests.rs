@@ -1,5 +1,5 @@
 use super::super::bench::{Bench, Coupler, PlainPin, Refused};
-use super::super::lines::Line;
+use super::super::lines::OutputLine;
 use super::*;
 use embedded_hal_mock::eh1::MockError;
 use embedded_hal_mock::eh1::delay::{CheckedDelay, Transaction as Wait};
@@ -144,7 +144,7 @@ fn a_pin_that_refuses_is_named_and_all_others_are_released() {
     });
     let mut output = ParallelLines::new(pins.clone()).unwrap();
     output.put(to(100)).unwrap();
-    assert_eq!(output.put(to(118)), Err(LineError { line: Line::Fv(4), source: broken }));
+    assert_eq!(output.put(to(118)), Err(LineError { line: OutputLine::Fv(4), source: broken }));
     finish(pins);
 }
 
@@ -158,7 +158,7 @@ fn however_a_pin_fails_the_control_reads_no_more_than_old_or_new_and_0_or_its_we
             output.put(to(old)).unwrap();
             bench.clear();
             bench.refuses.set(Some((line, obeys)));
-            assert_eq!(output.put(to(new)), Err(LineError { line: Line::Fv(line), source: Refused }));
+            assert_eq!(output.put(to(new)), Err(LineError { line: OutputLine::Fv(line), source: Refused }));
             let readings = bench.readings(old, Coupler::NONE);
             bench.refuses.set(None);
             bench.clear();
@@ -179,7 +179,7 @@ fn release_tries_every_line_and_names_the_first_that_refused() {
     output.put(to(HIGHEST)).unwrap();
     bench.clear();
     bench.refuses.set(Some((3, false)));
-    assert_eq!(output.release(), Err(LineError { line: Line::Fv(3), source: Refused }));
+    assert_eq!(output.release(), Err(LineError { line: OutputLine::Fv(3), source: Refused }));
     assert_eq!(bench.readings(HIGHEST, Coupler::NONE).last(), Some(&8));
     assert!(ParallelLines::new(bench.pins()).is_err());
 }

@@ -62,7 +62,7 @@ fn a_data_line_that_refuses_has_the_register_release_the_others() {
             let mut output = Strobed::new(bench.pins(), bench.pin(STROBE)).unwrap();
             output.put(to(old)).unwrap();
             bench.refuses.set(Some((line, obeys)));
-            assert_eq!(output.put(to(new)), Err(LineError { line: Line::Fv(line), source: Refused }));
+            assert_eq!(output.put(to(new)), Err(LineError { line: OutputLine::Fv(line), source: Refused }));
             bench.refuses.set(None);
             let end = bench.register_readings().last().copied().unwrap();
             assert!(end == 0 || (!obeys && end == 1 << line && end <= old), "{old} -> {new}, line {line}: {end}");
@@ -77,7 +77,7 @@ fn a_strobe_that_refuses_is_named_and_the_data_lines_are_released() {
     let mut output = Strobed::new(bench.pins(), bench.pin(STROBE)).unwrap();
     output.put(to(110)).unwrap();
     bench.refuses.set(Some((STROBE, false)));
-    assert_eq!(output.put(to(120)), Err(LineError { line: Line::Strobe, source: Refused }));
+    assert_eq!(output.put(to(120)), Err(LineError { line: OutputLine::Strobe, source: Refused }));
     assert_eq!(bench.register_readings(), [0, 110]);
     assert!(bench.written().ends_with(&core::array::from_fn::<_, 8, _>(|line| (line as u8, true))));
     assert!(Strobed::new(bench.pins(), bench.pin(STROBE)).is_err());

@@ -9,7 +9,7 @@ fn settings() -> Settings {
 }
 
 /// Reads lines behind each other; what the last one is, with the program begun at the origin.
-fn last(lines: &str) -> Result<(BlockMotion, bool), Why> {
+fn last(lines: &str) -> Result<(BlockMotion, bool), TapLossReason> {
     let mut blocks = Blocks::new(settings(), true);
     blocks.begin(Some(Pose::ORIGIN));
     lines.lines().map(|line| blocks.read(line.as_bytes())).last().unwrap()
@@ -99,7 +99,7 @@ fn what_the_control_alone_knows_ends_it() {
         assert!(last(line).is_err(), "{line}");
     }
     for line in ["#3004=2", "#3003=1", "G0X1.\nO2"] {
-        assert_eq!(last(line), Err(Why::OutOfSight), "{line}");
+        assert_eq!(last(line), Err(TapLossReason::OutOfSight), "{line}");
     }
 }
 

@@ -78,7 +78,7 @@ fn a_rapid_has_no_path() {
 /// How far off the axes are at the last of these angles behind the start of a full circle, degrees.
 fn off_on_circle(turn: Turn, degrees: &[i32]) -> f32 {
     let circle = arc(turn, [-10.0, 0.0], 0.0);
-    let mut way = Way::default();
+    let mut way = PathProgress::default();
     let sign = f64::from(turn.sign());
     let at = |degree: &i32| {
         let (sin, cos) = libm::sincos(f64::from(*degree).to_radians() * sign);
@@ -101,7 +101,7 @@ fn a_circle_is_gone_round_once_in_its_own_sense() {
 #[test]
 fn a_line_gone_back_is_another_move() {
     let line = line(pose(0.0, 0.0, 0.0), pose(10.0, 0.0, 0.0));
-    let mut way = Way::default();
+    let mut way = PathProgress::default();
     let off = |x: f64| way.off_mm(&place(&line, &pose(x, 0.0, 0.0)).unwrap());
     assert_eq!([0.0, 5.0, 4.0, 3.0, 4.5, 6.0, 10.0].map(off), [0.0, 0.0, 1.0, 2.0, 0.5, 0.0, 0.0]);
 }

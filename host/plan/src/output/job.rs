@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::cut::RotationCircle;
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::Edge;
 use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
@@ -138,8 +138,8 @@ impl JobFile<'_> {
 
     fn cut(&self, text: &mut String, limit: &StockLimit) {
         let (rotation, point) = match limit.rotation {
-            Rotation::Interior => ("interior", "B1, on the inner circle"),
-            Rotation::Exterior => ("exterior", "A, on the outer circle"),
+            RotationCircle::Interior => ("interior", "B1, on the inner circle"),
+            RotationCircle::Exterior => ("exterior", "A, on the outer circle"),
         };
         let (side, face) = (
             match limit.edge {

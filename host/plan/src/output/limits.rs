@@ -20,7 +20,7 @@
 //! tables 5.1 and 5.2 and figure 3.9. The choice by (1) is ours, and gives that table for pivots placed as there. A
 //! blank whose rim is nearer than its face ends the cut before the line: the chip is then below the target.
 
-use arcfeed_shared::cut::Rotation;
+use arcfeed_shared::cut::RotationCircle;
 use arcfeed_shared::nc::modal::Turn;
 use arcfeed_shared::tool::Edge;
 use thiserror::Error;
@@ -55,7 +55,7 @@ pub struct StockLimit {
     /// Number of the movement, 1 to 4, as in table 5.1.
     pub movement: usize,
     /// Pivot of the centre.
-    pub rotation: Rotation,
+    pub rotation: RotationCircle,
     /// Sense of the turn.
     pub turn: Turn,
     /// Circle with the thickest chip.
@@ -210,8 +210,8 @@ fn limit(purpose: Purpose, steps: &[&Step], faces: &[Line; 2], mill: &CupMill) -
     Ok(StockLimit {
         movement,
         rotation: match purpose {
-            Purpose::Movement1 | Purpose::Movement4 => Rotation::Interior,
-            _ => Rotation::Exterior,
+            Purpose::Movement1 | Purpose::Movement4 => RotationCircle::Interior,
+            _ => RotationCircle::Exterior,
         },
         turn: steps.iter().find_map(|step| step.about).map_or(Turn::Cw, |(_, turn)| turn),
         edge: chosen.edge,

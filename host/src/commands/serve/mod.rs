@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode;
 use arcfeed_hil_sim::control::line::SenderParity;
 use arcfeed_hil_sim::control::search::Search;
 use arcfeed_hil_sim::faults::ControllerFault;
@@ -177,9 +177,9 @@ impl Panel {
     fn apply(&self, settings: &mut ControlSettings) {
         if let Some(code) = self.code {
             settings.line.tape.code = Some(match code {
-                CodeWord::Iso => Code::Iso,
-                CodeWord::Eia => Code::Eia,
-                CodeWord::Ascii => Code::Ascii,
+                CodeWord::Iso => TapeCode::Iso,
+                CodeWord::Eia => TapeCode::Eia,
+                CodeWord::Ascii => TapeCode::Ascii,
             });
             settings.line.sender = SenderParity::None;
         }

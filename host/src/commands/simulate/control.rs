@@ -1,6 +1,6 @@
 //! Simulated control of a job, from the job and the machine file.
 
-use arcfeed_hil_sim::control::code::Code;
+use arcfeed_hil_sim::control::code::TapeCode as Code;
 use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
 use arcfeed_hil_sim::control::tape::TapeSettings;
 use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};

@@ -6,7 +6,7 @@ use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::simulation::{MoveOverride, Simulation};
 use arcfeed_shared::cut::Moves;
 use arcfeed_shared::job::Job;
-use arcfeed_shared::report::{ChipFigures, LeftOut};
+use arcfeed_shared::report::{ChipFigures, ExcludedSamples};
 use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
 
 use super::super::adapt::{direction_word, rotation_word, side_word};
@@ -98,7 +98,8 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
 }
 
 fn ipt<'a>(unit: LengthUnit, target: MmPerTooth, moves: impl Iterator<Item = &'a MoveChips>) -> Option<IptFigures> {
-    let (mut figures, mut all, mut left_out) = (ChipFigures::default(), ChipFigures::default(), LeftOut::default());
+    let (mut figures, mut all, mut left_out) =
+        (ChipFigures::default(), ChipFigures::default(), ExcludedSamples::default());
     for chips in moves {
         figures.merge(&chips.contact);
         all.merge(&chips.any_contact);

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use arcfeed_hil_sim::control::code::{Code, with_even_parity};
+use arcfeed_hil_sim::control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::simulation::PlannedConditions;
 use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_shared::units::{Micros, S_PER_MIN};
@@ -182,8 +182,8 @@ impl PreparedProgram {
 fn encode(file: &JobFile) -> fn(u8) -> Option<u8> {
     let seven_bits = |byte: u8| byte.is_ascii().then_some(byte);
     match file.dnc.code.map(tape_code) {
-        Some(Code::Iso) => |byte| byte.is_ascii().then(|| with_even_parity(byte)),
-        Some(Code::Eia) => |byte| if byte.is_ascii_lowercase() { None } else { Code::Eia.encode(byte) },
-        Some(Code::Ascii) | None => seven_bits,
+        Some(TapeCode::Iso) => |byte| byte.is_ascii().then(|| with_even_parity(byte)),
+        Some(TapeCode::Eia) => |byte| if byte.is_ascii_lowercase() { None } else { TapeCode::Eia.encode(byte) },
+        Some(TapeCode::Ascii) | None => seven_bits,
     }
 }

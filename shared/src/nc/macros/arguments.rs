@@ -5,7 +5,7 @@
 //! point is in least increments of its address, or in whole units for D, E, F, H, M, S, T.
 
 use super::variables::Locals;
-use super::words::Word;
+use super::words::MacroWord;
 use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::units::LengthUnit;
@@ -19,24 +19,28 @@ const SETS: usize = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
     /// G65 and G66: all letters except G, L, N, O, P.
-    OfCall,
+    Call,
     /// A block under G66.1: all letters except O; of several G words the last one.
-    OfBlock,
+    Block,
 }
 
 /// Local variables that these words set.
 ///
 /// # Errors
 /// PS0129 for a letter that cannot be an argument, or for I, J, K more than ten times.
-pub fn locals<'w>(words: impl Iterator<Item = &'w Word>, letters: Letters, unit: LengthUnit) -> Result<Locals, Fault> {
+pub fn locals<'w>(
+    words: impl Iterator<Item = &'w MacroWord>,
+    letters: Letters,
+    unit: LengthUnit,
+) -> Result<Locals, Fault> {
     let mut locals: Locals = [None; 33];
     // Set of the last I, J or K, and its index in the set.
     let mut last: Option<(usize, usize)> = None;
     for word in words {
         let fault = Fault::in_macro(MacroAlarm::ArgumentAddress, word.column);
         let is_allowed = match letters {
-            Letters::OfCall => !matches!(word.letter, b'G' | b'L' | b'N' | b'O' | b'P'),
-            Letters::OfBlock => word.letter != b'O',
+            Letters::Call => !matches!(word.letter, b'G' | b'L' | b'N' | b'O' | b'P'),
+            Letters::Block => word.letter != b'O',
         };
         let mut place = LETTERS.iter().position(|letter| *letter == word.letter).filter(|_| is_allowed).ok_or(fault)?;
         if let b'I'..=b'K' = word.letter {
@@ -55,7 +59,7 @@ pub fn locals<'w>(words: impl Iterator<Item = &'w Word>, letters: Letters, unit:
     Ok(locals)
 }
 
-fn value(word: &Word, unit: LengthUnit) -> f64 {
+fn value(word: &MacroWord, unit: LengthUnit) -> f64 {
     let counts_whole = matches!(word.letter, b'D'..=b'H' | b'L'..=b'P' | b'S' | b'T');
     let increments = match (word.letter, unit) {
         _ if word.has_point || counts_whole => 1,
@@ -67,9 +71,9 @@ fn value(word: &Word, unit: LengthUnit) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::code::Code;
+    use super::super::code::MacroCode;
     use super::super::expression::Evaluator;
-    use super::super::function::Angles;
+    use super::super::function::AngleRange;
     use super::super::variables::{Context, Variables};
     use super::super::words::read;
     use super::*;
@@ -79,9 +83,9 @@ mod tests {
     fn set(text: &str) -> Result<Vec<(usize, f64)>, Fault> {
         let unit = LengthUnit::Mm;
         let variables = Variables::new(Context::new(&Modal::at_power_on(unit), Micros(0)));
-        let code = Code::new(text.as_bytes());
-        let words = read(&mut code.cursor(), Evaluator::new(&variables, Angles::Positive), unit).unwrap();
-        let locals = locals(words.iter(), Letters::OfCall, unit)?;
+        let code = MacroCode::new(text.as_bytes());
+        let words = read(&mut code.cursor(), Evaluator::new(&variables, AngleRange::Positive), unit).unwrap();
+        let locals = locals(words.iter(), Letters::Call, unit)?;
         Ok((1..).zip(locals).filter_map(|(number, value)| Some((number, value?))).collect())
     }
 

@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 
 use super::arguments::{Letters, locals};
 use super::expression::whole;
-use super::stack::{Call, When};
+use super::stack::{Call, ModalCallTiming};
 use super::step::Ending;
-use super::words::Word;
+use super::words::MacroWord;
 use crate::nc::alarm::{Fault, NotModelled};
 use crate::nc::macro_alarm::MacroAlarm;
 use crate::units::LengthUnit;
@@ -23,7 +23,7 @@ const REPEATS_MAX: u32 = 9_999;
 
 /// Action after the last emitted block.
 #[derive(Debug, Default)]
-pub enum Then {
+pub enum Continuation {
     /// Continue with the next line.
     #[default]
     GoOn,
@@ -39,7 +39,11 @@ pub enum Then {
 ///
 /// # Errors
 /// PS0076, PS0078 or PS0129 at the missing or wrong word.
-pub fn macro_call(words: &[Word], at: usize, unit: LengthUnit) -> Result<Option<(Option<When>, Call)>, Fault> {
+pub fn macro_call(
+    words: &[MacroWord],
+    at: usize,
+    unit: LengthUnit,
+) -> Result<Option<(Option<ModalCallTiming>, Call)>, Fault> {
     let (before, rest) = words.split_at_checked(at).unwrap_or_default();
     let Some((code, arguments)) = rest.split_first() else { return Ok(None) };
     if let Some(word) = before.first() {
@@ -48,13 +52,13 @@ pub fn macro_call(words: &[Word], at: usize, unit: LengthUnit) -> Result<Option<
     let last = |letter: u8| arguments.iter().rev().find(|word| word.letter == letter);
     let program = last(b'P').ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
     let given = arguments.iter().filter(|word| !matches!(word.letter, b'P' | b'L'));
-    let locals = locals(given, Letters::OfCall, unit)?;
+    let locals = locals(given, Letters::Call, unit)?;
     let number = number_of(program, PROGRAM_MAX)?;
     let repeats = last(b'L').map_or(Ok(1), |word| number_of(word, REPEATS_MAX))?;
     let when = match code.value {
-        66.0 => Some(When::AfterMoves),
+        66.0 => Some(ModalCallTiming::AfterMoves),
         65.0 => None,
-        _ => Some(When::EveryBlock),
+        _ => Some(ModalCallTiming::EveryBlock),
     };
     let arguments = Some(Box::new(locals));
     Ok(Some((when, Call { number, repeats, arguments, is_modal: when.is_some(), column: program.column })))
@@ -64,21 +68,21 @@ pub fn macro_call(words: &[Word], at: usize, unit: LengthUnit) -> Result<Option<
 ///
 /// # Errors
 /// PS0076, PS0078, or a call that is not modelled.
-pub fn split_call(words: Vec<Word>) -> Result<(Vec<Word>, Then), Fault> {
-    let is_m = |word: &Word, code: f64| word.letter == b'M' && word.value == code;
+pub fn split_call(words: Vec<MacroWord>) -> Result<(Vec<MacroWord>, Continuation), Fault> {
+    let is_m = |word: &MacroWord, code: f64| word.letter == b'M' && word.value == code;
     if let Some(word) = words.iter().find(|word| is_m(word, 198.0)) {
         return Err(Fault::not_modelled(NotModelled::MCode(198), word.column));
     }
     let Some(code) = words.iter().find(|word| is_m(word, 98.0) || is_m(word, 99.0)).cloned() else {
-        return Ok((words, Then::GoOn));
+        return Ok((words, Continuation::GoOn));
     };
-    let (own, others): (Vec<Word>, Vec<Word>) =
+    let (own, others): (Vec<MacroWord>, Vec<MacroWord>) =
         words.into_iter().partition(|word| matches!(word.letter, b'P' | b'L') || *word == code);
     let last = |letter: u8| own.iter().rev().find(|word| word.letter == letter);
     let program = last(b'P');
     if code.value == 99.0 {
         let sequence = program.map(|word| Ok((number_of(word, SEQUENCE_MAX)?, word.column))).transpose()?;
-        return Ok((others, Then::Return(sequence)));
+        return Ok((others, Continuation::Return(sequence)));
     }
     if let Some(word) = others.iter().find(|word| matches!(word.letter, b'H' | b'Q')) {
         return Err(Fault::not_modelled(NotModelled::MCode(98), word.column));
@@ -91,9 +95,9 @@ pub fn split_call(words: Vec<Word>) -> Result<(Vec<Word>, Then), Fault> {
         None => (number, 1),
     };
     let call = Call { number, repeats, arguments: None, is_modal: false, column: program.column };
-    Ok((others, Then::Call(Box::new(call))))
+    Ok((others, Continuation::Call(Box::new(call))))
 }
 
-fn number_of(word: &Word, max: u32) -> Result<u32, Fault> {
+fn number_of(word: &MacroWord, max: u32) -> Result<u32, Fault> {
     whole(Some(word.value), 0..=max).ok_or(Fault::in_macro(MacroAlarm::ProgramNotFound, word.column))
 }

@@ -9,7 +9,7 @@ use crate::nc::word::column;
 
 /// The code of one line.
 #[derive(Clone, Debug, Default)]
-pub struct Code {
+pub struct MacroCode {
     bytes: Vec<u8>,
     columns: Vec<u16>,
     end: u16,
@@ -17,10 +17,10 @@ pub struct Code {
     pub comment: Vec<u8>,
 }
 
-impl Code {
+impl MacroCode {
     /// Removes blanks and comments from a line.
     pub fn new(line: &[u8]) -> Self {
-        let mut code = Code { end: column(line.len()), ..Code::default() };
+        let mut code = MacroCode { end: column(line.len()), ..MacroCode::default() };
         let (mut in_comment, mut comments) = (false, 0);
         for (at, &byte) in line.iter().enumerate() {
             match byte {
@@ -42,8 +42,8 @@ impl Code {
     }
 
     /// A cursor at the first byte.
-    pub fn cursor(&self) -> Cursor<'_> {
-        Cursor { code: self, at: 0 }
+    pub fn cursor(&self) -> CodeCursor<'_> {
+        CodeCursor { code: self, at: 0 }
     }
 
     /// All bytes of the code.
@@ -54,12 +54,12 @@ impl Code {
 
 /// Read position in a line's code.
 #[derive(Clone, Copy, Debug)]
-pub struct Cursor<'a> {
-    code: &'a Code,
+pub struct CodeCursor<'a> {
+    code: &'a MacroCode,
     at: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> CodeCursor<'a> {
     /// The bytes that are not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.code.bytes.get(self.at..).unwrap_or_default()
@@ -81,7 +81,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Skips `text` if it is next; returns whether it was.
-    pub fn eat(&mut self, text: &[u8]) -> bool {
+    pub fn accept(&mut self, text: &[u8]) -> bool {
         let found = self.rest().starts_with(text);
         if found {
             self.skip(text.len());
@@ -97,10 +97,10 @@ impl<'a> Cursor<'a> {
     }
 
     /// Skips a keyword if it is next, in full or shortened to its first two letters; returns whether it was.
-    pub fn eat_keyword(&mut self, keyword: &[u8]) -> bool {
+    pub fn accept_keyword(&mut self, keyword: &[u8]) -> bool {
         let letters = self.letters();
         let found = letters == keyword || keyword.get(..2) == Some(letters);
-        found && self.eat(letters)
+        found && self.accept(letters)
     }
 
     /// Reads the number of an NC word.
@@ -109,7 +109,7 @@ impl<'a> Cursor<'a> {
     /// PS0003, PS0005, PS0007 at the offending byte.
     pub fn number(&mut self) -> Result<Number, Fault> {
         let Some((number, end)) = number::read(&self.code.bytes, self.at) else {
-            let (alarm, at) = number::what_is_wrong(&self.code.bytes, self.at);
+            let (alarm, at) = number::number_fault(&self.code.bytes, self.at);
             self.at = at;
             return Err(Fault::alarm(alarm, self.column()));
         };
@@ -149,7 +149,7 @@ impl<'a> Cursor<'a> {
     /// Reads the number after DO or END, with which the statement ends.
     ///
     /// # Errors
-    /// PS0126 for a number other than 1, 2 or 3; and as [`Cursor::finish`].
+    /// PS0126 for a number other than 1, 2 or 3; and as [`CodeCursor::finish`].
     pub fn loop_number(&mut self) -> Result<(), Fault> {
         let column = self.column();
         let number = self.digits()?;
@@ -189,7 +189,7 @@ pub struct Head {
 
 impl Head {
     /// Reads the head and moves the cursor after it. The reader of the block reports faults of the head.
-    pub fn read(cursor: &mut Cursor<'_>) -> Self {
+    pub fn read(cursor: &mut CodeCursor<'_>) -> Self {
         let mut head = Head::default();
         loop {
             let before = *cursor;
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn blanks_and_comments_are_no_code_and_columns_stay() {
-        let code = Code::new(b"N10 #1 = 2 (A (B) + 3");
+        let code = MacroCode::new(b"N10 #1 = 2 (A (B) + 3");
         assert_eq!(code.bytes(), b"N10#1=2+3");
         assert_eq!(code.comment, b"A (B");
         let mut cursor = code.cursor();
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn a_head_is_read_as_far_as_it_is_one() {
         let read = |line: &[u8]| {
-            let code = Code::new(line);
+            let code = MacroCode::new(line);
             let mut cursor = code.cursor();
             let head = Head::read(&mut cursor);
             (head, cursor.rest().to_vec())

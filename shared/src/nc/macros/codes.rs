@@ -1,6 +1,6 @@
 //! Modal information (#4001 to #4130): codes and words in effect, from the blocks executed so far.
 
-use super::code::Cursor;
+use super::code::CodeCursor;
 use crate::units::LengthUnit;
 
 /// G codes in tenths, by group.
@@ -68,13 +68,13 @@ impl Codes {
     pub fn new(unit: LengthUnit) -> Self {
         let mut codes = Codes { groups: [0; 23], words: [None; 11] };
         for tenths in [0, 170, 900, 220, 940, 400, 490, 800, 980, 500, 670, 970, 540, 640, 690, 150, 401, 501] {
-            codes.take_g(tenths);
+            codes.apply_g(tenths);
         }
-        codes.take_g(if unit == LengthUnit::Inch { 200 } else { 210 });
+        codes.apply_g(if unit == LengthUnit::Inch { 200 } else { 210 });
         codes
     }
 
-    fn take_g(&mut self, tenths: i64) {
+    fn apply_g(&mut self, tenths: i64) {
         let group = GROUPS.iter().find(|(_, codes)| codes.contains(&tenths));
         if let Some(place) = group.and_then(|(group, _)| self.groups.get_mut(*group)) {
             *place = tenths;
@@ -82,7 +82,7 @@ impl Codes {
     }
 
     /// Applies the words of an executed block, which has only plain numbers.
-    pub fn take_block(&mut self, mut cursor: Cursor<'_>) -> BlockKind {
+    pub fn apply_block(&mut self, mut cursor: CodeCursor<'_>) -> BlockKind {
         let (mut kind, mut is_no_move) = (BlockKind::default(), false);
         while let Some(letter) = cursor.peek() {
             cursor.skip(1);
@@ -92,7 +92,7 @@ impl Codes {
             let Ok(number) = cursor.number() else { continue };
             match (letter, number.as_tenths()) {
                 (b'G', Some(tenths)) => {
-                    self.take_g(tenths);
+                    self.apply_g(tenths);
                     kind.dwells |= tenths == 40;
                     is_no_move |= NO_MOVES.contains(&tenths);
                 }
@@ -124,14 +124,14 @@ impl Codes {
 
 #[cfg(test)]
 mod tests {
-    use super::super::code::Code;
+    use super::super::code::MacroCode;
     use super::*;
 
     #[test]
     fn the_last_code_of_a_group_counts() {
         let mut codes = Codes::new(LengthUnit::Mm);
-        codes.take_block(Code::new(b"N7G91G2X1.I5.F25.M8").cursor());
-        codes.take_block(Code::new(b"G43.4H3T12").cursor());
+        codes.apply_block(MacroCode::new(b"N7G91G2X1.I5.F25.M8").cursor());
+        codes.apply_block(MacroCode::new(b"G43.4H3T12").cursor());
         let values = [4001, 4002, 4003, 4006, 4008, 4109, 4111, 4114, 4120].map(|number| codes.value(number).unwrap());
         assert_eq!(values, [2.0, 17.0, 91.0, 21.0, 43.4, 25.0, 3.0, 7.0, 12.0].map(Some));
         assert_eq!((codes.value(4119), codes.value(4200), codes.value(4000)), (Some(None), None, None));

@@ -4,8 +4,8 @@
 //! hold one; its value is 1 or 0. A vacant variable counts as zero in an operation, stays vacant on its own, and is
 //! not equal to zero.
 
-use super::code::Cursor;
-use super::function::{Angles, Function, Operator};
+use super::code::CodeCursor;
+use super::function::{AngleRange, Function, Operator};
 use super::variables::{Value, Variables};
 use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
@@ -19,7 +19,7 @@ const VARIABLE_MAX: f64 = 99_999.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluator<'v> {
     variables: &'v Variables,
-    angles: Angles,
+    angles: AngleRange,
     /// Decimals that ROUND keeps.
     decimals: i32,
     brackets: u8,
@@ -34,7 +34,7 @@ const SUMS: &Operators =
 
 impl<'v> Evaluator<'v> {
     /// An evaluator for macro statements: ROUND gives whole numbers.
-    pub fn new(variables: &'v Variables, angles: Angles) -> Self {
+    pub fn new(variables: &'v Variables, angles: AngleRange) -> Self {
         Evaluator { variables, angles, decimals: 0, brackets: 0 }
     }
 
@@ -52,7 +52,7 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// The macro alarms of expressions, at their column.
-    pub fn expression(mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    pub fn expression(mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         self.comparison(cursor)
     }
 
@@ -60,7 +60,7 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
-    pub fn bracketed(mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    pub fn bracketed(mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         self.brackets(cursor)
     }
 
@@ -69,7 +69,7 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
-    pub fn factor(mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    pub fn factor(mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         self.signed(cursor)
     }
 
@@ -77,14 +77,14 @@ impl<'v> Evaluator<'v> {
     ///
     /// # Errors
     /// As [`Evaluator::expression`].
-    pub fn variable_number(mut self, cursor: &mut Cursor<'_>) -> Result<u32, Fault> {
+    pub fn variable_number(mut self, cursor: &mut CodeCursor<'_>) -> Result<u32, Fault> {
         self.number_of_variable(cursor)
     }
 
-    fn comparison(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    fn comparison(&mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         let left = self.sum(cursor)?;
         const COMPARISONS: [&[u8]; 6] = [b"EQ", b"NE", b"GT", b"GE", b"LT", b"LE"];
-        let Some(comparison) = COMPARISONS.iter().find(|name| cursor.eat(name)) else { return Ok(left) };
+        let Some(comparison) = COMPARISONS.iter().find(|name| cursor.accept(name)) else { return Ok(left) };
         let right = self.sum(cursor)?;
         let (x, y) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
         let is_equal = left.is_some() == right.is_some() && x == y;
@@ -99,27 +99,27 @@ impl<'v> Evaluator<'v> {
         Ok(Some(f64::from(u8::from(holds))))
     }
 
-    fn sum(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    fn sum(&mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         self.chain(cursor, SUMS, |this, cursor| this.chain(cursor, PRODUCTS, Self::signed))
     }
 
     fn chain(
         &mut self,
-        cursor: &mut Cursor<'_>,
+        cursor: &mut CodeCursor<'_>,
         operators: &Operators,
-        operand: impl Fn(&mut Self, &mut Cursor<'_>) -> Result<Value, Fault>,
+        operand: impl Fn(&mut Self, &mut CodeCursor<'_>) -> Result<Value, Fault>,
     ) -> Result<Value, Fault> {
         let mut left = operand(self, cursor)?;
         loop {
             let column = cursor.column();
-            let Some((_, operator)) = operators.iter().find(|(name, _)| cursor.eat(name)) else { return Ok(left) };
+            let Some((_, operator)) = operators.iter().find(|(name, _)| cursor.accept(name)) else { return Ok(left) };
             let right = operand(self, cursor)?;
-            let result = operator.of(left.unwrap_or(0.0), right.unwrap_or(0.0));
+            let result = operator.apply(left.unwrap_or(0.0), right.unwrap_or(0.0));
             left = Some(result.map_err(|alarm| Fault::in_macro(alarm, column))?);
         }
     }
 
-    fn signed(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    fn signed(&mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         match cursor.peek() {
             // The sign of a number belongs to the number.
             Some(b'-') if !matches!(cursor.rest().get(1), Some(b'0'..=b'9' | b'.')) => {
@@ -134,7 +134,7 @@ impl<'v> Evaluator<'v> {
         }
     }
 
-    fn primary(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    fn primary(&mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         match cursor.peek() {
             Some(b'#') => {
                 let column = cursor.column();
@@ -149,7 +149,7 @@ impl<'v> Evaluator<'v> {
         }
     }
 
-    fn number_of_variable(&mut self, cursor: &mut Cursor<'_>) -> Result<u32, Fault> {
+    fn number_of_variable(&mut self, cursor: &mut CodeCursor<'_>) -> Result<u32, Fault> {
         let column = cursor.column();
         if cursor.peek() == Some(b'[') {
             let value = libm::round(self.brackets(cursor)?.unwrap_or(0.0));
@@ -161,33 +161,33 @@ impl<'v> Evaluator<'v> {
         cursor.digits()?.ok_or(Fault::in_macro(MacroAlarm::ExpressionFormat, column))
     }
 
-    fn open(&mut self, cursor: &mut Cursor<'_>) -> Result<(), Fault> {
+    fn open(&mut self, cursor: &mut CodeCursor<'_>) -> Result<(), Fault> {
         if self.brackets == BRACKETS_MAX {
             return Err(cursor.fault(MacroAlarm::BracketNesting));
         }
-        if !cursor.eat(b"[") {
+        if !cursor.accept(b"[") {
             return Err(cursor.fault(MacroAlarm::ExpressionFormat));
         }
         self.brackets += 1;
         Ok(())
     }
 
-    fn close(&mut self, cursor: &mut Cursor<'_>) -> Result<(), Fault> {
-        if !cursor.eat(b"]") {
+    fn close(&mut self, cursor: &mut CodeCursor<'_>) -> Result<(), Fault> {
+        if !cursor.accept(b"]") {
             return Err(cursor.fault(MacroAlarm::ExpressionFormat));
         }
         self.brackets -= 1;
         Ok(())
     }
 
-    fn brackets(&mut self, cursor: &mut Cursor<'_>) -> Result<Value, Fault> {
+    fn brackets(&mut self, cursor: &mut CodeCursor<'_>) -> Result<Value, Fault> {
         self.open(cursor)?;
         let value = self.comparison(cursor)?;
         self.close(cursor)?;
         Ok(value)
     }
 
-    fn function(&mut self, cursor: &mut Cursor<'_>) -> Result<f64, Fault> {
+    fn function(&mut self, cursor: &mut CodeCursor<'_>) -> Result<f64, Fault> {
         let column = cursor.column();
         let name = cursor.letters();
         let function = Function::named(name).ok_or(Fault::in_macro(MacroAlarm::ImproperFunction, column))?;
@@ -195,21 +195,21 @@ impl<'v> Evaluator<'v> {
         cursor.skip(name.len());
         self.open(cursor)?;
         let first = self.comparison(cursor)?.unwrap_or(0.0);
-        if cursor.eat(b",") {
+        if cursor.accept(b",") {
             let second = self.comparison(cursor)?.unwrap_or(0.0);
             self.close(cursor)?;
-            return function.of_two(first, second, self.angles).map_err(fault);
+            return function.apply_two(first, second, self.angles).map_err(fault);
         }
         self.close(cursor)?;
         if function == Function::Atan && cursor.rest().starts_with(b"/[") {
             cursor.skip(1);
             let second = self.brackets(cursor)?.unwrap_or(0.0);
-            return function.of_two(first, second, self.angles).map_err(fault);
+            return function.apply_two(first, second, self.angles).map_err(fault);
         }
         if function == Function::Round {
             return Ok(rounded(first, self.decimals));
         }
-        function.of(first, self.angles).map_err(fault)
+        function.apply(first, self.angles).map_err(fault)
     }
 }
 
@@ -228,7 +228,7 @@ pub(super) fn whole(value: Value, range: core::ops::RangeInclusive<u32>) -> Opti
 
 #[cfg(test)]
 mod tests {
-    use super::super::code::Code;
+    use super::super::code::MacroCode;
     use super::super::variables::Context;
     use super::*;
     use crate::nc::modal::Modal;
@@ -244,9 +244,9 @@ mod tests {
     }
 
     fn evaluate(text: &str) -> Result<Value, Fault> {
-        let (code, variables) = (Code::new(text.as_bytes()), variables());
+        let (code, variables) = (MacroCode::new(text.as_bytes()), variables());
         let mut cursor = code.cursor();
-        let value = Evaluator::new(&variables, Angles::Positive).expression(&mut cursor)?;
+        let value = Evaluator::new(&variables, AngleRange::Positive).expression(&mut cursor)?;
         if cursor.peek().is_none() { Ok(value) } else { Err(cursor.fault(MacroAlarm::ExpressionFormat)) }
     }
 

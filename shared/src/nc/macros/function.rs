@@ -2,7 +2,7 @@
 //!
 //! Source: operation lists of Fanuc's custom macro B. ROUND rounds half away from zero, FIX towards zero, FUP away
 //! from it. MOD rounds both operands to whole numbers first; its result has the sign of the first. AND, OR and XOR
-//! work on 32 bits. ATAN with two arguments and ASIN return 0 to 360 degrees, or -180 to 180 with [`Angles::Signed`]
+//! work on 32 bits. ATAN with two arguments and ASIN return 0 to 360 degrees, or -180 to 180 with [`AngleRange::Signed`]
 //! (parameter 6004 bit 0).
 
 use core::f64::consts::PI;
@@ -20,7 +20,7 @@ const BCD_MAX: f64 = 99_999_999.0;
 
 /// Range of the results of inverse functions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Angles {
+pub enum AngleRange {
     /// 0 to 360 degrees; ASIN from 270 through 360 to 90.
     #[default]
     Positive,
@@ -92,7 +92,7 @@ impl Function {
         NAMES.iter().find(|(full, _)| is_name(full)).map(|(_, function)| *function)
     }
 
-    pub(super) fn of(self, x: f64, angles: Angles) -> Result<f64, MacroAlarm> {
+    pub(super) fn apply(self, x: f64, angles: AngleRange) -> Result<f64, MacroAlarm> {
         let in_range = |is_defined: bool| if is_defined { Ok(()) } else { Err(MacroAlarm::IllegalArgument) };
         let result = match self {
             Function::Sin => sin_deg(x),
@@ -128,16 +128,20 @@ impl Function {
             Function::Bcd => digits(x, 10, 16)?,
             Function::Pow => return Err(MacroAlarm::ExpressionFormat),
         };
-        held(result)
+        checked(result)
     }
 
     /// Evaluates a function with two arguments.
-    pub(super) fn of_two(self, x: f64, y: f64, angles: Angles) -> Result<f64, MacroAlarm> {
+    pub(super) fn apply_two(self, x: f64, y: f64, angles: AngleRange) -> Result<f64, MacroAlarm> {
         match self {
-            Function::Atan => held(turned(to_deg(libm::atan2(x, y)), angles)),
+            Function::Atan => checked(turned(to_deg(libm::atan2(x, y)), angles)),
             Function::Pow => {
                 let result = libm::pow(x, y);
-                if result.is_nan() || (x == 0.0 && y < 0.0) { Err(MacroAlarm::IllegalArgument) } else { held(result) }
+                if result.is_nan() || (x == 0.0 && y < 0.0) {
+                    Err(MacroAlarm::IllegalArgument)
+                } else {
+                    checked(result)
+                }
             }
             _ => Err(MacroAlarm::ExpressionFormat),
         }
@@ -166,17 +170,21 @@ pub enum Operator {
 }
 
 impl Operator {
-    pub(super) fn of(self, x: f64, y: f64) -> Result<f64, MacroAlarm> {
+    pub(super) fn apply(self, x: f64, y: f64) -> Result<f64, MacroAlarm> {
         let bits = |join: fn(i64, i64) -> i64| Ok(join(whole(x)?, whole(y)?) as f64);
         match self {
-            Operator::Add => held(x + y),
-            Operator::Subtract => held(x - y),
-            Operator::Multiply => held(x * y),
+            Operator::Add => checked(x + y),
+            Operator::Subtract => checked(x - y),
+            Operator::Multiply => checked(x * y),
             Operator::Divide if y == 0.0 => Err(MacroAlarm::DivisionByZero),
-            Operator::Divide => held(x / y),
+            Operator::Divide => checked(x / y),
             Operator::Modulo => {
                 let divisor = libm::round(y);
-                if divisor == 0.0 { Err(MacroAlarm::DivisionByZero) } else { held(libm::fmod(libm::round(x), divisor)) }
+                if divisor == 0.0 {
+                    Err(MacroAlarm::DivisionByZero)
+                } else {
+                    checked(libm::fmod(libm::round(x), divisor))
+                }
             }
             Operator::And => bits(|a, b| a & b),
             Operator::Or => bits(|a, b| a | b),
@@ -186,7 +194,7 @@ impl Operator {
 }
 
 /// Checks a result against the range of a variable.
-fn held(x: f64) -> Result<f64, MacroAlarm> {
+fn checked(x: f64) -> Result<f64, MacroAlarm> {
     if libm::fabs(x) <= RESULT_MAX { Ok(x) } else { Err(MacroAlarm::Overflow) }
 }
 
@@ -212,8 +220,8 @@ fn to_deg(rad: f64) -> f64 {
     rad / PI * HALF_TURN_DEG
 }
 
-fn turned(deg: f64, angles: Angles) -> f64 {
-    if angles == Angles::Positive && deg < 0.0 { deg + TURN_DEG } else { deg }
+fn turned(deg: f64, angles: AngleRange) -> f64 {
+    if angles == AngleRange::Positive && deg < 0.0 { deg + TURN_DEG } else { deg }
 }
 
 /// Converts the digits of a number from one base to another.
@@ -241,7 +249,7 @@ mod tests {
     use super::*;
 
     fn of(name: &[u8], x: f64) -> Result<f64, MacroAlarm> {
-        Function::named(name).unwrap().of(x, Angles::Positive)
+        Function::named(name).unwrap().apply(x, AngleRange::Positive)
     }
 
     #[test]
@@ -267,8 +275,8 @@ mod tests {
         for (y, x, positive, signed) in
             [(1.0, 1.0, 45.0, 45.0), (1.0, -1.0, 135.0, 135.0), (-1.0, -1.0, 225.0, -135.0), (-1.0, 1.0, 315.0, -45.0)]
         {
-            assert_eq!(Function::Atan.of_two(y, x, Angles::Positive), Ok(positive));
-            assert_eq!(Function::Atan.of_two(y, x, Angles::Signed), Ok(signed));
+            assert_eq!(Function::Atan.apply_two(y, x, AngleRange::Positive), Ok(positive));
+            assert_eq!(Function::Atan.apply_two(y, x, AngleRange::Signed), Ok(signed));
         }
     }
 
@@ -293,7 +301,7 @@ mod tests {
             assert_eq!(of(name, x), Err(MacroAlarm::IllegalArgument), "{name:?}");
         }
         assert_eq!(of(b"EXP", 1e6), Err(MacroAlarm::Overflow));
-        assert_eq!(Operator::Divide.of(1.0, 0.0), Err(MacroAlarm::DivisionByZero));
-        assert_eq!(Operator::Modulo.of(-7.0, 3.0), Ok(-1.0));
+        assert_eq!(Operator::Divide.apply(1.0, 0.0), Err(MacroAlarm::DivisionByZero));
+        assert_eq!(Operator::Modulo.apply(-7.0, 3.0), Ok(-1.0));
     }
 }

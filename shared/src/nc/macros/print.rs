@@ -10,7 +10,7 @@
 
 use alloc::vec::Vec;
 
-use super::code::Cursor;
+use super::code::CodeCursor;
 use super::expression::Evaluator;
 use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
@@ -63,17 +63,17 @@ impl Output {
 /// # Errors
 /// PS0114 or PS0115 for invalid text, variable or format; PS0119 for a number that does not fit BPRNT's four bytes.
 pub fn statement(
-    cursor: &mut Cursor<'_>,
+    cursor: &mut CodeCursor<'_>,
     evaluator: Evaluator<'_>,
     style: PrintStyle,
 ) -> Result<Option<Output>, Fault> {
-    Ok(if cursor.eat_keyword(b"POPEN") {
+    Ok(if cursor.accept_keyword(b"POPEN") {
         Some(Output::Open)
-    } else if cursor.eat_keyword(b"PCLOS") {
+    } else if cursor.accept_keyword(b"PCLOS") {
         Some(Output::Close)
-    } else if cursor.eat_keyword(b"DPRNT") {
+    } else if cursor.accept_keyword(b"DPRNT") {
         Some(Output::Text(decimal(cursor, evaluator, style)?))
-    } else if cursor.eat_keyword(b"BPRNT") {
+    } else if cursor.accept_keyword(b"BPRNT") {
         Some(Output::Binary(binary(cursor, evaluator)?))
     } else {
         None
@@ -81,7 +81,7 @@ pub fn statement(
 }
 
 /// Reads the brackets of a DPRNT and returns its output.
-fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle) -> Result<Vec<u8>, Fault> {
+fn decimal(cursor: &mut CodeCursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &|byte| byte, &|format, value, out| {
         let (before, behind) = (format / 10, format % 10);
         let is_format = format < 100 && (1..=DIGITS_MAX).contains(&(before + behind));
@@ -93,7 +93,7 @@ fn decimal(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, style: PrintStyle)
 }
 
 /// Reads the brackets of a BPRNT and returns its output.
-fn binary(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, Fault> {
+fn binary(cursor: &mut CodeCursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, Fault> {
     print(cursor, evaluator, &with_parity, &|format, value, out| {
         let scaled = libm::round(value * libm::pow(10.0, f64::from(format)));
         let fits = format <= DIGITS_MAX && (f64::from(i32::MIN)..=f64::from(i32::MAX)).contains(&scaled);
@@ -107,13 +107,13 @@ fn binary(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Vec<u8>, 
 type WriteNumber<'w> = dyn Fn(u32, f64, &mut Vec<u8>) -> bool + 'w;
 
 fn print(
-    cursor: &mut Cursor<'_>,
+    cursor: &mut CodeCursor<'_>,
     evaluator: Evaluator<'_>,
     character: &dyn Fn(u8) -> u8,
     number: &WriteNumber<'_>,
 ) -> Result<Vec<u8>, Fault> {
     let mut out = Vec::new();
-    if !cursor.eat(b"[") {
+    if !cursor.accept(b"[") {
         return Err(cursor.fault(MacroAlarm::ExpressionFormat));
     }
     loop {
@@ -123,9 +123,10 @@ fn print(
             Some(b'#') => {
                 let value = evaluator.factor(cursor)?.unwrap_or(0.0);
                 let place = cursor.column();
-                let format = if cursor.eat(b"[") { cursor.digits()? } else { None };
-                let format =
-                    format.filter(|_| cursor.eat(b"]")).ok_or(Fault::in_macro(MacroAlarm::ExpressionFormat, place))?;
+                let format = if cursor.accept(b"[") { cursor.digits()? } else { None };
+                let format = format
+                    .filter(|_| cursor.accept(b"]"))
+                    .ok_or(Fault::in_macro(MacroAlarm::ExpressionFormat, place))?;
                 if !number(format, value, &mut out) {
                     return Err(Fault::in_macro(MacroAlarm::IllegalArgument, column));
                 }
@@ -187,8 +188,8 @@ fn with_parity(byte: u8) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::code::Code;
-    use super::super::function::Angles;
+    use super::super::code::MacroCode;
+    use super::super::function::AngleRange;
     use super::super::variables::{Context, Variables};
     use super::*;
     use crate::nc::modal::Modal;
@@ -200,8 +201,8 @@ mod tests {
         for (number, value) in values {
             variables.write(*number, Some(*value)).unwrap();
         }
-        let code = Code::new(text.as_bytes());
-        let evaluator = Evaluator::new(&variables, Angles::Positive);
+        let code = MacroCode::new(text.as_bytes());
+        let evaluator = Evaluator::new(&variables, AngleRange::Positive);
         match style {
             Some(style) => decimal(&mut code.cursor(), evaluator, style),
             None => binary(&mut code.cursor(), evaluator),

@@ -5,7 +5,7 @@
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-use super::code::{Code, Head, is_keyword, is_short_keyword};
+use super::code::{Head, MacroCode, is_keyword, is_short_keyword};
 use super::offsets;
 use crate::nc::block::is_title;
 use crate::nc::text::Lines;
@@ -32,7 +32,7 @@ impl Library for BTreeMap<u32, Vec<u8>> {
 
 /// Lines `first..end` of a file, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
+pub struct LineRange {
     /// O, if there is one.
     pub number: Option<u32>,
     /// First line.
@@ -43,7 +43,7 @@ pub struct Span {
 
 /// A line of a program.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct ProgramLine {
     /// Text as written, without line end.
     pub text: Vec<u8>,
     /// Whether the line needs no macro interpreter.
@@ -53,8 +53,8 @@ pub struct Line {
 /// An indexed text.
 #[derive(Clone, Debug, Default)]
 pub struct File {
-    lines: Vec<Line>,
-    spans: Vec<Span>,
+    lines: Vec<ProgramLine>,
+    spans: Vec<LineRange>,
     /// Sequence numbers with their lines, sorted.
     sequence: Vec<(u32, u32)>,
     /// Lines of DO to lines of END, and vice versa.
@@ -68,7 +68,7 @@ impl File {
         let mut open: Vec<(u32, u32)> = Vec::new();
         let (mut first, mut number) = (0, None);
         for (index, raw) in (0_u32..).zip(Lines::new(text).map(|line| line.text)) {
-            let code = Code::new(raw);
+            let code = MacroCode::new(raw);
             let is_mark = code.bytes().starts_with(b"%");
             if is_mark && file.lines.iter().any(|line| !line.text.is_empty()) {
                 break;
@@ -77,7 +77,7 @@ impl File {
             let head = Head::read(&mut cursor);
             if head.program.is_some() {
                 if number.is_some() {
-                    file.spans.push(Span { number, first, end: index });
+                    file.spans.push(LineRange { number, first, end: index });
                     first = index;
                     open.clear();
                 }
@@ -86,10 +86,10 @@ impl File {
             file.sequence.extend(head.sequence.map(|sequence| (sequence, index)));
             file.pair(loop_word(cursor.rest()), index, &mut open);
             let text = if is_mark { &[] } else { raw };
-            file.lines.push(Line { text: text.to_vec(), is_plain: is_title(raw) || is_plain(cursor.rest()) });
+            file.lines.push(ProgramLine { text: text.to_vec(), is_plain: is_title(raw) || is_plain(cursor.rest()) });
         }
         let end = u32::try_from(file.lines.len()).unwrap_or(u32::MAX);
-        file.spans.push(Span { number, first, end });
+        file.spans.push(LineRange { number, first, end });
         file.sequence.sort_unstable();
         file
     }
@@ -111,22 +111,22 @@ impl File {
     }
 
     /// A line.
-    pub fn line(&self, index: u32) -> Option<&Line> {
+    pub fn line(&self, index: u32) -> Option<&ProgramLine> {
         self.lines.get(usize::try_from(index).ok()?)
     }
 
     /// The first program.
-    pub fn main(&self) -> Option<Span> {
+    pub fn main(&self) -> Option<LineRange> {
         self.spans.first().copied()
     }
 
     /// The program with this number.
-    pub fn program(&self, number: u32) -> Option<Span> {
+    pub fn program(&self, number: u32) -> Option<LineRange> {
         self.spans.iter().find(|span| span.number == Some(number)).copied()
     }
 
     /// Line of a sequence number: searched after line `from`, then from the program's start.
-    pub fn find(&self, number: u32, span: Span, from: u32) -> Option<u32> {
+    pub fn find(&self, number: u32, span: LineRange, from: u32) -> Option<u32> {
         let begin = self.sequence.partition_point(|entry| *entry < (number, span.first));
         let same = self.sequence.get(begin..).unwrap_or_default();
         let lines =
@@ -181,7 +181,7 @@ fn is_plain(rest: &[u8]) -> bool {
 
 /// Whether a line is a macro statement or a call.
 pub fn is_statement(line: &[u8]) -> bool {
-    let code = Code::new(line);
+    let code = MacroCode::new(line);
     let mut cursor = code.cursor();
     Head::read(&mut cursor);
     !is_title(line) && !is_plain(cursor.rest())
@@ -244,14 +244,14 @@ fn has_plain_bytes(line: &[u8]) -> bool {
 
 /// Full test of any line.
 fn has_effect(line: &[u8]) -> bool {
-    let code = Code::new(line);
+    let code = MacroCode::new(line);
     let mut cursor = code.cursor();
     Head::read(&mut cursor);
     if is_title(line) || is_plain(cursor.rest()) {
         return false;
     }
-    let variable = if cursor.eat(b"#") { cursor.digits().ok().flatten() } else { None };
-    let value = if cursor.eat(b"=") { cursor.number().ok() } else { None };
+    let variable = if cursor.accept(b"#") { cursor.digits().ok().flatten() } else { None };
+    let value = if cursor.accept(b"=") { cursor.number().ok() } else { None };
     let (Some(variable), Some(value), None) = (variable, value, cursor.peek()) else { return true };
     // Alarms, messages, switches and offsets have side effects, except setting the external origin to zero, its usual
     // value.
@@ -266,9 +266,9 @@ mod tests {
     #[test]
     fn a_file_may_hold_several_programs() {
         let file = File::new(b"%\nO1000\nN1M98P2000\nM30\nO2000(SUB)\nN1X1.\nM99\n%\nN1\n");
-        assert_eq!(file.main(), Some(Span { number: Some(1000), first: 0, end: 4 }));
+        assert_eq!(file.main(), Some(LineRange { number: Some(1000), first: 0, end: 4 }));
         let sub = file.program(2000).unwrap();
-        assert_eq!(sub, Span { number: Some(2000), first: 4, end: 7 });
+        assert_eq!(sub, LineRange { number: Some(2000), first: 4, end: 7 });
         assert_eq!(file.find(1, sub, 6), Some(5));
         assert_eq!(file.line(7).map(|line| line.text.clone()), None);
     }

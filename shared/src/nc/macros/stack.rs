@@ -3,14 +3,14 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use super::program::{File, Library, Span};
+use super::program::{File, Library, LineRange};
 use super::variables::Locals;
 use crate::nc::alarm::Fault;
 use crate::nc::macro_alarm::MacroAlarm;
 
 /// A line of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.
     pub library: Option<u32>,
     /// Line, counted from 1.
@@ -56,7 +56,7 @@ pub struct Call {
 
 /// Timing of a modal macro call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum When {
+pub enum ModalCallTiming {
     /// After blocks that move an axis (G66).
     AfterMoves,
     /// At every block (G66.1).
@@ -65,9 +65,9 @@ pub enum When {
 
 /// A running program.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct CallFrame {
     file: usize,
-    span: Span,
+    span: LineRange,
     /// The line to execute next, counted from 0 in its file.
     pub line: u32,
     repeats_left: u32,
@@ -75,7 +75,7 @@ pub struct Frame {
     callers: Option<Box<Locals>>,
     is_modal: bool,
     /// Line of the call.
-    pub from: Place,
+    pub from: SourceLine,
 }
 
 /// Stack of running programs, the main program first.
@@ -84,8 +84,8 @@ pub struct Stack {
     files: Vec<(Option<u32>, File)>,
     library: Box<dyn Library>,
     library_bytes: usize,
-    frames: Vec<Frame>,
-    modal: Vec<(When, Call)>,
+    frames: Vec<CallFrame>,
+    modal: Vec<(ModalCallTiming, Call)>,
     /// Number of modal calls that are running and therefore not called again.
     masked: usize,
     /// Number of lines of a main program in DNC operation before the current one.
@@ -105,7 +105,7 @@ impl Stack {
             masked: 0,
             lines_before: 0,
         };
-        stack.frames.extend(span.map(|span| Frame {
+        stack.frames.extend(span.map(|span| CallFrame {
             file: 0,
             span,
             line: span.first,
@@ -113,7 +113,7 @@ impl Stack {
             arguments: None,
             callers: None,
             is_modal: false,
-            from: Place::default(),
+            from: SourceLine::default(),
         }));
         stack
     }
@@ -144,7 +144,7 @@ impl Stack {
     }
 
     /// The running program with its file.
-    pub fn top(&mut self) -> Option<(&mut Frame, &File)> {
+    pub fn top(&mut self) -> Option<(&mut CallFrame, &File)> {
         let frame = self.frames.last_mut()?;
         let (_, file) = self.files.get(frame.file)?;
         Some((frame, file))
@@ -156,15 +156,15 @@ impl Stack {
     }
 
     /// Place of a line of the running program.
-    pub fn place(&self, index: u32) -> Place {
+    pub fn place(&self, index: u32) -> SourceLine {
         let library = self.frames.last().and_then(|frame| self.files.get(frame.file)?.0);
         let is_of_main = self.frames.last().is_some_and(|frame| frame.file == 0);
         let before = if is_of_main { self.lines_before } else { 0 };
-        Place { library, line: before.saturating_add(index).saturating_add(1) }
+        SourceLine { library, line: before.saturating_add(index).saturating_add(1) }
     }
 
     /// Lines from which the running programs were called, the main program's call first.
-    pub fn calls(&self) -> Vec<Place> {
+    pub fn calls(&self) -> Vec<SourceLine> {
         self.frames.iter().skip(1).map(|frame| frame.from).collect()
     }
 
@@ -172,7 +172,7 @@ impl Stack {
     ///
     /// # Errors
     /// PS0077, PS0078, PS0122, or a library that is too large.
-    pub fn enter(&mut self, call: Call, from: Place, locals: &mut Locals, bounds: &Bounds) -> Result<(), Fault> {
+    pub fn enter(&mut self, call: Call, from: SourceLine, locals: &mut Locals, bounds: &Bounds) -> Result<(), Fault> {
         let fault = |alarm| Fault::in_macro(alarm, call.column);
         let macros = self.frames.iter().filter(|frame| frame.arguments.is_some()).count();
         let subprograms = self.frames.len().saturating_sub(macros + 1);
@@ -186,12 +186,12 @@ impl Stack {
         let callers = call.arguments.as_ref().map(|arguments| Box::new(core::mem::replace(locals, **arguments)));
         self.masked += usize::from(call.is_modal);
         let Call { arguments, is_modal, .. } = call;
-        self.frames.push(Frame { file, span, line: span.first, repeats_left, arguments, callers, is_modal, from });
+        self.frames.push(CallFrame { file, span, line: span.first, repeats_left, arguments, callers, is_modal, from });
         Ok(())
     }
 
     /// Finds a program in the loaded files, then in the library.
-    fn find(&mut self, number: u32, memory: usize) -> Result<(usize, Span), MacroAlarm> {
+    fn find(&mut self, number: u32, memory: usize) -> Result<(usize, LineRange), MacroAlarm> {
         let known = |(index, (name, file)): (usize, &(Option<u32>, File))| {
             let named = file.main().filter(|_| *name == Some(number));
             Some((index, file.program(number).or(named)?))
@@ -260,7 +260,7 @@ impl Stack {
     }
 
     /// The modal call to execute now, if any. Its faults are reported for the whole block (column 0).
-    pub fn modal_call(&self, when: When) -> Option<Call> {
+    pub fn modal_call(&self, when: ModalCallTiming) -> Option<Call> {
         let active = self.modal.len().checked_sub(self.masked + 1)?;
         let call = self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone());
         call.map(|call| Call { column: 0, ..call })
@@ -270,7 +270,7 @@ impl Stack {
     ///
     /// # Errors
     /// PS0122 for too deep nesting.
-    pub fn set_modal(&mut self, when: When, call: Call, bounds: &Bounds) -> Result<bool, Fault> {
+    pub fn set_modal(&mut self, when: ModalCallTiming, call: Call, bounds: &Bounds) -> Result<bool, Fault> {
         if self.modal.len() >= bounds.macros {
             return Err(Fault::in_macro(MacroAlarm::MacroNesting, call.column));
         }

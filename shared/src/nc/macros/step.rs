@@ -2,17 +2,17 @@
 
 use alloc::vec::Vec;
 
-use super::function::Angles;
+use super::function::AngleRange;
 use super::print::{Output, PrintStyle};
-use super::stack::{Bounds, Place};
+use super::stack::{Bounds, SourceLine};
 use super::variables::Ignored;
 use crate::nc::alarm::Fault;
 
 /// Settings of the interpreter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Settings {
+pub struct MacroSettings {
     /// Range of ATAN and ASIN.
-    pub angles: Angles,
+    pub angles: AngleRange,
     /// Number format of DPRNT.
     pub print: PrintStyle,
     /// Block-delete switches that are on: bit n for `/n`.
@@ -25,7 +25,7 @@ pub struct Settings {
 
 /// Next action of the control.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Step {
+pub enum MacroStep {
     /// Read a block of plain words.
     Block(PlainBlock),
     /// Send output to the punch.
@@ -61,9 +61,9 @@ pub struct PlainBlock {
     /// Text for the reader of plain blocks.
     pub text: Vec<u8>,
     /// Its source line.
-    pub place: Place,
+    pub place: SourceLine,
     /// Lines from which the running programs were called, the main program's call first.
-    pub calls: Vec<Place>,
+    pub calls: Vec<SourceLine>,
     /// Source column of each byte of `text`; empty if `text` is the line as written.
     pub(super) columns: Vec<u16>,
 }
@@ -79,13 +79,13 @@ impl PlainBlock {
 
 /// Fault that stopped a program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Trouble {
+pub struct ProgramFault {
     /// Cause and column.
     pub fault: Fault,
     /// Source line.
-    pub place: Place,
+    pub place: SourceLine,
     /// Lines from which the running programs were called, the main program's call first.
-    pub calls: Vec<Place>,
+    pub calls: Vec<SourceLine>,
     /// Comment of the `#3000` block.
     pub message: Vec<u8>,
 }

@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use super::code::{Cursor, is_keyword};
+use super::code::{CodeCursor, is_keyword};
 use super::expression::Evaluator;
 use crate::nc::alarm::{Alarm, Fault};
 use crate::nc::macro_alarm::MacroAlarm;
@@ -19,7 +19,7 @@ const FEED_DECIMALS: i32 = 4;
 
 /// A word and its column.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Word {
+pub struct MacroWord {
     /// The address, or `,` before one.
     pub letter: u8,
     /// Number as written for the reader of plain blocks.
@@ -36,7 +36,7 @@ pub struct Word {
 ///
 /// # Errors
 /// PS0127 if a macro statement follows, PS0114 and others in expressions, and the faults of plain words.
-pub fn read(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit) -> Result<Vec<Word>, Fault> {
+pub fn read(cursor: &mut CodeCursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit) -> Result<Vec<MacroWord>, Fault> {
     let mut words = Vec::new();
     while let Some(letter) = cursor.peek() {
         let column = cursor.column();
@@ -44,7 +44,7 @@ pub fn read(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit)
             b'A'..=b'Z' => {}
             b',' => {
                 cursor.skip(1);
-                words.push(Word { letter, spelled: Vec::new(), value: 0.0, has_point: false, column });
+                words.push(MacroWord { letter, spelled: Vec::new(), value: 0.0, has_point: false, column });
                 continue;
             }
             b'#' => return Err(cursor.fault(MacroAlarm::MixedStatements)),
@@ -62,7 +62,12 @@ pub fn read(cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>, unit: LengthUnit)
 }
 
 /// Reads a word after its address; `None` if its value is vacant.
-fn word(letter: u8, column: u16, cursor: &mut Cursor<'_>, evaluator: Evaluator<'_>) -> Result<Option<Word>, Fault> {
+fn word(
+    letter: u8,
+    column: u16,
+    cursor: &mut CodeCursor<'_>,
+    evaluator: Evaluator<'_>,
+) -> Result<Option<MacroWord>, Fault> {
     let is_expression =
         matches!(cursor.rest(), [b'#' | b'[' | b'A'..=b'Z', ..] | [b'+' | b'-', b'#' | b'[' | b'A'..=b'Z', ..]);
     if !is_expression {
@@ -70,14 +75,14 @@ fn word(letter: u8, column: u16, cursor: &mut Cursor<'_>, evaluator: Evaluator<'
         let number = cursor.number()?;
         let len = before.len() - cursor.rest().len();
         let spelled = before.get(..len).unwrap_or_default().to_vec();
-        return Ok(Some(Word { letter, spelled, value: number.to_f64(), has_point: number.has_point(), column }));
+        return Ok(Some(MacroWord { letter, spelled, value: number.to_f64(), has_point: number.has_point(), column }));
     }
     if matches!(cursor.peek(), Some(b'A'..=b'Z')) && !cursor.rest().contains(&b'[') {
         return Err(Fault::alarm(Alarm::NoDataAfterAddress, cursor.column()));
     }
     let Some(value) = evaluator.factor(cursor)? else { return Ok(None) };
     let spelled = spell(value, evaluator.decimals_kept(), letter).ok_or(Fault::alarm(Alarm::TooManyDigits, column))?;
-    Ok(Some(Word { letter, spelled, value, has_point: true, column }))
+    Ok(Some(MacroWord { letter, spelled, value, has_point: true, column }))
 }
 
 /// Decimals of an address's least increment.
@@ -131,7 +136,7 @@ fn spell(value: f64, decimals: i32, letter: u8) -> Option<Vec<u8>> {
 }
 
 /// Text of consecutive words, and the column of its word for each byte.
-pub fn spell_block<'w>(words: impl Iterator<Item = &'w Word>) -> (Vec<u8>, Vec<u16>) {
+pub fn spell_block<'w>(words: impl Iterator<Item = &'w MacroWord>) -> (Vec<u8>, Vec<u16>) {
     let (mut text, mut columns) = (Vec::new(), Vec::new());
     for word in words {
         text.push(word.letter);
@@ -143,8 +148,8 @@ pub fn spell_block<'w>(words: impl Iterator<Item = &'w Word>) -> (Vec<u8>, Vec<u
 
 #[cfg(test)]
 mod tests {
-    use super::super::code::Code;
-    use super::super::function::Angles;
+    use super::super::code::MacroCode;
+    use super::super::function::AngleRange;
     use super::super::variables::{Context, Variables};
     use super::*;
     use crate::nc::modal::Modal;
@@ -156,8 +161,8 @@ mod tests {
         for (number, value) in [(1, 12.345_6), (2, -0.000_05), (3, 1.0), (4, 54.1)] {
             variables.write(number, Some(value)).unwrap();
         }
-        let code = Code::new(text.as_bytes());
-        let words = read(&mut code.cursor(), Evaluator::new(&variables, Angles::Positive), unit)?;
+        let code = MacroCode::new(text.as_bytes());
+        let words = read(&mut code.cursor(), Evaluator::new(&variables, AngleRange::Positive), unit)?;
         Ok(String::from_utf8(spell_block(words.iter()).0).unwrap())
     }
 

@@ -95,7 +95,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         settings.check()?;
         let end = End {
             settings,
-            session: named(session),
+            session: valid_session(session),
             state: LinkState::Greeting,
             counters: Counters::default(),
             peer: None,
@@ -120,7 +120,11 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
     pub fn restart(&mut self, session: u32) {
         let end = &mut self.end;
         end.salt_before = end.peer.map(|peer| peer.salt_in).or(end.salt_before);
-        end.session = if named(session) == end.session { named(session.wrapping_add(1)) } else { named(session) };
+        end.session = if valid_session(session) == end.session {
+            valid_session(session.wrapping_add(1))
+        } else {
+            valid_session(session)
+        };
         end.state = LinkState::Greeting;
         end.due = Due::FIRST;
         end.forget_peer();
@@ -158,7 +162,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
     /// # Errors
     /// Reason why it was not accepted.
     pub fn send(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
-        self.end.must_be_up()?;
+        self.end.require_up()?;
         self.end.outbox.push(kind, payload)
     }
 
@@ -167,7 +171,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
     /// # Errors
     /// Reason why it was not accepted.
     pub fn offer(&mut self, kind: u8, now: Micros, ttl: Span, payload: &[u8]) -> Result<(), SendError> {
-        self.end.must_be_up()?;
+        self.end.require_up()?;
         let is_replaced = self.end.offers.put(kind, deadline(now, ttl), payload)?;
         self.end.counters.replaced = self.end.counters.replaced.wrapping_add(u32::from(is_replaced));
         Ok(())
@@ -186,7 +190,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
     /// Closes the link: sends one last frame.
     pub fn close(&mut self) {
         let was_up = self.end.state == LinkState::Up;
-        self.end.lose(Loss::Closed);
+        self.end.end_link(Loss::Closed);
         self.end.due.bye = was_up;
     }
 
@@ -242,7 +246,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
 }
 
 impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
-    fn must_be_up(&self) -> Result<(), SendError> {
+    fn require_up(&self) -> Result<(), SendError> {
         if self.state == LinkState::Up { Ok(()) } else { Err(SendError::Down) }
     }
 
@@ -253,13 +257,13 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         }
         let is_over = |since: Micros, limit: Span| now.since(since) >= Micros(u64::from(limit.0));
         if self.heard.is_none_or(|(at, _)| is_over(at, self.settings.lost_after)) {
-            self.lose(Loss::Silence);
+            self.end_link(Loss::Silence);
         } else if self.outbox.waiting_since().is_some_and(|since| is_over(since, self.settings.unacknowledged_after)) {
-            self.lose(Loss::Unacknowledged);
+            self.end_link(Loss::Unacknowledged);
         }
     }
 
-    fn lose(&mut self, loss: Loss) {
+    fn end_link(&mut self, loss: Loss) {
         if !matches!(self.state, LinkState::Lost(_)) {
             self.state = LinkState::Lost(loss);
         }
@@ -285,7 +289,7 @@ fn new_rto(settings: &LinkSettings) -> Rto {
 }
 
 /// A valid session number: replaces 0, which means none.
-const fn named(session: u32) -> u32 {
+const fn valid_session(session: u32) -> u32 {
     if session == 0 { u32::MAX } else { session }
 }
 

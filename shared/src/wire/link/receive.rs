@@ -2,7 +2,7 @@
 
 use super::{End, LinkState, Loss, NEVER, Received, Refusal};
 use crate::units::Micros;
-use crate::wire::frame::{Class, Frame, NO_SALT, VERSION};
+use crate::wire::frame::{Frame, FrameClass, NO_SALT, VERSION};
 use crate::wire::latest::expiry;
 use crate::wire::reliable::{Acked, Arrival};
 use crate::wire::session::{Echo, Hello, Peer};
@@ -14,7 +14,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if matches!(self.state, LinkState::Lost(_)) {
             return;
         }
-        if frame.salt == NO_SALT && frame.header.class == Class::Hello {
+        if frame.salt == NO_SALT && frame.header.class == FrameClass::Hello {
             self.on_hello(now, frame);
         } else if self.peer.is_some_and(|peer| frame.salt == peer.salt_in) && frame.version == VERSION {
             self.on_frame_of_peer(now, frame, take);
@@ -38,7 +38,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     fn on_bad_frame(&mut self) {
         count(&mut self.bad_in_a_row);
         if self.state == LinkState::Up && self.bad_in_a_row >= self.settings.bad_frames_max {
-            self.lose(Loss::Garbled);
+            self.end_link(Loss::Garbled);
         }
     }
 
@@ -57,7 +57,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         let knows_me = hello.peer_session == self.session;
         if self.peer.is_none_or(|peer| peer.session != hello.session) {
             if self.state == LinkState::Up {
-                return self.lose(Loss::PeerRestarted);
+                return self.end_link(Loss::PeerRestarted);
             }
             self.forget_peer();
             self.peer = Some(Peer::new(&self.settings, self.session, hello.session));
@@ -65,7 +65,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if self.state != LinkState::Up {
             self.state = LinkState::Greeting;
         }
-        if !self.hear(now, frame) {
+        if !self.register_frame(now, frame) {
             return;
         }
         if !knows_me {
@@ -82,7 +82,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     fn refuse(&mut self, refusal: Refusal) {
         match (self.state, refusal) {
             (LinkState::Up, Refusal::Role(role)) if role == self.settings.role as u8 => self.on_bad_frame(),
-            (LinkState::Up, _) => self.lose(Loss::PeerRestarted),
+            (LinkState::Up, _) => self.end_link(Loss::PeerRestarted),
             _ => self.state = LinkState::Refused(refusal),
         }
     }
@@ -98,7 +98,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     /// Registers a valid frame as a sign of life if its time stamp is later than all earlier ones. Returns whether to
     /// use it. A line keeps the order of frames and a retransmission has a new time stamp, so a frame with an earlier
     /// one is a copy.
-    fn hear(&mut self, now: Micros, frame: &Frame<'_>) -> bool {
+    fn register_frame(&mut self, now: Micros, frame: &Frame<'_>) -> bool {
         count(&mut self.counters.frames_in);
         let t_us = frame.header.t_us;
         let last_us = self.heard.filter(|_| self.state == LinkState::Up).map(|(_, last_us)| last_us);
@@ -119,23 +119,23 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     fn on_frame_of_peer(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
         let is_up = self.state == LinkState::Up;
         // The first frame must give a round trip: without one, the age of messages is unknown.
-        if !is_up && frame.header.class != Class::Heartbeat {
+        if !is_up && frame.header.class != FrameClass::Heartbeat {
             return;
         }
-        if !self.hear(now, frame) {
+        if !self.register_frame(now, frame) {
             return;
         }
-        if let Some(echo) = Some(frame.payload).filter(|_| frame.header.class == Class::Heartbeat) {
+        if let Some(echo) = Some(frame.payload).filter(|_| frame.header.class == FrameClass::Heartbeat) {
             let Ok(echo) = echo.try_into() else { return count(&mut self.counters.framing_errors) };
             self.on_echo(now, frame, Echo::decode(echo));
             self.come_up(now);
         }
         self.on_acknowledgement(now, frame);
         match frame.header.class {
-            Class::Reliable => self.on_reliable(now, frame, take),
-            Class::Latest => self.on_latest(now, frame, take),
-            Class::Bye => self.lose(Loss::PeerClosed),
-            Class::Hello | Class::Heartbeat | Class::Ack | Class::Nak | Class::Plain => {}
+            FrameClass::Reliable => self.on_reliable(now, frame, take),
+            FrameClass::Latest => self.on_latest(now, frame, take),
+            FrameClass::Bye => self.end_link(Loss::PeerClosed),
+            FrameClass::Hello | FrameClass::Heartbeat | FrameClass::Ack | FrameClass::Nak | FrameClass::Plain => {}
         }
     }
 
@@ -160,7 +160,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
             Acked::Impossible => count(&mut self.counters.bad_acks),
         }
         self.outbox.on_busy(now, frame.header.is_busy);
-        if frame.header.class == Class::Nak && self.outbox.on_nak(now, frame.header.ack, self.rto.srtt()) {
+        if frame.header.class == FrameClass::Nak && self.outbox.on_nak(now, frame.header.ack, self.rto.srtt()) {
             count(&mut self.counters.naks);
             self.due.delimiter = true;
         }
@@ -168,9 +168,9 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     }
 
     fn on_reliable(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
-        match self.inbox.judge(frame.header.seq) {
+        match self.inbox.classify(frame.header.seq) {
             Arrival::Next if self.is_ready => {
-                self.inbox.taken();
+                self.inbox.delivered();
                 self.due.nak = false;
                 let by = now.after(Micros(u64::from(self.settings.ack_delay.0)));
                 self.due.ack = Some(self.due.ack.map_or(by, |due| due.min(by)));
@@ -192,7 +192,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     }
 
     fn on_latest(&mut self, now: Micros, frame: &Frame<'_>, take: &mut dyn FnMut(Received<'_>)) {
-        if !self.newest.is_news(frame.header.seq) {
+        if !self.newest.accept_newer(frame.header.seq) {
             return count(&mut self.counters.outdated);
         }
         let Some((left_ms, payload)) = frame.payload.split_first_chunk::<2>() else {

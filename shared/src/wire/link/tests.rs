@@ -1,6 +1,6 @@
 use super::*;
 use crate::wire::deframer::Deframer;
-use crate::wire::frame::{Class, ENCODED_MAX, Header, NO_SALT, VERSION, encode};
+use crate::wire::frame::{ENCODED_MAX, FrameClass, Header, NO_SALT, VERSION, encode};
 use crate::wire::settings::Role;
 
 const SCHEMA: u32 = 0x5EED_0001;
@@ -28,7 +28,7 @@ fn frames(link: &mut End4, now: Micros) -> Vec<Vec<u8>> {
     }
 }
 
-fn class_of(frame: &[u8]) -> Class {
+fn class_of(frame: &[u8]) -> FrameClass {
     let mut deframer = Deframer::new();
     let class = frame.iter().find_map(|byte| deframer.push(*byte).map(|frame| frame.unwrap().header.class));
     class.unwrap()
@@ -125,7 +125,7 @@ fn a_value_held_up_on_the_way_is_dropped_at_its_end() {
     assert_eq!(take(&mut b, Micros(45_000), &held_up), []);
     assert_eq!(b.counters().expired_in, 1);
     a.offer(1, Micros(45_000), Span::from_ms(20), b"z").unwrap();
-    assert!(frames(&mut a, Micros(65_000)).iter().all(|frame| class_of(frame) != Class::Latest));
+    assert!(frames(&mut a, Micros(65_000)).iter().all(|frame| class_of(frame) != FrameClass::Latest));
     assert_eq!(a.counters().expired_out, 1);
 }
 
@@ -141,7 +141,7 @@ fn neither_class_holds_the_other_back() {
         let len = a.poll_transmit(Micros::from_ms(10), &mut out);
         classes.push(class_of(&out[..len]));
     }
-    use Class::{Latest, Reliable};
+    use FrameClass::{Latest, Reliable};
     assert_eq!(classes, [Latest, Reliable, Latest, Reliable, Latest, Reliable]);
 }
 
@@ -221,9 +221,9 @@ fn a_restarted_peer_is_noticed_by_its_first_frame_and_nothing_of_before_is_taken
 fn a_peer_that_hears_but_does_not_acknowledge_is_given_up() {
     let (mut a, mut b) = up();
     a.send(7, b"x").unwrap();
-    run((&mut a, &mut b), [5, 3_004], |to_b, frame| !(to_b && class_of(frame) == Class::Reliable));
+    run((&mut a, &mut b), [5, 3_004], |to_b, frame| !(to_b && class_of(frame) == FrameClass::Reliable));
     assert_eq!(a.state(), LinkState::Up);
-    run((&mut a, &mut b), [3_004, 3_010], |to_b, frame| !(to_b && class_of(frame) == Class::Reliable));
+    run((&mut a, &mut b), [3_004, 3_010], |to_b, frame| !(to_b && class_of(frame) == FrameClass::Reliable));
     assert_eq!(a.state(), LinkState::Lost(Loss::Unacknowledged));
     assert!(a.counters().timeouts > 2);
 }
@@ -250,7 +250,7 @@ fn goodbye_is_said_once_and_understood() {
     a.close();
     assert_eq!(a.poll_at(Micros(9_000)), Some(Micros(9_000)));
     let last = frames(&mut a, Micros(9_000));
-    assert_eq!((last.len(), class_of(&last[0]), a.poll_at(Micros(9_000))), (1, Class::Bye, None));
+    assert_eq!((last.len(), class_of(&last[0]), a.poll_at(Micros(9_000))), (1, FrameClass::Bye, None));
     take(&mut b, Micros(9_500), &last[0]);
     assert_eq!((a.state(), b.state()), (LinkState::Lost(Loss::Closed), LinkState::Lost(Loss::PeerClosed)));
 }
@@ -280,7 +280,7 @@ fn another_version_is_named_by_its_number() {
     let hello = frames(&mut b, Micros(0)).concat();
     let mut deframer = Deframer::new();
     let frame = hello.iter().find_map(|byte| deframer.push(*byte).map(|frame| frame.unwrap().payload.to_vec()));
-    let header = Header { class: Class::Hello, is_busy: false, kind: 0, seq: 0, ack: 0, t_us: 0 };
+    let header = Header { class: FrameClass::Hello, is_busy: false, kind: 0, seq: 0, ack: 0, t_us: 0 };
     let mut out = [0; ENCODED_MAX];
     let len = encode(&header, [&frame.unwrap(), &[]], NO_SALT, &mut out).unwrap();
     // The version is the first byte of the body; the next version's checksum is made anew.

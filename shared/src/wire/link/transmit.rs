@@ -5,7 +5,7 @@
 
 use super::{End, LinkState, NEVER};
 use crate::units::{Micros, Span};
-use crate::wire::frame::{Class, ENCODED_MAX, Header, NO_SALT, encode};
+use crate::wire::frame::{ENCODED_MAX, FrameClass, Header, NO_SALT, encode};
 use crate::wire::session::{Echo, Hello};
 
 impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
@@ -46,7 +46,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
             return 0;
         }
         self.due.bye = false;
-        self.put(now, (Class::Bye, 0, 0), [&[], &[]], out)
+        self.put(now, (FrameClass::Bye, 0, 0), [&[], &[]], out)
     }
 
     fn transmit_hello(&mut self, now: Micros, out: &mut [u8]) -> usize {
@@ -59,7 +59,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         let hello = Hello::new(&self.settings, self.session, peer_session, self.echo(now));
         // Bytes on the line before a hello are not ours.
         self.due.delimiter = true;
-        self.put(now, (Class::Hello, 0, 0), [&hello.encode(), &[]], out)
+        self.put(now, (FrameClass::Hello, 0, 0), [&hello.encode(), &[]], out)
     }
 
     fn transmit_up(&mut self, now: Micros, out: &mut [u8]) -> usize {
@@ -76,10 +76,10 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         if self.due.heartbeat <= now {
             self.due.heartbeat = later(now, self.settings.heartbeat);
             let echo = self.echo(now).encode();
-            return self.put(now, (Class::Heartbeat, 0, 0), [&echo, &[]], out);
+            return self.put(now, (FrameClass::Heartbeat, 0, 0), [&echo, &[]], out);
         }
         if self.due.nak {
-            return self.put(now, (Class::Nak, 0, 0), [&[], &[]], out);
+            return self.put(now, (FrameClass::Nak, 0, 0), [&[], &[]], out);
         }
         let is_reliable_waiting = self.outbox.next().is_some();
         if self.offers.any() && !(self.due.reliable && is_reliable_waiting) {
@@ -87,7 +87,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         } else if is_reliable_waiting {
             self.transmit_reliable(now, out)
         } else if self.due.ack.is_some_and(|due| due <= now) {
-            self.put(now, (Class::Ack, 0, 0), [&[], &[]], out)
+            self.put(now, (FrameClass::Ack, 0, 0), [&[], &[]], out)
         } else {
             0
         }
@@ -99,7 +99,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         self.offers.sent(kind);
         self.due.latest_seq = seq.wrapping_add(1);
         self.due.reliable = true;
-        self.put(now, (Class::Latest, kind, seq), [&left_ms.to_le_bytes(), &payload], out)
+        self.put(now, (FrameClass::Latest, kind, seq), [&left_ms.to_le_bytes(), &payload], out)
     }
 
     fn transmit_reliable(&mut self, now: Micros, out: &mut [u8]) -> usize {
@@ -108,7 +108,7 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
         self.outbox.next_was_sent(now, self.rto.rto());
         self.counters.retransmissions = self.counters.retransmissions.wrapping_add(u32::from(is_again));
         self.due.reliable = false;
-        self.put(now, (Class::Reliable, kind, seq), [&payload, &[]], out)
+        self.put(now, (FrameClass::Reliable, kind, seq), [&payload, &[]], out)
     }
 
     /// Echo of the peer's last time stamp and its age.
@@ -117,17 +117,23 @@ impl<const WINDOW: usize, const KINDS: usize> End<WINDOW, KINDS> {
     }
 
     /// Writes a frame; each one carries the acknowledgement.
-    fn put(&mut self, now: Micros, (class, kind, seq): (Class, u8, u16), payload: [&[u8]; 2], out: &mut [u8]) -> usize {
+    fn put(
+        &mut self,
+        now: Micros,
+        (class, kind, seq): (FrameClass, u8, u16),
+        payload: [&[u8]; 2],
+        out: &mut [u8],
+    ) -> usize {
         let ack = self.inbox.expected();
         let header = Header { class, is_busy: !self.is_ready, kind, seq, ack, t_us: now.0 as u32 };
-        let salt = self.peer.filter(|_| class != Class::Hello).map_or(NO_SALT, |peer| peer.salt_out);
+        let salt = self.peer.filter(|_| class != FrameClass::Hello).map_or(NO_SALT, |peer| peer.salt_out);
         let first = usize::from(self.due.delimiter);
         let Some((before, rest)) = out.split_at_mut_checked(first) else { return 0 };
         before.fill(0);
         let Some(len) = encode(&header, payload, salt, rest) else { return 0 };
         let len = len.saturating_add(first);
         (self.due.delimiter, self.due.ack) = (false, None);
-        self.due.nak &= class != Class::Nak;
+        self.due.nak &= class != FrameClass::Nak;
         self.counters.frames_out = self.counters.frames_out.wrapping_add(1);
         self.counters.bytes_out = self.counters.bytes_out.wrapping_add(len as u32);
         self.pace.sent(now, len);

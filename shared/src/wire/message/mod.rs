@@ -20,7 +20,7 @@ mod tools;
 
 pub mod parameters;
 
-pub mod sound;
+pub mod validation;
 
 pub mod staging;
 

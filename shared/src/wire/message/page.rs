@@ -21,7 +21,7 @@ use super::{Message, SCHEMA_HASH};
 use crate::cut::CutRule;
 use crate::job::Job;
 use crate::nc::settings::Decimals;
-use crate::nc::tape_code::Code;
+use crate::nc::tape_code::TapeCode;
 use crate::wire::frame::checksum;
 
 /// Maximum length of a page, bytes.
@@ -52,9 +52,9 @@ pub enum PageError {
 
 /// Properties of the tapped line and its control; configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tapped {
+pub struct TappedLine {
     /// Code of the line; `None`: ISO or EIA, detected for each program.
-    pub code: Option<Code>,
+    pub code: Option<TapeCode>,
     /// Unit of a number without a decimal point.
     pub decimals: Decimals,
 }
@@ -66,9 +66,9 @@ pub type Page = heapless::Vec<u8, PAGE_MAX>;
 ///
 /// # Errors
 /// A job that cannot be sent to a board, or not to one without a host.
-pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
-    if let Some(index) = job.rules.iter().position(CutRule::is_told_along) {
-        return Err(ParametersError::Along(index));
+pub fn write(job: &Job, tapped: TappedLine) -> Result<Page, ParametersError> {
+    if let Some(index) = job.rules.iter().position(CutRule::expects_engagement_per_move) {
+        return Err(ParametersError::EngagementPerMove(index));
     }
     let mut entries = Page::new();
     let mut has_room = true;
@@ -81,9 +81,9 @@ pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
     })?;
     let code = match tapped.code {
         None => 0,
-        Some(Code::Iso) => 1,
-        Some(Code::Eia) => 2,
-        Some(Code::Ascii) => 3,
+        Some(TapeCode::Iso) => 1,
+        Some(TapeCode::Eia) => 2,
+        Some(TapeCode::Ascii) => 3,
     };
     let decimals = match tapped.decimals {
         Decimals::LeastIncrement => 0,
@@ -103,7 +103,7 @@ pub fn write(job: &Job, tapped: Tapped) -> Result<Page, ParametersError> {
 ///
 /// # Errors
 /// See [`PageError`].
-pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Tapped), PageError> {
+pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, TappedLine), PageError> {
     if page.iter().take(HEADER_LEN).all(|byte| *byte == ERASED) {
         return Err(PageError::Blank);
     }
@@ -126,9 +126,9 @@ pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Tappe
     }
     let code = match code {
         0 => None,
-        1 => Some(Code::Iso),
-        2 => Some(Code::Eia),
-        3 => Some(Code::Ascii),
+        1 => Some(TapeCode::Iso),
+        2 => Some(TapeCode::Eia),
+        3 => Some(TapeCode::Ascii),
         _ => return Err(PageError::Form),
     };
     let decimals = match decimals {
@@ -136,7 +136,7 @@ pub fn read<'s>(page: &[u8], staging: &'s mut Staging) -> Result<(&'s Job, Tappe
         1 => Decimals::Calculator,
         _ => return Err(PageError::Form),
     };
-    stage(entries, staging).map(|job| (job, Tapped { code, decimals })).map_err(PageError::Set)
+    stage(entries, staging).map(|job| (job, TappedLine { code, decimals })).map_err(PageError::Set)
 }
 
 fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, RefusalCode> {
@@ -146,7 +146,7 @@ fn stage<'s>(mut entries: &[u8], staging: &'s mut Staging) -> Result<&'s Job, Re
         match Message::decode(kind, payload).map_err(|_| RefusalCode::Message)? {
             Message::Begin(begin) => staging.begin(begin.set)?,
             Message::Commit(commit) => return staging.commit(&commit),
-            message => staging.take(&message)?,
+            message => staging.add(&message)?,
         }
         entries = rest;
     }
@@ -162,9 +162,10 @@ mod tests {
 
     #[test]
     fn a_job_lies_there_as_it_was_to_the_bit() {
-        for (job, code) in [(ring_job(), None), (mill_job(), Some(Code::Eia)), (ring_job(), Some(Code::Ascii))] {
+        for (job, code) in [(ring_job(), None), (mill_job(), Some(TapeCode::Eia)), (ring_job(), Some(TapeCode::Ascii))]
+        {
             let decimals = if code.is_none() { Decimals::Calculator } else { Decimals::LeastIncrement };
-            let tapped = Tapped { code, decimals };
+            let tapped = TappedLine { code, decimals };
             let page = write(&job, tapped).unwrap();
             let mut staging = Staging::new();
             assert_eq!(read(&page, &mut staging), Ok((&job, tapped)));
@@ -176,13 +177,13 @@ mod tests {
     #[test]
     fn a_rule_whose_arcs_come_with_each_segment_is_no_tapped_boards() {
         let mut job = ring_job();
-        job.rules[3].work = Work::Ring(Edge::Outer, Stock::Along);
-        assert_eq!(write(&job, Tapped::default()), Err(ParametersError::Along(3)));
+        job.rules[3].work = Work::Ring(Edge::Outer, Stock::PerMove);
+        assert_eq!(write(&job, TappedLine::default()), Err(ParametersError::EngagementPerMove(3)));
     }
 
     #[test]
     fn a_page_with_any_byte_altered_or_cut_off_is_none() {
-        let page = write(&ring_job(), Tapped { code: Some(Code::Iso), ..Tapped::default() }).unwrap();
+        let page = write(&ring_job(), TappedLine { code: Some(TapeCode::Iso), ..TappedLine::default() }).unwrap();
         let mut staging = Staging::new();
         for at in 0..page.len() {
             for bit in 0..8 {
@@ -200,7 +201,7 @@ mod tests {
         assert_eq!(read(&[ERASED; PAGE_MAX], &mut staging), Err(PageError::Blank));
         assert_eq!(read(&[], &mut staging), Err(PageError::Blank));
         assert_eq!(read(&[0; 64], &mut staging), Err(PageError::Form));
-        let mut page = write(&mill_job(), Tapped::default()).unwrap();
+        let mut page = write(&mill_job(), TappedLine::default()).unwrap();
         page[4] ^= 1;
         assert_eq!(read(&page, &mut staging), Err(PageError::Schema));
     }

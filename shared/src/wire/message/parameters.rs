@@ -1,6 +1,6 @@
 //! Encoding of a job as a set of parameters: `Begin`, one message for each part, `Commit` with a checksum over them.
 
-use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
 use crate::engaged::EngagedKnot;
 use crate::job::{FeedPolicy, Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
 use crate::nc::modal::Turn;
@@ -23,7 +23,7 @@ pub enum ParametersError {
     /// The job does not fit a page of flash.
     Large,
     /// The rule of this index expects its engagement with each segment, which a tapped line does not provide.
-    Along(usize),
+    EngagementPerMove(usize),
 }
 
 /// Running checksum of a set: CRC-32C over kind and payload of each message.
@@ -38,7 +38,7 @@ impl SetSum {
     pub const NONE: SetSum = SetSum { remainder: u32::MAX, messages: 0 };
 
     /// Adds the next message.
-    pub fn take(&mut self, message: &Message) {
+    pub fn add(&mut self, message: &Message) {
         let mut buffer = [0; PAYLOAD_MAX];
         let length = message.encode(&mut buffer).unwrap_or_default();
         self.byte(message.kind());
@@ -61,16 +61,16 @@ impl SetSum {
     }
 }
 
-/// Passes the messages of a set to `give`, in order. `set` must not be 0 or the number of the previous set.
+/// Passes the messages of a set to `emit`, in order. `set` must not be 0 or the number of the previous set.
 ///
 /// # Errors
 /// See [`ParametersError`]; the messages passed so far are then not a complete set.
-pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
-    give(table::Begin { set }.into());
+pub fn messages(job: &Job, set: u32, emit: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
+    emit(table::Begin { set }.into());
     let mut sum = SetSum::NONE;
     let mut part = |message: Message| {
-        sum.take(&message);
-        give(message);
+        sum.add(&message);
+        emit(message);
     };
     part(basics(job)?.into());
     part(limits(job)?.into());
@@ -88,7 +88,7 @@ pub fn messages(job: &Job, set: u32, give: &mut dyn FnMut(Message)) -> Result<()
             count += 1;
         }
     }
-    give(sum.commit(set).into());
+    emit(sum.commit(set).into());
     Ok(())
 }
 
@@ -188,7 +188,7 @@ fn cut_rule(index: u8, rule: &CutRule, part: &mut dyn FnMut(Message)) -> Result<
         Some(Stock::Convex(lines)) => (StockCode::Convex, lines.len() as u8),
         Some(Stock::Disc { .. }) => (StockCode::Disc, 1),
         Some(Stock::Engaged(engaged)) => (StockCode::Engaged, engaged.knots().len() as u8),
-        Some(Stock::Along) => (StockCode::Along, 0),
+        Some(Stock::PerMove) => (StockCode::Along, 0),
     };
     let feed_per_tooth = rule.feed_per_tooth.map(|feed| q40(feed.0)).transpose()?;
     part(
@@ -225,27 +225,27 @@ fn stock_of(stock: &Stock, part: &mut dyn FnMut(Message)) -> Result<(), Paramete
             part(table::EngagedArcs { travelled, outer: outer.units(), inner: inner.units() }.into());
             Ok(())
         }),
-        Stock::Along => Ok(()),
+        Stock::PerMove => Ok(()),
     }
 }
 
 const fn moves_code(moves: Moves) -> MovesCode {
     match moves {
-        Moves::Rotations(Rotation::Interior, Turn::Cw) => MovesCode::InteriorCw,
-        Moves::Rotations(Rotation::Interior, Turn::Ccw) => MovesCode::InteriorCcw,
-        Moves::Rotations(Rotation::Exterior, Turn::Cw) => MovesCode::ExteriorCw,
-        Moves::Rotations(Rotation::Exterior, Turn::Ccw) => MovesCode::ExteriorCcw,
+        Moves::Rotations(RotationCircle::Interior, Turn::Cw) => MovesCode::InteriorCw,
+        Moves::Rotations(RotationCircle::Interior, Turn::Ccw) => MovesCode::InteriorCcw,
+        Moves::Rotations(RotationCircle::Exterior, Turn::Cw) => MovesCode::ExteriorCw,
+        Moves::Rotations(RotationCircle::Exterior, Turn::Ccw) => MovesCode::ExteriorCcw,
         Moves::Arcs(Turn::Cw) => MovesCode::ArcsCw,
         Moves::Arcs(Turn::Ccw) => MovesCode::ArcsCcw,
         Moves::Lines => MovesCode::Lines,
     }
 }
 
-const fn mill_code(side: Side) -> WorkCode {
+const fn mill_code(side: ContourSide) -> WorkCode {
     match side {
-        Side::Inside => WorkCode::MillInside,
-        Side::Outside => WorkCode::MillOutside,
-        Side::Slot => WorkCode::MillSlot,
+        ContourSide::Inside => WorkCode::MillInside,
+        ContourSide::Outside => WorkCode::MillOutside,
+        ContourSide::Slot => WorkCode::MillSlot,
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Entry {
     /// Name.
     pub name: &'static str,
     /// Class and direction.
-    pub class: Class,
+    pub class: MessageClass,
     /// Meaning.
     pub meaning: &'static str,
     /// Fields in their order.
@@ -50,7 +50,7 @@ pub struct FieldEntry {
 
 /// Class and direction of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub enum MessageClass {
     /// Host to board, reliable and in order.
     Down,
     /// Board to host, reliable and in order.
@@ -68,14 +68,14 @@ impl FieldType {
     }
 }
 
-impl Class {
+impl MessageClass {
     /// Label in the documents.
     pub const fn label(self) -> &'static str {
         match self {
-            Class::Down => "host to board, reliable",
-            Class::Up => "board to host, reliable",
-            Class::Latest => "board to host, latest",
-            Class::Machine => "machine line",
+            MessageClass::Down => "host to board, reliable",
+            MessageClass::Up => "board to host, reliable",
+            MessageClass::Latest => "board to host, latest",
+            MessageClass::Machine => "machine line",
         }
     }
 }
@@ -122,7 +122,7 @@ mod tests {
     const U8: FieldType = FieldType::plain("u8");
     const U16: FieldType = FieldType::plain("u16");
     const FIELDS: &[FieldEntry] = &[field("a", U8), field("b", U16)];
-    const ENTRY: Entry = Entry { kind: 1, name: "One", class: Class::Down, meaning: "", fields: FIELDS };
+    const ENTRY: Entry = Entry { kind: 1, name: "One", class: MessageClass::Down, meaning: "", fields: FIELDS };
 
     #[test]
     fn any_difference_is_another_hash() {
@@ -133,8 +133,12 @@ mod tests {
             &[FIELDS[0], field("b", FieldType { count: 2, ..U16 })],
             &[],
         ];
-        let entries =
-            [ENTRY, Entry { kind: 2, ..ENTRY }, Entry { name: "Two", ..ENTRY }, Entry { class: Class::Up, ..ENTRY }];
+        let entries = [
+            ENTRY,
+            Entry { kind: 2, ..ENTRY },
+            Entry { name: "Two", ..ENTRY },
+            Entry { class: MessageClass::Up, ..ENTRY },
+        ];
         let entries =
             [&entries[..], &OTHERS.iter().map(|fields| Entry { fields, ..ENTRY }).collect::<Vec<_>>()].concat();
         let mut hashes: Vec<u32> = entries.iter().map(|entry| hash(&[*entry])).collect();

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
 use crate::engaged::{EngagedError, EngagedTable};
 use crate::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
 use crate::knots::{KnotRange, Knots};
@@ -15,9 +15,9 @@ use crate::units::{DegPerMin, LengthUnit, Mm, MmPerMin, MmPerTooth, Nm, RevPerMi
 use super::codes::{MovesCode, PolicyCode, RefusalCode, StockCode, UnitCode, WorkCode};
 use super::moves::decode_arcs;
 use super::parameters::SetSum;
-use super::sound;
 use super::table::{self, Message};
 use super::tools;
+use super::validation;
 
 /// Bits of the messages that a complete set must contain besides its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
@@ -87,11 +87,11 @@ impl Staging {
     ///
     /// # Errors
     /// Reason why it is not part of a valid set.
-    pub fn take(&mut self, message: &Message) -> Result<(), RefusalCode> {
+    pub fn add(&mut self, message: &Message) -> Result<(), RefusalCode> {
         if self.set == 0 {
             return Err(RefusalCode::NoSet);
         }
-        self.sum.take(message);
+        self.sum.add(message);
         let taken = self.part(message);
         if taken.is_err() {
             self.forget();
@@ -111,7 +111,7 @@ impl Staging {
             Err(RefusalCode::Checksum)
         } else if self.seen & NEEDED != NEEDED || self.tools == 0 || self.awaits_law || self.due.1 > 0 {
             Err(RefusalCode::Incomplete)
-        } else if !sound::is_sound(&self.job) {
+        } else if !validation::is_valid(&self.job) {
             Err(RefusalCode::Value)
         } else {
             Ok(&self.job)
@@ -268,7 +268,7 @@ impl Staging {
         };
         match self.stock(StockCode::Convex)? {
             Stock::Convex(lines) => lines.push(line).map_err(|_| RefusalCode::Full),
-            Stock::Disc { .. } | Stock::Engaged(_) | Stock::Along => Err(RefusalCode::Order),
+            Stock::Disc { .. } | Stock::Engaged(_) | Stock::PerMove => Err(RefusalCode::Order),
         }
     }
 
@@ -283,7 +283,7 @@ impl Staging {
         let knot = decode_arcs(travelled, [outer, inner]).map_err(|_| RefusalCode::Value)?;
         let taken = match self.stock(StockCode::Engaged)? {
             Stock::Engaged(table) => table.push(knot),
-            stock => EngagedTable::beginning(knot).map(|table| *stock = Stock::Engaged(table)),
+            stock => EngagedTable::with_first(knot).map(|table| *stock = Stock::Engaged(table)),
         };
         taken.map_err(|error| match error {
             EngagedError::Count => RefusalCode::Full,
@@ -296,11 +296,11 @@ fn work(rule: &table::Rule) -> Result<Work, RefusalCode> {
     let mill = |side| Work::Mill { side, radial_depth: Nm(rule.radial_depth) };
     let ring = |edge| Work::Ring(edge, Stock::everywhere());
     match (rule.work, rule.stock) {
-        (WorkCode::MillInside, StockCode::None) => Ok(mill(Side::Inside)),
-        (WorkCode::MillOutside, StockCode::None) => Ok(mill(Side::Outside)),
-        (WorkCode::MillSlot, StockCode::None) => Ok(mill(Side::Slot)),
-        (WorkCode::RingOuter, StockCode::Along) => Ok(Work::Ring(Edge::Outer, Stock::Along)),
-        (WorkCode::RingInner, StockCode::Along) => Ok(Work::Ring(Edge::Inner, Stock::Along)),
+        (WorkCode::MillInside, StockCode::None) => Ok(mill(ContourSide::Inside)),
+        (WorkCode::MillOutside, StockCode::None) => Ok(mill(ContourSide::Outside)),
+        (WorkCode::MillSlot, StockCode::None) => Ok(mill(ContourSide::Slot)),
+        (WorkCode::RingOuter, StockCode::Along) => Ok(Work::Ring(Edge::Outer, Stock::PerMove)),
+        (WorkCode::RingInner, StockCode::Along) => Ok(Work::Ring(Edge::Inner, Stock::PerMove)),
         (WorkCode::RingOuter, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Outer)),
         (WorkCode::RingInner, StockCode::Convex | StockCode::Disc | StockCode::Engaged) => Ok(ring(Edge::Inner)),
         _ => Err(RefusalCode::Value),
@@ -309,10 +309,10 @@ fn work(rule: &table::Rule) -> Result<Work, RefusalCode> {
 
 const fn moves(code: MovesCode) -> Moves {
     match code {
-        MovesCode::InteriorCw => Moves::Rotations(Rotation::Interior, Turn::Cw),
-        MovesCode::InteriorCcw => Moves::Rotations(Rotation::Interior, Turn::Ccw),
-        MovesCode::ExteriorCw => Moves::Rotations(Rotation::Exterior, Turn::Cw),
-        MovesCode::ExteriorCcw => Moves::Rotations(Rotation::Exterior, Turn::Ccw),
+        MovesCode::InteriorCw => Moves::Rotations(RotationCircle::Interior, Turn::Cw),
+        MovesCode::InteriorCcw => Moves::Rotations(RotationCircle::Interior, Turn::Ccw),
+        MovesCode::ExteriorCw => Moves::Rotations(RotationCircle::Exterior, Turn::Cw),
+        MovesCode::ExteriorCcw => Moves::Rotations(RotationCircle::Exterior, Turn::Ccw),
         MovesCode::ArcsCw => Moves::Arcs(Turn::Cw),
         MovesCode::ArcsCcw => Moves::Arcs(Turn::Ccw),
         MovesCode::Lines => Moves::Lines,

@@ -6,7 +6,7 @@ use super::codes::{
 };
 use super::field::{Chunk, DecodeError, EncodeError, Field, Reader, Writer};
 use super::fixed::{Q40, Q46, Q62};
-use super::schema::{Class, Entry, FieldEntry};
+use super::schema::{Entry, FieldEntry, MessageClass};
 
 /// Types, codecs and schema of messages from one table.
 macro_rules! messages {
@@ -56,7 +56,7 @@ macro_rules! messages {
             $(Entry {
                 kind: $kind,
                 name: stringify!($name),
-                class: Class::$class,
+                class: MessageClass::$class,
                 meaning: $doc,
                 fields: $name::FIELDS,
             },)+

@@ -3,7 +3,7 @@
 use super::field::PAYLOAD_MAX;
 use super::schema::{Entry, FieldType, Optional};
 use super::*;
-use crate::cut::{CutRule, Moves, Rotation, Side, Work};
+use crate::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
 use crate::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
 use crate::job::{FeedPolicy, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools};
 use crate::knots::{KnotRange, Knots};
@@ -198,7 +198,10 @@ pub(super) fn ring_job() -> Job {
     ];
     let rule = |(index, stock): (usize, Stock)| CutRule {
         tool: 0,
-        moves: Moves::Rotations(if index % 2 == 0 { Rotation::Interior } else { Rotation::Exterior }, Turn::Ccw),
+        moves: Moves::Rotations(
+            if index % 2 == 0 { RotationCircle::Interior } else { RotationCircle::Exterior },
+            Turn::Ccw,
+        ),
         work: Work::Ring(if index % 3 == 0 { Edge::Outer } else { Edge::Inner }, stock),
         feed_per_tooth: (index == 1).then_some(MmPerTooth(0.0777)),
         table: None,
@@ -230,7 +233,7 @@ pub(super) fn mill_job() -> Job {
     let ranges: [KnotRange; 2] = [0.05, 0.06].map(|feed| knots.add(&table(feed)).unwrap());
     let rule = |(side, range)| CutRule {
         tool: 0,
-        moves: if side == Side::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
+        moves: if side == ContourSide::Slot { Moves::Lines } else { Moves::Arcs(Turn::Cw) },
         work: Work::Mill { side, radial_depth: Nm(1_500_000) },
         feed_per_tooth: None,
         table: Some(range),
@@ -242,7 +245,7 @@ pub(super) fn mill_job() -> Job {
         tools: Tools::one(setup(Tool::EndMill(EndMill { radius: Nm(6_000_000), teeth: 4 }), LawKind::Table)),
         policy: FeedPolicy::OverrideOnly,
         machine: MachineLimits::default(),
-        rules: [(Side::Slot, ranges[1]), (Side::Inside, ranges[0])].into_iter().map(rule).collect(),
+        rules: [(ContourSide::Slot, ranges[1]), (ContourSide::Inside, ranges[0])].into_iter().map(rule).collect(),
         knots,
         ..ring_job()
     }

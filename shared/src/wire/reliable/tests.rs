@@ -82,13 +82,13 @@ fn sequence_numbers_go_on_beyond_their_wrap() {
     for count in 0..70_000_u32 {
         outbox.push(0, &count.to_le_bytes()).unwrap();
         let (seq, ..) = outbox.next().unwrap();
-        assert_eq!((seq, inbox.judge(seq)), (count as u16, Arrival::Next));
+        assert_eq!((seq, inbox.classify(seq)), (count as u16, Arrival::Next));
         assert_eq!(
-            (inbox.judge(seq.wrapping_add(1)), inbox.judge(seq.wrapping_sub(1))),
+            (inbox.classify(seq.wrapping_add(1)), inbox.classify(seq.wrapping_sub(1))),
             (Arrival::Gap, Arrival::Again)
         );
         outbox.next_was_sent(Micros(0), RTO);
-        inbox.taken();
+        inbox.delivered();
         assert_ne!(outbox.on_ack(Micros(1), inbox.expected(), RTO), Acked::Impossible);
     }
     assert!(outbox.is_empty());

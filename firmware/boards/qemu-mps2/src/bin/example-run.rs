@@ -140,7 +140,7 @@ fn main() -> ! {
         }
     }
     defmt::info!("example: {=usize} blocks, a tick every {=u32} us", EXAMPLE.blocks.len(), TICK.0);
-    let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
+    let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: TICK };
     // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
     unsafe {
         let io = BoardIo { segment: None, input: Input::of(measured), line: Registers::start_transmitter(UART1) };

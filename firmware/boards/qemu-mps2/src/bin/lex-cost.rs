@@ -18,7 +18,7 @@
 use core::hint::black_box;
 
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::{Handed, Tap};
+use arcfeed_firmware::tap::{TapSegment, Tap};
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{ibr_slot, pocket_contour};
 use arcfeed_qemu_mps2::figures::Costs;
@@ -27,8 +27,8 @@ use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::{Parsed, Reading};
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::tape_code::Code;
-use arcfeed_shared::reader::{Reader, Understood};
+use arcfeed_shared::nc::tape_code::TapeCode;
+use arcfeed_shared::reader::{Reader, InterpretedLine};
 use arcfeed_shared::units::Micros;
 use cortex_m_semihosting::{debug, hprintln};
 
@@ -75,7 +75,7 @@ fn lines(program: &[u8]) -> impl Iterator<Item = &[u8]> {
 #[inline(never)]
 fn count_reading(counter: &InstructionCounter, name: &str, program: &[u8], job: &Job) {
     let (mut lex, mut read) = (Costs::default(), Costs::default());
-    let (mut reader, mut understood) = (Reader::new(job.unit, Reading::Lenient), Understood::default());
+    let (mut reader, mut understood) = (Reader::new(job.unit, Reading::Lenient), InterpretedLine::default());
     let mut parsed = Parsed::default();
     for line in lines(program) {
         let (of_lexer, _) = counter.of(|| parsed.read(black_box(line), Reading::Lenient).is_ok());
@@ -93,7 +93,7 @@ fn count_reading(counter: &InstructionCounter, name: &str, program: &[u8], job: 
 #[inline(never)]
 fn count_tap(counter: &InstructionCounter, program: &[u8], job: &Job) -> Figures {
     let mut figures = Figures::default();
-    let settings = TapSettings { code: Some(Code::Ascii), ..TapSettings::new(job.unit) };
+    let settings = TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(job.unit) };
     let Ok(mut tap) = Tap::<ROOM>::new(settings) else { leave(debug::EXIT_FAILURE) };
     let (mut position, mut done) = (Pose::ORIGIN, 0);
     for _ in 0..BEFORE {
@@ -112,7 +112,7 @@ fn count_tap(counter: &InstructionCounter, program: &[u8], job: &Job) -> Figures
             let painted = Painted::below_here();
             let (cost, handed) = counter.of(|| hand_out(&mut tap, black_box(job)));
             figures.note_stack(painted);
-            let Some(Handed { count, segment }) = handed else { break };
+            let Some(TapSegment { count, segment }) = handed else { break };
             figures.segment.add(cost);
             figures.block.add(of_block + cost);
             (position, done) = (*segment.end(), count + 1);
@@ -132,7 +132,7 @@ fn hear(tap: &mut Tap<ROOM>, byte: u8) -> u8 {
 }
 
 #[inline(never)]
-fn hand_out(tap: &mut Tap<ROOM>, job: &Job) -> Option<Handed> {
+fn hand_out(tap: &mut Tap<ROOM>, job: &Job) -> Option<TapSegment> {
     tap.next(job)
 }
 

@@ -25,7 +25,7 @@ use arcfeed_qemu_mps2::stack::Painted;
 use arcfeed_qemu_mps2::uart::{Registers, UART1};
 use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::tape_code::Code;
+use arcfeed_shared::nc::tape_code::TapeCode;
 use arcfeed_shared::units::Micros;
 use cortex_m_semihosting::debug;
 use heapless::Deque;
@@ -100,7 +100,7 @@ fn main() -> ! {
 /// The tap in its place, with the axes seen at rest. What building it needs of the stack is not its own any more.
 #[inline(never)]
 fn start(job: &Job) -> Option<&'static mut Line> {
-    let settings = TapSettings { code: Some(Code::Ascii), ..TapSettings::new(job.unit) };
+    let settings = TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(job.unit) };
     let tap = Tap::new(settings).ok()?;
     // SAFETY: no handler runs, and nobody else takes it.
     let tap = unsafe {
@@ -115,7 +115,7 @@ fn start(job: &Job) -> Option<&'static mut Line> {
 
 impl Tick {
     fn new(job: &Job) -> Option<Self> {
-        let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: TICK };
+        let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: TICK };
         Some(Tick {
             supervisor: Supervisor::new(job, Settings::default()).ok()?,
             memory: Memory::armed(),

@@ -124,7 +124,7 @@ fn count_circumference(counter: &InstructionCounter) {
 fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block, &Pose)) -> Figures {
     let Ok(supervisor) = Supervisor::new(&case.job, Settings::default()) else { leave(debug::EXIT_FAILURE) };
     let supervisor = supervisor.with_filter(case.filter);
-    let measured = controller::Input { position: None, spindle: case.job.tools.first().spindle, dt: TICK };
+    let measured = controller::Measurement { position: None, spindle: case.job.tools.first().spindle, dt: TICK };
     let mut board = BoardIo { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED };
     let (mut task, mut figures, mut random) = (Task::from(Memory::armed()), Figures::default(), Random::new(SEED));
     let mut block = None;
@@ -136,7 +136,7 @@ fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block,
                 let conditions = Conditions::of(segment, rule, &case.job);
                 let (cost, active) = counter.of(|| match (case.other_law)(next, &case.job) {
                     Some(law) => ActiveSegment::with_law(segment, &law, &conditions, &case.job),
-                    None => ActiveSegment::under(segment, &conditions, &case.job),
+                    None => ActiveSegment::with_conditions(segment, &conditions, &case.job),
                 });
                 figures.prepare.add(cost);
                 (count, active)

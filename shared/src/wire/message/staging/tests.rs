@@ -23,7 +23,7 @@ fn staged(staging: &mut Staging, all: &[Message]) -> Result<Job, RefusalCode> {
         match message {
             Message::Begin(begin) => staging.begin(begin.set)?,
             Message::Commit(commit) => return staging.commit(commit).cloned(),
-            part => staging.take(part)?,
+            part => staging.add(part)?,
         }
     }
     panic!("a set without an end")
@@ -39,7 +39,7 @@ fn a_job_arrives_as_it_was_to_the_bit() {
     let others = laws.map(|law| with_law(mill_job(), law));
     let mut staging = Staging::new();
     let mut along = with_law(mill_job(), LawKind::EngagedArc { both_edges: false });
-    along.rules[0].work = Work::Ring(Edge::Outer, Stock::Along);
+    along.rules[0].work = Work::Ring(Edge::Outer, Stock::PerMove);
     let jobs = [ring_job(), mill_job(), two_tool_job(), with_law(ring_job(), LawKind::Circumference), along];
     for job in jobs.iter().chain(&others) {
         assert_eq!(staged(&mut staging, &set_of(job, 5)).as_ref(), Ok(job));
@@ -80,11 +80,11 @@ fn a_set_that_lost_gained_or_swapped_a_message_is_no_set() {
 fn nothing_of_a_refused_set_stays() {
     let mut staging = Staging::new();
     let (good, other) = (set_of(&ring_job(), 3), set_of(&mill_job(), 4));
-    assert_eq!(staging.take(&good[1]), Err(RefusalCode::NoSet));
+    assert_eq!(staging.add(&good[1]), Err(RefusalCode::NoSet));
     staging.begin(3).unwrap();
-    staging.take(&good[1]).unwrap();
-    assert_eq!(staging.take(&good[1]), Err(RefusalCode::Incomplete));
-    assert_eq!((staging.set(), staging.take(&good[2])), (0, Err(RefusalCode::NoSet)));
+    staging.add(&good[1]).unwrap();
+    assert_eq!(staging.add(&good[1]), Err(RefusalCode::Incomplete));
+    assert_eq!((staging.set(), staging.add(&good[2])), (0, Err(RefusalCode::NoSet)));
     assert_eq!(staged(&mut staging, &other), Ok(mill_job()));
     let Message::Commit(commit) = other[other.len() - 1] else { unreachable!() };
     assert_eq!(staging.commit(&commit), Err(RefusalCode::NoSet), "a set counts once");
@@ -102,7 +102,7 @@ fn altered(job: &Job, alter: impl Fn(Message) -> Option<Message>) -> Vec<Message
             *message = other;
             altered += 1;
         }
-        sum.take(message);
+        sum.add(message);
     }
     assert!(altered > 0);
     all[last] = sum.commit(3).into();
@@ -166,7 +166,7 @@ fn a_tool_comes_before_its_law_and_both_before_its_rules() {
         ([all[tool], all[tool + 1]].repeat(TOOLS_MAX + 1), Err(RefusalCode::Full)),
     ] {
         staging.begin(3).unwrap();
-        assert_eq!(parts.iter().try_for_each(|part| staging.take(part)), expected, "{parts:?}");
+        assert_eq!(parts.iter().try_for_each(|part| staging.add(part)), expected, "{parts:?}");
     }
     let unnumbered = altered(&two_tool_job(), |m| {
         if let Message::Tool(t) = m { Some(table::Tool { number: None, ..t }.into()) } else { None }
@@ -184,9 +184,9 @@ fn engaged_arcs_of_a_rule_are_refused_by_what_is_wrong_with_them() {
     let mut staging = Staging::new();
     let mut take = |rule: table::Rule, knots: &[table::EngagedArcs]| {
         staging.begin(3)?;
-        tool.iter().try_for_each(|message| staging.take(message))?;
-        staging.take(&rule.into())?;
-        knots.iter().try_for_each(|knot| staging.take(&(*knot).into()))
+        tool.iter().try_for_each(|message| staging.add(message))?;
+        staging.add(&rule.into())?;
+        knots.iter().try_for_each(|knot| staging.add(&(*knot).into()))
     };
     let many: Vec<table::EngagedArcs> = (0..17).map(|at| arcs(at << 40, [0, 8_100])).collect();
     assert_eq!(take(rule, &many[..16]), Ok(()));
@@ -224,11 +224,11 @@ fn whatever_comes_staging_never_ends_but_in_a_sound_job_or_a_refusal() {
         }
         let mut sum = SetSum::NONE;
         let last = all.len() - 1;
-        all[1..last].iter().for_each(|message| sum.take(message));
+        all[1..last].iter().for_each(|message| sum.add(message));
         all[last] = sum.commit(1 + round).into();
         match staged(&mut staging, &all) {
             Ok(job) => {
-                assert!(sound::is_sound(&job));
+                assert!(validation::is_valid(&job));
                 accepted += 1;
             }
             Err(_) => refused += 1,

@@ -18,7 +18,7 @@ pub const WHOLE: i32 = 1_000;
 
 /// G51 or G51.1 in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stretch {
+pub struct AxisScaling {
     /// 510 for G51, 511 for G51.1.
     pub code: u16,
     /// Centre of the scaling; a fixed point.
@@ -27,24 +27,24 @@ pub struct Stretch {
     pub thousandths: [i32; 3],
 }
 
-impl Stretch {
+impl AxisScaling {
     /// Scales a point of the program into the coordinates that G68 rotates.
     pub fn apply(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
-            *axis = stretched(*axis, *center, by, WHOLE); // (1)
+            *axis = scaled_coordinate(*axis, *center, by, WHOLE); // (1)
         }
     }
 
     /// Inverse of [`Self::apply`].
     pub fn undo(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
-            *axis = stretched(*axis, *center, WHOLE, by);
+            *axis = scaled_coordinate(*axis, *center, WHOLE, by);
         }
     }
 
     /// Scales a vector of the program.
     pub fn vector(&self, axes: &mut [Nm; 3]) {
-        Stretch { center: [Nm(0); 3], ..*self }.apply(axes);
+        AxisScaling { center: [Nm(0); 3], ..*self }.apply(axes);
     }
 
     /// Scale of an arc's radius, in thousandths, and whether its sense is reversed; `None` if the result is not an
@@ -62,7 +62,7 @@ impl Stretch {
 }
 
 /// (1) for one axis, by `by / over`.
-pub fn stretched(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
+pub fn scaled_coordinate(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
     let (by, over) = (i64::from(by), i64::from(over));
     let part = point.saturating_sub(center).saturating_mul(by);
     let half = over.saturating_abs() / 2 * part.signum();
@@ -76,13 +76,13 @@ mod tests {
     #[test]
     fn there_and_back_is_within_half_an_original_nanometre_whatever_the_signs() {
         for by in [-3_000, -1_000, -333, 1, 333, 999_999] {
-            let stretch = Stretch { code: 510, center: [Nm(7); 3], thousandths: [by; 3] };
+            let scaling = AxisScaling { code: 510, center: [Nm(7); 3], thousandths: [by; 3] };
             for nm in [-1_000_001, -1, 0, 7, 8, 123_456_789] {
                 let mut axes = [Nm(nm); 3];
-                stretch.apply(&mut axes);
+                scaling.apply(&mut axes);
                 let exact = 7.0 + (nm - 7) as f64 * by as f64 / 1e3;
                 assert!((axes[0].0 as f64 - exact).abs() <= 0.5, "{nm} by {by}: {axes:?}");
-                stretch.undo(&mut axes);
+                scaling.undo(&mut axes);
                 assert!((axes[0].0 - nm).abs() as f64 <= 0.5 + 500.0 / by.abs() as f64, "{nm} by {by}: {axes:?}");
             }
         }

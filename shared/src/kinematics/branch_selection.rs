@@ -17,7 +17,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::forward::Pose;
+use super::forward::ToolPose;
 use super::inverse::{Angles, Unreachable};
 use super::machine::{Machine, RotaryAxis, TURNS_MAX};
 use super::vector::{TURN_DEG, wrapped_deg};
@@ -27,7 +27,7 @@ const SAME_DEG: f64 = 1e-9;
 
 /// A point of the path that the machine cannot reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unreached {
+pub struct UnreachablePoint {
     /// Index of the point.
     pub point: usize,
     /// Reason.
@@ -48,7 +48,11 @@ impl Machine {
     ///
     /// # Errors
     /// The first point that cannot be reached.
-    pub fn course(&self, poses: &[Pose], start_deg: Option<[f64; 2]>) -> Result<Vec<[f64; 2]>, Unreached> {
+    pub fn select_branches(
+        &self,
+        poses: &[ToolPose],
+        start_deg: Option<[f64; 2]>,
+    ) -> Result<Vec<[f64; 2]>, UnreachablePoint> {
         let mut layers: Vec<Vec<Candidate>> = Vec::with_capacity(poses.len());
         for (point, places) in self.places(poses, start_deg)?.into_iter().enumerate() {
             let arrive = |rotary_deg: [f64; 2]| match layers.last() {
@@ -60,7 +64,7 @@ impl Machine {
             };
             let layer: Vec<Candidate> = places.into_iter().filter_map(arrive).collect();
             if layer.is_empty() {
-                return Err(Unreached { point, why: Unreachable::Direction });
+                return Err(UnreachablePoint { point, why: Unreachable::Direction });
             }
             layers.push(layer);
         }
@@ -78,7 +82,7 @@ impl Machine {
     }
 
     /// Possible positions of the axes at each point.
-    fn places(&self, poses: &[Pose], start_deg: Option<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, Unreached> {
+    fn places(&self, poses: &[ToolPose], start_deg: Option<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, UnreachablePoint> {
         let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(poses.len());
         for (point, pose) in poses.iter().enumerate() {
             let found = if self.is_in_pole_cone(pose.axis) {
@@ -91,13 +95,13 @@ impl Machine {
             } else {
                 self.turns(pose)
             };
-            places.push(found.map_err(|why| Unreached { point, why })?);
+            places.push(found.map_err(|why| UnreachablePoint { point, why })?);
         }
         Ok(places)
     }
 
     /// All positions for a point outside the poles' cones, the smallest angles first.
-    fn turns(&self, pose: &Pose) -> Result<Vec<[f64; 2]>, Unreachable> {
+    fn turns(&self, pose: &ToolPose) -> Result<Vec<[f64; 2]>, Unreachable> {
         let [first, second] = self.rotary();
         let angles = self.angles(pose.axis);
         let branches: &[[f64; 2]] = match &angles {
@@ -124,7 +128,7 @@ impl Machine {
     }
 
     /// All positions for a point in a pole's cone with the first axis at one of `firsts`.
-    fn pole_places(&self, pose: &Pose, mut firsts: Vec<f64>) -> Result<Vec<[f64; 2]>, Unreachable> {
+    fn pole_places(&self, pose: &ToolPose, mut firsts: Vec<f64>) -> Result<Vec<[f64; 2]>, Unreachable> {
         let [_, second] = self.rotary();
         let Angles::Any { second_deg } = self.angles(self.nearest_pole(pose.axis)) else {
             return Err(Unreachable::Direction);
@@ -140,7 +144,7 @@ impl Machine {
     }
 
     /// Positions of the first axis that the first point outside the poles' cones needs.
-    fn firsts_ahead(&self, poses: &[Pose]) -> Vec<f64> {
+    fn firsts_ahead(&self, poses: &[ToolPose]) -> Vec<f64> {
         let ahead = poses.iter().find(|pose| !self.is_in_pole_cone(pose.axis)).and_then(|pose| self.turns(pose).ok());
         let firsts: Vec<f64> = ahead.into_iter().flatten().map(|place| place[0]).collect();
         if firsts.is_empty() { alloc::vec![self.free_first(0.0)] } else { firsts }
@@ -197,10 +201,10 @@ fn cheapest(costs: impl Iterator<Item = f64>) -> Option<(usize, f64)> {
     costs.enumerate().reduce(|best, next| if next.1 < best.1 - SAME_DEG { next } else { best })
 }
 
-impl fmt::Display for Unreached {
+impl fmt::Display for UnreachablePoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "point {}: {}", self.point + 1, self.why)
     }
 }
 
-impl core::error::Error for Unreached {}
+impl core::error::Error for UnreachablePoint {}

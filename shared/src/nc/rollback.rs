@@ -13,31 +13,31 @@ const PLAIN_LETTERS: u32 = letters(b"ABCFGIJKXYZ");
 /// Saved state.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and the large one is the rare one")]
-pub(crate) enum Before {
+pub(crate) enum Rollback {
     /// The fields that a plain block can change.
     Plain { motion: MotionKind, feed: Option<Nm>, position: Pose, program: Pose },
     /// The whole state.
     Whole(Modal),
 }
 
-impl Before {
+impl Rollback {
     /// Saves the state before a block whose G codes have not been applied yet.
     #[inline]
     pub fn new(modal: &Modal, block: &Block) -> Self {
-        let is_plain = modal.cycle.is_none() && modal.polar.is_none() && !modal.starts_up && !modal.is_unsettled;
+        let is_plain = modal.cycle.is_none() && modal.polar.is_none() && !modal.starts_up && !modal.rotation_pending;
         if !is_plain || block.may_have(!PLAIN_LETTERS) {
-            return Before::Whole(*modal);
+            return Rollback::Whole(*modal);
         }
         let Modal { motion, feed, position, program, .. } = *modal;
-        Before::Plain { motion, feed, position, program }
+        Rollback::Plain { motion, feed, position, program }
     }
 
     /// Extends the copy to the whole state, before a G code other than G0 to G3 is applied. Only G0 to G3 may have
     /// changed `modal` so far.
     #[inline(never)]
     pub fn keep_whole(&mut self, modal: &Modal) {
-        if let Before::Plain { motion, .. } = *self {
-            *self = Before::Whole(Modal { motion, ..*modal });
+        if let Rollback::Plain { motion, .. } = *self {
+            *self = Rollback::Whole(Modal { motion, ..*modal });
         }
     }
 
@@ -45,8 +45,8 @@ impl Before {
     #[cold]
     pub fn restore(self, modal: &mut Modal) {
         *modal = match self {
-            Before::Plain { motion, feed, position, program } => Modal { motion, feed, position, program, ..*modal },
-            Before::Whole(whole) => whole,
+            Rollback::Plain { motion, feed, position, program } => Modal { motion, feed, position, program, ..*modal },
+            Rollback::Whole(whole) => whole,
         }
     }
 }
@@ -82,10 +82,10 @@ mod tests {
                 line += WORDS[next(WORDS.len())];
             }
             let block = parse_line(line.as_bytes(), Reading::Lenient).unwrap().block;
-            let (state, mut before) = (modal, Before::new(&modal, &block));
-            let result = modal.advance(&block, (&settings, &tables), &mut step, &mut before);
+            let (state, mut rollback) = (modal, Rollback::new(&modal, &block));
+            let result = modal.advance(&block, (&settings, &tables), &mut step, &mut rollback);
             let after = modal;
-            before.restore(&mut modal);
+            rollback.restore(&mut modal);
             assert_eq!(modal, state, "{line}: {result:?}");
             match result {
                 Ok(()) => modal = after,

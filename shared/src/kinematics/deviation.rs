@@ -12,7 +12,7 @@
 //!
 //! Source: Tournier, 2 and 4.1.1 ("kinematical errors"); the measure is ours.
 
-use super::forward::{Axes, Pose, Setup};
+use super::forward::{Axes, Setup, ToolPose};
 use super::machine::Machine;
 use super::vector::{Vector, difference, dot, length, off_arc_deg, scaled, sum};
 
@@ -38,9 +38,9 @@ pub enum Mode {
 
 /// A point of the path: the programmed pose and the positions of the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
+pub struct PathPoint {
     /// Programmed pose.
-    pub pose: Pose,
+    pub pose: ToolPose,
     /// Positions of the axes.
     pub axes: Axes,
 }
@@ -56,7 +56,7 @@ pub struct Deviation {
 
 impl Machine {
     /// The deviation on the move between two points.
-    pub fn deviation(&self, mode: Mode, setup: &Setup, from: &Stop, to: &Stop) -> Deviation {
+    pub fn deviation(&self, mode: Mode, setup: &Setup, from: &PathPoint, to: &PathPoint) -> Deviation {
         if mode == Mode::Tcp {
             return Deviation::default();
         }

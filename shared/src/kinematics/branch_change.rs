@@ -10,7 +10,7 @@
 
 use alloc::vec::Vec;
 
-use super::forward::{Axes, Pose, Setup};
+use super::forward::{Axes, Setup, ToolPose};
 use super::machine::{Letter, Machine};
 use super::vector::{Vector, along_arc, angle_deg, scaled, sum};
 
@@ -23,7 +23,7 @@ const SAME_DEG: f64 = 1e-3;
 
 /// Behaviour of the tool axis on a move between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passage {
+pub enum Transition {
     /// The tool axis keeps to its arc.
     Smooth,
     /// It would keep to its arc with added points.
@@ -32,12 +32,12 @@ pub enum Passage {
         departure_deg: f64,
     },
     /// A branch change, or a rotation back by whole turns.
-    Change(Change),
+    Change(BranchChange),
 }
 
 /// A branch change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change {
+pub struct BranchChange {
     /// Index of the point at which the move ends.
     pub point: usize,
     /// Positions of the rotary axes before it.
@@ -53,7 +53,7 @@ pub struct Change {
 
 /// Moves that replace a branch change: out of the cut, reorientation, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WayRound {
+pub struct BranchChangeMoves {
     /// After the retraction along the tool axis, out of the part.
     pub retract: Axes,
     /// At the upper end of Z if its range is known, otherwise the retracted position.
@@ -69,28 +69,34 @@ pub struct WayRound {
 impl Machine {
     /// Classifies each move of a path; the first entry belongs to the move to the second point. `allowed_deg` is the
     /// allowed angle of the tool axis from its arc.
-    pub fn passages(&self, poses: &[Pose], course: &[[f64; 2]], allowed_deg: f64) -> Vec<Passage> {
-        let moves = poses.windows(2).zip(course.windows(2)).enumerate();
-        let passage = |(before, (poses_of, places)): (usize, (&[Pose], &[[f64; 2]]))| {
-            let ([start, end], [from, to]) = (poses_of, places) else { return Passage::Smooth };
+    pub fn transitions(&self, poses: &[ToolPose], rotary_deg: &[[f64; 2]], allowed_deg: f64) -> Vec<Transition> {
+        let moves = poses.windows(2).zip(rotary_deg.windows(2)).enumerate();
+        let passage = |(before, (poses_of, places)): (usize, (&[ToolPose], &[[f64; 2]]))| {
+            let ([start, end], [from, to]) = (poses_of, places) else { return Transition::Smooth };
             let directions = [start.axis, end.axis];
             let departure_deg = self.axis_departure_deg(*from, *to, directions);
             if departure_deg <= allowed_deg {
-                return Passage::Smooth;
+                return Transition::Smooth;
             }
             if self.follow(directions, *from, allowed_deg).is_some_and(|arrived| is_same(arrived, *to)) {
-                return Passage::Coarse { departure_deg };
+                return Transition::Coarse { departure_deg };
             }
             let point = before + 1;
             let forced_by = self.end_of_range(poses, point, *from);
-            Passage::Change(Change { point, from_deg: *from, to_deg: *to, departure_deg, forced_by })
+            Transition::Change(BranchChange { point, from_deg: *from, to_deg: *to, departure_deg, forced_by })
         };
         moves.map(passage).collect()
     }
 
     /// Moves that replace a branch change: retraction by `distance_mm`, reorientation, and return.
-    pub fn way_round(&self, change: &Change, poses: [&Pose; 2], setup: &Setup, distance_mm: f64) -> WayRound {
-        let off = |pose: &Pose, rotary_deg: [f64; 2], by_mm: f64| {
+    pub fn branch_change_moves(
+        &self,
+        change: &BranchChange,
+        poses: [&ToolPose; 2],
+        setup: &Setup,
+        distance_mm: f64,
+    ) -> BranchChangeMoves {
+        let off = |pose: &ToolPose, rotary_deg: [f64; 2], by_mm: f64| {
             let tip_mm = sum(pose.tip_mm, scaled(pose.axis, by_mm));
             Axes { linear_mm: self.linear_for(tip_mm, rotary_deg, setup), rotary_deg }
         };
@@ -100,7 +106,7 @@ impl Machine {
         let [_, _, spindle] = self.linear();
         let top_mm = spindle.range_mm.map_or(z_mm, |[_, top_mm]| top_mm.max(z_mm));
         let clear = Axes { linear_mm: [x_mm, y_mm, top_mm], ..retract };
-        WayRound {
+        BranchChangeMoves {
             retract,
             clear,
             reorient: Axes { rotary_deg: change.to_deg, ..clear },
@@ -125,7 +131,7 @@ impl Machine {
     }
 
     /// The axis that would leave its range without a branch change, and the point at which it would.
-    fn end_of_range(&self, poses: &[Pose], point: usize, from_deg: [f64; 2]) -> Option<(Letter, usize)> {
+    fn end_of_range(&self, poses: &[ToolPose], point: usize, from_deg: [f64; 2]) -> Option<(Letter, usize)> {
         let mut at = from_deg;
         for (index, pose) in poses.iter().enumerate().skip(point) {
             at = self.nearest(pose.axis, at, false)?;
