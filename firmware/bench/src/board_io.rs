@@ -1,18 +1,18 @@
-//! The board of a measurement: what goes in is put there, what comes out is kept.
+//! Board for measurements: its inputs are set directly, its last output is stored.
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::board::Board;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Input, Work};
 
-/// Inputs, the segment in work, and the override put out.
+/// Inputs, segment in execution, and override.
 #[derive(Clone, Debug)]
 pub struct BoardIo {
-    /// The segment in work and its running count.
+    /// The segment in execution and its count.
     pub segment: Option<(u32, ActiveSegment)>,
-    /// What is measured.
+    /// Measured inputs.
     pub input: Input,
-    /// The override put out last.
+    /// Last override.
     pub output: FeedOverride,
 }
 

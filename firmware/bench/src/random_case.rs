@@ -1,4 +1,4 @@
-//! Jobs, blocks and the tool's way along them, drawn from a seed: what the controller meets, and more.
+//! Random jobs, blocks and tool paths from a seed: a superset of the controller's real inputs.
 //!
 //! Whole numbers from a seeded generator, and f64 with the four basic operations only, which IEEE 754 fixes to the bit.
 //! Blocks of all planes, senses, edges, sides and sizes; stock of each kind; feeds per tooth and depths that no law can
@@ -21,24 +21,24 @@ use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 use crate::random::Random;
 
-/// One sample of the position in so many is missing.
+/// One of this number of position samples is missing.
 const MISSING: u64 = 50;
 
-/// Where a block's law comes from.
+/// Source of a block's law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawChoice {
-    /// The job names it.
+    /// The job gives the law.
     Job(LawKind),
-    /// Knots computed beforehand.
+    /// A table of knots.
     Table,
 }
 
-/// A job, one block of it, and where on it the tool is.
+/// A job, one of its blocks, and the position of the tool on it.
 #[derive(Debug)]
 pub struct RandomCase {
     /// The job.
     pub job: Job,
-    /// How positions are trusted.
+    /// Filter of position samples.
     pub filter: PositionFilter,
     rule: CutRule,
     segment: Segment,
@@ -46,17 +46,17 @@ pub struct RandomCase {
     route: Route,
 }
 
-/// The way of the tool's centre; state.
+/// Path of the tool's centre; state.
 #[derive(Clone, Copy, Debug)]
 enum Route {
-    /// From the rotation centre, nm; cosine and sine of the turn per tick.
+    /// Position relative to the rotation centre, nm; cosine and sine of the turn per tick.
     Arc { arc: Arc, at_nm: [f64; 2], turn: [f64; 2] },
-    /// Where it is and what it moves in a tick, nm.
+    /// Position and displacement per tick, nm.
     Line { at_nm: [f64; 3], step_nm: [f64; 3] },
 }
 
 impl RandomCase {
-    /// Draws one for a law.
+    /// Draws a case for a law.
     pub fn draw(random: &mut Random, choice: LawChoice) -> Self {
         let is_for_rings = matches!(choice, LawChoice::Job(LawKind::Circumference | LawKind::EngagedArc { .. }));
         let cutting = if is_for_rings { for_ring(random, choice) } else { for_end_mill(random) };
@@ -106,7 +106,7 @@ impl RandomCase {
         self.segment.path == Path::Line
     }
 
-    /// What the block cuts into, if it cuts with a ring.
+    /// Stock of the block if it cuts with a ring.
     pub fn stock(&self) -> Option<&Stock> {
         match &self.rule.work {
             Work::Ring(_, stock) => Some(stock),
@@ -114,7 +114,7 @@ impl RandomCase {
         }
     }
 
-    /// The inputs of the next tick.
+    /// Inputs of the next tick.
     pub fn advance(&mut self, random: &mut Random) -> Measurement {
         let mut noisy = |nm: f64| Nm(nm as i64 + random.below(10_000) as i64 - 5_000);
         let linear = match &mut self.route {
@@ -142,7 +142,7 @@ impl RandomCase {
     }
 }
 
-/// A tool on a block, and what its rule says of it.
+/// A tool on a block, with the data of its rule.
 struct Cutting {
     tool: Tool,
     segment: Segment,
@@ -151,7 +151,7 @@ struct Cutting {
     work: Work,
 }
 
-/// An arc of a cup mill. The circumference law takes a line for the stock, the other one anything.
+/// An arc of a cup mill. The circumference law accepts a line as the stock, the other one any stock.
 fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
     let inner = 5_000_000 + random.below(200_000_000) as i64;
     let tool = CupMill {
@@ -170,7 +170,7 @@ fn for_ring(random: &mut Random, choice: LawChoice) -> Cutting {
     Cutting { tool: Tool::CupMill(tool), segment, route, moves, work }
 }
 
-/// A line or an arc of an end mill; one depth in five is more than the tool is wide.
+/// A line or an arc of an end mill; one depth in five exceeds the tool's diameter.
 fn for_end_mill(random: &mut Random) -> Cutting {
     let radius = 1_000_000 + random.below(100_000_000);
     let tool = EndMill { radius: Nm(radius as i64), teeth: teeth(random) };
@@ -213,7 +213,7 @@ fn arc(random: &mut Random) -> (Segment, Arc, Route) {
     (segment(random, ends, Path::Arc(arc)), arc, route)
 }
 
-/// From an arc's rotation centre to the program's coordinates.
+/// Converts a position relative to an arc's rotation centre to program coordinates.
 fn in_space(arc: &Arc, [first, second]: [Nm; 2]) -> [Nm; 3] {
     let [x, y] = arc.center;
     let (first, second) = (Nm(x.0 + first.0), Nm(y.0 + second.0));

@@ -1,7 +1,6 @@
-//! The linker's scripts, and the example jobs as the images carry them.
+//! Generates the linker scripts and the example jobs of the images.
 //!
-//! The jobs are run on the simulated machine here, at build time: what the images measure is the examples as they are
-//! today.
+//! The jobs run on the simulated machine here, at build time, so that the images always measure the current examples.
 
 #[path = "build/example.rs"]
 mod example;
@@ -10,10 +9,10 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What goes into the image does not depend on more than these.
+/// All sources of the image's generated parts.
 const SOURCES: [&str; 5] = [EXAMPLES, "memory.x", "device.x", "recorded.x", "build"];
 const EXAMPLES: &str = "../../../examples";
-/// The name of an example in the images, and its job.
+/// Names of the examples in the images, and their jobs.
 const JOBS: [(&str, &str); 3] = [
     ("ibr_slot", "ibr-slot/job.toml"),
     ("pocket_contour", "pocket/job-contour.toml"),

@@ -1,4 +1,4 @@
-//! The linker's scripts, and the example job as the image carries it.
+//! Generates the linker scripts and the example job of the image.
 
 #[path = "../qemu-mps2/build/example.rs"]
 mod example;
@@ -7,7 +7,7 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What goes into the image does not depend on more than these.
+/// All sources of the image's generated parts.
 const SOURCES: [&str; 4] = ["../../../examples/ibr-slot", "memory.x", "../qemu-mps2/recorded.x", "../qemu-mps2/build"];
 
 fn main() {

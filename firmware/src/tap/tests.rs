@@ -116,7 +116,10 @@ fn axes_that_leave_the_path_end_it_until_the_next_program() {
     }
     assert_eq!(tap.state(), TapState::InStep);
     tap.follow(Some(0), 0, &pose(5, 1, 0));
-    assert_eq!((tap.state(), tap.must_clear(), tap.must_clear()), (TapState::Lost(Why::OffPath), true, false));
+    assert_eq!(
+        (tap.state(), tap.must_clear(), tap.must_clear()),
+        (TapState::Lost(TapLossReason::OffPath), true, false)
+    );
     assert!(handed(&mut tap).is_empty());
     hear(&mut tap, "X30.\n");
     assert!(handed(&mut tap).is_empty());
@@ -146,16 +149,18 @@ fn what_stands_before_a_damaged_block_is_still_done() {
     tap.on_line_error();
     hear(&mut tap, "X20.\nX30.\n");
     assert_eq!(handed(&mut tap), [0]);
-    assert_eq!(tap.state(), TapState::Lost(Why::Damaged));
+    assert_eq!(tap.state(), TapState::Lost(TapLossReason::Damaged));
 }
 
 #[test]
 fn each_way_of_getting_lost_is_named() {
     let long = format!("{}\n", "X1.".repeat(100));
     let many = "Y1.\n".repeat(200);
-    for (text, wanted) in
-        [(long.as_str(), Why::LongBlock), (many.as_str(), Why::TooFarAhead), ("#3004=2\n", Why::OutOfSight)]
-    {
+    for (text, wanted) in [
+        (long.as_str(), TapLossReason::LongBlock),
+        (many.as_str(), TapLossReason::TooFarAhead),
+        ("#3004=2\n", TapLossReason::OutOfSight),
+    ] {
         let mut tap = tap();
         hear(&mut tap, &format!("%\nG1F1.\n{text}"));
         for count in 0..400 {
@@ -167,7 +172,7 @@ fn each_way_of_getting_lost_is_named() {
     let mut tap = tap();
     hear(&mut tap, "%\nM98P1\n");
     handed(&mut tap);
-    assert!(matches!(tap.state(), TapState::Lost(Why::NotUnderstood(_))));
+    assert!(matches!(tap.state(), TapState::Lost(TapLossReason::NotUnderstood(_))));
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! A job, its blocks and the positions of its run, written as Rust and as a table for the images.
+//! Export of a job, its blocks and the positions of its run as Rust source and as a binary table for the images.
 //!
-//! A module for each: `job()` and `EXAMPLE`. `NAME.bin`: the position feedback of every tick as the difference to the
-//! tick before, three little-endian i16 of micrometres; the run starts at the origin.
+//! Each job becomes a module with `job()` and `EXAMPLE`. `NAME.bin` has the position feedback of every tick as the
+//! difference from the previous tick, three little-endian i16 in micrometres; the run starts at the origin.
 
 use std::fmt::Write;
 use std::fs;
@@ -22,16 +22,16 @@ use arcfeed_shared::nc::machining::ToolInSpindle;
 use arcfeed_shared::segment::Segment;
 use arcfeed_shared::units::Nm;
 
-/// Position feedback comes in whole micrometres.
+/// Position feedback is in whole micrometres.
 const NM_PER_UM: i64 = 1_000;
 
-/// A move and when it begins.
+/// A move with its first tick.
 struct Block {
     first_tick: usize,
     segment: Option<Segment>,
 }
 
-/// Runs a job, writes its table of ticks, and answers its module.
+/// Runs a job, writes its table of ticks, and returns its module.
 pub fn module(name: &str, job: &Path, out: &Path) -> String {
     let file = JobFile::load(job).expect("the example's job is sound");
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
@@ -50,7 +50,7 @@ pub fn module(name: &str, job: &Path, out: &Path) -> String {
     text + "}\n"
 }
 
-/// Steps the machine to the end of the program.
+/// Runs the machine to the end of the program.
 fn record(mut simulation: Simulation) -> (Vec<Block>, Vec<u8>) {
     let (mut blocks, mut ticks) = (Vec::new(), Vec::new());
     let (mut last_um, mut last_count) = ([0_i64; 3], None);
@@ -75,7 +75,7 @@ fn record(mut simulation: Simulation) -> (Vec<Block>, Vec<u8>) {
     (blocks, ticks)
 }
 
-/// The program as it is sent, beside the run: the line brings it.
+/// The sent program, for images that receive it over the line.
 fn program_source(file: &Path) -> String {
     let section = "#[unsafe(link_section = \".recorded_run\")]";
     format!(
@@ -84,7 +84,7 @@ fn program_source(file: &Path) -> String {
     )
 }
 
-/// The job as Rust: what `Debug` prints of these types is what one would write.
+/// The job as Rust source, from the `Debug` output of its types.
 fn job_source(job: &Job) -> String {
     let Job { unit, tools, policy, limits, ceiling, machine, rules, knots } = job;
     assert_eq!(tools.len(), 1, "the images are for jobs with one tool");
@@ -99,7 +99,7 @@ fn job_source(job: &Job) -> String {
     text += &format!("            feed_per_tooth: {feed_per_tooth:?} }}),\n");
     text += &format!("            policy: {policy:?}, limits: {limits:?}, machine: {machine:?},\n");
     text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
-    // In place: a list of rules that is handed over may lie on the stack twice.
+    // In place: a list of rules that is returned by value may be on the stack twice.
     text += "    /// Adds its rules.\n    #[inline(never)]\n    pub fn add_rules(job: &mut Job) {\n";
     text.extend(rules.iter().map(rule_source));
     text +=
@@ -107,8 +107,8 @@ fn job_source(job: &Job) -> String {
     text + "        let mut job = job();\n        add_rules(&mut job);\n        job\n    }\n"
 }
 
-/// The blocks and the table of ticks as Rust. Both lie in a section of their own: a stand-in for the program and the
-/// encoders, not a part of the controller's budget.
+/// The blocks and the table of ticks as Rust source. Both are in a section of their own: they replace the program and
+/// the encoders and are not part of the controller's memory.
 fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String {
     let mut text = String::new();
     let mut line = |line: String| writeln!(text, "    {line}").expect("strings take every line");

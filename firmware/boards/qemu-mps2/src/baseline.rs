@@ -1,4 +1,4 @@
-//! What the tick is compared with: the source's own loop on the same ticks, counted in the same way.
+//! Baseline of the tick's cost: the source's own loop on the same ticks, counted in the same way.
 
 use core::hint::black_box;
 
@@ -22,14 +22,15 @@ const NAMES: [&str; 6] = [
     "thesis-8-29-f32-lean",
 ];
 
-/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64; (8)-(29) in f32 with the FPU's root, and written leanly.
+/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64; (8)-(29) in f32 with the FPU's root, and
+/// optimised.
 #[derive(Debug, Default)]
 pub struct Baseline {
     costs: [Costs; 6],
 }
 
 impl Baseline {
-    /// Counts the loop on a block, at a position of the tool; does nothing where no rule speaks of the block.
+    /// Counts the loop on a block, at a position of the tool; does nothing if no rule applies to the block.
     pub fn add(&mut self, counter: &InstructionCounter, block: &Block, position: &Pose, job: &Job) {
         let Some(movement) = movement(block, position, job) else { return };
         let [step_f32, tooth_f32, step_f64, tooth_f64, tooth_fpu, tooth_lean] = &mut self.costs;
@@ -43,7 +44,7 @@ impl Baseline {
         tooth_lean.add(counter.of(|| black_box(thesis::lean_tooth::<_, Fpu>(black_box(&narrow)))).0);
     }
 
-    /// Prints a line for each.
+    /// Prints a line for each variant.
     pub fn print(&mut self) {
         for (name, costs) in NAMES.iter().zip(&mut self.costs) {
             costs.print("", name);
@@ -51,8 +52,8 @@ impl Baseline {
     }
 }
 
-/// What the source's equations take at this position: the stock limit in the frame at O, by two points a tool's radius
-/// either side of the foot of the perpendicular from O.
+/// Inputs of the source's equations at this position: the stock limit in the frame at O, given by two points at a
+/// distance of a tool radius on both sides of the foot of the perpendicular from O.
 fn movement(block: &Block, position: &Pose, job: &Job) -> Option<Movement<f64>> {
     let segment = block.segment.as_ref()?;
     let (arc, rule) = (segment.arc()?, block.cut(job)?);

@@ -1,4 +1,4 @@
-//! Time and instructions.
+//! Clock and instruction counter.
 //!
 //! Under `-icount shift=7` QEMU advances the clock by exactly 2^7 ns for each instruction of the guest, accesses to
 //! devices included. The board's timers count at 25 MHz, 40 ns a step: one instruction is 3.2 steps, so the count of
@@ -19,7 +19,7 @@ const ICOUNT_SHIFT: u32 = 7;
 /// Counts instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct InstructionCounter {
-    /// What reading the timer twice takes itself.
+    /// Instructions for reading the timer twice.
     overhead: u32,
 }
 
@@ -37,7 +37,7 @@ impl InstructionCounter {
         counter
     }
 
-    /// Instructions that `work` takes, the call of it included, and what it answers.
+    /// Number of instructions of `work`, including its call, and its result.
     #[inline(never)]
     pub fn of<T>(&self, work: impl FnOnce() -> T) -> (u32, T) {
         let before = steps();

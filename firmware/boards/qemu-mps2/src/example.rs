@@ -1,9 +1,9 @@
-//! The example jobs and the runs of them that the build script recorded.
+//! The example jobs and their runs, recorded by the build script.
 
 use core::ops::RangeFrom;
 use core::slice::{ChunksExact, Iter};
 
-use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Side::*, Work};
+use arcfeed_shared::cut::{ContourSide::*, CutRule, Moves, RotationCircle::*, Work};
 use arcfeed_shared::job::{
     FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
 };
@@ -20,7 +20,7 @@ use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, R
 pub struct Block {
     /// The first tick on it.
     pub first_tick: u32,
-    /// Which of the job's cut rules speaks of it.
+    /// Index of the cut rule that applies to it.
     pub rule: Option<usize>,
     /// The move.
     pub segment: Option<Segment>,
@@ -43,7 +43,7 @@ const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;
 
 impl Block {
-    /// The cut rule that speaks of it.
+    /// Cut rule that applies to it.
     pub fn cut<'j>(&self, job: &'j Job) -> Option<&'j CutRule> {
         self.rule.and_then(|index| job.rules.get(index))
     }

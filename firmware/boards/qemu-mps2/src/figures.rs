@@ -1,11 +1,11 @@
-//! Counts of instructions: how many, the median, the worst.
+//! Statistics of instruction counts: number, median, maximum.
 
 use cortex_m_semihosting::hprintln;
 
-/// More than the example has ticks.
+/// Maximum number of counts; more than the ticks of the example.
 const COUNTS_MAX: usize = 1 << 16;
 
-/// All counts of one kind; exact, no histogram.
+/// All counts of one kind, without a histogram.
 #[derive(Debug)]
 pub struct Costs {
     counts: heapless::Vec<u32, COUNTS_MAX>,
@@ -18,17 +18,17 @@ impl Default for Costs {
 }
 
 impl Costs {
-    /// Adds a count. The example outgrowing the memory shows as a count that stops at [`COUNTS_MAX`].
+    /// Adds a count. If an example has too many, the number of counts stops at [`COUNTS_MAX`].
     pub fn add(&mut self, instructions: u32) {
         let _ = self.counts.push(instructions);
     }
 
-    /// Whether nothing was counted.
+    /// Whether there is no count.
     pub fn is_empty(&self) -> bool {
         self.counts.is_empty()
     }
 
-    /// Prints `NAME count N median M worst W`, the name in two parts.
+    /// Prints `NAME count N median M worst W`; the name consists of two parts.
     pub fn print(&mut self, kind: &str, name: &str) {
         self.counts.sort_unstable();
         let median = self.counts.get(self.counts.len() / 2).copied().unwrap_or_default();

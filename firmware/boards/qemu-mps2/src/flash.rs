@@ -1,18 +1,18 @@
-//! What outlasts a loss of power: files beside the emulator, in place of pages of flash.
+//! Non-volatile memory: files of the emulator's host in place of pages of flash.
 
 use cortex_m_semihosting::syscall;
 
-/// Four bytes: how often the board started.
+/// File with the number of starts, four bytes.
 const STARTS: &[u8] = b"feedboard.flash\0";
-/// What `arcfeed parameters` writes.
+/// File written by `arcfeed parameters`.
 const PARAMETERS: &[u8] = b"parameters.flash\0";
 /// Modes of `fopen`: "rb" and "wb".
 const TO_READ: usize = 1;
 const TO_WRITE: usize = 5;
-/// What `OPEN` answers if it cannot.
+/// Result of a failed `OPEN`.
 const REFUSED: usize = usize::MAX;
 
-/// Counts a start; how many there were, this one among them. Without a file, the first.
+/// Counts a start and returns the number of starts, including this one. Without a file it is the first.
 pub fn count_start() -> u32 {
     let mut bytes = [0; 4];
     let before = match read(STARTS, &mut bytes) {
@@ -24,13 +24,13 @@ pub fn count_start() -> u32 {
     starts
 }
 
-/// The page with the parameters of a board at a tapped line, as far as `place` has room; nothing of it if there is none.
+/// The page with the parameters of a board at a tapped line, cut to the length of `place`; empty if there is none.
 pub fn parameters(place: &mut [u8]) -> &[u8] {
     let length = read(PARAMETERS, place);
     place.get(..length).unwrap_or_default()
 }
 
-/// How many bytes were read.
+/// Reads a file; returns the number of bytes.
 fn read(name: &[u8], into: &mut [u8]) -> usize {
     let Some(file) = open(name, TO_READ) else { return 0 };
     // SAFETY: address and length of the buffer; the file is open.

@@ -1,39 +1,39 @@
-//! What the main program prepares and an interrupt's handler owns from then on, and memory that is given out once.
+//! Data that the main program prepares for an interrupt handler, and memory that is taken once.
 
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Handed over before the interrupt is let through, then the handler's.
+/// Data of an interrupt handler, stored before its interrupt is enabled.
 #[derive(Debug)]
 pub struct Handed<T>(UnsafeCell<Option<T>>);
 
-// SAFETY: written before the interrupt is let through, used by its handler alone from then on.
+// SAFETY: written before the interrupt is enabled, used only by its handler from then on.
 unsafe impl<T> Sync for Handed<T> {}
 
 impl<T> Handed<T> {
-    /// Nothing yet.
+    /// An empty cell.
     pub const fn nothing() -> Self {
         Handed(UnsafeCell::new(None))
     }
 
-    /// This.
+    /// A cell with a value.
     pub const fn with(value: T) -> Self {
         Handed(UnsafeCell::new(Some(value)))
     }
 
-    /// Hands something over.
+    /// Stores a value.
     ///
     /// # Safety
-    /// No handler that takes it runs yet.
+    /// No handler that uses it runs yet.
     pub unsafe fn put(&self, value: T) {
-        // SAFETY: nobody else looks at it yet, says the caller.
+        // SAFETY: the caller guarantees that there is no other user yet.
         unsafe { *self.0.get() = Some(value) }
     }
 
-    /// What was handed over.
+    /// The stored value.
     ///
     /// # Safety
-    /// One user at a time: handlers of one priority, or the main program before any of them runs.
+    /// Only one user at a time: handlers of one priority, or the main program before any of them runs.
     #[allow(clippy::mut_from_ref, reason = "there is one user at a time, says the caller")]
     pub unsafe fn get(&self) -> Option<&mut T> {
         // SAFETY: as required of the caller.
@@ -41,27 +41,27 @@ impl<T> Handed<T> {
     }
 }
 
-/// Memory with something in it, for the first who asks.
+/// Memory with a value that can be taken once.
 #[derive(Debug)]
 pub struct Once<T> {
     value: UnsafeCell<T>,
     is_given: AtomicBool,
 }
 
-// SAFETY: given out once, to one user.
+// SAFETY: taken once, by one user.
 unsafe impl<T: Send> Sync for Once<T> {}
 
 impl<T> Once<T> {
-    /// Not given out yet.
+    /// A value that is not taken yet.
     pub const fn new(value: T) -> Self {
         Once { value: UnsafeCell::new(value), is_given: AtomicBool::new(false) }
     }
 
-    /// For the first who asks; `None` for all others.
+    /// Takes the value; `None` except at the first call.
     #[allow(clippy::mut_from_ref, reason = "it is given out once")]
     pub fn take(&self) -> Option<&mut T> {
         let is_first = !self.is_given.swap(true, Ordering::Relaxed);
-        // SAFETY: nobody else was given it, and nobody will be.
+        // SAFETY: only the first call gets the reference.
         is_first.then(|| unsafe { &mut *self.value.get() })
     }
 }

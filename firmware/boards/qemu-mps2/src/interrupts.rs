@@ -1,11 +1,11 @@
-//! The interrupt lines of the board that an image may use; the others end in `DefaultHandler`.
+//! Interrupts of the board that an image may use; the others call `DefaultHandler`.
 //!
-//! The tick comes before everything else and is never held up: no image masks interrupts, and the lines' handlers
-//! ([`crate::serial`]) give way to it.
+//! The tick has the highest priority and is never delayed: no image masks interrupts, and it preempts the lines'
+//! handlers ([`crate::serial`]).
 
 use cortex_m::peripheral::NVIC;
 
-/// Lines by their number. A UART's transmitter is the line behind its receiver.
+/// Interrupt numbers. A UART's transmitter has the number after its receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Interrupt {
@@ -33,7 +33,7 @@ pub enum Interrupt {
     Uart4Tx = 21,
 }
 
-/// Who goes first; the chip has more levels than these.
+/// Interrupt priorities used here; the chip has more levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Priority {
@@ -41,7 +41,7 @@ pub enum Priority {
     First = 0,
     /// The bytes of the lines.
     Second = 0x40,
-    /// What holds up nothing but the main program.
+    /// Handlers that interrupt only the main program.
     Third = 0x80,
 }
 
@@ -52,14 +52,14 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
     }
 }
 
-/// Lets an interrupt through.
+/// Enables an interrupt.
 ///
 /// # Safety
-/// Its handler is ready to run: what it uses is in place.
+/// Its handler is ready to run: its data are initialised.
 pub unsafe fn enable(interrupt: Interrupt, priority: Priority) {
     let index = usize::from(interrupt as u16);
-    // SAFETY: one byte of the interrupt's own in the NVIC, and the caller's promise about the handler. Nobody else writes
-    // the byte, so that no reference to the whole NVIC is needed.
+    // SAFETY: writes one byte of this interrupt in the NVIC; the caller guarantees that the handler is ready. No other
+    // code writes the byte, so that no reference to the whole NVIC is needed.
     unsafe {
         let nvic = &*NVIC::PTR;
         if let Some(level) = nvic.ipr.get(index) {
@@ -90,7 +90,7 @@ unsafe extern "C" {
     fn DefaultHandler();
 }
 
-/// Lines 0 to 31; the board has more, which nothing enables.
+/// Interrupts 0 to 31; the board has more, which are never enabled.
 #[unsafe(link_section = ".vector_table.interrupts")]
 #[unsafe(no_mangle)]
 pub static __INTERRUPTS: [Vector; 32] = {

@@ -1,4 +1,4 @@
-//! The board's last act, when it is not to be relied on any more: the lines are released, 0 %, and the next start told why.
+//! Final state of a failed board: releases the lines (0 %) and records the cause for the next start.
 //!
 //! ```text
 //! watchdog, first time-out -> NMI ---+
@@ -17,22 +17,22 @@ use crate::tick::{PERIOD, costs};
 use crate::uart::{Registers, UART1};
 use crate::{mirror, reset_cause, watchdog};
 
-/// Releases, and never returns.
+/// Releases the lines and never returns.
 ///
 /// # Safety
-/// Called by the handlers of the NMI and of the core's faults alone, which no interrupt goes before.
+/// Called only by the handlers of the NMI and of the core's faults, which no interrupt preempts.
 pub unsafe fn release_for_good() -> ! {
     mirror::release();
     let ticks = costs().ticks;
     reset_cause::note_watchdog(ticks.wrapping_sub(watchdog::fed_at()));
-    // SAFETY: no other handler runs again, nor does the main program.
+    // SAFETY: neither another handler nor the main program runs again.
     let mut line = unsafe { Registers::seize(UART1) };
     let at = u64::from(ticks) * u64::from(PERIOD.0);
     let state = StateCode::Faulted;
     let released = Message::Setpoint(Setpoint { at, lines: mirror::low(), state, link_bytes: 0, tap_bytes: 0 });
     let mut frame = [0; ENCODED_MAX];
     let length = PlainLine::new().encode(Micros(at), &released, &mut frame);
-    // Before it an end of frame: one may have been under way.
+    // A leading delimiter: a frame may have been interrupted.
     for byte in [0].iter().chain(frame.iter().take(length)) {
         while !line.try_send(*byte) {}
     }
@@ -41,7 +41,7 @@ pub unsafe fn release_for_good() -> ! {
     }
 }
 
-/// The handlers of the board's last act, for images that are a whole board.
+/// The handlers of the final state, for images of a complete board.
 #[macro_export]
 macro_rules! last_act_handlers {
     () => {

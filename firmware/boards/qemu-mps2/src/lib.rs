@@ -1,8 +1,7 @@
 //! Arm MPS2 with the AN386 image, a Cortex-M4F, as QEMU emulates it.
 //!
-//! What the images of this board share. `tick-cost` and `trace-hash` produce figures and may fail loudly. `feedboard`
-//! is the board, and `example-run` its controller alone; they may not fail at all: a panic that they could reach keeps them from
-//! linking.
+//! Common code of this board's images. `tick-cost` and `trace-hash` produce figures and may panic. `feedboard` is the
+//! board, and `example-run` its controller alone; they do not link if a panic is reachable.
 #![no_std]
 
 pub mod interrupts;

@@ -1,8 +1,8 @@
-//! Where `defmt` writes: the emulator, by semihosting, in one piece per frame; and a buffer, out of which the main loop hands whole frames
-//! to the link as it has room. What finds none in the buffer is dropped whole and counted.
+//! Logger of `defmt`: writes each frame to the emulator by semihosting, and to a buffer from which the main loop sends
+//! whole frames over the link as it has room. Frames that do not fit the buffer are dropped and counted.
 //!
-//! For the main loop only: the tick never logs. `defmt-semihosting` would do, but for its panic on reentry, which would
-//! keep the image from linking; here a frame that does not fit is dropped whole.
+//! Only the main loop logs; the tick never does. `defmt-semihosting` is not used because its panic on reentry would
+//! prevent linking; here a frame that does not fit is dropped.
 
 use core::cell::UnsafeCell;
 
@@ -39,12 +39,12 @@ static LOG: Shared = Shared(UnsafeCell::new(State {
     dropped: 0,
 }));
 
-/// Hands on what waits; `send` answers how many bytes it took.
+/// Sends waiting bytes; `send` returns the number of accepted bytes.
 ///
 /// # Safety
 /// Called by the main loop, and `send` does not log.
 pub unsafe fn hand_on(send: impl FnOnce(&[u8]) -> usize) {
-    // SAFETY: only the main loop logs, and not meanwhile, says the caller.
+    // SAFETY: only the main loop logs; the caller guarantees that it does not log meanwhile.
     let State { waiting, .. } = unsafe { &mut *LOG.0.get() };
     if waiting.is_empty() {
         return;
@@ -55,7 +55,7 @@ pub unsafe fn hand_on(send: impl FnOnce(&[u8]) -> usize) {
     }
 }
 
-/// Frames that found no room so far.
+/// Number of dropped frames.
 ///
 /// # Safety
 /// Called by the main loop.

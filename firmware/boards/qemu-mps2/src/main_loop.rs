@@ -7,8 +7,8 @@
 //! UART 2 <-> UART 3: the tapped line
 //! ```
 //!
-//! Who speaks first says how time goes. A sample in lockstep: the board ticks once for each sample and the timer stands. Anything
-//! else: the timer ticks every millisecond, whatever comes or does not.
+//! The first byte on any line decides the mode. If it is a sample in lockstep, the board runs one tick for each sample
+//! and the timer is stopped. Otherwise the timer ticks every millisecond, independently of the lines.
 
 use core::mem::MaybeUninit;
 
@@ -28,7 +28,7 @@ use arcfeed_firmware::main_loop::MainLoop;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
-use arcfeed_firmware::tap::status::{TapState, TapLossReason};
+use arcfeed_firmware::tap::status::{TapLossReason, TapState};
 use arcfeed_shared::units::Micros;
 use arcfeed_shared::wire::frame::ENCODED_MAX;
 use arcfeed_shared::wire::message::Message;
@@ -38,14 +38,14 @@ use arcfeed_shared::wire::message::table::Setpoint;
 use arcfeed_shared::wire::plain::PlainLine;
 use cortex_m::peripheral::NVIC;
 
-/// Orders ahead of the tick, less one.
+/// Length of the command queue, plus one.
 const AHEAD: usize = 32;
-/// Ticks from one line of the log with figures to the next.
+/// Ticks between two log lines with figures.
 const FIGURES_EVERY: u32 = 1_000;
-/// Bytes taken off the link at a time.
+/// Number of bytes read from the link at a time.
 const PART: usize = 64;
 
-/// In place of a setpoint that is not there: all lines released.
+/// Setpoint if there is none: all lines released.
 const NOTHING: Setpoint = Setpoint { at: 0, lines: 0, state: StateCode::Faulted, link_bytes: 0, tap_bytes: 0 };
 
 /// The main program. The tap has room for `N` characters.
@@ -59,10 +59,10 @@ pub struct Main<const N: usize> {
 }
 
 impl<const N: usize> Main<N> {
-    /// A board that has just started; with a tap, made when there is a handler to have its parameters, the segments are the tapped
-    /// line's. `None` if its settings make no sense, or if it was called before.
+    /// Starts the board. With a tap, which is created when a handler for its parameters exists, the segments come from
+    /// the tapped line. `None` if the settings are invalid or if it was called before.
     pub fn start(tapped: Option<fn(&mut CommandHandler<'_>) -> Option<&'static mut Tap<N>>>) -> Option<Self> {
-        // Filled at the start: with its values in the image it would take as much of flash as of RAM.
+        // Initialised at the start: initial values in the image would need as much flash as RAM.
         static QUEUES: Once<MaybeUninit<Queues<AHEAD>>> = Once::new(MaybeUninit::uninit());
         let painted = Painted::far_below_here();
         let (starts, reset) =
@@ -89,12 +89,12 @@ impl<const N: usize> Main<N> {
         })
     }
 
-    /// Goes on for ever.
+    /// Runs forever.
     pub fn run(self) -> ! {
         self.run_guarded(|| true)
     }
 
-    /// The same; its watchdog starts once `is_guarded` says so, which only an image for tests does not do at once.
+    /// The same; the watchdog starts when `is_guarded` returns true. Only a test image delays it.
     pub fn run_guarded(mut self, is_guarded: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
         // SAFETY: the tick's side is prepared.

@@ -1,4 +1,5 @@
-//! The eight lines *FV0 to *FV7 of a board whose emulator has no pins: a register in memory, which the machine line shows.
+//! The eight lines *FV0 to *FV7 of an emulated board without pins: a register in memory, which the machine line
+//! reports.
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU8, Ordering};
@@ -7,10 +8,10 @@ use arcfeed_firmware::output::OverrideOutput;
 use arcfeed_firmware::output::line_code::LineCode;
 use arcfeed_firmware::ramp::FeedOverride;
 
-/// Lines that are low, a bit each; all released at the start.
+/// Low lines, one bit each; all released at the start.
 static LOW: AtomicU8 = AtomicU8::new(0);
 
-/// The lines, for their one user.
+/// The lines, for their only user.
 #[derive(Debug)]
 pub struct Mirror(());
 
@@ -24,12 +25,12 @@ impl Mirror {
     }
 }
 
-/// Lines that are low now, a bit each.
+/// Lines that are low now, one bit each.
 pub fn low() -> u8 {
     LOW.load(Ordering::Relaxed)
 }
 
-/// Releases all lines, whoever uses them: for when nothing else can be relied on.
+/// Releases all lines, regardless of their user, after a failure.
 pub fn release() {
     LOW.store(0, Ordering::Relaxed);
 }
@@ -38,7 +39,7 @@ impl OverrideOutput for Mirror {
     type Error = Infallible;
 
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), Infallible> {
-        // One store changes all lines at once: nothing in between is ever read.
+        // One store changes all lines at once, without intermediate states.
         LOW.store(!LineCode::of(feed_override).levels(), Ordering::Relaxed);
         Ok(())
     }

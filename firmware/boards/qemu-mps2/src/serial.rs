@@ -1,18 +1,19 @@
-//! Lines with a ring of bytes either way, filled and emptied by interrupts.
+//! Serial lines with a ring buffer in each direction, filled and emptied by interrupts.
 //!
 //! ```text
 //! receiver -> UARTn_RX -> ring -> main program -> ring -> UARTn_TX -> transmitter
 //! ```
 //!
-//! The tapped line, once the board runs free, is passed on by the receivers' handlers themselves, and heard by the main program later:
+//! When the board runs free, the receivers' handlers forward the bytes of the tapped line themselves; the main program
+//! reads them later:
 //!
 //! ```text
 //! receiver -> UARTn_RX -+-> ring of the other line -> its transmitter
 //!                       +-> ring -> main program
 //! ```
 //!
-//! Rings have one producer and one consumer and need no lock, so a line holds up nothing but its own bytes. What finds a
-//! ring full is dropped and counted: the protocols above find it missing, and the count says where it went.
+//! Rings have one producer and one consumer and need no lock, so a line delays only its own bytes. Bytes that find a
+//! ring full are dropped and counted; the higher protocols detect the loss.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -26,31 +27,31 @@ use crate::handed::{Handed, Once};
 use crate::interrupts::{Priority, enable};
 use crate::uart::{Registers, UART0, UART1, UART2, UART3, Uart};
 
-/// Bytes of each ring, less one. At 115 200 Bd it fills in 89 ms.
+/// Size of each ring, plus one. At 115 200 Bd it fills in 89 ms.
 pub const RING: usize = 1024;
 
-/// What there is once of each line.
+/// Hardware and shared state of a line.
 struct Hardware {
     uart: Uart,
     handler: Handed<Handler>,
     rings: Once<[Queue<u8, RING>; 2]>,
     lost: AtomicU32,
-    /// A byte was lost behind those that wait, and none is put behind them before the main program knows.
+    /// Whether a byte was lost after the waiting ones; no further byte is added until the main program has noticed.
     has_gap: AtomicBool,
-    /// Instructions in which a byte was passed on, where nothing held the handler up.
+    /// Instructions for forwarding a byte if the handler was not interrupted.
     passed_in: AtomicU32,
 }
 
-/// What the handlers of a line own.
+/// State of a line's handlers.
 struct Handler {
     registers: Registers,
     received: Producer<'static, u8>,
     to_send: Consumer<'static, u8>,
-    /// Where bytes are passed on to: a line's ring, and its place among the lines.
+    /// Destination of forwarded bytes: the ring of another line, and the index of that line.
     onward: Option<(Producer<'static, u8>, usize)>,
 }
 
-/// Places of the two ends of the tapped line.
+/// Indices of the two ends of the tapped line.
 const SENDER: usize = 2;
 const CONTROL: usize = 3;
 
@@ -59,25 +60,25 @@ static LINES: [Hardware; 4] = [Hardware::of(UART0), Hardware::of(UART1), Hardwar
 /// The main program's end of a line.
 pub struct Line {
     received: Consumer<'static, u8>,
-    /// `None` once another line's handler has it.
+    /// `None` after it was moved to another line's handler.
     to_send: Option<Producer<'static, u8>>,
     hardware: &'static Hardware,
 }
 
-/// The lines of the board, all running.
+/// The running lines of the board.
 pub struct Lines {
     /// UART 0: the link to the host.
     pub link: Line,
     /// UART 1: the machine.
     pub machine: Line,
-    /// UART 2: the sender, behind the tap.
+    /// UART 2: the sender.
     pub sender: Line,
-    /// UART 3: the control, before the tap.
+    /// UART 3: the control.
     pub control: Line,
 }
 
 impl Lines {
-    /// Switches all lines on; `None` if they are on already.
+    /// Starts all lines; `None` if they are running already.
     pub fn start() -> Option<Self> {
         let [link, machine, sender, control] = &LINES;
         Some(Lines {
@@ -90,10 +91,11 @@ impl Lines {
 }
 
 impl Lines {
-    /// Passes on from now on, in the receivers' handlers, what comes at one end of the tapped line; the main program only hears it.
+    /// Makes the receivers' handlers forward the bytes of the tapped line from now on; the main program only reads
+    /// them.
     ///
     /// # Safety
-    /// Interrupts are held back.
+    /// Interrupts are disabled.
     pub unsafe fn bridge(&mut self) {
         let [.., sender, control] = &LINES;
         let ends = [(sender, self.control.to_send.take(), CONTROL), (control, self.sender.to_send.take(), SENDER)];
@@ -105,29 +107,29 @@ impl Lines {
         }
     }
 
-    /// Instructions from a receiver's interrupt to its byte in the other transmitter, the least; `None` if none was passed on so. It is more
-    /// only by what goes before the handler: a tick.
+    /// Minimum number of instructions from a receiver's interrupt to its byte in the other transmitter; `None` if no
+    /// byte was forwarded. A tick that preempts the handler adds to it.
     pub fn passed_in(&self) -> Option<u32> {
         let [.., sender, control] = &LINES;
         let [sender, control] = [sender, control].map(|end| end.passed_in.load(Ordering::Relaxed));
         Some(sender.min(control)).filter(|instructions| *instructions < u32::MAX)
     }
 
-    /// Bytes received and lost so far, on all lines.
+    /// Number of bytes lost on all lines.
     pub fn lost(&self) -> u32 {
         let lines = [&self.link, &self.machine, &self.sender, &self.control];
         lines.into_iter().fold(0, |sum, line| sum.wrapping_add(line.lost()))
     }
 
-    /// Sleeps until a byte comes, unless one waits. Interrupts are held back for the moment between looking and sleeping: one
-    /// that came in it would be slept over. For when the timer stands only, as it would be late by that moment.
+    /// Sleeps until a byte arrives, unless one waits. Interrupts are disabled between the check and the sleep, so that
+    /// no byte is missed. Only for use with a stopped timer, which would be delayed by that time.
     pub fn sleep(&self) {
         let lines = [&self.link, &self.machine, &self.sender, &self.control];
         cortex_m::interrupt::disable();
         if lines.into_iter().all(|line| line.waiting() == 0) {
             cortex_m::asm::wfi();
         }
-        // SAFETY: nothing here counts on interrupts being held back.
+        // SAFETY: no code here relies on disabled interrupts.
         unsafe { cortex_m::interrupt::enable() };
     }
 
@@ -166,33 +168,33 @@ impl Line {
         self.received.dequeue()
     }
 
-    /// How many bytes wait.
+    /// Number of waiting bytes.
     pub fn waiting(&self) -> usize {
         self.received.len()
     }
 
-    /// How many bytes [`Line::send`] takes.
+    /// Number of bytes that [`Line::send`] accepts.
     pub fn room(&self) -> usize {
         self.to_send.as_ref().map_or(0, |ring| ring.capacity() - ring.len())
     }
 
-    /// Sends bytes; as many as there is room for.
+    /// Sends as many bytes as there is room for; returns their number.
     pub fn send(&mut self, bytes: &[u8]) -> usize {
         let Some(to_send) = &mut self.to_send else { return 0 };
         let taken = bytes.iter().take_while(|byte| to_send.enqueue(**byte).is_ok()).count();
-        // The handler alone touches the transmitter: it is called, and goes on by itself.
+        // Only the handler accesses the transmitter: this triggers it.
         NVIC::pend(self.hardware.uart.sent);
         taken
     }
 
-    /// Bytes received and lost so far, as a ring was full or the receiver overrun.
+    /// Number of bytes lost by a full ring or an overrun of the receiver.
     pub fn lost(&self) -> u32 {
         self.hardware.lost.load(Ordering::Relaxed)
     }
 
-    /// Whether bytes of a tapped line are missing behind all that was received so far; asked once.
+    /// Whether bytes of a tapped line are missing after those received so far; reads and clears the flag.
     pub fn take_gap(&mut self) -> bool {
-        // In this order: while there is a gap, nothing is put behind it.
+        // In this order: while there is a gap, no byte is added after it.
         let is_here = self.hardware.has_gap.load(Ordering::Acquire) && self.received.is_empty();
         if is_here {
             self.hardware.has_gap.store(false, Ordering::Release);
@@ -224,7 +226,7 @@ impl Hardware {
 
     fn on_received(&self) {
         let mut began = steps();
-        // SAFETY: called by the lines' handlers alone, which are of one priority.
+        // SAFETY: called only by the lines' handlers, which have the same priority.
         let Some(Handler { registers, received, onward, .. }) = (unsafe { self.handler.get() }) else { return };
         registers.acknowledge_received();
         let is_overrun = registers.take_overrun();
@@ -246,12 +248,12 @@ impl Hardware {
             self.lost.store(self.lost.load(Ordering::Relaxed).wrapping_add(lost), Ordering::Relaxed);
         }
         if is_overrun && onward.is_some() {
-            // What the receiver lost, it lost behind the byte that it held.
+            // An overrun loses the byte after the one in the receiver.
             self.has_gap.store(true, Ordering::Release);
         }
     }
 
-    /// Puts a byte behind those that wait for the main program; false, and a gap, where it has no place.
+    /// Adds a byte for the main program. Returns false and sets the gap if there is no room.
     fn put_behind(&self, received: &mut Producer<'static, u8>, byte: u8) -> bool {
         let has_place = !self.has_gap.load(Ordering::Acquire) && received.enqueue(byte).is_ok();
         if !has_place {
@@ -271,23 +273,23 @@ impl Hardware {
     }
 }
 
-/// Bytes came on a line: what its receiver's handler does.
+/// Handler of a line's receiver.
 pub fn on_received(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_received);
 }
 
-/// Bytes received and lost so far on the sender's end of the tapped line.
+/// Number of bytes lost on the sender's end of the tapped line.
 pub fn lost_of_sender() -> u32 {
     let [.., sender, _] = &LINES;
     sender.lost.load(Ordering::Relaxed)
 }
 
-/// A line takes more bytes, or is asked to: what its transmitter's handler does.
+/// Handler of a line's transmitter.
 pub fn on_sent(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_sent);
 }
 
-/// The handlers of the lines' interrupts, for images that have lines.
+/// Defines the handlers of the lines' interrupts, for images with lines.
 #[macro_export]
 macro_rules! line_handlers {
     ($($line:literal $receiver:ident $transmitter:ident)+) => {

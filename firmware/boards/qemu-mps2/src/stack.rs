@@ -1,24 +1,24 @@
-//! How deep the stack goes: paint what is free of it, run, and look how much paint is left.
+//! Measurement of the stack's depth: fill the free stack with a pattern, run, and count the overwritten words.
 
-/// What no function leaves behind by chance.
+/// Pattern that no function leaves by chance.
 const PAINT: u32 = 0x5ca1_ab1e;
-/// Bytes painted; more than the deepest call needs: of the controller alone, and of a whole board.
+/// Filled bytes, more than the deepest call needs: for the controller alone, and for a complete board.
 const DEPTH: usize = 8_192;
 const DEPTH_OF_A_BOARD: usize = 98_304;
-/// Bytes right below the stack pointer that are left alone: what painting itself may use.
+/// Bytes below the stack pointer that are not filled, for the filling code itself.
 const CLEARANCE: usize = 64;
 
 /// Painted stack.
 #[derive(Clone, Copy, Debug)]
 pub struct Painted {
-    /// The address where the paint begins, going down.
+    /// Upper address of the pattern.
     top: usize,
-    /// How far it goes.
+    /// Length of the pattern.
     depth: usize,
 }
 
 impl Painted {
-    /// Paints what is free below the caller's frame.
+    /// Fills the free stack below the caller's frame.
     #[inline(always)]
     pub fn below_here() -> Self {
         Painted::so_deep(DEPTH)
@@ -40,7 +40,7 @@ impl Painted {
         painted
     }
 
-    /// Bytes used since, from where the stack pointer stood.
+    /// Bytes used since then, from the position of the stack pointer.
     #[inline(always)]
     pub fn used(self) -> usize {
         // SAFETY: reads of the words that were painted.
@@ -48,7 +48,7 @@ impl Painted {
         (0..self.depth / 4).rev().find(is_used).map_or(0, |word| (word + 1) * 4 + CLEARANCE)
     }
 
-    /// Bytes in use already when the paint was laid.
+    /// Bytes in use when the pattern was written.
     pub fn above(self) -> usize {
         unsafe extern "C" {
             static _stack_start: u32;

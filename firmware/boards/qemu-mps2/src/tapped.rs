@@ -12,19 +12,19 @@ use crate::flash;
 use crate::handed::Once;
 use crate::main_loop::Main;
 
-/// Characters between the sender and the machine: a control's buffer, and some.
+/// Characters between the sender and the machine: a control's buffer and a reserve.
 const ROOM: usize = 4_096;
-/// There is one set of parameters.
+/// Number of the only set of parameters.
 const SET: u32 = 1;
 
-/// A chip reads its flash in place.
+/// Copy of the flash page; a real chip reads its flash in place.
 static PAGE: Once<[u8; PAGE_MAX]> = Once::new([0; PAGE_MAX]);
 static TAP: Once<MaybeUninit<Tap<ROOM>>> = Once::new(MaybeUninit::uninit());
 
 /// A board with its tap.
 pub type Tapped = Main<ROOM>;
 
-/// A tapped board that has just started; `None` if it was called before.
+/// Starts a tapped board; `None` if it was called before.
 pub fn start() -> Option<Tapped> {
     Main::start(Some(tap))
 }
@@ -34,8 +34,8 @@ fn tap(handler: &mut CommandHandler<'_>) -> Option<&'static mut Tap<ROOM>> {
     Tap::place(TAP.take()?, settings).ok()
 }
 
-/// Takes the parameters in flash, and says how the line is that they are for. Without any, or with broken ones, a tap only passes
-/// characters on.
+/// Loads the parameters in flash and returns the settings of their line. Without parameters, or with corrupt ones, a
+/// tap only forwards characters.
 fn adopt(handler: &mut CommandHandler<'_>, page: &[u8]) -> TapSettings {
     let line = handler.load_page(page, SET).unwrap_or_else(|error| {
         match error {

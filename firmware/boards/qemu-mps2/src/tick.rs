@@ -1,7 +1,7 @@
-//! The side of the tick: what the timer's interrupt owns, and what it costs.
+//! The tick: data of the timer's interrupt, and its cost.
 //!
-//! The main program hands it samples of the machine and takes setpoints from it, both through queues without a lock. A sample in
-//! lockstep says what time it is; otherwise each tick is a millisecond after the one before.
+//! The main program passes samples of the machine to the tick and receives setpoints from it, both through lock-free
+//! queues. In lockstep the sample gives the time; otherwise each tick is a millisecond after the previous one.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -20,15 +20,15 @@ use crate::handed::{Handed, Once};
 use crate::mirror::{self, Mirror};
 use crate::timer;
 
-/// From tick to tick.
+/// Period of the tick.
 pub const PERIOD: Span = Span::from_ms(1);
-/// Samples and setpoints that may wait, less one.
+/// Length of the queues of samples and setpoints, plus one.
 const WAITING: usize = 8;
 
-/// A sample, or a frame that was none.
+/// A sample; `None` for an invalid frame.
 pub type Heard = Option<Sample>;
 
-/// What only the tick touches while it runs.
+/// State of the tick.
 pub struct TickSide {
     task: ControlTask<'static>,
     machine: MachineLine,
@@ -39,22 +39,23 @@ pub struct TickSide {
     counter: InstructionCounter,
 }
 
-/// The main program's ends.
+/// The main program's ends of the queues.
 pub struct MainSide {
-    /// What was heard on the machine line.
+    /// Samples received on the machine line.
     pub heard: Producer<'static, Heard>,
-    /// What was put out.
+    /// Setpoints.
     pub setpoints: Consumer<'static, Setpoint>,
 }
 
-/// Ticks, and the worst of them.
+/// Number of ticks, and their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Costs {
-    /// How many.
+    /// Number of ticks.
     pub ticks: u32,
-    /// Instructions of the longest.
+    /// Instructions of the longest tick.
     pub worst: u32,
-    /// Instructions from the timer's end to the tick, least and most; of ticks by the timer only.
+    /// Latency from the timer's overflow to the tick in instructions, minimum and maximum; only for ticks by the
+    /// timer.
     pub late: [u32; 2],
 }
 
@@ -64,13 +65,14 @@ static WORST: AtomicU32 = AtomicU32::new(0);
 static EARLIEST: AtomicU32 = AtomicU32::new(u32::MAX);
 static LATEST: AtomicU32 = AtomicU32::new(0);
 
-/// Prepares the tick; `None` if that was done before.
+/// Prepares the tick; `None` if it was called before.
 pub fn prepare(task: ControlTask<'static>) -> Option<MainSide> {
     static HEARD: Once<Queue<Heard, WAITING>> = Once::new(Queue::new());
     static SETPOINTS: Once<Queue<Setpoint, WAITING>> = Once::new(Queue::new());
     let (heard, heard_out) = split(HEARD.take()?);
     let (setpoints_in, setpoints) = split(SETPOINTS.take()?);
-    // SAFETY: the queues were given out for the first time: the tick's side is not there yet, nor is its interrupt let through.
+    // SAFETY: the queues were taken for the first time: the tick's data do not exist yet, and its interrupt is not
+    // enabled.
     unsafe {
         TICK_SIDE.put(TickSide {
             task,
@@ -85,21 +87,21 @@ pub fn prepare(task: ControlTask<'static>) -> Option<MainSide> {
     Some(MainSide { heard, setpoints })
 }
 
-/// What ticks cost so far.
+/// Cost of the ticks so far.
 pub fn costs() -> Costs {
     let [ticks, worst, earliest, latest] =
         [&TICKS, &WORST, &EARLIEST, &LATEST].map(|figure| figure.load(Ordering::Relaxed));
     Costs { ticks, worst, late: [earliest, latest] }
 }
 
-/// One tick.
+/// Runs one tick.
 ///
 /// # Safety
-/// Called by the timer's handler alone, which does not interrupt itself.
+/// Called only by the timer's handler, which does not interrupt itself.
 pub unsafe fn on_timer() {
     let late = timer::late_steps();
     timer::acknowledge();
-    // SAFETY: the handler is the one user from its first call on.
+    // SAFETY: the handler is the only user from its first call on.
     let Some(side) = (unsafe { TICK_SIDE.get() }) else { return };
     let TickSide { counter, .. } = side;
     let counter = *counter;
@@ -120,10 +122,10 @@ impl TickSide {
             self.hear(heard);
         }
         let output = self.task.tick(self.now, &self.machine.sensors(self.now));
-        // Lines in memory refuse nothing.
+        // Lines in memory cannot fail.
         let _put = self.lines.put(output.feed_override);
         let setpoint = Setpoint { lines: mirror::low(), ..setpoint(self.now.0, &output, [0; 2]) };
-        // With no room, nobody listens.
+        // A full queue means that the main program does not read it.
         let _room = self.setpoints.enqueue(setpoint);
     }
 
@@ -132,7 +134,7 @@ impl TickSide {
         if sample.mode == ModeCode::Lockstep {
             self.now = Micros(sample.at);
         }
-        // What makes no sense is counted there.
+        // Invalid samples are counted there.
         let _is_valid = self.machine.on_sample(self.now, &sample);
     }
 }

@@ -1,4 +1,4 @@
-//! CMSDK timer 0: the interrupt that is the tick.
+//! CMSDK timer 0: interrupt of the tick.
 
 use crate::clock::STEPS_PER_US;
 use crate::interrupts::{Interrupt, Priority, enable};
@@ -13,9 +13,9 @@ const RUNNING: u32 = 1 | (1 << 3);
 /// Starts the tick.
 ///
 /// # Safety
-/// `TIMER0` is ready to run: what it uses is in place.
+/// `TIMER0` is ready to run: its data are initialised.
 pub unsafe fn start(period_us: u32) {
-    // SAFETY: registers of timer 0, which nothing else uses; the handler is ready, says the caller.
+    // SAFETY: registers of timer 0, which no other code uses; the caller guarantees that the handler is ready.
     unsafe {
         RELOAD.write_volatile(period_us * STEPS_PER_US - 1);
         VALUE.write_volatile(period_us * STEPS_PER_US - 1);
@@ -24,20 +24,20 @@ pub unsafe fn start(period_us: u32) {
     }
 }
 
-/// Steps of the board's clock since the tick was due; `None` while the timer stands.
+/// Clock steps since the tick was due; `None` while the timer is stopped.
 pub fn late_steps() -> Option<u32> {
     // SAFETY: reading has no effect on the timer.
     let (control, value, reload) = unsafe { (CONTROL.read_volatile(), VALUE.read_volatile(), RELOAD.read_volatile()) };
     (control == RUNNING).then(|| reload.wrapping_sub(value))
 }
 
-/// Ends the tick.
+/// Stops the timer.
 pub fn stop() {
     // SAFETY: registers of timer 0.
     unsafe { CONTROL.write_volatile(0) };
 }
 
-/// Takes the interrupt back, from its handler.
+/// Acknowledges the interrupt in its handler.
 pub fn acknowledge() {
     // SAFETY: registers of timer 0.
     unsafe { CLEAR.write_volatile(1) };

@@ -1,7 +1,7 @@
-//! CMSDK APB watchdog: counts down, interrupts (NMI) when it is through, and resets the board when it is through again.
+//! CMSDK APB watchdog: counts down, raises the NMI at the first time-out, and resets the board at the second.
 //!
-//! It is fed by the main loop, and only after a tick, so both must live. Not by the tick: an interrupt goes on while
-//! the main loop hangs.
+//! The main loop feeds it, and only after a tick, so both must be alive. The tick does not feed it, since interrupts
+//! continue while the main loop hangs.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -12,38 +12,39 @@ use crate::reset_cause;
 
 const LOAD: *mut u32 = 0x4000_8000 as *mut u32;
 const CONTROL: *mut u32 = 0x4000_8008 as *mut u32;
-/// A write takes the interrupt back and counts anew.
+/// A write clears the interrupt and restarts the counter.
 const CLEAR: *mut u32 = 0x4000_800C as *mut u32;
 const LOCK: *mut u32 = 0x4000_8C00 as *mut u32;
-/// The one value that lets the other registers be written.
+/// Value that unlocks the other registers.
 const UNLOCKED: u32 = 0x1ACC_E551;
 const LOCKED: u32 = 0;
 /// Control: counting with interrupt; reset by the second time-out.
 const RUNNING: u32 = 0b11;
 
-/// From the last feed to the interrupt, and from there to the reset. A third of what a silent host is given.
+/// Time from the last feed to the interrupt, and from there to the reset. A third of the time-out of a silent host.
 pub const TIMEOUT: Span = Span::from_ms(100);
 
-/// The tick behind which it was fed last.
+/// Count of the tick after which it was fed last.
 static FED_AT: AtomicU32 = AtomicU32::new(0);
 
 /// The running watchdog.
 #[derive(Debug)]
 pub struct Watchdog(());
 
-/// The tick behind which it was fed last.
+/// Count of the tick after which it was fed last.
 pub fn fed_at() -> u32 {
     FED_AT.load(Ordering::Relaxed)
 }
 
 impl Watchdog {
-    /// Starts it. Nothing stops it any more.
+    /// Starts the watchdog; it cannot be stopped.
     ///
     /// # Safety
     /// The handler of the NMI is ready to run.
     pub unsafe fn start() -> Self {
         reset_cause::note_guarded();
-        // SAFETY: registers of the watchdog, which nothing else uses; the handler is ready, says the caller.
+        // SAFETY: registers of the watchdog, which no other code uses; the caller guarantees that the handler is
+        // ready.
         unsafe {
             LOCK.write_volatile(UNLOCKED);
             LOAD.write_volatile(TIMEOUT.0 * STEPS_PER_US);
@@ -53,7 +54,8 @@ impl Watchdog {
         Watchdog(())
     }
 
-    /// To be called once in each round of the main loop, with the count of ticks: feeds it if there was one since.
+    /// To be called in each iteration of the main loop with the count of ticks: feeds the watchdog if there was a tick
+    /// since the last feed.
     pub fn feed_after_tick(&mut self, ticks: u32) {
         if ticks == fed_at() {
             return;

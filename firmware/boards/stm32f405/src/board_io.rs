@@ -1,4 +1,4 @@
-//! One tick of the board: read everything, let the guard decide, put it out.
+//! A tick of the board: reads the inputs, lets the guard decide, sets the outputs.
 
 use arcfeed_firmware::controller;
 use arcfeed_firmware::input::contacts::Contacts;
@@ -23,12 +23,12 @@ use crate::machine;
 use crate::panel::{AT_START, ENCODERS_SOUND, Panel, Said};
 use crate::spindle::SpindleTimer;
 
-/// The tick's length; a tick that takes longer is a fault, so it is exact.
+/// Period of the tick; a late tick is a fault, so the period is exact.
 const TICK: Span = Span::from_ms(1);
 /// Ticks between two changes of the heartbeat.
 const HEARTBEAT_TICKS: u32 = 100;
 
-/// What is read from.
+/// Input hardware.
 #[derive(Debug)]
 pub struct Sensors {
     /// X, Y, Z.
@@ -41,7 +41,7 @@ pub struct Sensors {
     pub contacts: GPIOB,
 }
 
-/// What is written to.
+/// Output hardware.
 #[derive(Debug)]
 pub struct Outputs {
     /// *FV0 to *FV7.
@@ -50,7 +50,7 @@ pub struct Outputs {
     pub status: StatusPins,
 }
 
-/// What the readings amount to so far.
+/// State of the input processing.
 #[derive(Debug, Default)]
 struct Readers {
     position: Position,
@@ -67,7 +67,7 @@ pub struct BoardIo {
     contacts: Contacts,
     tacho: Tacho,
     guard: Guard<'static>,
-    /// What the start found, or a tick that came late: reported once, the guard keeps it.
+    /// A fault of the start or of a late tick; reported once, the guard latches it.
     once: Option<BoardFault>,
     ticks: u32,
 }
@@ -84,16 +84,16 @@ impl BoardIo {
         BoardIo { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
     }
 
-    /// Which run's blocks are wanted.
+    /// Current run of the program.
     pub fn run(&self) -> u32 {
         self.guard.run()
     }
 
-    /// One tick.
+    /// Runs one tick.
     pub fn tick(&mut self) {
         let levels = self.sensors.contacts.idr().read().bits() as u16;
         let said = self.readers.panel.read(self.contacts.follow(!levels));
-        // Not debounced: a receiver that complains for a moment may have lost counts in it.
+        // Not debounced: a short error of a receiver may have lost counts.
         let is_sound = !levels & ENCODERS_SOUND != 0;
         let readings = is_sound.then(|| self.sensors.encoders.read());
         let restart = said.zero_now && !self.guard.is_engaged() && self.readers.position.set_zero(readings);
@@ -102,10 +102,10 @@ impl BoardIo {
         }
         let input = self.know(readings, said);
         let decided = self.guard.tick(&input);
-        // A failure is kept by the latch, and reported at the next tick.
+        // The latch keeps a failure; the next tick reports it.
         let _ = self.outputs.lines.put(decided.feed_override);
         if clock::has_failed() {
-            // The interrupt that found it may have come just before the write.
+            // The interrupt of the failure may have preceded the write.
             let_go();
         }
         self.ticks = self.ticks.wrapping_add(1);
@@ -113,19 +113,19 @@ impl BoardIo {
         self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
     }
 
-    /// A tick came late: a fault of the board, as times are no longer what they seem.
+    /// Reports a late tick: a fault of the board, as its time base is wrong.
     pub fn report_late(&mut self) {
         self.once = Some(BoardFault::Hardware);
     }
 
-    /// Makes sense of what the sensors show.
+    /// Evaluates the sensors.
     fn know(&mut self, readings: Readings, said: Said) -> Input {
         let Readers { position, turning, knob, .. } = &mut self.readers;
         let pose = position.follow(&machine::ENCODERS, readings, TICK);
         let spindle = self.tacho.follow(turning, self.sensors.spindle.read());
         let dial = machine::DIAL.follow(knob, self.sensors.dial.read());
         if said.reset_now {
-            // The person at the machine has seen to it; if not, the next write fails again.
+            // A person at the machine has reset the fault; if its cause persists, the next write fails again.
             self.outputs.lines.reset();
         }
         let is_broken = clock::has_failed() || dial.is_err() || self.outputs.lines.fault().is_some();
@@ -134,7 +134,7 @@ impl BoardIo {
             position: position.freshness(),
             operator_percent: dial.unwrap_or(0),
             signals: said.signals.with(fault.map_or(Signals::NONE, Signals::of_fault)),
-            // All blocks are on board: the link is always fresh.
+            // All blocks are on the board: the link is always fresh.
             ..Input::of(controller::Measurement { position: pose, spindle, dt: TICK })
         }
     }

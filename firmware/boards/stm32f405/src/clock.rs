@@ -1,53 +1,53 @@
-//! The clock tree: 168 MHz from a crystal of 8 MHz, watched by the clock security system.
+//! Clock tree: 168 MHz from a crystal of 8 MHz, supervised by the clock security system.
 //!
 //! ```text
 //! HSE 8 MHz / 4 -> 2 MHz x 168 -> 336 MHz / 2 -> SYSCLK 168 MHz = AHB -> APB1 / 4: 42 MHz, its timers 84 MHz
 //!                                                                     -> APB2 / 2: 84 MHz
 //! ```
 //!
-//! Without the crystal the chip goes on with its own 16 MHz, good enough to hold 0 % and to say so, not to time a cut: a
-//! board fault that lasts until the next start. All waits are bounded.
+//! Without the crystal the chip continues with its internal 16 MHz clock. It is accurate enough to hold 0 % and report
+//! the fault, but not to time a cut: a board fault until the next start. All waits are bounded.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use stm32f4::stm32f405::{FLASH, PWR, RCC, rcc};
 
-/// Frequencies that others need.
+/// Frequencies for other modules.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    /// The core's, in MHz.
+    /// Frequency of the core, MHz.
     pub core_mhz: u32,
-    /// That of the timers on APB1, in MHz.
+    /// Frequency of the timers on APB1, MHz.
     pub timer_mhz: u32,
 }
 
 const FROM_CRYSTAL: Clock = Clock { core_mhz: 168, timer_mhz: 84 };
 const OWN: Clock = Clock { core_mhz: 16, timer_mhz: 16 };
 
-/// Reads of a flag before it is given up: some 20 ms at 16 MHz, a crystal needs 2.
+/// Maximum number of reads of a flag: about 20 ms at 16 MHz; a crystal needs 2 ms.
 const POLLS_MAX: u32 = 50_000;
 /// Flash wait states at 168 MHz and 3.3 V.
 const WAIT_STATES: u8 = 5;
 
 static FAILED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the crystal did not start, or stopped.
+/// Whether the crystal did not start or has stopped.
 pub fn has_failed() -> bool {
     FAILED.load(Ordering::Relaxed)
 }
 
-/// Gives a clock to every peripheral of the image: the first thing to do.
+/// Enables the clocks of all used peripherals; must be called first.
 pub fn supply(rcc: &RCC) {
     rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
     rcc.apb1enr().modify(|_, w| w.pwren().enabled().tim2en().enabled().tim3en().enabled());
     rcc.apb1enr().modify(|_, w| w.tim4en().enabled().tim5en().enabled());
     rcc.apb2enr().modify(|_, w| w.tim1en().enabled().adc1en().enabled());
-    // A peripheral takes no write in the first cycles of its clock (errata, "delay after an RCC peripheral clock
-    // enabling"): reading back takes longer.
+    // A peripheral accepts no write in the first cycles of its clock (errata, "delay after an RCC peripheral clock
+    // enabling"); reading back takes longer than that.
     let _ = (rcc.ahb1enr().read().bits(), rcc.apb1enr().read().bits(), rcc.apb2enr().read().bits());
 }
 
-/// Starts the clock tree; [`has_failed`] tells how it went.
+/// Starts the clock tree; [`has_failed`] returns the result.
 pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
     if start_from_crystal(rcc, flash, pwr).is_some() {
         return FROM_CRYSTAL;
@@ -58,7 +58,8 @@ pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
     OWN
 }
 
-/// Takes the interrupt of the clock security system, from the NMI: the crystal stopped, the chip is on its own clock.
+/// Handles the interrupt of the clock security system in the NMI: the crystal has stopped, and the chip runs on its
+/// internal clock.
 pub fn take_failure(rcc: &rcc::RegisterBlock) {
     FAILED.store(true, Ordering::Relaxed);
     rcc.cir().modify(|_, w| w.cssc().set_bit());

@@ -1,18 +1,18 @@
-//! ADC1, channel 4: the operator's dial, converted over and over.
+//! ADC1, channel 4: continuous conversion of the operator's dial.
 
 use stm32f4::stm32f405::{ADC_COMMON, ADC1};
 
 /// Channel of PA4.
 const CHANNEL: u8 = 4;
-/// What the converter needs after it is switched on, in cycles of the fastest core: 3 us.
+/// Power-up time of the converter in cycles of the fastest core: 3 us.
 const POWER_UP_CYCLES: u32 = 3 * 168;
 
-/// The converter, running.
+/// The running converter.
 #[derive(Debug)]
 pub struct DialConverter(ADC1);
 
 impl DialConverter {
-    /// Starts to convert, once in 23 us.
+    /// Starts conversions, one every 23 us.
     pub fn start(adc: ADC1, common: &ADC_COMMON) -> Self {
         common.ccr().modify(|_, w| w.adcpre().div4());
         adc.smpr2().write(|w| w.smp4().cycles480());

@@ -1,8 +1,8 @@
-//! X on TIM3, Y on TIM4, Z on TIM1: A quad B, counted by the timers in both senses, 16 bits each.
+//! Encoders X on TIM3, Y on TIM4, Z on TIM1: A quad B, counted by the timers in both directions, 16 bits each.
 
 use stm32f4::stm32f405::{TIM1, TIM3, TIM4};
 
-/// The three timers, counting.
+/// The three running timers.
 #[derive(Debug)]
 pub struct Encoders {
     x: TIM3,
@@ -10,10 +10,10 @@ pub struct Encoders {
     z: TIM1,
 }
 
-/// Eight samples of a timer's clock must agree: spikes below 0.05 us (Z) or 0.1 us (X, Y) are no edge.
+/// Input filter: eight samples must agree; spikes below 0.05 us (Z) or 0.1 us (X, Y) are ignored.
 const FILTER: u8 = 0b0011;
 
-/// Sets a timer to count all edges of both its inputs.
+/// Configures a timer to count all edges of both inputs.
 macro_rules! count {
     ($timer:expr) => {
         // SAFETY: the filters take any four bits.
@@ -26,7 +26,7 @@ macro_rules! count {
 }
 
 impl Encoders {
-    /// Starts to count from zero.
+    /// Starts the counters at zero.
     pub fn start(x: TIM3, y: TIM4, z: TIM1) -> Self {
         count!(x);
         count!(y);
@@ -34,7 +34,7 @@ impl Encoders {
         Encoders { x, y, z }
     }
 
-    /// X, Y, Z; each wraps.
+    /// Counts of X, Y, Z; they wrap around.
     pub fn read(&self) -> [u16; 3] {
         let Encoders { x, y, z } = self;
         [x.cnt().read().cnt().bits(), y.cnt().read().cnt().bits(), z.cnt().read().cnt().bits()]

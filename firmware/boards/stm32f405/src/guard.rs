@@ -1,5 +1,5 @@
-//! The supervisor around the tick, with the block in work found from the position. Pure; all that this board uses of
-//! [`arcfeed_firmware::supervisor`] to decide is here.
+//! The supervisor of the tick, with the block in execution found from the position. Pure; contains all decisions of
+//! this board by [`arcfeed_firmware::supervisor`].
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::queue::Follower;
@@ -10,10 +10,10 @@ use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_shared::job::Job;
 use heapless::spsc::Consumer;
 
-/// A prepared block, and the run of the program it belongs to.
+/// A prepared block, and the run of the program to which it belongs.
 pub type Prepared = (u32, ActiveSegment);
 
-/// Supervisor, the blocks ahead and what they remember.
+/// Supervisor and queue of blocks, with their state.
 pub struct Guard<'q> {
     supervisor: Supervisor,
     memory: Memory,
@@ -23,32 +23,32 @@ pub struct Guard<'q> {
 }
 
 impl<'q> Guard<'q> {
-    /// A guard for a job, with the default settings; blocks come from elsewhere.
+    /// A guard for a job, with the default settings and the queue of its blocks.
     ///
     /// # Errors
-    /// Bounds of the override that make no sense.
+    /// Invalid bounds of the override.
     pub fn new(job: &Job, blocks: Consumer<'q, Prepared>) -> Result<Self, SettingsError> {
         let supervisor = Supervisor::new(job, Settings::default())?;
         Ok(Guard { supervisor, memory: Memory::default(), follower: Follower::default(), blocks, run: 0 })
     }
 
-    /// Which run's blocks are taken.
+    /// Current run; only its blocks are used.
     pub fn run(&self) -> u32 {
         self.run
     }
 
-    /// Whether the laws have the override or get it back by themselves: no time to set zero.
+    /// Whether the laws are engaged; zero must not be set then.
     pub fn is_engaged(&self) -> bool {
         self.memory.state().is_engaged()
     }
 
-    /// The program begins anew: blocks of the runs till now are forgotten.
+    /// Restarts the program: discards blocks of earlier runs.
     pub fn restart(&mut self) {
         self.run = self.run.wrapping_add(1);
         self.follower.restart();
     }
 
-    /// One tick.
+    /// Runs one tick.
     pub fn tick(&mut self, input: &Input) -> Output {
         while self.blocks.peek().is_some_and(|(run, _)| *run != self.run) {
             let _of_another_run = self.blocks.dequeue();

@@ -1,8 +1,8 @@
-//! An STM32F405RG as arcfeed's board: what the image of this folder is made of. Wiring, pins and levels: README.md.
+//! An STM32F405RG as arcfeed's board: modules of this folder's image. Wiring, pins and levels: README.md.
 //!
-//! One idea a file, in the order in which data flows. [`machine`] has what differs from machine to machine; [`program`] the
-//! job and its blocks; [`reset_cause`], [`panel`] and [`guard`] are pure and are tested on the host; the others own a
-//! peripheral each, and hold the only `unsafe`: registers. [`board_io`] joins them to one tick.
+//! Modules in the order of the data flow: [`machine`] has the machine's constants; [`program`] the job and its blocks;
+//! [`reset_cause`], [`panel`] and [`guard`] are pure and tested on the host. Each of the others owns a peripheral and
+//! contains the only `unsafe` code, the access to registers. [`board_io`] combines them into the tick.
 #![no_std]
 
 pub mod machine;

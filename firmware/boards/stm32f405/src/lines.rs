@@ -15,22 +15,22 @@ pub struct FvPort {
     told: Option<u8>,
 }
 
-/// Pins that are not as they were told: shorted, or overloaded.
+/// Pins that differ from the written levels: shorted or overloaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PinsDiffer {
-    /// Bit i for *FVi.
+    /// Differing pins: bit i for *FVi.
     pub pins: u8,
 }
 
-/// Waits by counting cycles.
+/// Delay by counting cycles.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleDelay {
-    /// Of the core.
+    /// Frequency of the core, MHz.
     pub core_mhz: u32,
 }
 
 impl FvPort {
-    /// The port, set up by [`crate::pins`].
+    /// The port; [`crate::pins`] configures it.
     pub fn new(port: GPIOC) -> Self {
         FvPort { port, told: None }
     }
@@ -50,7 +50,7 @@ impl LinePort for FvPort {
 }
 
 impl DelayNs for CycleDelay {
-    /// Rounded up, and at most 25 ms at 168 MHz: there the product saturates.
+    /// Rounded up; at most 25 ms at 168 MHz, where the product saturates.
     fn delay_ns(&mut self, ns: u32) {
         cortex_m::asm::delay(ns.saturating_mul(self.core_mhz).div_ceil(NS_PER_US));
     }
@@ -66,12 +66,12 @@ impl StatusPins {
         StatusPins(())
     }
 
-    /// Says whether no fault is latched.
+    /// Sets the ready output: no fault is latched.
     pub fn set_ready(&mut self, ready: bool) {
         Self::pull(READY, ready);
     }
 
-    /// Says that the tick runs.
+    /// Sets the heartbeat output.
     pub fn set_heartbeat(&mut self, low: bool) {
         Self::pull(HEARTBEAT, low);
     }
@@ -83,18 +83,18 @@ impl StatusPins {
     }
 }
 
-/// Releases all lines and says "not ready", from wherever: for the handlers of what must not happen.
+/// Releases all lines and sets "not ready"; for use in fault handlers.
 pub fn let_go() {
-    // SAFETY: high is the safe level of these pins, whoever else writes them.
+    // SAFETY: high is the safe level of these pins, whatever other code writes them.
     unsafe { write(LINES | READY, 0) };
 }
 
-/// Sets pins of the port and resets others, in one write; the rest stays.
+/// Sets pins of the port and resets others in one write; all other pins are unchanged.
 ///
 /// # Safety
 /// The pins are the caller's, or go to a level that suits their owner.
 unsafe fn write(set: u32, reset: u32) {
-    // SAFETY: the register has no state to lose: a write reaches the pins it names and no others, and these are allowed,
-    // says the caller.
+    // SAFETY: the register has no state: a write affects only the named pins, which the caller guarantees to be
+    // allowed.
     unsafe { (*GPIOC::ptr()).bsrr().write(|w| w.bits(set | (reset << 16))) };
 }

@@ -1,35 +1,35 @@
-//! The one machine this image is built for: to be set, and checked on the machine, before anything else.
+//! Constants of the machine for which this image is built; they must be set, and checked on the machine, before use.
 
 use arcfeed_firmware::input::dial::DialInput;
 use arcfeed_firmware::input::encoder::Encoder;
 use arcfeed_firmware::input::tacho::Tacho;
 use arcfeed_shared::units::RevPerMin;
 
-/// X, Y, Z: nanometres a count, all four edges counted, negative for the other sense; and the most counts in a tick: 600 um/ms
-/// are 36 m/min.
+/// X, Y, Z: nanometres per count with all four edges counted (negative reverses the sense), and the maximum number of
+/// counts per tick: 600 um/ms are 36 m/min.
 pub const ENCODERS: [Encoder; 3] = [axis(1_000, 600), axis(1_000, 600), axis(1_000, 600)];
 
-/// The operator's dial on 12 bits: 1 kOhm to either rail from a track of 8 kOhm would read 410 and 3 686.
+/// The operator's dial on 12 bits: a track of 8 kOhm with 1 kOhm to each rail reads 410 and 3 686.
 pub const DIAL: DialInput = match DialInput::new(410, 3_686, 4_095, 150) {
     Some(dial) => dial,
     None => panic!("the dial's ends make no sense"),
 };
 
-/// Pulses of the tacho in a revolution of the spindle, and the speeds it works at. Above the highest is noise: keep it
-/// close to what the job uses, as a speed read too high feeds too much.
+/// Pulses of the tacho per revolution of the spindle, and its range of speeds. Speeds above the maximum count as
+/// noise: keep it close to the job's speed, since too high a reading raises the feed too much.
 const PULSES_PER_REV: u16 = 1;
 const LOWEST: RevPerMin = RevPerMin(60.0);
 const HIGHEST: RevPerMin = RevPerMin(1_200.0);
 
-/// What the couplers of *FV0 to *FV7 take to let go, nanoseconds, with something to spare.
+/// Release time of the couplers of *FV0 to *FV7 with a margin, nanoseconds.
 pub const LINES_SETTLE_NS: u32 = 40_000;
 
-/// The spindle's tacho; `None` if the speeds above make no sense.
+/// The spindle's tacho; `None` if the speeds above are invalid.
 pub fn tacho() -> Option<Tacho> {
     Tacho::new(PULSES_PER_REV, LOWEST, HIGHEST)
 }
 
-/// Refuses to compile what makes no sense.
+/// An encoder; invalid values do not compile.
 const fn axis(nm_per_count: i32, most_counts: u16) -> Encoder {
     match Encoder::new(nm_per_count, most_counts) {
         Some(encoder) => encoder,

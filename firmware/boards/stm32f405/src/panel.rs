@@ -1,14 +1,14 @@
-//! What the contacts on port B mean: buttons, and what the control's ladder says.
+//! Meaning of the contacts on port B: buttons, and signals of the control's ladder.
 //!
-//! A contact is closed while its coupler conducts. What the ladder says is true while its contact is **open**, so that a
-//! broken wire keeps the laws off. Buttons that ask for more - arm, reset, zero - are pressed while closed, and count only
-//! after they were seen open; disarm is pressed while open, and while it is, arm must be let go before it counts again.
+//! A contact is closed while its coupler conducts. A signal of the ladder is active while its contact is **open**, so
+//! that a broken wire excludes the laws. The buttons arm, reset and zero are pressed while closed, and count only
+//! after they were open. Disarm is pressed while open; after it, arm must be released before it counts again.
 
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 
-/// The receivers of all three encoders are content.
+/// The receivers of all three encoders report no error.
 pub const ENCODERS_SOUND: u16 = 1 << 0;
-/// "The axes stand at the program's zero, and it is about to begin."
+/// Button: the axes are at the program's zero, before its start.
 const ZERO: u16 = 1 << 1;
 const NO_FEED_HOLD: u16 = 1 << 8;
 const NO_RAPID: u16 = 1 << 9;
@@ -20,33 +20,34 @@ const ARM: u16 = 1 << 13;
 const NO_DISARM: u16 = 1 << 14;
 const RESET: u16 = 1 << 15;
 
-/// Closed contacts to begin with: all that is open keeps the laws off, the buttons that ask for more seem stuck.
+/// Contacts that count as closed at the start: open signals exclude the laws, and the buttons arm, reset and zero
+/// count only after a release.
 pub const AT_START: u16 = ZERO | ARM | RESET;
 
-/// Buttons seen open; state.
+/// Buttons that were open; state.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Panel {
     seen_open: u16,
     pressed_before: u16,
 }
 
-/// What the panel says at a tick.
+/// State of the panel at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Said {
-    /// What the ladder says, and what a person asks for: each for as long as its contact says so.
+    /// Signals of the ladder and requests, each while its contact is active.
     pub signals: Signals,
-    /// Zero was pressed just now.
+    /// Zero was pressed at this tick.
     pub zero_now: bool,
-    /// Reset was pressed just now.
+    /// Reset was pressed at this tick.
     pub reset_now: bool,
 }
 
 impl Panel {
-    /// Takes the settled contacts, closed ones 1.
+    /// Processes the settled contacts; closed ones are 1.
     pub fn read(&mut self, closed: u16) -> Said {
         self.seen_open |= !closed;
         if closed & NO_DISARM == 0 {
-            // Neither a press in the meantime nor one that outlasts it arms.
+            // A press of arm during disarm, or one that lasts longer, does not arm.
             self.seen_open &= !ARM;
         }
         let pressed = closed & self.seen_open;

@@ -1,8 +1,8 @@
-//! Every pin the image uses, in one place. The table of README.md is this file in words.
+//! All pins of the image. The table of README.md describes this file.
 
 use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC};
 
-/// Port C: *FV0 to *FV7, in this order from pin 0; a pin that is high is a line released.
+/// Port C: *FV0 to *FV7, in this order from pin 0; a high pin is a released line.
 pub const LINES: u32 = 0xFF;
 /// Port C: low while no fault is latched.
 pub const READY: u32 = 1 << 8;
@@ -24,7 +24,7 @@ const DIAL: [usize; 1] = [4];
 const Y: [usize; 2] = [6, 7];
 const CONTACTS: [usize; 10] = [0, 1, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Changes the fields of a register that belong to our pins.
+/// Changes the fields of the used pins in a register.
 macro_rules! set {
     ($register:expr, $fields:expr) => {
         // SAFETY: every value of two or four bits is valid here, and only fields of pins listed above change.
@@ -32,7 +32,7 @@ macro_rules! set {
     };
 }
 
-/// Releases the lines, says "not ready", then sets all pins up.
+/// Releases the lines, sets "not ready", then configures all pins.
 pub fn set_up(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     let outputs = LINES | READY | HEARTBEAT;
     // SAFETY: sets output bits that are not driven yet, so that they begin high: released.
@@ -53,7 +53,7 @@ pub fn set_up(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     set!(b.moder(), fields::<2>(&[(&Y, ALTERNATE), (&CONTACTS, 0)]));
 }
 
-/// Mask and value of a register with `BITS` bits a pin.
+/// Mask and value of a register with `BITS` bits per pin.
 fn fields<const BITS: usize>(pins: &[(&[usize], u32)]) -> (u32, u32) {
     let each = pins.iter().flat_map(|(pins, value)| pins.iter().map(|pin| (BITS * pin, *value)));
     each.fold((0, 0), |(mask, bits), (shift, value)| {

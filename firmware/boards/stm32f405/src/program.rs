@@ -1,7 +1,7 @@
-//! The job and the blocks of its program, compiled in: the link to the host is not there yet.
+//! The job and the blocks of its program, compiled in, as this board has no link to a host yet.
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_shared::cut::{CutRule, Moves, Rotation::*, Work};
+use arcfeed_shared::cut::{CutRule, Moves, RotationCircle::*, Work};
 use arcfeed_shared::job::{
     FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
 };
@@ -16,9 +16,9 @@ use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, R
 /// A move of the program, or a rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// When the simulated machine began it; not used here.
+    /// First tick on the simulated machine; not used here.
     pub first_tick: u32,
-    /// Which of the job's cut rules speaks of it.
+    /// Index of the cut rule that applies to it.
     pub rule: Option<usize>,
     /// The move.
     pub segment: Option<Segment>,
@@ -27,9 +27,9 @@ pub struct Block {
 /// The program, and a run of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
-    /// Its moves.
+    /// Moves of the program.
     pub blocks: &'static [Block],
-    /// Where the simulated machine was at each tick; not used here, and not in the image.
+    /// Positions of the simulated machine; not used here, and not in the image.
     pub ticks: &'static [u8],
 }
 

@@ -1,4 +1,4 @@
-//! Why the chip started, from the flags of RCC_CSR, and what that means for the override.
+//! Cause of the start from the flags of RCC_CSR, and the resulting fault.
 
 use arcfeed_firmware::supervisor::signals::BoardFault;
 
@@ -8,7 +8,7 @@ const POWER_ON: u32 = 1 << 27;
 const INDEPENDENT_WATCHDOG: u32 = 1 << 29;
 const WINDOW_WATCHDOG: u32 = 1 << 30;
 
-/// What to report at the first tick. A start by power, pin, software or debugger is none: the override begins at 0 %.
+/// Fault for the first tick. A start by power, pin, software or debugger is not a fault: the override begins at 0 %.
 pub fn fault(rcc_csr: u32) -> Option<BoardFault> {
     if rcc_csr & (INDEPENDENT_WATCHDOG | WINDOW_WATCHDOG) != 0 {
         Some(BoardFault::Watchdog)

@@ -3,15 +3,15 @@
 use arcfeed_firmware::input::tacho::TachoSample;
 use stm32f4::stm32f405::TIM2;
 
-/// Eight samples 32 clocks apart must agree: pulses below 3 us are noise.
+/// Input filter: eight samples 32 clocks apart must agree; pulses below 3 us are noise.
 const FILTER: u8 = 0b1111;
 
-/// The timer, counting.
+/// The running timer.
 #[derive(Debug)]
 pub struct SpindleTimer(TIM2);
 
 impl SpindleTimer {
-    /// Starts to count.
+    /// Starts the timer.
     pub fn start(timer: TIM2, timer_mhz: u32) -> Self {
         // SAFETY: all values of prescaler and period are valid, the filter takes any four bits.
         unsafe {
@@ -19,7 +19,7 @@ impl SpindleTimer {
             timer.arr().write(|w| w.bits(u32::MAX));
             timer.ccmr1_input().write(|w| w.cc1s().ti1().ic1f().bits(FILTER));
         }
-        // The coupler pulls the pin down: the steep edge.
+        // Falling edge: the steep edge, at which the coupler pulls the pin down.
         timer.ccer().write(|w| w.cc1p().set_bit().cc1e().set_bit());
         timer.smcr().write(|w| w.ts().ti1fp1().sms().reset_mode());
         timer.egr().write(|w| w.ug().set_bit());
@@ -27,7 +27,7 @@ impl SpindleTimer {
         SpindleTimer(timer)
     }
 
-    /// The last period, if a pulse came since the last call, and the time since.
+    /// The last period if there was a pulse since the last call, and the time since the last pulse.
     pub fn read(&mut self) -> TachoSample {
         let is_captured = self.0.sr().read().cc1if().bit_is_set();
         // Reading the capture clears the flag.

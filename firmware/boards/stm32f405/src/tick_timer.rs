@@ -1,11 +1,11 @@
-//! TIM5: the interrupt of every millisecond that is the tick.
+//! TIM5: interrupt of the tick, every millisecond.
 
 use stm32f4::stm32f405::{Interrupt, NVIC, TIM5};
 
-/// Counts of 1 us in a tick.
+/// Period of the tick in counts of 1 us.
 const PERIOD_US: u32 = 1_000;
 
-/// The timer, running.
+/// The running timer.
 #[derive(Debug)]
 pub struct TickTimer(TIM5);
 
@@ -17,7 +17,7 @@ impl TickTimer {
             timer.psc().write(|w| w.bits(timer_mhz - 1));
             timer.arr().write(|w| w.bits(PERIOD_US - 1));
         }
-        // Loads the prescaler, which sets the flag as an overflow would.
+        // Loads the prescaler; this sets the flag like an overflow.
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit());
         timer.dier().write(|w| w.uie().set_bit());
@@ -25,22 +25,22 @@ impl TickTimer {
         TickTimer(timer)
     }
 
-    /// Takes the interrupt back, from its handler.
+    /// Acknowledges the interrupt in its handler.
     pub fn acknowledge(&mut self) {
         self.0.sr().write(|w| w.uif().clear_bit());
     }
 
-    /// Whether the next tick is due already; asked at the end of one.
+    /// Whether the next tick is already due; to be called at the end of a tick.
     pub fn is_late(&self) -> bool {
         self.0.sr().read().uif().bit_is_set()
     }
 }
 
-/// Lets the tick begin.
+/// Enables the interrupt of the tick.
 ///
 /// # Safety
-/// The handler of `TIM5` is ready to run: what it uses is in place, and nobody else uses it.
+/// The handler of `TIM5` is ready to run: its data are initialised and have no other user.
 pub unsafe fn allow() {
-    // SAFETY: the handler is ready, says the caller.
+    // SAFETY: the caller guarantees that the handler is ready.
     unsafe { NVIC::unmask(Interrupt::TIM5) };
 }

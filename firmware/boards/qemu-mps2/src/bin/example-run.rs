@@ -6,11 +6,11 @@
 //! TIMER0:     position, block count ->  Task::run  <-----+  -> override -> UART 1
 //! ```
 //!
-//! The main loop is never in the tick's way: it prepares segments ahead and logs. The program and the positions are those
-//! of the example's run. At the end it logs what happened and leaves the emulator.
+//! The main loop never blocks the tick: it prepares segments ahead and logs. The program and the positions are those
+//! of the example's run. At the end it logs the results and leaves the emulator.
 //!
-//! No panic can be reached here: the panic handler calls a function that does not exist, so that an image in which the
-//! handler is left over does not link. In release mode, that is: without optimisation checks remain that cannot fail.
+//! No panic is reachable: the panic handler calls an undefined function, so that an image that contains the handler
+//! does not link. This holds in release mode only; without optimisation, checks remain that cannot fail.
 #![no_std]
 #![no_main]
 
@@ -39,7 +39,7 @@ const AHEAD: usize = 8;
 /// A prepared segment and its block's count.
 type Prepared = (u32, Option<ActiveSegment>);
 
-/// What only the tick touches while it runs.
+/// State of the tick.
 struct TickState {
     supervisor: Supervisor,
     task: Task,
@@ -48,7 +48,7 @@ struct TickState {
     io: BoardIo,
 }
 
-/// The board as the controller sees it.
+/// Hardware of the controller.
 struct BoardIo {
     segment: Option<(u32, ActiveSegment)>,
     input: Input,
@@ -141,7 +141,7 @@ fn main() -> ! {
     }
     defmt::info!("example: {=usize} blocks, a tick every {=u32} us", EXAMPLE.blocks.len(), TICK.0);
     let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: TICK };
-    // SAFETY: UART 1 is used here only; the timer starts below, so nobody sees the state yet.
+    // SAFETY: UART 1 is used here only; the timer starts below, so the state has no other user yet.
     unsafe {
         let io = BoardIo { segment: None, input: Input::of(measured), line: Registers::start_transmitter(UART1) };
         let (run, task) = (EXAMPLE.run(), Task::from(Memory::armed()));

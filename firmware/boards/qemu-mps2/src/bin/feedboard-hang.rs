@@ -1,9 +1,9 @@
-//! The board of `feedboard-tap` that hangs when it is told to, for tests of what happens then.
+//! The board of `feedboard-tap` with commands that make it hang, for tests of the watchdog.
 //!
-//! Orders come as bytes on UART 4, of which no image for use has a handler: what is here is in none of them. They are obeyed above
-//! the main program, and below the lines and the tick, which go on.
+//! The commands are bytes on UART 4, for which no productive image has a handler. They are executed with a higher
+//! priority than the main program and a lower one than the lines and the tick, which continue.
 //!
-//! No panic can be reached here: it would not link.
+//! No panic is reachable: otherwise the image would not link.
 #![no_std]
 #![no_main]
 
@@ -48,7 +48,7 @@ extern "C" fn UART4_RX() {
         Some(b'm') => loop {
             core::hint::spin_loop();
         },
-        // The main loop is held up until the tapped line has lost something.
+        // The main loop is blocked until the tapped line has lost a byte.
         Some(b'l') => {
             let before = lost_of_sender();
             while lost_of_sender() == before {
@@ -71,7 +71,7 @@ fn main() -> ! {
         defmt::error!("the board's settings make no sense");
         leave(debug::EXIT_FAILURE)
     };
-    // SAFETY: UART 4 is used here only; what its handler uses is in place when it is let through.
+    // SAFETY: UART 4 is used here only; the data of its handler are ready when it is enabled.
     unsafe {
         ORDERS.put(Registers::start(UART4));
         enable(UART4.received, Priority::Third);

@@ -1,7 +1,7 @@
 //! The feed board at the end of a link to a host: `arcfeed_qemu_mps2::main_loop`.
 //!
-//! No panic can be reached here: the panic handler calls a function that does not exist, so that an image in which the
-//! handler is left over does not link. In release mode, that is: without optimisation checks remain that cannot fail.
+//! No panic is reachable: the panic handler calls an undefined function, so that an image that contains the handler
+//! does not link. This holds in release mode only; without optimisation, checks remain that cannot fail.
 #![no_std]
 #![no_main]
 

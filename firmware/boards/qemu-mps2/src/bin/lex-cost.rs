@@ -1,6 +1,6 @@
-//! Instructions for reading NC text on the chip, over the blocks of whole example jobs: by itself, and in the tap.
+//! Instructions for reading NC text on the chip, over the blocks of whole example jobs: alone and in the tap.
 //!
-//! Prints one line a figure, `NAME count N median M worst W`, for `tests/board/reading.rs` to judge:
+//! Prints a line for each figure, `NAME count N median M worst W`, which `tests/board/reading.rs` checks:
 //!
 //! ```text
 //! lex-JOB       a motion block's text to its words
@@ -18,7 +18,7 @@
 use core::hint::black_box;
 
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::{TapSegment, Tap};
+use arcfeed_firmware::tap::{Tap, TapSegment};
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{ibr_slot, pocket_contour};
 use arcfeed_qemu_mps2::figures::Costs;
@@ -28,16 +28,16 @@ use arcfeed_shared::job::Job;
 use arcfeed_shared::nc::block::{Parsed, Reading};
 use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::nc::tape_code::TapeCode;
-use arcfeed_shared::reader::{Reader, InterpretedLine};
+use arcfeed_shared::reader::{InterpretedLine, Reader};
 use arcfeed_shared::units::Micros;
 use cortex_m_semihosting::{debug, hprintln};
 
-/// Room of the tap: the whole example waits in it.
+/// Room of the tap for the whole example.
 const ROOM: usize = 4_096;
 /// Positions at rest before the program begins.
 const BEFORE: u32 = 20;
 
-/// What came out for the tap.
+/// Results for the tap.
 #[derive(Default)]
 struct Figures {
     hear: Costs,
@@ -71,7 +71,7 @@ fn lines(program: &[u8]) -> impl Iterator<Item = &[u8]> {
     program.split(|byte| *byte == b'\n')
 }
 
-/// The lexer and the reader by themselves, on each block that moves.
+/// Counts the lexer and the reader alone, on each block that moves.
 #[inline(never)]
 fn count_reading(counter: &InstructionCounter, name: &str, program: &[u8], job: &Job) {
     let (mut lex, mut read) = (Costs::default(), Costs::default());
@@ -89,7 +89,7 @@ fn count_reading(counter: &InstructionCounter, name: &str, program: &[u8], job: 
     read.print("read-", name);
 }
 
-/// The program through the tap, block by block; each segment is done when it is handed out.
+/// Runs the program through the tap, block by block; each segment counts as done when it is emitted.
 #[inline(never)]
 fn count_tap(counter: &InstructionCounter, program: &[u8], job: &Job) -> Figures {
     let mut figures = Figures::default();

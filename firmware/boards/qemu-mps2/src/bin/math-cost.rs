@@ -1,7 +1,7 @@
-//! Cost and error of `micromath`, `libm` and `fmath` on the chip: a row each of the table in docs/real-time.md.
+//! Cost and error of `micromath`, `libm` and `fmath` on the chip, as rows of the table in docs/real-time.md.
 //!
-//! Over a sweep of arguments: instructions least and most, the call's overhead taken off, and the largest error against
-//! `libm` in f64, absolute and relative to the exact value.
+//! For a sweep of arguments: minimum and maximum number of instructions without the overhead of the call, and the
+//! largest error against `libm` in f64, absolute and relative to the exact value.
 #![no_std]
 #![no_main]
 
@@ -13,7 +13,7 @@ use arcfeed_shared::fmath;
 use cortex_m_semihosting::{debug, hprintln};
 use micromath::F32Ext;
 
-/// Points of a sweep.
+/// Number of points of a sweep.
 const POINTS: u16 = 2_000;
 
 #[panic_handler]
@@ -22,7 +22,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     leave(debug::EXIT_FAILURE)
 }
 
-/// A function of one argument and what it should answer.
+/// A function of one argument with its exact counterpart.
 struct Row {
     name: &'static str,
     exact: fn(f64) -> f64,
@@ -35,7 +35,7 @@ impl Row {
         Row { name, exact, from, to }
     }
 
-    /// Measures an implementation, which is inlined into the sweep as it would be into its user.
+    /// Measures an implementation, which is inlined into the sweep as in real use.
     #[inline(never)]
     fn measure(&self, counter: &InstructionCounter, by: &str, function: impl Fn(f32) -> f32) {
         let (mut least, mut most) = (u32::MAX, 0);

@@ -1,10 +1,10 @@
-//! The tap and the controller by themselves: the example's program comes in character by character, the positions of its run tick by
-//! tick, and nothing else.
+//! The tap and the controller alone: the inputs are the characters of the example's program and the positions of its
+//! run.
 //!
-//! Each tick puts its override out on UART 1, as `example-run` does, which is told which block is in work: `tests/board/reading.rs`
-//! holds the two against each other. At the end it logs what reading and following needed.
+//! Each tick writes its override to UART 1, as in `example-run`, which gets the block in execution as an input:
+//! `tests/board/reading.rs` compares the two. At the end it logs the cost of reading and following.
 //!
-//! No panic can be reached here, by whatever characters: it would not link.
+//! No panic is reachable with any characters: otherwise the image would not link.
 #![no_std]
 #![no_main]
 
@@ -30,9 +30,9 @@ use arcfeed_shared::units::Micros;
 use cortex_m_semihosting::debug;
 use heapless::Deque;
 
-/// Characters between the sender and the machine: a control's buffer, and some.
+/// Characters between the sender and the machine: a control's buffer and a reserve.
 const ROOM: usize = 4_096;
-/// Segments that the tick has at hand.
+/// Segments in the tick's queue.
 const AT_HAND: usize = 8;
 /// Positions at rest before the program comes.
 const BEFORE: u32 = 20;
@@ -41,7 +41,7 @@ type Line = Tap<ROOM>;
 
 static TAP: Handed<Line> = Handed::nothing();
 
-/// What follows the axes along the segments, and decides.
+/// State of the tick.
 struct Tick {
     supervisor: Supervisor,
     memory: Memory,
@@ -73,7 +73,8 @@ fn main() -> ! {
     }
     for (position, _) in EXAMPLE.run() {
         tick.follow(&position);
-        // Counts begin with 0, and none is dropped: the count of the one in work is how many were done.
+        // Counts begin with 0 and none is dropped: the count of the segment in execution is the number of executed
+        // segments.
         tap.follow(tick.queue.front().map(|_| tick.executed), tick.executed, &position);
         let is_to_clear = tap.must_clear();
         while !is_to_clear && !tick.queue.is_full() {
@@ -97,7 +98,7 @@ fn main() -> ! {
     leave(if counters.losses == 0 { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE })
 }
 
-/// The tap in its place, with the axes seen at rest. What building it needs of the stack is not its own any more.
+/// Creates the tap in its memory, with the axes at rest. The stack that its creation needs is free again.
 #[inline(never)]
 fn start(job: &Job) -> Option<&'static mut Line> {
     let settings = TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(job.unit) };

@@ -1,6 +1,7 @@
-//! Instructions per tick of each law over whole example jobs, and those of the source's own route on the same ticks.
+//! Instructions per tick of each law over whole example jobs, and those of the source's own formulas on the same
+//! ticks.
 //!
-//! Prints one line a figure, `NAME count N median M worst W`, for `tests/board/figures.rs` to judge:
+//! Prints a line for each figure, `NAME count N median M worst W`, which `tests/board/figures.rs` checks:
 //!
 //! ```text
 //! tick-LAW      ticks on which the law has a demand, the first of each block too; all ticks where it never has one
@@ -9,8 +10,8 @@
 //! stack-LAW     `bytes N`: stack that a tick used, below this program's own frames
 //! ```
 //!
-//! The positions are those of the job's own law: what another law would have made of the feed does not matter for what
-//! its tick costs. Interrupts are masked.
+//! The positions are those of a run under the job's own law; the feed under another law has no influence on the cost
+//! of its tick. Interrupts are masked.
 #![no_std]
 #![no_main]
 
@@ -41,22 +42,22 @@ use arcfeed_shared::nc::modal::Pose;
 use arcfeed_shared::units::{Mm, MmPerTooth, Span};
 use cortex_m_semihosting::{debug, hprintln};
 
-/// The filter's gain, and one in how many samples is missing for it.
+/// Gain of the filter; one of `MISSING` samples is missing.
 const FILTER_GAIN_RATIO: f32 = 0.3;
 const MISSING: u64 = 50;
 const SEED: u64 = 0x0ddb_a115_5eed_0001;
 
-/// What is counted: an example's run under a law.
+/// A counted run of an example under a law.
 struct Case {
     name: &'static str,
     example: Example,
     job: Job,
-    /// The law of a block, where it is not the job's.
+    /// Law of a block if it is not the job's.
     other_law: fn(&Block, &Job) -> Option<SegmentLaw>,
     filter: PositionFilter,
 }
 
-/// What came out.
+/// Results.
 #[derive(Default)]
 struct Figures {
     governed: Costs,
@@ -71,7 +72,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     leave(debug::EXIT_FAILURE)
 }
 
-/// All that is counted of a tick.
+/// The counted part of a tick.
 #[inline(never)]
 fn tick(task: &mut Task, supervisor: &Supervisor, board: &mut BoardIo) -> Output {
     task.run(supervisor, board)
@@ -109,7 +110,7 @@ fn case(name: &'static str, example: Example, job: Job) -> Case {
     Case { name, example, job, other_law: |_, _| None, filter: PositionFilter::Exact }
 }
 
-/// The law that is compared with the source's own route.
+/// Counts the law that is compared with the source's own formulas.
 #[inline(never)]
 fn count_circumference(counter: &InstructionCounter) {
     let case = case("circumference", ibr_slot::EXAMPLE, ibr_slot::whole_job());
@@ -159,7 +160,7 @@ fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block,
     figures
 }
 
-/// For an arc with a rule: as many knots as a table takes, with what the job's law wants there.
+/// Table law of an arc with a rule: the maximum number of knots, with the demands of the job's law.
 fn table(block: &Block, job: &Job) -> Option<SegmentLaw> {
     let (segment, rule) = (block.segment.as_ref()?, block.cut(job)?);
     let arc = segment.arc()?;

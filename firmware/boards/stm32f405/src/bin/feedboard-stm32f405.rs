@@ -7,8 +7,8 @@
 //! NMI:        the crystal stopped -> lines released      HardFault: lines released, until the watchdog fires
 //! ```
 //!
-//! No panic can be reached: the panic handler calls a function that does not exist, so that an image in which the handler
-//! is left over does not link. In release mode, that is.
+//! No panic is reachable: the panic handler calls an undefined function, so that an image that contains the handler
+//! does not link. This holds in release mode only.
 #![no_std]
 #![no_main]
 
@@ -36,21 +36,21 @@ use stm32f4::stm32f405::{GPIOC, Peripherals, RCC, interrupt};
 /// Blocks prepared ahead of the tick.
 const AHEAD: usize = 8;
 
-/// What only the tick touches while it runs.
+/// State of the tick.
 struct TickState {
     timer: TickTimer,
     io: BoardIo,
 }
 
-/// Handed over before the timer starts, then the handler's.
+/// Data of the handler, stored before the timer starts.
 struct Handed<T>(UnsafeCell<Option<T>>);
 
-// SAFETY: written before the interrupt is unmasked, used by its handler alone from then on.
+// SAFETY: written before the interrupt is unmasked, used only by its handler from then on.
 unsafe impl<T> Sync for Handed<T> {}
 
 static TICK_STATE: Handed<TickState> = Handed(UnsafeCell::new(None));
 static TICKS: AtomicU32 = AtomicU32::new(0);
-/// How often the program began anew.
+/// Number of restarts of the program.
 static RUN: AtomicU32 = AtomicU32::new(0);
 
 #[panic_handler]
@@ -107,7 +107,7 @@ fn main() -> ! {
     let clock = clock::start(&rcc, &chip.FLASH, &chip.PWR);
     let mut watchdog = Watchdog::start(chip.IWDG);
     let cause = reset_cause::fault(rcc.csr().read().bits());
-    // The next start tells its own cause.
+    // Clear the flags for the next start.
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
 
     let job = program::job();
@@ -127,7 +127,7 @@ fn main() -> ! {
 
     watchdog.feed();
     let timer = TickTimer::start(chip.TIM5, clock.timer_mhz);
-    // SAFETY: nobody sees the state before the interrupt is allowed, and only its handler does from then on.
+    // SAFETY: the state has no user before the interrupt is enabled, and only its handler from then on.
     unsafe {
         *TICK_STATE.0.get() = Some(TickState { timer, io });
         tick_timer::allow();
@@ -135,7 +135,7 @@ fn main() -> ! {
     serve(&job, producer, watchdog)
 }
 
-/// The lines, released.
+/// The outputs, with released lines.
 fn outputs(port: GPIOC, clock: Clock) -> Result<Outputs, PinsDiffer> {
     let port = FvPort::new(port);
     let status = StatusPins::beside(&port);
@@ -167,7 +167,7 @@ fn serve(job: &Job, mut prepared: Producer<'static, Prepared>, mut watchdog: Wat
     }
 }
 
-/// What cannot start stays at 0 % and "not ready": nothing was put out yet, and nothing will be.
+/// Stays at 0 % and "not ready" if the start has failed: no output was set so far.
 fn rest(mut watchdog: Option<Watchdog>) -> ! {
     loop {
         let_go();
