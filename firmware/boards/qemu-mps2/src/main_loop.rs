@@ -97,7 +97,7 @@ impl<const N: usize> Main<N> {
     /// The same; the watchdog starts when `is_guarded` returns true. Only a test image delays it.
     pub fn run_guarded(mut self, is_guarded: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
-        // SAFETY: the tick's side is prepared.
+        // SAFETY: the tick's data are initialised.
         unsafe { enable(Interrupt::Timer0, Priority::First) };
         loop {
             match lockstep.mode(&mut self.lines) {
@@ -135,7 +135,7 @@ impl<const N: usize> Main<N> {
             // SAFETY: interrupts are held back.
             unsafe { self.lines.bridge() };
         });
-        // SAFETY: the tick's side is prepared.
+        // SAFETY: the tick's data are initialised.
         unsafe { timer::start(PERIOD.0) };
         let mut watchdog = None;
         let (mut machine, mut now) = (PlainLine::new(), Micros(0));
