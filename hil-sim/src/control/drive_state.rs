@@ -80,7 +80,7 @@ impl DriveState {
     }
 
     /// Stops the spindle at M2, M30 and reset, as the ladder of a machine does.
-    pub fn end(&mut self, stop: Stop) {
+    pub fn end(&mut self, stop: ProgramStop) {
         if let (Some(spindle), ProgramStop::End) = (&mut self.spindle, stop) {
             spindle.set_rotation(SpindleRotation::Stop);
         }

@@ -387,7 +387,7 @@ impl Control {
         false
     }
 
-    fn apply_stop(&mut self, stop: Stop, now: Micros) {
+    fn apply_stop(&mut self, stop: ProgramStop, now: Micros) {
         self.reads_no_further = false;
         self.drive_state.end(stop);
         match stop {

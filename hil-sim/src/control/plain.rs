@@ -69,7 +69,7 @@ impl PlainReader {
 
     /// Sets the machine position; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
-        self.reader.stand_at(machine);
+        self.reader.set_position(machine);
         self.end = machine;
     }
 
