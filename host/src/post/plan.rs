@@ -43,7 +43,7 @@ impl AxisPlan {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<ToolPose> = cl.points.iter().map(|point| point.pose).collect();
         let mut plan = AxisPlan::default();
-        let Some(mut course) = plan.course(cl, task, &poses) else { return plan };
+        let Some(mut course) = plan.select_branches(cl, task, &poses) else { return plan };
         plan.travel_deg = [travel(&course); 2];
         // Without a tool no repair may move the tip.
         let nothing = RepairLimits { error_deg: -1.0, ..*limits };
@@ -51,7 +51,7 @@ impl AxisPlan {
         let found = machine.repair(&mut poses, &course, end, allowed);
         plan.add_singularities(cl, &found, task.repair.is_some());
         if poses.iter().zip(&cl.points).any(|(pose, point)| *pose != point.pose) {
-            let Some(again) = plan.course(cl, task, &poses) else { return plan };
+            let Some(again) = plan.select_branches(cl, task, &poses) else { return plan };
             course = again;
             plan.travel_deg[1] = travel(&course);
         }
