@@ -1,4 +1,4 @@
-//! A slab whose axis is one of the lattice's: what it can reach, seen along the axis.
+//! A slab whose axis is one of the lattice's, on a way that rises or falls: what it can reach, seen along the axis.
 //!
 //! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
 //!
@@ -9,7 +9,7 @@
 //! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
 //! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
 //! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of rays along the axis only those between the outside and
-//! the hole of both ends are asked, between the slab's ends. Of a slab with upright walls (1) without a margin is all there is to know.
+//! the hole of both ends are asked, between the slab's ends. On a way that does not rise (1) is all there is to know: [`level`](super::level).
 //!
 //! Source: own derivation.
 
@@ -25,21 +25,10 @@ pub struct Flat {
     ends_mm: [[f64; 3]; 2],
     outer_mm: f64,
     hole_mm: f64,
-    /// Its ends along the axis, on all of its way; without a margin where it moves across the axis.
+    /// Its ends along the axis, on all of its way.
     heights: Interval,
     margin_mm: f64,
-    upright: Option<Upright>,
 }
-
-/// The radii of a slab with upright walls, without a margin.
-#[derive(Clone, Copy, Debug)]
-struct Upright {
-    outer_mm: f64,
-    hole_mm: f64,
-}
-
-/// What a ray loses, in at most two stretches.
-pub type Losses = [Option<Interval>; 2];
 
 /// What a row of rays can lose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,15 +39,12 @@ pub struct Row {
     pub hollow: Option<Interval>,
     /// The stretch of each ray.
     pub along: Interval,
-    /// Between upright walls: what each of them loses that is beside the walls, where that is the same for all.
-    pub losses: Option<Losses>,
 }
 
 impl Flat {
     /// Of a slab, wider by a margin; `None` where its axis is none of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
-        let is_across = sweep.from_mm[axis] == sweep.to_mm[axis];
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
         let outer_mm = slab.outer_mm[0].max(slab.outer_mm[1]) + margin_mm;
         let ends_mm = [sweep.from_mm, sweep.to_mm];
@@ -66,66 +52,23 @@ impl Flat {
             let [one, other] = slab.heights_mm.map(|height_mm| end_mm[axis] + height_mm * sweep.axis[axis]);
             Interval::new(one.min(other), one.max(other))
         });
-        let rounding_mm = if is_across { 0.0 } else { margin_mm };
-        let from_mm = at_first.from_mm.min(at_last.from_mm) - rounding_mm;
-        let heights = Interval::new(from_mm, at_first.to_mm.max(at_last.to_mm) + rounding_mm);
-        let upright = Upright::of(slab).filter(|_| is_across);
-        Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm, upright })
+        let from_mm = at_first.from_mm.min(at_last.from_mm) - margin_mm;
+        let heights = Interval::new(from_mm, at_first.to_mm.max(at_last.to_mm) + margin_mm);
+        Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
     }
 
     /// What is known of a whole row of rays, along an axis, with another one across them: no more than what the box can meet. `None` if it
     /// loses nothing.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
+        if ray_axis != self.axis {
+            return Some(row);
+        }
         let mut point_mm = [0.0; 3];
         point_mm[3 - ray_axis - column_axis] = row_mm;
-        if ray_axis == self.axis {
-            let outer_mm = self.upright.map_or(self.outer_mm, |upright| upright.outer_mm);
-            // A ray on the hole's border is asked.
-            let hollow = self.hollow(column_axis, &point_mm, (self.hole_mm - self.margin_mm).max(0.0));
-            let across = self.along(column_axis, &point_mm, outer_mm)?;
-            return Some(Row { across, hollow, along: self.heights, losses: None });
-        }
-        if self.upright.is_none() {
-            Some(row)
-        } else if column_axis == self.axis {
-            Some(Row { losses: Some(self.walls(ray_axis, &point_mm)?), ..row })
-        } else {
-            self.is_beside(&point_mm).then_some(row)
-        }
-    }
-
-    /// What a ray loses to a slab with upright walls, told what its row has in common; `None` where the walls are not upright.
-    pub fn losses(&self, ray_axis: usize, point_mm: &[f64; 3], of_row: Option<Losses>) -> Option<Losses> {
-        let Upright { outer_mm, hole_mm } = self.upright?;
-        if ray_axis == self.axis {
-            return Some([self.reaches(point_mm, outer_mm, hole_mm).then_some(self.heights), None]);
-        }
-        let walls = || of_row.or_else(|| self.walls(ray_axis, point_mm)).unwrap_or_default();
-        Some(if self.is_beside(point_mm) { walls() } else { Losses::default() })
-    }
-
-    /// Whether its walls are upright.
-    pub fn is_upright(&self) -> bool {
-        self.upright.is_some()
-    }
-
-    /// Whether a point is between its ends.
-    fn is_beside(&self, point_mm: &[f64; 3]) -> bool {
-        (self.heights.from_mm..=self.heights.to_mm).contains(&point_mm[self.axis])
-    }
-
-    /// What of a line beside upright walls is between them.
-    fn walls(&self, ray_axis: usize, point_mm: &[f64; 3]) -> Option<Losses> {
-        let Upright { outer_mm, hole_mm } = self.upright?;
-        let outside = self.along(ray_axis, point_mm, outer_mm)?;
-        Some(match self.hollow(ray_axis, point_mm, hole_mm) {
-            None => [Some(outside), None],
-            Some(hollow) => {
-                let rests =
-                    [Interval { to_mm: hollow.from_mm, ..outside }, Interval { from_mm: hollow.to_mm, ..outside }];
-                rests.map(|rest| Some(rest).filter(|rest| rest.length_mm() > 0.0))
-            }
-        })
+        // A ray on the hole's border is asked.
+        let hollow = self.hollow(column_axis, &point_mm, (self.hole_mm - self.margin_mm).max(0.0));
+        let across = self.along(column_axis, &point_mm, self.outer_mm)?;
+        Some(Row { across, hollow, along: self.heights })
     }
 
     /// Whether a ray through a point can lose any of its material.
@@ -199,14 +142,6 @@ impl Flat {
     fn across(&self, end_mm: &[f64; 3], point_mm: &[f64; 3]) -> [f64; 2] {
         let [first, second] = [(self.axis + 1) % 3, (self.axis + 2) % 3];
         [end_mm[first] - point_mm[first], end_mm[second] - point_mm[second]]
-    }
-}
-
-impl Upright {
-    fn of(slab: &Slab) -> Option<Self> {
-        let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
-        (is_upright(slab.outer_mm) && slab.inner_mm.is_none_or(is_upright))
-            .then_some(Upright { outer_mm: slab.outer_mm[0], hole_mm: slab.inner_mm.map_or(0.0, |inner| inner[0]) })
     }
 }
 

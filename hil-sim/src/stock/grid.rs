@@ -11,7 +11,8 @@ use rayon::slice::ParallelSliceMut;
 
 use super::dexel::Dexel;
 use super::lattice::Lattice;
-use super::sweep::{Pass, Reach};
+use super::level::Losses;
+use super::sweep::{Pass, Reach, RowCut};
 
 /// The rays along one axis.
 #[derive(Clone, Debug)]
@@ -75,10 +76,10 @@ impl Grid {
     }
 
     /// Takes what the passes sweep; answers its volume, mm3.
-    pub fn cut(&mut self, passes: &[Pass]) -> f64 {
+    pub fn cut(&mut self, passes: &[Pass<'_>]) -> f64 {
         let (axis, lattice) = (self.axis, self.lattice);
         let [width, _] = lattice.size(axis);
-        let [_, row_axis] = Lattice::across(axis);
+        let [column_axis, row_axis] = Lattice::across(axis);
         let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.rows(&lattice)).collect();
         let first = rows.iter().filter(|rows| !rows.is_empty()).map(|rows| rows.start).min().unwrap_or(0);
         let end = rows.iter().map(|rows| rows.end).max().unwrap_or(0).max(first);
@@ -88,7 +89,17 @@ impl Grid {
             let mut removed = Removed::default();
             for (pass, _) in passes.iter().zip(&rows).filter(|(_, rows)| rows.contains(&row)) {
                 if let Some(reach) = pass.reach(&lattice, row_mm) {
-                    removed.cut(pass, &reach, dexels, |column| point_mm(&lattice, axis, [column, row]));
+                    let column_mm = |column| lattice.center_mm(column_axis, column);
+                    match pass.row_cut(row_mm) {
+                        RowCut::Axial(mut row) => removed.lose(&reach, dexels, |column| row.losses(column_mm(column))),
+                        RowCut::Layer(row) => removed.lose(&reach, dexels, |column| row.losses(column_mm(column))),
+                        RowCut::Upright(mut row) => {
+                            removed.lose(&reach, dexels, |column| row.losses(column_mm(column)))
+                        }
+                        RowCut::Rays(pass) => {
+                            removed.cut(pass, &reach, dexels, |column| point_mm(&lattice, axis, [column, row]));
+                        }
+                    }
                 }
             }
             removed
@@ -103,8 +114,25 @@ impl Grid {
 }
 
 impl Removed {
+    /// Takes from one row what its rays lose.
+    fn lose(&mut self, reach: &Reach, dexels: &mut [Dexel], mut losses: impl FnMut(usize) -> Losses) {
+        for column in reach.columns() {
+            let Some(dexel) = dexels.get_mut(column) else { break };
+            if !dexel.meets(&reach.along) {
+                continue;
+            }
+            for loss in losses(column).into_iter().flatten() {
+                if dexel.meets(&loss) {
+                    self.bytes_before += dexel.heap_bytes();
+                    self.length_mm += dexel.subtract(loss);
+                    self.bytes_after += dexel.heap_bytes();
+                }
+            }
+        }
+    }
+
     /// Takes what a pass sweeps from one row.
-    fn cut(&mut self, pass: &Pass, reach: &Reach, dexels: &mut [Dexel], point_mm: impl Fn(usize) -> Vector) {
+    fn cut(&mut self, pass: &Pass<'_>, reach: &Reach, dexels: &mut [Dexel], point_mm: impl Fn(usize) -> Vector) {
         for column in reach.columns() {
             let Some(dexel) = dexels.get_mut(column) else { break };
             let point_mm = point_mm(column);

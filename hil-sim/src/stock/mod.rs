@@ -11,6 +11,10 @@ pub mod lattice;
 
 pub mod profile;
 
+pub mod slab;
+
+pub mod monotone;
+
 pub mod tool;
 
 pub mod quadratic;
@@ -18,6 +22,8 @@ pub mod quadratic;
 pub mod section;
 
 pub mod flat;
+
+pub mod level;
 
 pub mod sweep;
 

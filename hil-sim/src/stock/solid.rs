@@ -75,7 +75,7 @@ impl Solid for Revolved {
 
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid {
         let passes = passes(&self.tool, &[self.standing], axis);
-        Grid::new(lattice, axis, |point| united(passes.iter().flat_map(|pass: &Pass| pass.spans(point)).collect()))
+        Grid::new(lattice, axis, |point| united(passes.iter().flat_map(|pass: &Pass<'_>| pass.spans(point)).collect()))
     }
 }
 

@@ -1,41 +1,17 @@
 //! Tools and other solids of revolution: slabs, each between two cones about the axis.
 //!
 //! The origin is the tool's tip, the axis points from there to the holder.
-//!
-//! ```text
-//! volume of a slab:  pi/3 H (R0^2 + R0 R1 + R1^2 - r0^2 - r0 r1 - r1^2)        (1)
-//! ```
-//!
-//! Source: (1) the frustum of a cone.
 
-use std::f64::consts::PI;
-
+use super::monotone::MonotonePart;
 use super::profile::{Knot, Profile, ProfileError};
 
-/// Between two heights: outside and inside are straight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slab {
-    /// The heights above the tip, the lower first.
-    pub heights_mm: [f64; 2],
-    /// Radii of the outside at these heights.
-    pub outer_mm: [f64; 2],
-    /// Radii of the hole; none if it is solid.
-    pub inner_mm: Option<[f64; 2]>,
-}
-
-impl Slab {
-    /// (1)
-    pub fn volume_mm3(&self) -> f64 {
-        let squares = |[a, b]: [f64; 2]| a * a + a * b + b * b;
-        let height_mm = self.heights_mm[1] - self.heights_mm[0];
-        PI / 3.0 * height_mm * (squares(self.outer_mm) - self.inner_mm.map_or(0.0, squares))
-    }
-}
+pub use super::slab::Slab;
 
 /// A solid of revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
     slabs: Vec<Slab>,
+    parts: Vec<MonotonePart>,
     middle_mm: f64,
     reach_mm: f64,
 }
@@ -67,7 +43,8 @@ impl Tool {
         let middle_mm = (span_mm[0] + span_mm[1]) / 2.0;
         let from_middle = |knot: &Knot| libm::hypot(knot.radius_mm, knot.height_mm - middle_mm);
         let reach_mm = outside.knots().iter().map(from_middle).fold(0.0, f64::max);
-        Ok(Tool { slabs, middle_mm, reach_mm })
+        let parts = MonotonePart::all(&slabs);
+        Ok(Tool { slabs, parts, middle_mm, reach_mm })
     }
 
     /// A flat end mill.
@@ -110,6 +87,11 @@ impl Tool {
         &self.slabs
     }
 
+    /// The slabs, as many at a time as have monotone walls.
+    pub fn parts(&self) -> &[MonotonePart] {
+        &self.parts
+    }
+
     /// The height halfway up.
     pub fn middle_mm(&self) -> f64 {
         self.middle_mm
@@ -120,7 +102,7 @@ impl Tool {
         self.reach_mm
     }
 
-    /// (1), of the chords.
+    /// Volume of the slabs: arcs count as their chords.
     pub fn volume_mm3(&self) -> f64 {
         self.slabs.iter().map(Slab::volume_mm3).sum()
     }
@@ -139,6 +121,8 @@ fn edge(radius_mm: f64, foot_mm: f64, height_mm: f64, tolerance_mm: f64) -> Resu
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]

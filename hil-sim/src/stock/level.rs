@@ -1,0 +1,275 @@
+//! A tool whose axis is one of the lattice's, on a straight way square to it: three-axis milling on a level.
+//!
+//! At a height of the tool the sweep is that of a disc, less what is in the hole all the way; the way is straight, so the farthest
+//! place of it is one of its ends:
+//!
+//! ```text
+//! reached: distance to the way <= R, and distance to one of its ends >= r        (1)
+//! ```
+//!
+//! Along the axis (1) is asked for the heights: [`monotone`](super::monotone). Across it the disc sweeps a band with round ends. A
+//! line at the coordinate y across itself, in the plane of x along it and y, leaves the band at the disc of an end or at the border
+//! between the discs. With the ends a and b, a.y <= b.y, and the direction (ux, uy) from a to b:
+//!
+//! ```text
+//! c = R ux
+//! highest x:  y < a.y - c: disc at a;  y >= b.y - c: disc at b;  else a.x + R uy + (y - a.y + c) ux / uy        (2)
+//! lowest x:   y <= a.y + c: disc at a; y > b.y + c: disc at b;   else a.x - R uy + (y - a.y - c) ux / uy        (3)
+//! ```
+//!
+//! Source: own derivation.
+
+use super::dexel::Interval;
+use super::flat::Row;
+use super::monotone::{MonotonePart, Radii};
+use super::section::Sweep;
+
+/// What a ray loses, in at most two stretches.
+pub type Losses = [Option<Interval>; 2];
+
+/// A part of a tool on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Level<'a> {
+    part: &'a MonotonePart,
+    axis: usize,
+    /// Coordinate of the tip along the axis, and that of a millimetre of height.
+    tip_mm: f64,
+    sign: f64,
+    /// Both ends of the way; all coordinates, that along the axis without meaning.
+    ends_mm: [[f64; 3]; 2],
+}
+
+/// The way in the plane of a line along x and of y across it.
+#[derive(Clone, Copy, Debug)]
+struct Band {
+    /// Its ends, that of the lower y first.
+    ends_mm: [[f64; 2]; 2],
+    direction: [f64; 2],
+    /// ux / uy; 0 along the line, where it is not used.
+    per_y: f64,
+}
+
+/// A row of rays along the axis.
+#[derive(Clone, Debug)]
+pub struct AxialRow<'a> {
+    level: Level<'a>,
+    /// Coordinates of the ends of the way along the columns, and from there to the row.
+    columns_mm: [f64; 2],
+    offs_mm: [f64; 2],
+    /// The way along columns and rows, and divided by the square of its length.
+    way_mm: [f64; 2],
+    per_way: [f64; 2],
+    /// Pieces of the walls where the last ray was.
+    near: [usize; 2],
+}
+
+/// A row of rays across the axis, at one height.
+#[derive(Clone, Debug)]
+pub struct LayerRow {
+    band: Band,
+    radii: Option<Radii>,
+}
+
+/// A row of rays across the axis, one above the other.
+#[derive(Clone, Debug)]
+pub struct UprightRow<'a> {
+    level: Level<'a>,
+    band: Band,
+    off_mm: f64,
+    near: usize,
+    /// What the last ray lost, and the radii there.
+    last: (Option<Radii>, Losses),
+}
+
+impl<'a> Level<'a> {
+    /// Of a part on a way; `None` where the axis is none of the lattice's, or the way is not square to it.
+    pub fn new(part: &'a MonotonePart, sweep: &Sweep) -> Option<Self> {
+        let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
+        let is_level = sweep.from_mm[axis] == sweep.to_mm[axis];
+        let ends_mm = [sweep.from_mm, sweep.to_mm];
+        is_level.then_some(Level { part, axis, tip_mm: sweep.from_mm[axis], sign: sweep.axis[axis], ends_mm })
+    }
+
+    /// The lattice's axis that is the tool's.
+    pub fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// Where a row of rays along an axis, with another one across them, may lose anything; wider by a margin. `None` if nowhere.
+    pub fn reach(&self, [ray_axis, column_axis]: [usize; 2], row_mm: f64, margin_mm: f64) -> Option<Row> {
+        let Radii { outer_mm, inner_mm } = self.part.extreme_radii();
+        let [low_mm, high_mm] = self.part.heights_mm();
+        let heights = self.stretch(&Interval::new(low_mm, high_mm));
+        let row_axis = 3 - ray_axis - column_axis;
+        if row_axis == self.axis {
+            let Radii { outer_mm, .. } = self.part.radii(self.height_mm(row_mm), &mut 0)?;
+            let within = |axis: usize| {
+                let [from_mm, to_mm] = self.ends_mm.map(|end_mm| end_mm[axis]);
+                wider(Interval::new(from_mm.min(to_mm), from_mm.max(to_mm)), outer_mm + margin_mm)
+            };
+            return Some(Row { across: within(column_axis), hollow: None, along: within(ray_axis) });
+        }
+        // A line along the columns, or a ray, in the plane of the way.
+        let band = self.band(if ray_axis == self.axis { column_axis } else { ray_axis }, row_axis);
+        let chord = band.chord(row_mm, outer_mm)?;
+        if ray_axis != self.axis {
+            // Only where the part is wide enough to come to the row.
+            let [low_mm, high_mm] = band.ends_mm.map(|[_, off_mm]| off_mm);
+            let off_mm = (low_mm - row_mm).max(row_mm - high_mm).max(0.0);
+            let across = wider(self.stretch(&self.part.wide(off_mm, &mut 0)?), margin_mm);
+            return Some(Row { across, hollow: None, along: chord });
+        }
+        // A ray on the hole's border is asked.
+        let hollow = inner_mm.and_then(|inner_mm| band.hollow(row_mm, (inner_mm - margin_mm).max(0.0)));
+        Some(Row { across: chord, hollow, along: heights })
+    }
+
+    /// A row of rays along the tool's axis.
+    pub fn axial_row(&self, column_axis: usize, row_mm: f64) -> AxialRow<'a> {
+        let row_axis = 3 - self.axis - column_axis;
+        let [from_mm, to_mm] = self.ends_mm;
+        let way_mm = [column_axis, row_axis].map(|axis| to_mm[axis] - from_mm[axis]);
+        let square = way_mm[0] * way_mm[0] + way_mm[1] * way_mm[1];
+        AxialRow {
+            level: *self,
+            columns_mm: self.ends_mm.map(|end_mm| end_mm[column_axis]),
+            offs_mm: self.ends_mm.map(|end_mm| row_mm - end_mm[row_axis]),
+            way_mm,
+            per_way: if square > 0.0 { way_mm.map(|part| part / square) } else { [0.0; 2] },
+            near: [0; 2],
+        }
+    }
+
+    /// A row of rays at one height, across the tool's axis.
+    pub fn layer_row(&self, ray_axis: usize, row_mm: f64) -> LayerRow {
+        let band = self.band(ray_axis, 3 - ray_axis - self.axis);
+        LayerRow { band, radii: self.part.radii(self.height_mm(row_mm), &mut 0) }
+    }
+
+    /// A row of rays one above the other, across the tool's axis.
+    pub fn upright_row(&self, ray_axis: usize, row_mm: f64) -> UprightRow<'a> {
+        let band = self.band(ray_axis, 3 - ray_axis - self.axis);
+        UprightRow { level: *self, band, off_mm: row_mm, near: 0, last: (None, [None; 2]) }
+    }
+
+    /// Height of a coordinate along the axis.
+    #[inline]
+    fn height_mm(&self, at_mm: f64) -> f64 {
+        (at_mm - self.tip_mm) * self.sign
+    }
+
+    /// The stretch along the axis of a stretch of heights.
+    #[inline]
+    fn stretch(&self, heights: &Interval) -> Interval {
+        let [from_mm, to_mm] = [heights.from_mm, heights.to_mm].map(|height_mm| self.tip_mm + height_mm * self.sign);
+        Interval::new(from_mm.min(to_mm), from_mm.max(to_mm))
+    }
+
+    fn band(&self, line_axis: usize, off_axis: usize) -> Band {
+        Band::new(self.ends_mm.map(|end_mm| [end_mm[line_axis], end_mm[off_axis]]))
+    }
+}
+
+fn wider(interval: Interval, by_mm: f64) -> Interval {
+    Interval::new(interval.from_mm - by_mm, interval.to_mm + by_mm)
+}
+
+impl Band {
+    fn new([from_mm, to_mm]: [[f64; 2]; 2]) -> Self {
+        let is_in_order = (from_mm[1], from_mm[0]) <= (to_mm[1], to_mm[0]);
+        let ends_mm = if is_in_order { [from_mm, to_mm] } else { [to_mm, from_mm] };
+        let way_mm = [ends_mm[1][0] - ends_mm[0][0], ends_mm[1][1] - ends_mm[0][1]];
+        let length_mm = libm::sqrt(way_mm[0] * way_mm[0] + way_mm[1] * way_mm[1]);
+        let direction = if length_mm > 0.0 { way_mm.map(|part| part / length_mm) } else { [1.0, 0.0] };
+        let per_y = if way_mm[1] > 0.0 { way_mm[0] / way_mm[1] } else { 0.0 };
+        Band { ends_mm, direction, per_y }
+    }
+
+    /// From the first to the last place of a line that a disc reaches. (2), (3)
+    #[inline]
+    fn chord(&self, off_mm: f64, radius_mm: f64) -> Option<Interval> {
+        let [[ax, ay], [bx, by]] = self.ends_mm;
+        let [c, wide_mm] = self.direction.map(|part| part * radius_mm);
+        let [off_a, off_b] = [off_mm - ay, off_mm - by];
+        let half_mm = |off_mm: f64| libm::sqrt(radius_mm * radius_mm - off_mm * off_mm);
+        let high_mm = if off_a < -c {
+            ax + half_mm(off_a)
+        } else if off_b >= -c {
+            bx + half_mm(off_b)
+        } else {
+            ax + wide_mm + (off_a + c) * self.per_y
+        };
+        let low_mm = if off_a <= c {
+            ax - half_mm(off_a)
+        } else if off_b > c {
+            bx - half_mm(off_b)
+        } else {
+            ax - wide_mm + (off_a - c) * self.per_y
+        };
+        // NaN where the line passes the band.
+        (low_mm <= high_mm).then_some(Interval::new(low_mm, high_mm))
+    }
+
+    /// What of a line is in a hole all the way.
+    fn hollow(&self, off_mm: f64, radius_mm: f64) -> Option<Interval> {
+        let [at_a, at_b] = self.ends_mm.map(|[x, y]| {
+            let half_mm = libm::sqrt(radius_mm * radius_mm - (off_mm - y) * (off_mm - y));
+            Interval::new(x - half_mm, x + half_mm)
+        });
+        let is_real = at_a.from_mm <= at_a.to_mm && at_b.from_mm <= at_b.to_mm;
+        Some(at_a.common(&at_b)).filter(|common| is_real && common.length_mm() > 0.0)
+    }
+
+    /// (1) on a line.
+    #[inline]
+    fn losses(&self, off_mm: f64, radii: &Radii) -> Losses {
+        let Some(chord) = self.chord(off_mm, radii.outer_mm) else { return [None; 2] };
+        match radii.inner_mm.and_then(|inner_mm| self.hollow(off_mm, inner_mm)) {
+            None => [Some(chord), None],
+            Some(hollow) => {
+                let rests = [Interval { to_mm: hollow.from_mm, ..chord }, Interval { from_mm: hollow.to_mm, ..chord }];
+                rests.map(|rest| Some(rest).filter(|rest| rest.length_mm() > 0.0))
+            }
+        }
+    }
+}
+
+impl AxialRow<'_> {
+    /// What the ray at a column loses. (1)
+    #[inline]
+    pub fn losses(&mut self, column_mm: f64) -> Losses {
+        let arm_mm = column_mm - self.columns_mm[0];
+        let off_mm = self.offs_mm[0];
+        let part = (arm_mm * self.per_way[0] + off_mm * self.per_way[1]).clamp(0.0, 1.0);
+        let length_mm = |a: f64, b: f64| libm::sqrt(a * a + b * b);
+        let nearest_mm = length_mm(arm_mm - part * self.way_mm[0], off_mm - part * self.way_mm[1]);
+        let part = self.level.part;
+        let mut heights = part.wide(nearest_mm, &mut self.near[0]);
+        if part.is_hollow() {
+            let far_mm = length_mm(arm_mm, off_mm).max(length_mm(column_mm - self.columns_mm[1], self.offs_mm[1]));
+            let narrow = part.narrow(far_mm, &mut self.near[1]);
+            heights = heights.zip(narrow).map(|(wide, narrow)| wide.common(&narrow));
+        }
+        [heights.map(|heights| self.level.stretch(&heights)), None]
+    }
+}
+
+impl LayerRow {
+    /// What the ray at a column loses.
+    #[inline]
+    pub fn losses(&self, column_mm: f64) -> Losses {
+        self.radii.map_or([None; 2], |radii| self.band.losses(column_mm, &radii))
+    }
+}
+
+impl UprightRow<'_> {
+    /// What the ray at a column loses.
+    #[inline]
+    pub fn losses(&mut self, column_mm: f64) -> Losses {
+        let radii = self.level.part.radii(self.level.height_mm(column_mm), &mut self.near);
+        if radii != self.last.0 {
+            self.last = (radii, radii.map_or([None; 2], |radii| self.band.losses(self.off_mm, &radii)));
+        }
+        self.last.1
+    }
+}

@@ -1,0 +1,174 @@
+//! A part of a tool whose walls are monotone: going up, each of them only widens or only narrows, without a step.
+//!
+//! So the heights at which the tool is as wide as a distance d, and those at which its hole is as narrow, are one stretch each:
+//!
+//! ```text
+//! outside as wide as d:   from the first height with R >= d to the wide end        (1)
+//! hole as narrow as d:    from the first height with r <= d to the narrow end      (2)
+//! ```
+//!
+//! (2) is (1) for radii with the opposite sign. Flat, ball and bull-nose end mills and rings are one part.
+//!
+//! Source: own derivation.
+
+use super::dexel::Interval;
+use super::slab::Slab;
+
+/// A piece of a wall between two slab ends, in the direction in which its measure grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    /// Measure at its ends: the radius, for a hole its negative.
+    from_mm: f64,
+    to_mm: f64,
+    /// Height at its beginning.
+    height_mm: f64,
+    /// Height by measure; 0 where the measure stays.
+    slope: f64,
+}
+
+/// A wall, in the direction in which its measure grows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wall {
+    pieces: Vec<Piece>,
+    /// Height of the last end.
+    end_mm: f64,
+}
+
+/// Neighbouring slabs with monotone walls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonotonePart {
+    slabs: Vec<Slab>,
+    outer: Wall,
+    inner: Option<Wall>,
+}
+
+/// Radii at one height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radii {
+    /// Of the outside.
+    pub outer_mm: f64,
+    /// Of the hole.
+    pub inner_mm: Option<f64>,
+}
+
+impl Wall {
+    /// From the measures of the slabs at their ends.
+    fn new(slabs: &[Slab], measure_mm: impl Fn(&Slab) -> [f64; 2]) -> Self {
+        let piece = |slab: &Slab, ends: [usize; 2]| {
+            let [[from_mm, to_mm], [height_mm, end_mm]] =
+                [measure_mm(slab), slab.heights_mm].map(|pair| ends.map(|end| pair[end]));
+            let slope = if to_mm > from_mm { (end_mm - height_mm) / (to_mm - from_mm) } else { 0.0 };
+            (Piece { from_mm, to_mm, height_mm, slope }, end_mm)
+        };
+        let is_growing = slabs.iter().all(|slab| measure_mm(slab)[0] <= measure_mm(slab)[1]);
+        let pieces: Vec<(Piece, f64)> = if is_growing {
+            slabs.iter().map(|slab| piece(slab, [0, 1])).collect()
+        } else {
+            slabs.iter().rev().map(|slab| piece(slab, [1, 0])).collect()
+        };
+        let end_mm = pieces.last().map_or(0.0, |(_, end_mm)| *end_mm);
+        Wall { pieces: pieces.into_iter().map(|(piece, _)| piece).collect(), end_mm }
+    }
+
+    /// (1). The search begins at a piece, and leaves there the one that it found.
+    #[inline]
+    fn stretch(&self, at_least_mm: f64, near: &mut usize) -> Option<Interval> {
+        let pieces = self.pieces.as_slice();
+        let mut at = (*near).min(pieces.len());
+        while at > 0 && pieces[at - 1].to_mm >= at_least_mm {
+            at -= 1;
+        }
+        while at < pieces.len() && pieces[at].to_mm < at_least_mm {
+            at += 1;
+        }
+        *near = at;
+        let piece = pieces.get(at)?;
+        let from_mm = piece.height_mm + (at_least_mm - piece.from_mm).max(0.0) * piece.slope;
+        Some(Interval::new(from_mm.min(self.end_mm), from_mm.max(self.end_mm)))
+    }
+}
+
+impl MonotonePart {
+    /// The parts that slabs are made of, from bottom to top.
+    pub fn all(slabs: &[Slab]) -> Vec<Self> {
+        let mut parts = Vec::new();
+        let mut first = 0;
+        for end in 1..=slabs.len() {
+            if end == slabs.len() || !is_monotone(&slabs[first..=end]) {
+                parts.push(MonotonePart::of(&slabs[first..end]));
+                first = end;
+            }
+        }
+        parts
+    }
+
+    fn of(slabs: &[Slab]) -> Self {
+        let hole = |slab: &Slab| slab.inner_mm.map_or([0.0; 2], |inner| inner.map(|radius_mm| -radius_mm));
+        let inner = slabs.iter().any(|slab| slab.inner_mm.is_some()).then(|| Wall::new(slabs, hole));
+        MonotonePart { slabs: slabs.to_vec(), outer: Wall::new(slabs, |slab| slab.outer_mm), inner }
+    }
+
+    /// Its lowest and highest height.
+    pub fn heights_mm(&self) -> [f64; 2] {
+        let end = |slab: Option<&Slab>, end: usize| slab.map_or(0.0, |slab| slab.heights_mm[end]);
+        [end(self.slabs.first(), 0), end(self.slabs.last(), 1)]
+    }
+
+    /// The largest radius of the outside, and the smallest one of the hole.
+    pub fn extreme_radii(&self) -> Radii {
+        let outer_mm = self.outer.pieces.last().map_or(0.0, |piece| piece.to_mm);
+        Radii { outer_mm, inner_mm: self.inner.as_ref().and_then(|wall| wall.pieces.last()).map(|piece| -piece.to_mm) }
+    }
+
+    /// Whether it has a hole.
+    pub fn is_hollow(&self) -> bool {
+        self.inner.is_some()
+    }
+
+    /// The heights at which the outside is as wide as a distance. (1) The search begins at a piece of the wall, `near`.
+    #[inline]
+    pub fn wide(&self, distance_mm: f64, near: &mut usize) -> Option<Interval> {
+        self.outer.stretch(distance_mm, near)
+    }
+
+    /// The heights at which the hole, if there is one, is as narrow as a distance. (2)
+    #[inline]
+    pub fn narrow(&self, distance_mm: f64, near: &mut usize) -> Option<Interval> {
+        self.inner.as_ref()?.stretch(-distance_mm, near)
+    }
+
+    /// Radii at a height; none beyond its ends. The search begins at a slab, `near`.
+    #[inline]
+    pub fn radii(&self, height_mm: f64, near: &mut usize) -> Option<Radii> {
+        let slabs = self.slabs.as_slice();
+        let mut at = (*near).min(slabs.len());
+        while at > 0 && slabs[at - 1].heights_mm[1] >= height_mm {
+            at -= 1;
+        }
+        while at < slabs.len() && slabs[at].heights_mm[1] < height_mm {
+            at += 1;
+        }
+        *near = at;
+        let slab = slabs.get(at).filter(|slab| slab.heights_mm[0] <= height_mm)?;
+        let [low_mm, high_mm] = slab.heights_mm;
+        let at = |[low, high]: [f64; 2]| match high - low {
+            0.0 => low,
+            more => low + more * ((height_mm - low_mm) / (high_mm - low_mm)),
+        };
+        Some(Radii { outer_mm: at(slab.outer_mm), inner_mm: slab.inner_mm.map(at) })
+    }
+}
+
+/// Whether both walls of neighbouring slabs go one way, and on where the one below ends.
+fn is_monotone(slabs: &[Slab]) -> bool {
+    let goes_on = |wall: &dyn Fn(&Slab) -> Option<[f64; 2]>| {
+        let meets = slabs.windows(2).all(|pair| match (wall(&pair[0]), wall(&pair[1])) {
+            (Some(below), Some(above)) => below[1] == above[0],
+            (below, above) => below == above,
+        });
+        let mut ends = slabs.iter().filter_map(wall);
+        let mut again = ends.clone();
+        meets && (ends.all(|ends| ends[0] <= ends[1]) || again.all(|ends| ends[0] >= ends[1]))
+    };
+    goes_on(&|slab| Some(slab.outer_mm)) && goes_on(&|slab| slab.inner_mm)
+}
