@@ -30,7 +30,10 @@ impl HeightField {
             asked += heights_mm.len();
             for (height_mm, x_mm) in heights_mm.iter_mut().zip(&self.centers_mm[columns]) {
                 let arm_mm = x_mm - from[0];
-                let part = (arm_mm * per_way[0] + off_mm * per_way[1]).clamp(0.0, 1.0);
+                let part = arm_mm * per_way[0] + off_mm * per_way[1];
+                // As comparisons, which are an instruction each.
+                let part = if part > 0.0 { part } else { 0.0 };
+                let part = if part < 1.0 { part } else { 1.0 };
                 let [a, b] = [arm_mm - part * way[0], off_mm - part * way[1]];
                 let reached_mm = bottom_mm(a * a + b * b);
                 *height_mm = if reached_mm < *height_mm { reached_mm } else { *height_mm };

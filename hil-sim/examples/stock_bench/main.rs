@@ -3,9 +3,9 @@
 //!
 //! A height field of one family of rays is the yardstick for three axes: how much longer the stock takes for a ray and for a move.
 //!
-//! `cargo run --profile dist -p arcfeed-hil-sim --example stock_bench [STEP_MM [CASE]]`, CASE being a part of a case's name: only
-//! such cases run, which is how instructions are counted (`valgrind --tool=callgrind`). Figures of one run and its machine are in
-//! docs/stock.md.
+//! `cargo run --profile dist -p arcfeed-hil-sim --example stock_bench [STEP_MM [CASE [RAYS_MIN]]]`, CASE being a part of a case's name:
+//! only such cases run. With RAYS_MIN 0 each is done once, which is how instructions are counted (`valgrind --tool=callgrind`).
+//! Figures of one run and its machine are in docs/stock.md.
 
 mod height_field;
 
@@ -26,6 +26,9 @@ const MEMORY_MAX: usize = 4 << 30;
 
 /// The clock of the processor counts hundredths of a second: what asks for fewer rays is done again and again.
 const ASKED_MIN: usize = 40_000_000;
+
+/// Cuts of the height field for one of the stock.
+const HEIGHT_FIELD_RUNS: usize = 10;
 
 type Error = Box<dyn std::error::Error + Send + Sync>;
 
@@ -96,7 +99,10 @@ fn cut_plain(
 #[inline(never)]
 fn lower_to_ball(field: &mut HeightField, way: [[f64; 3]; 2], radius_mm: f64) -> usize {
     let center_mm = way[0][2] + radius_mm;
-    field.cut(way, radius_mm, |near| center_mm - libm::sqrt((radius_mm * radius_mm - near).max(0.0)))
+    field.cut(way, radius_mm, |near| {
+        let square = radius_mm * radius_mm - near;
+        center_mm - libm::sqrt(if square > 0.0 { square } else { 0.0 })
+    })
 }
 
 #[inline(never)]
@@ -207,24 +213,25 @@ fn cases(step_mm: f64) -> Result<Vec<Case>, Error> {
 fn main() -> Result<(), Error> {
     let step_mm = std::env::args().nth(1).map_or(Ok(0.2), |step| step.parse())?;
     let only = std::env::args().nth(2).unwrap_or_default();
+    let asked_min = std::env::args().nth(3).map_or(Ok(ASKED_MIN), |rays| rays.parse())?;
     println!("block {EDGE_MM} x {EDGE_MM} x {HEIGHT_MM} mm, step {step_mm} mm");
     println!(
         "tool                   sweeps  rays asked  CPU s: 1 thread  Mrays/s  2 threads  busiest  gain  clock s: 1, 2"
     );
     for case in cases(step_mm)?.iter().filter(|case| case.name.contains(&only)) {
-        print_case(case, step_mm)?;
+        print_case(case, step_mm, asked_min)?;
     }
     if "rows".contains(&only) { print_rows(&[0.2, 0.1]) } else { Ok(()) }
 }
 
-fn print_case(case: &Case, step_mm: f64) -> Result<(), Error> {
+fn print_case(case: &Case, step_mm: f64, asked_min: usize) -> Result<(), Error> {
     let Case { name, tool, moves, plain } = case;
     let volume_mm3 = EDGE_MM * EDGE_MM * HEIGHT_MM;
     let block = Block { lowest_mm: [0.0; 3], highest_mm: [EDGE_MM, EDGE_MM, HEIGHT_MM] };
     let whole = Stock::new(&block, step_mm, MEMORY_MAX)?;
     let (sweeps, by_axis) = rays_asked(&whole, tool, moves, step_mm / 20.0)?;
     let asked = by_axis.iter().sum::<usize>();
-    let repeats = (ASKED_MIN / asked + 1) as u32;
+    let repeats = (asked_min / asked + 1) as u32;
     let (alone, stock) = cut(repeats, 1, &whole, tool, moves)?;
     let (both, _) = cut(repeats, 2, &whole, tool, moves)?;
     println!(
@@ -241,7 +248,7 @@ fn print_case(case: &Case, step_mm: f64) -> Result<(), Error> {
     let removed_mm3 = volume_mm3 - stock.volume().mean_mm3();
     println!("  removed {removed_mm3:.2} mm3; {before:.1} bytes/mm3 of block before, {after:.1} after");
     if let Some((radius_mm, is_ball)) = *plain {
-        let runs = 10 * repeats as usize;
+        let runs = HEIGHT_FIELD_RUNS * repeats as usize;
         let (plain_s, plain_asked, heights_mm) =
             cut_plain(runs, step_mm, is_ball.then_some(radius_mm), radius_mm, moves);
         let upright_s = cut_upright(repeats as usize, &whole, tool, moves)?;

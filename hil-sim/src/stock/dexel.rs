@@ -20,15 +20,44 @@ impl Interval {
         Interval { from_mm, to_mm }
     }
 
+    /// Between two coordinates, whichever is the lower.
+    #[inline]
+    pub fn between(one_mm: f64, other_mm: f64) -> Self {
+        if one_mm < other_mm { Interval::new(one_mm, other_mm) } else { Interval::new(other_mm, one_mm) }
+    }
+
     /// Its length; negative where nothing lies between its ends.
     pub fn length_mm(&self) -> f64 {
         self.to_mm - self.from_mm
     }
 
     /// What both have in common; empty intervals end before they begin.
+    #[inline]
     pub fn common(&self, other: &Interval) -> Interval {
-        Interval { from_mm: self.from_mm.max(other.from_mm), to_mm: self.to_mm.min(other.to_mm) }
+        // Comparisons, each an instruction: ends are numbers.
+        Interval {
+            from_mm: if self.from_mm > other.from_mm { self.from_mm } else { other.from_mm },
+            to_mm: if self.to_mm < other.to_mm { self.to_mm } else { other.to_mm },
+        }
     }
+
+    /// Whether they have any length in common, if both have any length.
+    #[inline]
+    pub fn meets(&self, other: &Interval) -> bool {
+        self.from_mm < other.to_mm && other.from_mm < self.to_mm
+    }
+}
+
+/// No stretch: it ends before it begins.
+pub const NOWHERE: Interval = Interval { from_mm: f64::INFINITY, to_mm: f64::NEG_INFINITY };
+
+/// What a cut does to a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Taken {
+    /// The length removed.
+    pub length_mm: f64,
+    /// What the ray has allocated more than before, or less.
+    pub heap_bytes: isize,
 }
 
 /// The material along one ray. Most rays pass through one piece, which then needs no memory of its own.
@@ -41,6 +70,15 @@ pub enum Dexel {
     One(Interval),
     /// Two or more.
     Many(Vec<Interval>),
+}
+
+impl Taken {
+    /// Adds what another cut does.
+    #[inline]
+    pub fn add(&mut self, other: &Taken) {
+        self.length_mm += other.length_mm;
+        self.heap_bytes += other.heap_bytes;
+    }
 }
 
 impl Dexel {
@@ -64,7 +102,11 @@ impl Dexel {
     }
 
     /// From the first piece's beginning to the last one's end.
+    #[inline]
     pub fn extent(&self) -> Option<Interval> {
+        if let Dexel::One(one) = self {
+            return Some(*one);
+        }
         let pieces = self.intervals();
         Some(Interval { from_mm: pieces.first()?.from_mm, to_mm: pieces.last()?.to_mm })
     }
@@ -81,12 +123,17 @@ impl Dexel {
 
     /// The pieces that are partly in a stretch, in order.
     pub fn met(&self, stretch: &Interval) -> impl DoubleEndedIterator<Item = &Interval> {
-        self.intervals().iter().filter(|piece| piece.from_mm < stretch.to_mm && stretch.from_mm < piece.to_mm)
+        self.intervals().iter().filter(|piece| piece.meets(stretch))
     }
 
     /// Whether there is material in a stretch.
+    #[inline]
     pub fn meets(&self, stretch: &Interval) -> bool {
-        self.met(stretch).next().is_some()
+        match self {
+            Dexel::Empty => false,
+            Dexel::One(one) => one.meets(stretch),
+            Dexel::Many(pieces) => pieces.iter().any(|piece| piece.meets(stretch)),
+        }
     }
 
     /// What it has allocated beside itself.
@@ -97,37 +144,50 @@ impl Dexel {
         }
     }
 
-    /// Takes the material of `cut` away; answers the length that was there.
+    /// Takes the material of `cut` away; returns the length that was there.
     pub fn subtract(&mut self, cut: Interval) -> f64 {
-        let removed = |piece: &Interval| piece.common(&cut).length_mm().max(0.0);
+        self.take(cut).length_mm
+    }
+
+    /// Takes the material of `cut` away.
+    #[inline]
+    pub fn take(&mut self, cut: Interval) -> Taken {
         match self {
-            Dexel::Empty => 0.0,
+            Dexel::Empty => Taken::default(),
             Dexel::One(one) => {
-                let removed_mm = removed(one);
-                if removed_mm > 0.0 {
-                    *self = Dexel::left_of_one(*one, cut);
+                let common = one.common(&cut);
+                if common.from_mm >= common.to_mm {
+                    return Taken::default();
                 }
-                removed_mm
-            }
-            Dexel::Many(pieces) => {
-                let removed_mm: f64 = pieces.iter().map(removed).sum();
-                if removed_mm > 0.0 {
-                    *self = Dexel::left_of_many(mem::take(pieces), cut);
+                let length_mm = common.length_mm();
+                match (one.from_mm < cut.from_mm, cut.to_mm < one.to_mm) {
+                    (false, true) => one.from_mm = cut.to_mm,
+                    (true, false) => one.to_mm = cut.from_mm,
+                    (false, false) => *self = Dexel::Empty,
+                    (true, true) => return self.part(cut),
                 }
-                removed_mm
+                Taken { length_mm, heap_bytes: 0 }
             }
+            Dexel::Many(_) => self.take_of_many(cut),
         }
     }
 
-    fn left_of_one(one: Interval, cut: Interval) -> Self {
-        let before = Interval { to_mm: cut.from_mm, ..one };
-        let after = Interval { from_mm: cut.to_mm, ..one };
-        match (before.length_mm() > 0.0, after.length_mm() > 0.0) {
-            (false, false) => Dexel::Empty,
-            (true, false) => Dexel::One(before),
-            (false, true) => Dexel::One(after),
-            (true, true) => Dexel::Many(vec![before, after]),
+    /// Takes a cut from the middle of one piece.
+    fn part(&mut self, cut: Interval) -> Taken {
+        if let Dexel::One(one) = *self {
+            *self = Dexel::Many(vec![Interval { to_mm: cut.from_mm, ..one }, Interval { from_mm: cut.to_mm, ..one }]);
         }
+        Taken { length_mm: cut.length_mm(), heap_bytes: self.heap_bytes() as isize }
+    }
+
+    fn take_of_many(&mut self, cut: Interval) -> Taken {
+        let before = self.heap_bytes() as isize;
+        let Dexel::Many(pieces) = self else { return Taken::default() };
+        let length_mm: f64 = pieces.iter().map(|piece| piece.common(&cut).length_mm().max(0.0)).sum();
+        if length_mm > 0.0 {
+            *self = Dexel::left_of_many(mem::take(pieces), cut);
+        }
+        Taken { length_mm, heap_bytes: self.heap_bytes() as isize - before }
     }
 
     fn left_of_many(mut pieces: Vec<Interval>, cut: Interval) -> Self {

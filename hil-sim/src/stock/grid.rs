@@ -9,7 +9,7 @@ use arcfeed_shared::kinematics::vector::Vector;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
 
-use super::dexel::Dexel;
+use super::dexel::{Dexel, Interval, NOWHERE, Taken};
 use super::lattice::Lattice;
 use super::level::Losses;
 use super::sweep::{Pass, Reach, RowCut};
@@ -24,12 +24,27 @@ pub struct Grid {
     heap_bytes: usize,
 }
 
-/// What a cut does to a row: the length removed, and the bytes allocated before and after by the rays that were cut.
-#[derive(Clone, Copy, Debug, Default)]
-struct Removed {
-    length_mm: f64,
-    bytes_before: usize,
-    bytes_after: usize,
+/// All of a ray.
+const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::INFINITY };
+
+/// Rays of a row that are left out together where none of them has material for a pass.
+const TILE: usize = 8;
+
+/// The rays of one row while passes cut it, some columns of it in tiles.
+struct RowRays<'a> {
+    dexels: &'a mut [Dexel],
+    first_tile: usize,
+    tiles: Vec<Tile>,
+    taken: Taken,
+}
+
+/// Neighbouring rays.
+#[derive(Clone, Copy, Debug)]
+struct Tile {
+    /// From the first to the last material of them all, or beyond.
+    extent: Interval,
+    /// Whether they have been cut since this was found.
+    is_stale: bool,
 }
 
 impl Grid {
@@ -75,74 +90,126 @@ impl Grid {
         self.dexels.capacity() * size_of::<Dexel>() + self.heap_bytes
     }
 
-    /// Takes what the passes sweep; answers its volume, mm3.
+    /// Takes what the passes sweep; returns its volume, mm3.
     pub fn cut(&mut self, passes: &[Pass<'_>]) -> f64 {
         let (axis, lattice) = (self.axis, self.lattice);
         let [width, _] = lattice.size(axis);
         let [column_axis, row_axis] = Lattice::across(axis);
-        let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.rows(&lattice)).collect();
-        let first = rows.iter().filter(|rows| !rows.is_empty()).map(|rows| rows.start).min().unwrap_or(0);
-        let end = rows.iter().map(|rows| rows.end).max().unwrap_or(0).max(first);
+        let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
+        let touched = united(rows.iter().cloned());
+        let columns = united(passes.iter().map(|pass| pass.cells(&lattice, column_axis)));
+        let column_mm = lattice.centers_mm(column_axis);
         let cut_row = |(index, dexels): (usize, &mut [Dexel])| {
-            let row = first + index;
+            let row = touched.start + index;
             let row_mm = lattice.center_mm(row_axis, row);
-            let mut removed = Removed::default();
+            let mut rays = RowRays::new(dexels, &columns, passes.len() > 1);
             for (pass, _) in passes.iter().zip(&rows).filter(|(_, rows)| rows.contains(&row)) {
-                if let Some(reach) = pass.reach(&lattice, row_mm) {
-                    let column_mm = |column| lattice.center_mm(column_axis, column);
-                    match pass.row_cut(row_mm) {
-                        RowCut::Axial(mut row) => removed.lose(&reach, dexels, |column| row.losses(column_mm(column))),
-                        RowCut::Layer(row) => removed.lose(&reach, dexels, |column| row.losses(column_mm(column))),
-                        RowCut::Upright(mut row) => {
-                            removed.lose(&reach, dexels, |column| row.losses(column_mm(column)))
+                let Some(reach) = pass.reach(&lattice, row_mm) else { continue };
+                match pass.row_cut(row_mm) {
+                    RowCut::Axial(row) => rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column)))),
+                    RowCut::Layer(row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Upright(mut row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Rays(pass) => rays.cut(&reach, |column, dexel| {
+                        let point_mm = point_mm(&lattice, axis, [column, row]);
+                        if !pass.may_cut(&point_mm, dexel) {
+                            return Taken::default();
                         }
-                        RowCut::Rays(pass) => {
-                            removed.cut(pass, &reach, dexels, |column| point_mm(&lattice, axis, [column, row]));
-                        }
-                    }
+                        let before = dexel.heap_bytes() as isize;
+                        let length_mm = pass.cut(point_mm, &reach, dexel);
+                        Taken { length_mm, heap_bytes: dexel.heap_bytes() as isize - before }
+                    }),
                 }
             }
-            removed
+            rays.taken
         };
-        let touched = &mut self.dexels[first * width..end * width];
-        let removed: Vec<Removed> = touched.par_chunks_mut(width).enumerate().map(cut_row).collect();
-        let bytes = |bytes: fn(&Removed) -> usize| removed.iter().map(bytes).sum::<usize>();
-        self.heap_bytes += bytes(|row| row.bytes_after);
-        self.heap_bytes -= bytes(|row| row.bytes_before);
-        removed.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
+        let touched = &mut self.dexels[touched.start * width..touched.end * width];
+        let taken: Vec<Taken> = touched.par_chunks_mut(width).enumerate().map(cut_row).collect();
+        let heap_bytes: isize = taken.iter().map(|row| row.heap_bytes).sum();
+        self.heap_bytes = self.heap_bytes.saturating_add_signed(heap_bytes);
+        taken.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
     }
 }
 
-impl Removed {
-    /// Takes from one row what its rays lose.
-    fn lose(&mut self, reach: &Reach, dexels: &mut [Dexel], mut losses: impl FnMut(usize) -> Losses) {
-        for column in reach.columns() {
-            let Some(dexel) = dexels.get_mut(column) else { break };
-            if !dexel.meets(&reach.along) {
-                continue;
-            }
-            for loss in losses(column).into_iter().flatten() {
-                if dexel.meets(&loss) {
-                    self.bytes_before += dexel.heap_bytes();
-                    self.length_mm += dexel.subtract(loss);
-                    self.bytes_after += dexel.heap_bytes();
-                }
-            }
-        }
+/// From the first to the last of some ranges.
+fn united(ranges: impl Iterator<Item = Range<usize>>) -> Range<usize> {
+    let all = ranges.filter(|range| !range.is_empty());
+    all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+}
+
+impl<'a> RowRays<'a> {
+    /// A row that is cut in some columns. Only where several passes come is it worth knowing where there is no material.
+    fn new(dexels: &'a mut [Dexel], columns: &Range<usize>, is_tiled: bool) -> Self {
+        let first_tile = columns.start / TILE;
+        let tiles = if is_tiled { columns.end.div_ceil(TILE) - first_tile } else { 0 };
+        let tile = Tile { extent: EVERYWHERE, is_stale: true };
+        RowRays { dexels, first_tile, tiles: vec![tile; tiles], taken: Taken::default() }
     }
 
-    /// Takes what a pass sweeps from one row.
-    fn cut(&mut self, pass: &Pass<'_>, reach: &Reach, dexels: &mut [Dexel], point_mm: impl Fn(usize) -> Vector) {
-        for column in reach.columns() {
-            let Some(dexel) = dexels.get_mut(column) else { break };
-            let point_mm = point_mm(column);
-            if dexel.meets(&reach.along) && pass.may_cut(&point_mm, dexel) {
-                self.bytes_before += dexel.heap_bytes();
-                self.length_mm += pass.cut(point_mm, reach, dexel);
-                self.bytes_after += dexel.heap_bytes();
+    /// Takes what rays lose, by their columns.
+    #[inline]
+    fn lose(&mut self, reach: &Reach, mut losses: impl FnMut(usize) -> Losses) {
+        self.cut(reach, |column, dexel| {
+            let [one, other] = losses(column);
+            let mut taken = dexel.take(one);
+            if other.from_mm < other.to_mm {
+                taken.add(&dexel.take(other));
+            }
+            taken
+        });
+    }
+
+    /// Cuts the rays that have material in reach; `cut` returns what it takes from a ray.
+    #[inline]
+    fn cut(&mut self, reach: &Reach, mut cut: impl FnMut(usize, &mut Dexel) -> Taken) {
+        for columns in reach.parts() {
+            let mut start = columns.start;
+            while start < columns.end {
+                let tile = start / TILE;
+                let end = columns.end.min((tile + 1) * TILE);
+                let known = tile.checked_sub(self.first_tile).and_then(|tile| self.tiles.get_mut(tile));
+                if known.as_ref().is_none_or(|tile| tile.extent.meets(&reach.along)) {
+                    let has_cut = cut_all(start, &mut self.dexels[start..end], &reach.along, &mut self.taken, &mut cut);
+                    if let Some(known) = known {
+                        // Looked at again where that was in vain.
+                        if !has_cut && known.is_stale {
+                            let all = tile * TILE..self.dexels.len().min((tile + 1) * TILE);
+                            known.extent = extent_of(&self.dexels[all]);
+                        }
+                        known.is_stale = has_cut;
+                    }
+                }
+                start = end;
             }
         }
     }
+}
+
+/// Cuts neighbouring rays, from a column on, where they have material in a stretch; returns whether any of them has lost anything.
+#[inline]
+fn cut_all(
+    first: usize,
+    dexels: &mut [Dexel],
+    along: &Interval,
+    all: &mut Taken,
+    mut cut: impl FnMut(usize, &mut Dexel) -> Taken,
+) -> bool {
+    let mut has_cut = false;
+    for (column, dexel) in (first..).zip(dexels) {
+        if dexel.meets(along) {
+            let taken = cut(column, dexel);
+            has_cut |= taken.length_mm > 0.0;
+            all.add(&taken);
+        }
+    }
+    has_cut
+}
+
+/// From the first to the last material of some rays.
+fn extent_of(dexels: &[Dexel]) -> Interval {
+    dexels.iter().filter_map(Dexel::extent).fold(NOWHERE, |all, one| Interval {
+        from_mm: if one.from_mm < all.from_mm { one.from_mm } else { all.from_mm },
+        to_mm: if one.to_mm > all.to_mm { one.to_mm } else { all.to_mm },
+    })
 }
 
 /// A point of the ray at a column and a row, 0 along it.

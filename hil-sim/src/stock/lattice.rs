@@ -102,16 +102,26 @@ impl Lattice {
     }
 
     /// Coordinate of a cell's centre along `axis`.
+    #[inline]
     pub fn center_mm(&self, axis: usize, cell: usize) -> f64 {
-        self.lowest_mm[axis] + (cell as f64 + 0.5) * self.step_mm
+        self.centers_mm(axis)(cell)
+    }
+
+    /// The same of many cells along one axis.
+    pub fn centers_mm(&self, axis: usize) -> impl Fn(usize) -> f64 + Copy {
+        let (lowest_mm, step_mm) = (self.lowest_mm[axis], self.step_mm);
+        // No lattice has as many cells as a u32 holds, and that is sooner a float.
+        move |cell| lowest_mm + (f64::from(cell as u32) + 0.5) * step_mm
     }
 
     /// The cells along `axis` whose centres lie between two coordinates, as a range.
     pub fn cells_between(&self, axis: usize, from_mm: f64, to_mm: f64) -> std::ops::Range<usize> {
         let place = |at_mm: f64| (at_mm - self.lowest_mm[axis]) / self.step_mm - 0.5;
-        // A cast from float to whole number saturates.
-        let first = place(from_mm).ceil() as usize;
-        let end = (place(to_mm).floor() + 1.0) as usize;
+        // A cast from float to whole number truncates and saturates: it is the next one down, 0 below that.
+        let (from, to) = (place(from_mm), place(to_mm));
+        let below = from as usize;
+        let first = below + usize::from((below as f64) < from);
+        let end = if to >= 0.0 { (to as usize).saturating_add(1) } else { 0 };
         first.min(self.cells[axis])..end.min(self.cells[axis]).max(first.min(self.cells[axis]))
     }
 }

@@ -19,13 +19,13 @@
 //!
 //! Source: own derivation.
 
-use super::dexel::Interval;
+use super::dexel::{Interval, NOWHERE};
 use super::flat::Row;
 use super::monotone::{MonotonePart, Radii};
 use super::section::Sweep;
 
-/// What a ray loses, in at most two stretches.
-pub type Losses = [Option<Interval>; 2];
+/// What a ray loses, in at most two stretches; a stretch that ends before it begins is none.
+pub type Losses = [Interval; 2];
 
 /// A part of a tool on its way.
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +59,6 @@ pub struct AxialRow<'a> {
     /// The way along columns and rows, and divided by the square of its length.
     way_mm: [f64; 2],
     per_way: [f64; 2],
-    /// Pieces of the walls where the last ray was.
-    near: [usize; 2],
 }
 
 /// A row of rays across the axis, at one height.
@@ -77,8 +75,8 @@ pub struct UprightRow<'a> {
     band: Band,
     off_mm: f64,
     near: usize,
-    /// What the last ray lost, and the radii there.
-    last: (Option<Radii>, Losses),
+    /// What the last ray lost, and at which heights it is the same.
+    last: (Interval, Losses),
 }
 
 impl<'a> Level<'a> {
@@ -116,7 +114,7 @@ impl<'a> Level<'a> {
             // Only where the part is wide enough to come to the row.
             let [low_mm, high_mm] = band.ends_mm.map(|[_, off_mm]| off_mm);
             let off_mm = (low_mm - row_mm).max(row_mm - high_mm).max(0.0);
-            let across = wider(self.stretch(&self.part.wide(off_mm, &mut 0)?), margin_mm);
+            let across = wider(self.stretch(&self.part.wide(off_mm)?), margin_mm);
             return Some(Row { across, hollow: None, along: chord });
         }
         // A ray on the hole's border is asked.
@@ -136,7 +134,6 @@ impl<'a> Level<'a> {
             offs_mm: self.ends_mm.map(|end_mm| row_mm - end_mm[row_axis]),
             way_mm,
             per_way: if square > 0.0 { way_mm.map(|part| part / square) } else { [0.0; 2] },
-            near: [0; 2],
         }
     }
 
@@ -149,7 +146,7 @@ impl<'a> Level<'a> {
     /// A row of rays one above the other, across the tool's axis.
     pub fn upright_row(&self, ray_axis: usize, row_mm: f64) -> UprightRow<'a> {
         let band = self.band(ray_axis, 3 - ray_axis - self.axis);
-        UprightRow { level: *self, band, off_mm: row_mm, near: 0, last: (None, [None; 2]) }
+        UprightRow { level: *self, band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
     }
 
     /// Height of a coordinate along the axis.
@@ -162,7 +159,7 @@ impl<'a> Level<'a> {
     #[inline]
     fn stretch(&self, heights: &Interval) -> Interval {
         let [from_mm, to_mm] = [heights.from_mm, heights.to_mm].map(|height_mm| self.tip_mm + height_mm * self.sign);
-        Interval::new(from_mm.min(to_mm), from_mm.max(to_mm))
+        Interval::between(from_mm, to_mm)
     }
 
     fn band(&self, line_axis: usize, off_axis: usize) -> Band {
@@ -223,34 +220,38 @@ impl Band {
     /// (1) on a line.
     #[inline]
     fn losses(&self, off_mm: f64, radii: &Radii) -> Losses {
-        let Some(chord) = self.chord(off_mm, radii.outer_mm) else { return [None; 2] };
+        let Some(chord) = self.chord(off_mm, radii.outer_mm) else { return [NOWHERE; 2] };
         match radii.inner_mm.and_then(|inner_mm| self.hollow(off_mm, inner_mm)) {
-            None => [Some(chord), None],
-            Some(hollow) => {
-                let rests = [Interval { to_mm: hollow.from_mm, ..chord }, Interval { from_mm: hollow.to_mm, ..chord }];
-                rests.map(|rest| Some(rest).filter(|rest| rest.length_mm() > 0.0))
-            }
+            None => [chord, NOWHERE],
+            Some(hollow) => [Interval { to_mm: hollow.from_mm, ..chord }, Interval { from_mm: hollow.to_mm, ..chord }],
         }
     }
 }
 
+/// Between 0 and 1. As comparisons: what is no number does not occur, and need not be kept.
+#[inline]
+fn clamped_ratio(part: f64) -> f64 {
+    let part = if part > 0.0 { part } else { 0.0 };
+    if part < 1.0 { part } else { 1.0 }
+}
+
 impl AxialRow<'_> {
-    /// What the ray at a column loses. (1)
+    /// What the ray at a column loses; nothing is an interval that ends before it begins. (1)
     #[inline]
-    pub fn losses(&mut self, column_mm: f64) -> Losses {
+    pub fn loss(&self, column_mm: f64) -> Interval {
         let arm_mm = column_mm - self.columns_mm[0];
         let off_mm = self.offs_mm[0];
-        let part = (arm_mm * self.per_way[0] + off_mm * self.per_way[1]).clamp(0.0, 1.0);
+        let part = clamped_ratio(arm_mm * self.per_way[0] + off_mm * self.per_way[1]);
         let length_mm = |a: f64, b: f64| libm::sqrt(a * a + b * b);
         let nearest_mm = length_mm(arm_mm - part * self.way_mm[0], off_mm - part * self.way_mm[1]);
         let part = self.level.part;
-        let mut heights = part.wide(nearest_mm, &mut self.near[0]);
+        let mut heights = part.wide(nearest_mm);
         if part.is_hollow() {
             let far_mm = length_mm(arm_mm, off_mm).max(length_mm(column_mm - self.columns_mm[1], self.offs_mm[1]));
-            let narrow = part.narrow(far_mm, &mut self.near[1]);
+            let narrow = part.narrow(far_mm);
             heights = heights.zip(narrow).map(|(wide, narrow)| wide.common(&narrow));
         }
-        [heights.map(|heights| self.level.stretch(&heights)), None]
+        heights.map_or(NOWHERE, |heights| self.level.stretch(&heights))
     }
 }
 
@@ -258,7 +259,7 @@ impl LayerRow {
     /// What the ray at a column loses.
     #[inline]
     pub fn losses(&self, column_mm: f64) -> Losses {
-        self.radii.map_or([None; 2], |radii| self.band.losses(column_mm, &radii))
+        self.radii.map_or([NOWHERE; 2], |radii| self.band.losses(column_mm, &radii))
     }
 }
 
@@ -266,10 +267,15 @@ impl UprightRow<'_> {
     /// What the ray at a column loses.
     #[inline]
     pub fn losses(&mut self, column_mm: f64) -> Losses {
-        let radii = self.level.part.radii(self.level.height_mm(column_mm), &mut self.near);
-        if radii != self.last.0 {
-            self.last = (radii, radii.map_or([None; 2], |radii| self.band.losses(self.off_mm, &radii)));
+        let height_mm = self.level.height_mm(column_mm);
+        let (same, losses) = &self.last;
+        if same.from_mm <= height_mm && height_mm <= same.to_mm {
+            return *losses;
         }
-        self.last.1
+        let part = self.level.part;
+        let radii = part.radii(height_mm, &mut self.near);
+        let losses = radii.map_or([NOWHERE; 2], |radii| self.band.losses(self.off_mm, &radii));
+        self.last = (part.same_radii(self.near).unwrap_or(NOWHERE), losses);
+        losses
     }
 }

@@ -14,6 +14,9 @@
 use super::dexel::Interval;
 use super::slab::Slab;
 
+/// Cells of a wall's table.
+const CELLS: usize = 64;
+
 /// A piece of a wall between two slab ends, in the direction in which its measure grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
@@ -32,6 +35,9 @@ pub struct Wall {
     pieces: Vec<Piece>,
     /// Height of the last end.
     end_mm: f64,
+    /// By equal cells of the measure: the first piece that may be it.
+    first_pieces: Vec<usize>,
+    cells_per_mm: f64,
 }
 
 /// Neighbouring slabs with monotone walls.
@@ -67,24 +73,31 @@ impl Wall {
             slabs.iter().rev().map(|slab| piece(slab, [1, 0])).collect()
         };
         let end_mm = pieces.last().map_or(0.0, |(_, end_mm)| *end_mm);
-        Wall { pieces: pieces.into_iter().map(|(piece, _)| piece).collect(), end_mm }
+        let pieces: Vec<Piece> = pieces.into_iter().map(|(piece, _)| piece).collect();
+        let [from_mm, to_mm] =
+            [pieces.first().map_or(0.0, |piece| piece.from_mm), pieces.last().map_or(0.0, |piece| piece.to_mm)];
+        let cells_per_mm = if to_mm > from_mm { CELLS as f64 / (to_mm - from_mm) } else { 0.0 };
+        // A little before the cell begins, for rounding.
+        let begins_mm = |cell: usize| from_mm + (cell as f64 - 0.01) / CELLS as f64 * (to_mm - from_mm);
+        let first_piece = |cell: usize| pieces.partition_point(|piece| piece.to_mm < begins_mm(cell));
+        let first_pieces = (0..=CELLS).map(first_piece).collect();
+        Wall { pieces, end_mm, first_pieces, cells_per_mm }
     }
 
-    /// (1). The search begins at a piece, and leaves there the one that it found.
+    /// (1)
     #[inline]
-    fn stretch(&self, at_least_mm: f64, near: &mut usize) -> Option<Interval> {
+    fn stretch(&self, at_least_mm: f64) -> Option<Interval> {
         let pieces = self.pieces.as_slice();
-        let mut at = (*near).min(pieces.len());
-        while at > 0 && pieces[at - 1].to_mm >= at_least_mm {
-            at -= 1;
-        }
+        // A cast from float to whole number saturates.
+        let cell = ((at_least_mm - pieces.first()?.from_mm) * self.cells_per_mm) as u32 as usize;
+        let mut at = *self.first_pieces.get(cell)?;
         while at < pieces.len() && pieces[at].to_mm < at_least_mm {
             at += 1;
         }
-        *near = at;
         let piece = pieces.get(at)?;
-        let from_mm = piece.height_mm + (at_least_mm - piece.from_mm).max(0.0) * piece.slope;
-        Some(Interval::new(from_mm.min(self.end_mm), from_mm.max(self.end_mm)))
+        let more_mm = at_least_mm - piece.from_mm;
+        let from_mm = if more_mm > 0.0 { piece.height_mm + more_mm * piece.slope } else { piece.height_mm };
+        Some(Interval::between(from_mm, self.end_mm))
     }
 }
 
@@ -125,16 +138,16 @@ impl MonotonePart {
         self.inner.is_some()
     }
 
-    /// The heights at which the outside is as wide as a distance. (1) The search begins at a piece of the wall, `near`.
+    /// The heights at which the outside is as wide as a distance. (1)
     #[inline]
-    pub fn wide(&self, distance_mm: f64, near: &mut usize) -> Option<Interval> {
-        self.outer.stretch(distance_mm, near)
+    pub fn wide(&self, distance_mm: f64) -> Option<Interval> {
+        self.outer.stretch(distance_mm)
     }
 
     /// The heights at which the hole, if there is one, is as narrow as a distance. (2)
     #[inline]
-    pub fn narrow(&self, distance_mm: f64, near: &mut usize) -> Option<Interval> {
-        self.inner.as_ref()?.stretch(-distance_mm, near)
+    pub fn narrow(&self, distance_mm: f64) -> Option<Interval> {
+        self.inner.as_ref()?.stretch(-distance_mm)
     }
 
     /// Radii at a height; none beyond its ends. The search begins at a slab, `near`.
@@ -156,6 +169,15 @@ impl MonotonePart {
             more => low + more * ((height_mm - low_mm) / (high_mm - low_mm)),
         };
         Some(Radii { outer_mm: at(slab.outer_mm), inner_mm: slab.inner_mm.map(at) })
+    }
+
+    /// The heights of a slab, if its walls are upright.
+    pub fn same_radii(&self, slab: usize) -> Option<Interval> {
+        let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
+        let slab = self.slabs.get(slab)?;
+        let [low_mm, high_mm] = slab.heights_mm;
+        let both = is_upright(slab.outer_mm) && slab.inner_mm.is_none_or(is_upright);
+        both.then_some(Interval::new(low_mm, high_mm))
     }
 }
 

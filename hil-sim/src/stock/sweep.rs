@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use arcfeed_shared::kinematics::vector::{Vector, dot, length, scaled, sum};
 
-use super::dexel::{Dexel, Interval};
+use super::dexel::{Dexel, Interval, NOWHERE};
 use super::flat::{Flat, Row};
 use super::lattice::Lattice;
 use super::level::{AxialRow, LayerRow, Level, Losses, UprightRow};
@@ -84,7 +84,12 @@ pub struct Reach {
 impl Reach {
     /// All columns of the row that it can meet.
     pub fn columns(&self) -> impl Iterator<Item = usize> {
-        self.columns.iter().cloned().flatten()
+        self.parts().into_iter().flatten()
+    }
+
+    /// These columns, in order; parts may be empty.
+    pub fn parts(&self) -> [Range<usize>; 2] {
+        self.columns.clone()
     }
 }
 
@@ -131,9 +136,14 @@ impl Pass<'_> {
 
     /// The rows that it can meet.
     pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
-        let [_, across] = Lattice::across(self.ray_axis);
-        let Interval { from_mm, to_mm } = self.extent(across, [0.0, 1.0]);
-        lattice.cells_between(across, from_mm, to_mm)
+        let [_, row_axis] = Lattice::across(self.ray_axis);
+        self.cells(lattice, row_axis)
+    }
+
+    /// The cells along an axis that it can meet.
+    pub fn cells(&self, lattice: &Lattice, axis: usize) -> Range<usize> {
+        let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
+        lattice.cells_between(axis, from_mm, to_mm)
     }
 
     /// What it can meet of the row at this coordinate.
@@ -185,7 +195,7 @@ impl Pass<'_> {
     fn losses(&self, ray_point_mm: &Vector) -> Option<Losses> {
         let [column_mm, row_mm] = Lattice::across(self.ray_axis).map(|axis| ray_point_mm[axis]);
         match self.row_cut(row_mm) {
-            RowCut::Axial(mut row) => Some(row.losses(column_mm)),
+            RowCut::Axial(row) => Some([row.loss(column_mm), NOWHERE]),
             RowCut::Layer(row) => Some(row.losses(column_mm)),
             RowCut::Upright(mut row) => Some(row.losses(column_mm)),
             RowCut::Rays(_) => None,
@@ -207,8 +217,7 @@ impl Pass<'_> {
     /// Takes its sweep from a ray of a row; returns the length that was there.
     pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
         let Shape::Slab(shape) = &self.shape else {
-            let losses = self.losses(&ray_point_mm).into_iter().flatten().flatten();
-            return losses.map(|loss| dexel.subtract(loss)).sum();
+            return self.losses(&ray_point_mm).into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
         };
         let mut removed_mm = 0.0;
         // Ends of spans may be off the ends of what is reached by rounding.
@@ -223,7 +232,7 @@ impl Pass<'_> {
     /// The pieces of the ray that it sweeps.
     pub fn spans(&self, ray_point_mm: Vector) -> Vec<Interval> {
         let Shape::Slab(shape) = &self.shape else {
-            return self.losses(&ray_point_mm).into_iter().flatten().flatten().collect();
+            return self.losses(&ray_point_mm).into_iter().flatten().filter(|loss| loss.length_mm() > 0.0).collect();
         };
         let mut spans = Vec::new();
         let along = self.extent(self.ray_axis, [0.0, 1.0]);
