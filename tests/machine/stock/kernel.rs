@@ -13,7 +13,7 @@ use fastrand::Rng;
 const PLACES: u32 = 1_500;
 
 /// Distance of a point outside the slab; negative inside. Where two faces meet it is a lower bound of the distance.
-fn outside_mm(slab: &Slab, sweep: &Sweep, s: f64, point: [f64; 3]) -> f64 {
+pub fn outside_mm(slab: &Slab, sweep: &Sweep, s: f64, point: [f64; 3]) -> f64 {
     let q = [0, 1, 2].map(|i| point[i] - sweep.from_mm[i] - s * (sweep.to_mm[i] - sweep.from_mm[i]));
     let z = (0..3).map(|i| q[i] * sweep.axis[i]).sum::<f64>();
     let radial = [0, 1, 2].map(|i| q[i] - z * sweep.axis[i]);

@@ -52,6 +52,12 @@ fn bits(stock: &Stock) -> Vec<Vec<[u64; 2]>> {
     rays.map(ends).collect()
 }
 
+/// Bytes of a stock, counted ray by ray.
+fn counted_bytes(stock: &Stock) -> usize {
+    let rays = stock.grids().iter().flat_map(|grid| grid.dexels());
+    rays.map(|ray| size_of_val(ray) + ray.heap_bytes()).sum()
+}
+
 #[test]
 fn what_is_removed_and_what_is_left_is_what_was_there() {
     let mut stock = block();
@@ -80,6 +86,21 @@ fn the_order_of_cuts_does_not_show_in_a_single_bit() {
     assert_eq!(bits(&stock), forwards);
     let again = cut_all(&mut stock, &cuts);
     assert!(again.iter().all(|removed| *removed == [0.0; 3]), "what is gone is removed again: {again:?}");
+}
+
+#[test]
+fn sweeps_cut_together_leave_what_they_leave_one_by_one() {
+    let cuts = cuts();
+    let (mut together, mut one_by_one) = (block(), block());
+    cut_all(&mut together, &cuts);
+    for (tool, sweeps) in &cuts {
+        for sweep in sweeps {
+            one_by_one.cut(tool, &[*sweep]).unwrap();
+        }
+    }
+    assert_eq!(bits(&one_by_one), bits(&together));
+    assert_eq!(one_by_one.memory_bytes(), counted_bytes(&one_by_one));
+    assert_eq!(together.memory_bytes(), counted_bytes(&together));
 }
 
 #[test]

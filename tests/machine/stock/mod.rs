@@ -5,6 +5,8 @@ mod figures;
 
 mod kernel;
 
+mod level;
+
 mod areas;
 
 mod volumes;
