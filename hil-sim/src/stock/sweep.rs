@@ -36,6 +36,7 @@ pub struct Pass<'a> {
 }
 
 /// What is on the way.
+#[expect(clippy::large_enum_variant, reason = "a pass is made in place and read where it is")]
 #[derive(Clone, Copy, Debug)]
 enum Shape<'a> {
     /// All slabs of a monotone part, on a level.
