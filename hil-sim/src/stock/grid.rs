@@ -28,7 +28,7 @@ pub struct Grid {
 const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::INFINITY };
 
 /// Rays of a row that are left out together where none of them has material for a pass.
-const TILE: usize = 8;
+const TILE: usize = 16;
 
 /// The rays of one row while passes cut it, some columns of it in tiles.
 struct RowRays<'a> {

@@ -52,7 +52,7 @@ struct Band {
 /// A row of rays along the axis.
 #[derive(Clone, Debug)]
 pub struct AxialRow<'a> {
-    level: Level<'a>,
+    level: &'a Level<'a>,
     /// Coordinates of the ends of the way along the columns, and from there to the row.
     columns_mm: [f64; 2],
     offs_mm: [f64; 2],
@@ -71,7 +71,7 @@ pub struct LayerRow {
 /// A row of rays across the axis, one above the other.
 #[derive(Clone, Debug)]
 pub struct UprightRow<'a> {
-    level: Level<'a>,
+    level: &'a Level<'a>,
     band: Band,
     off_mm: f64,
     near: usize,
@@ -123,13 +123,13 @@ impl<'a> Level<'a> {
     }
 
     /// A row of rays along the tool's axis.
-    pub fn axial_row(&self, column_axis: usize, row_mm: f64) -> AxialRow<'a> {
+    pub fn axial_row(&self, column_axis: usize, row_mm: f64) -> AxialRow<'_> {
         let row_axis = 3 - self.axis - column_axis;
         let [from_mm, to_mm] = self.ends_mm;
         let way_mm = [column_axis, row_axis].map(|axis| to_mm[axis] - from_mm[axis]);
         let square = way_mm[0] * way_mm[0] + way_mm[1] * way_mm[1];
         AxialRow {
-            level: *self,
+            level: self,
             columns_mm: self.ends_mm.map(|end_mm| end_mm[column_axis]),
             offs_mm: self.ends_mm.map(|end_mm| row_mm - end_mm[row_axis]),
             way_mm,
@@ -144,9 +144,9 @@ impl<'a> Level<'a> {
     }
 
     /// A row of rays one above the other, across the tool's axis.
-    pub fn upright_row(&self, ray_axis: usize, row_mm: f64) -> UprightRow<'a> {
+    pub fn upright_row(&self, ray_axis: usize, row_mm: f64) -> UprightRow<'_> {
         let band = self.band(ray_axis, 3 - ray_axis - self.axis);
-        UprightRow { level: *self, band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
+        UprightRow { level: self, band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
     }
 
     /// Height of a coordinate along the axis.

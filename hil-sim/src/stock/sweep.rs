@@ -180,6 +180,7 @@ impl Pass<'_> {
     }
 
     /// What the rays of a row lose.
+    #[inline]
     pub fn row_cut(&self, row_mm: f64) -> RowCut<'_> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
         match &self.shape {
