@@ -1,5 +1,6 @@
-//! What cuts cost: rays asked a second, threads, memory. Times are those of the processor, so that other work on the machine
-//! shows less; the clock's are printed beside them. The gain of two threads is what one takes over what the busier of two takes.
+//! Cost of cutting a stock: rays a second, threads, memory. Times are processor times, so that other work on the
+//! machine has less effect; wall-clock times are printed beside them. The gain of two threads is the time of one over
+//! the time of the busier of two.
 //!
 //! A height field of one family of rays is the yardstick for three axes: how much longer the stock takes for a ray and for a move.
 //!
@@ -24,7 +25,7 @@ const EDGE_MM: f64 = 50.0;
 const HEIGHT_MM: f64 = 20.0;
 const MEMORY_MAX: usize = 4 << 30;
 
-/// The clock of the processor counts hundredths of a second: what asks for fewer rays is done again and again.
+/// The processor clock counts hundredths of a second, so cases with fewer rays are repeated.
 const ASKED_MIN: usize = 40_000_000;
 
 /// Cuts of the height field for one of the stock.
@@ -52,7 +53,7 @@ mod rows {
     pub const SEGMENTS: usize = 1000;
     pub const HIGHEST_MM: [f64; 3] = [200.0, 100.0, 20.0];
     pub const RADIUS_MM: f64 = 3.0;
-    /// Of the union of all discs: by integration.
+    /// Volume of the union of all discs, by integration.
     pub const TRUE_MM3: f64 = 4268.0731;
 
     const FROM_MM: f64 = 5.0;
@@ -138,7 +139,7 @@ fn rays_asked(stock: &Stock, tool: &Tool, moves: &[Move], tolerance_mm: f64) -> 
     Ok((count, asked))
 }
 
-/// Time of the processor that each thread of this process has had, in hundredths of a second as Linux counts.
+/// Processor time of each thread of this process, in hundredths of a second as Linux counts.
 fn processor_s() -> HashMap<String, f64> {
     let of_thread = |entry: std::fs::DirEntry| {
         let stat = std::fs::read_to_string(entry.path().join("stat")).unwrap_or_default();
@@ -155,16 +156,16 @@ fn spent_s(before: &HashMap<String, f64>) -> (f64, f64) {
     spent.fold((0.0, 0.0), |(all, most): (f64, f64), s| (all + s, most.max(s)))
 }
 
-/// What a run took.
+/// Times of a run.
 struct Took {
-    /// By all threads together.
+    /// Processor time of all threads.
     all_s: f64,
-    /// By the busiest thread: what the run takes where every thread has a core of its own.
+    /// Processor time of the busiest thread: the time of the run if every thread has its own core.
     busiest_s: f64,
     clock_s: f64,
 }
 
-/// Cuts a stock so many times, move by move; what it took each time and what is left.
+/// Cuts a stock move by move, `repeats` times; returns the time of each and the remaining stock.
 fn cut(repeats: u32, threads: usize, whole: &Stock, tool: &Tool, moves: &[Move]) -> Result<(Took, Stock), Error> {
     let step_mm = whole.lattice().step_mm();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -172,7 +173,7 @@ fn cut(repeats: u32, threads: usize, whole: &Stock, tool: &Tool, moves: &[Move])
     let (started, before) = (std::time::Instant::now(), processor_s());
     pool.install(|| -> Result<(), Error> {
         for stock in &mut stocks {
-            // Sixteen moves at a time: what a simulation hands over between two looks at the volume.
+            // Sixteen moves at a time, as a simulation does between two volume measurements.
             for moves in moves.chunks(16) {
                 let mut sweeps = Vec::new();
                 for moved in moves {
@@ -293,7 +294,7 @@ fn cut_upright(runs: usize, whole: &Stock, tool: &Tool, moves: &[Move]) -> Resul
     Ok(spent_s(&before).0 / runs as f64)
 }
 
-/// What a segment of [`rows`] takes, and how exact it is.
+/// Prints the time of a segment of [`rows`] and the error of the volume.
 fn print_rows(steps_mm: &[f64]) -> Result<(), Error> {
     println!("rows of a flat end mill, {} segments of 1 mm:", rows::SEGMENTS);
     let (tool, moves) = (Tool::cylinder(rows::RADIUS_MM, 20.0)?, rows::moves());
