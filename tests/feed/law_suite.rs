@@ -26,6 +26,9 @@ mod controller;
 mod plain_scenes;
 mod scenes;
 
+#[cfg(test)]
+mod turning_points;
+
 /// Half a unit in the last place of f32, relative.
 const HALF_ULP: f64 = 1.0 / (1 << 24) as f64;
 /// Half units that may add up along a law's formulas; the cosine rule at a round blank a twentieth of the tool takes 36.

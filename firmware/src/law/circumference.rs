@@ -35,6 +35,25 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
+/// What the demand along an arc depends on, for analyses of the arc as a whole. All lengths relative to the rotation centre A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactGeometry {
+    /// rho, mm.
+    pub path_radius_mm: f32,
+    /// r0, mm.
+    pub edge_radius_mm: f32,
+    /// k.
+    pub edge_sign: i8,
+    /// a.
+    pub feed_per_tooth: MmPerTooth,
+    /// k on a counter-clockwise arc, -k on a clockwise one.
+    pub advance_sign: i8,
+    /// Unit normal of the stock line.
+    pub normal: [f32; 2],
+    /// Distance of the stock line from A along the normal, mm.
+    pub offset_mm: f32,
+}
+
 /// The intersections of cutting circle and stock line, r0 u in the moving frame: `foot` +- `half_chord`, mm.
 /// Components along the edge's advance and towards A; the one with + is further in the direction of advance. NaN if
 /// they do not intersect.
@@ -65,6 +84,19 @@ impl Circumference {
             advance_ratio: f32::from(edge.advance() * arc.turn.sign()),
             normal: [nx as f32, ny as f32],
             offset_mm: stock.distance_mm(arc.center.map(Nm::to_mm)) as f32,
+        }
+    }
+
+    /// What the demand along the arc depends on.
+    pub fn geometry(&self) -> ContactGeometry {
+        ContactGeometry {
+            path_radius_mm: self.path_radius_mm,
+            edge_radius_mm: self.edge_radius_mm,
+            edge_sign: self.cut.edge_sign(),
+            feed_per_tooth: self.cut.feed_per_tooth(Mm(self.edge_radius_mm)),
+            advance_sign: if self.advance_ratio < 0.0 { -1 } else { 1 },
+            normal: self.normal,
+            offset_mm: self.offset_mm,
         }
     }
 

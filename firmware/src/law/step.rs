@@ -128,6 +128,18 @@ impl PreparedCut {
         }
     }
 
+    /// k.
+    pub fn edge_sign(&self) -> i8 {
+        if self.closing_per_mm < 0.0 { -1 } else { 1 }
+    }
+
+    /// a, by the root of (1) that does not cancel; NaN where the cut is none.
+    pub fn feed_per_tooth(&self, edge_radius: Mm) -> MmPerTooth {
+        let Mm(r0) = edge_radius;
+        let k = f32::from(self.edge_sign());
+        MmPerTooth(self.excess_mm2 / (r0 + fmath::sqrt(r0 * r0 + k * self.excess_mm2)))
+    }
+
     /// h + sqrt D, mm, for a contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm` = r0 u.(A - O)/rho. A larger value
     /// means a thicker chip at a given feed. NaN for invalid input.
     ///

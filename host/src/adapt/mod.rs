@@ -3,6 +3,10 @@
 
 pub mod places;
 
+pub mod turning_points;
+
+pub mod asked_cells;
+
 pub mod profile;
 
 pub mod range;

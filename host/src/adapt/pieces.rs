@@ -13,7 +13,8 @@
 use arcfeed_shared::job::PieceSettings;
 use arcfeed_shared::units::PERCENT;
 
-use super::profile::{CELLS, Profile};
+use super::asked_cells::CELLS;
+use super::profile::Profile;
 
 /// A stretch of a move with one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -46,16 +46,29 @@ impl MovePlaces {
         self.feed_length_mm
     }
 
-    /// The places at the borders of so many equal cells: on an arc each direction is the one before, turned by one step.
-    pub fn evenly(&self, cells: usize) -> impl Iterator<Item = Place> {
+    /// The sense of an arc, +1 counter-clockwise and -1 clockwise, the angle of its start and that of its sweep, radians; of a
+    /// line none.
+    pub fn turn(&self) -> Option<[f64; 3]> {
+        match &self.shape {
+            Shape::Arc { angles, turn, .. } => {
+                Some([f64::from(*turn), angles.start_rad, f64::from(*turn) * angles.turned_rad])
+            }
+            Shape::Line(_) => None,
+        }
+    }
+
+    /// The places at the borders of the cells from `first` to `last`, of so many equal ones on the move: on an arc each
+    /// direction is the one before, turned by one step.
+    pub fn evenly(&self, [first, last]: [usize; 2], cells: usize) -> impl Iterator<Item = Place> {
+        let ratio = move |border: usize| border as f64 / cells as f64;
         let (mut direction, step) = match &self.shape {
-            Shape::Arc { angles, .. } => (angles.direction_at(0.0), angles.step(cells)),
+            Shape::Arc { angles, .. } => (angles.direction_at(ratio(first)), angles.step(cells)),
             Shape::Line(_) => ([1.0, 0.0], [1.0, 0.0]),
         };
-        (0..=cells).map(move |cell| {
+        (first..=last).map(move |border| {
             let [x, y] = direction;
             direction = [x * step[0] - y * step[1], y * step[0] + x * step[1]];
-            self.place([x, y], cell as f64 / cells as f64)
+            self.place([x, y], ratio(border))
         })
     }
 

@@ -10,7 +10,9 @@ use arcfeed_shared::nc::modal::Feed;
 use arcfeed_shared::segment::{Path, Segment};
 use arcfeed_shared::units::{LengthUnit, Nm, PERCENT, RevPerMin};
 
+use super::asked_cells::AskedCells;
 use super::limit::MoveLimit;
+use super::places::MovePlaces;
 use super::profile::Profile;
 use super::range::DemandRange;
 use super::reason::PlanReason;
@@ -114,14 +116,18 @@ impl PlannedBlock {
     }
 }
 
-/// Asks the law of the block's rule along its move, and sets its feed and the reason for that.
+/// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
+/// cells where the move may be cut into pieces.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let rule = job.rules.get(block.rule?)?;
     let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
     let law = SegmentLaw::with_engagement(&block.segment, Some(rule), block.along.as_ref(), job);
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
-    let profile = Profile::ask(&law, &block.segment, &knots_mm);
+    let places = MovePlaces::of(&block.segment);
+    let has_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
+    let cells = if has_pieces { AskedCells::all() } else { AskedCells::deciding(&law, &places, &knots_mm) };
+    let profile = Profile::ask(&law, &places, &knots_mm, &cells);
     let Some(demand) = DemandRange::of(&profile, teeth_per_min) else {
         block.reason = PlanReason::NoDemand;
         return None;
@@ -144,5 +150,5 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
-    Some(profile)
+    has_pieces.then_some(profile)
 }

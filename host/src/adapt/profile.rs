@@ -1,14 +1,12 @@
-//! A law asked along a whole move: its answers at evenly spaced points, and between them a bound that it does not undercut.
+//! A law asked along a move: its answers at evenly spaced points, and between them a bound that it does not undercut.
 
 use std::iter::once;
 
 use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
-use arcfeed_shared::segment::Segment;
 
+use super::asked_cells::{AskedCells, CELLS};
 use super::places::MovePlaces;
 
-/// Cells that a move is divided into; the law is asked at their ends.
-pub const CELLS: usize = 256;
 /// Dip between two points, over their value, above which it is looked at more closely.
 const SHARP_RATIO: f64 = 1e-5;
 /// How often a cell is halved for that; what still falls then is a jump, not a dip.
@@ -29,7 +27,7 @@ pub enum Answer {
     Nothing,
 }
 
-/// The answers of a law along a move.
+/// The answers of a law along a move, in the cells where it was asked.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// At the ends of the cells and at knots, in order; places counted in cells from the start.
@@ -43,7 +41,7 @@ pub struct Profile {
 /// Where the law is asked.
 struct Asked<'a, L> {
     law: &'a L,
-    places: MovePlaces,
+    places: &'a MovePlaces,
 }
 
 /// The demand at five evenly spaced points of an interval. Those at its quarters reveal a jump that happens to lie on the chord.
@@ -60,55 +58,66 @@ struct Quarters {
 type Point = (f64, f64);
 
 impl Profile {
-    /// Asks the law; also at its knots, given as paths from the start of the move, mm, in rising order.
-    pub fn ask(law: &impl FeedLaw, segment: &Segment, knots_mm: &[f64]) -> Self {
-        let asked = Asked { law, places: MovePlaces::of(segment) };
+    /// Asks the law in these cells; also at its knots, given as paths from the start of the move, mm, in rising order.
+    pub fn ask(law: &impl FeedLaw, places: &MovePlaces, knots_mm: &[f64], cells: &AskedCells) -> Self {
+        let asked = Asked { law, places };
         if law.is_uniform() {
-            return Profile::uniform(asked.at(0.0));
+            return Profile::uniform(asked.at(0.0), cells.count());
         }
-        let mut knots = knots_mm.iter().map(|mm| mm / asked.places.feed_length_mm() * CELLS as f64).peekable();
-        let ends: Vec<Answer> = asked.places.evenly(CELLS).map(|place| asked.answer(&place)).collect();
+        let mut knots = knots_mm.iter().map(|mm| mm / places.feed_length_mm() * CELLS as f64).peekable();
+        let count = cells.count();
         let mut profile = Profile {
-            answers: Vec::with_capacity(ends.len() + knots_mm.len()),
-            bounds: Vec::with_capacity(CELLS),
-            covered: Vec::with_capacity(CELLS),
+            answers: Vec::with_capacity(count + cells.runs().len() + knots_mm.len()),
+            bounds: Vec::with_capacity(count),
+            covered: Vec::with_capacity(count),
         };
-        // Beyond the move's ends nothing bends.
-        let mut bend_before = 0.0;
-        for (cell, both) in ends.windows(2).enumerate() {
-            let (from, to) = (cell as f64, cell as f64 + 1.0);
-            let paths = (both[0].path(), both[1].path());
-            let bend_behind = ends.get(cell + 2).map_or(0.0, |next| bend(paths.0, paths.1, next.path()));
-            profile.answers.push((from, both[0]));
-            let first = profile.answers.len();
-            while knots.next_if(|knot| *knot <= from).is_some() {}
-            while let Some(knot) = knots.next_if(|knot| *knot < to) {
-                profile.answers.push((knot, asked.at(knot)));
-            }
-            let bound = match paths {
-                (Some(a), Some(b)) => {
-                    let dip = f64::max(bend_before, bend_behind) / 2.0;
-                    asked.bound((from, a), &profile.answers[first..], (to, b), dip)
-                }
-                (Some(demand), None) => asked.edge((from, demand), to),
-                (None, Some(demand)) => asked.edge((to, demand), from),
-                (None, None) => f64::INFINITY,
+        let mut ends: Vec<Answer> = Vec::with_capacity(count + 3);
+        for run in cells.runs() {
+            // The bends at a run's ends need the points beyond them.
+            let (first, last) = (run.start.saturating_sub(1), (run.end + 1).min(CELLS));
+            ends.clear();
+            ends.extend(places.evenly([first, last], CELLS).map(|place| asked.answer(&place)));
+            let path = |border: usize| ends[border - first].path();
+            // Beyond the move's ends nothing bends.
+            let bend_at = |border: usize| match border {
+                0 | CELLS => 0.0,
+                _ => bend(path(border - 1), path(border), path(border + 1)),
             };
-            profile.bounds.push(bound);
-            profile.covered.push(paths.0.is_some() && paths.1.is_some());
-            bend_before = bend_behind;
+            let mut bend_before = bend_at(run.start);
+            for cell in run.clone() {
+                let (from, to) = (cell as f64, cell as f64 + 1.0);
+                let bend_behind = bend_at(cell + 1);
+                profile.answers.push((from, ends[cell - first]));
+                let first_knot = profile.answers.len();
+                while knots.next_if(|knot| *knot <= from).is_some() {}
+                while let Some(knot) = knots.next_if(|knot| *knot < to) {
+                    profile.answers.push((knot, asked.at(knot)));
+                }
+                let bound = match (path(cell), path(cell + 1)) {
+                    (Some(a), Some(b)) => {
+                        let dip = f64::max(bend_before, bend_behind) / 2.0;
+                        asked.bound((from, a), &profile.answers[first_knot..], (to, b), dip)
+                    }
+                    (Some(demand), None) => asked.edge((from, demand), to),
+                    (None, Some(demand)) => asked.edge((to, demand), from),
+                    (None, None) => f64::INFINITY,
+                };
+                profile.bounds.push(bound);
+                profile.covered.push(path(cell).is_some() && path(cell + 1).is_some());
+                bend_before = bend_behind;
+            }
+            profile.answers.push((run.end as f64, ends[run.end - first]));
         }
-        profile.answers.push((CELLS as f64, ends[CELLS]));
         profile
     }
 
-    /// The same answer everywhere.
-    fn uniform(answer: Answer) -> Self {
+    /// The same answer in so many cells.
+    fn uniform(answer: Answer, count: usize) -> Self {
         let path = answer.path();
         Profile {
-            answers: (0..=CELLS).map(|point| (point as f64, answer)).collect(),
-            bounds: vec![path.unwrap_or(f64::INFINITY); CELLS],
-            covered: vec![path.is_some(); CELLS],
+            answers: (0..=count).map(|point| (point as f64, answer)).collect(),
+            bounds: vec![path.unwrap_or(f64::INFINITY); count],
+            covered: vec![path.is_some(); count],
         }
     }
 

@@ -47,6 +47,8 @@ impl DemandRange {
 
 #[cfg(test)]
 mod tests {
+    use super::super::asked_cells::AskedCells;
+    use super::super::places::MovePlaces;
     use super::*;
     use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
     use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
@@ -54,7 +56,7 @@ mod tests {
     use arcfeed_shared::units::Nm;
 
     fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<DemandRange> {
-        DemandRange::of(&Profile::ask(law, segment, &[]), teeth_per_min)
+        DemandRange::of(&Profile::ask(law, &MovePlaces::of(segment), &[], &AskedCells::all()), teeth_per_min)
     }
 
     fn quarter() -> Segment {

@@ -11,10 +11,11 @@ use arcfeed_shared::reader::Reader;
 use arcfeed_shared::segment::{Arc, Segment};
 use arcfeed_shared::units::Nm;
 
+use super::asked_cells::CELLS;
 use super::modes::Modes;
 use super::pieces::{self, Piece};
 use super::points::{Divider, Grid, Part};
-use super::profile::{CELLS, Profile};
+use super::profile::Profile;
 use super::rewrite::{Edit, FeedRewriter, apply, round_down};
 use super::spelling::{Spelling, increment_nm};
 use crate::program::ProgramLine;
