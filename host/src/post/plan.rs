@@ -71,7 +71,7 @@ impl AxisPlan {
                 for (point, pose) in cl.points.iter().zip(poses) {
                     match (refusal(pose), self.findings.last_mut()) {
                         (Some(_), Some(Finding { what: FindingKind::Unreachable { more, .. }, .. })) if open => {
-                            *more += 1
+                            *more += 1;
                         }
                         (Some(refused), _) => {
                             let what = FindingKind::Unreachable { why: refused.why, more: 0 };

@@ -97,7 +97,7 @@ feed_per_tooth = 0.2
 "#,
 ];
 
-/// Job, machine and part files below `examples`, and the jobs above.
+/// Job, machine and part files below `examples`, and the jobs above. The firmware there has none.
 pub fn files() -> Vec<(PathBuf, String)> {
     let mut folders = vec![root().join("examples")];
     let mut files = Vec::new();
@@ -105,7 +105,7 @@ pub fn files() -> Vec<(PathBuf, String)> {
         for entry in std::fs::read_dir(folder).expect("the examples can be read") {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
-                folders.push(path);
+                folders.extend((!path.ends_with("embassy")).then_some(path));
             } else if path.extension().is_some_and(|extension| extension == "toml") {
                 files.push((path.clone(), std::fs::read_to_string(path).expect("text")));
             }

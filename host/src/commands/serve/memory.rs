@@ -56,7 +56,7 @@ impl Serve {
                     store = Store::new(settings.line);
                 }
                 (StoreState::Reading, StoreState::Stored) => {
-                    say(format_args!("stored: {} blocks", store.blocks().len()))
+                    say(format_args!("stored: {} blocks", store.blocks().len()));
                 }
                 (StoreState::Punching, StoreState::Stored) => {
                     say(format_args!("punched: {} blocks", store.blocks().len()));
