@@ -1,19 +1,19 @@
 //! A segment prepared for the tick: track, feed, limits and the ratio along it are computed once, when the block
 //! arrives.
 
-use arcfeed_shared::cut::CutRule;
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::fmath;
-use arcfeed_shared::job::{Job, ToolSetup};
-use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::nc::modal::{Feed, Pose};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, MmPerTooth, PERCENT, RevPerMin};
+use arcfeed_model::cut::CutRule;
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::{Job, ToolSetup};
+use arcfeed_model::machine::{FeedLimit, LimitedBy};
+use arcfeed_nc::modal::{Feed, Pose};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::fmath;
+use arcfeed_units::{MmPerMin, MmPerTooth, PERCENT, RevPerMin};
 
 use crate::envelope::{Envelope, Sent};
-use crate::law::SegmentLaw;
 use crate::progress::Track;
 use crate::ramp::FeedOverride;
+use arcfeed_law::SegmentLaw;
 
 /// A segment prepared once when the block becomes active.
 #[derive(Clone, Debug, PartialEq)]

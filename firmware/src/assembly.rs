@@ -1,7 +1,7 @@
 //! Assembly of a board: a host link and a control task at the two ends of their queues.
 
-use arcfeed_shared::wire::message::link_settings;
-use arcfeed_shared::wire::settings::{Role, SettingsError as LinkError};
+use arcfeed_link::message::link_settings;
+use arcfeed_link::settings::{Role, SettingsError as LinkError};
 
 use crate::application::command_handler::{CommandHandler, Identity};
 use crate::application::control_task::{ControlTask, Supply};

@@ -1,7 +1,7 @@
 //! Position of the tool along its segment, from the measured position.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{MmPerMin, RevPerMin, Span};
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{MmPerMin, RevPerMin, Span};
 
 use crate::active::ActiveSegment;
 use crate::progress::{PositionFilter, Progress};

@@ -19,12 +19,12 @@
 //!
 //! Source: docs/safety-case.md#transitions.
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{MmPerMin, PERCENT, RevPerMin, S_PER_MIN};
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_units::fmath;
+use arcfeed_units::{MmPerMin, PERCENT, RevPerMin, S_PER_MIN};
 
-use crate::law::{FeedLaw, NoDemand, Place, SegmentLaw};
 use crate::progress::Track;
+use arcfeed_law::{FeedLaw, NoDemand, Place, SegmentLaw};
 
 /// Cells along a segment.
 const CELLS: usize = 128;

@@ -13,8 +13,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]
 
-pub mod law;
-
 pub mod progress;
 
 pub mod ramp;

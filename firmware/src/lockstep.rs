@@ -7,13 +7,13 @@
 //! Idle ----------> Waiting ----------------------------------> main_loop, tick, front -----> Idle
 //! ```
 
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::codes::ModeCode;
-use arcfeed_shared::wire::message::moves::pose;
-use arcfeed_shared::wire::message::table::{Sample, Setpoint};
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::Message;
+use arcfeed_link::message::codes::ModeCode;
+use arcfeed_link::message::moves::pose;
+use arcfeed_link::message::table::{Sample, Setpoint};
+use arcfeed_link::plain::PlainLine;
+use arcfeed_units::Micros;
 
 use crate::main_loop::MainLoop;
 

@@ -1,8 +1,8 @@
 //! The main loop of a board: the link to its host, and the tap if there is one. The calls are the same on a chip and
 //! in process.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::Micros;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::Micros;
 
 use crate::application::host_link::HostLink;
 use crate::tap::{Tap, TapSegment};

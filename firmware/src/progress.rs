@@ -13,12 +13,12 @@
 //!
 //! Source: the alpha-beta filter of tracking radars; docs/laws.md#progress.
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::nc::modal::{Plane, Pose};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Nm, Span, US_PER_S};
+use arcfeed_nc::modal::{Plane, Pose};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::fmath;
+use arcfeed_units::{Nm, Span, US_PER_S};
 
-use crate::law::Place;
+use arcfeed_law::Place;
 
 /// Millimetres in a nanometre, for positions on the tick.
 const MM_PER_NM: f32 = 1e-6;

@@ -8,8 +8,8 @@
 //! This module has its own progress. The supervisor's progress stops while samples are stale, or on a segment whose
 //! beginning it has not seen; the queue must pass such a segment so that the next one can begin.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::Nm;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::Nm;
 
 use crate::active::ActiveSegment;
 use crate::controller::{Controller, ControllerState, Measurement, PositionSample};

@@ -5,9 +5,9 @@
 //! so no law or state can bypass it. The level jumps only on request of the caller: for immediate falls, and at block
 //! boundaries, where another programmed feed would change the actual feed ([`Level::carry`]).
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{PERCENT, Span, US_PER_S};
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_units::fmath;
+use arcfeed_units::{PERCENT, Span, US_PER_S};
 
 /// Relative tolerance below a step, which still counts as the step: prevents the loss of a whole step by f32 rounding.
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;

@@ -5,22 +5,22 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::{FeedPolicy, Job};
-use arcfeed_shared::machine::FeedLimit;
-use arcfeed_shared::nc::machining::SpindleCommand;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_shared::telemetry::Sample;
-use arcfeed_shared::units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::machine::FeedLimit;
+use arcfeed_model::telemetry::Sample;
+use arcfeed_nc::machining::SpindleCommand;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::{RADIUS_TOLERANCE, Segment};
+use arcfeed_units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
 
-use crate::control::action::MoveContext;
-use crate::control::{Control, ControlSettings};
-use crate::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
 use crate::faults::ControllerFault;
-use crate::machine;
 use crate::override_source::controller::InProcessController;
 use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
+use arcfeed_control::action::MoveContext;
+use arcfeed_control::machine;
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_milling::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
 
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);

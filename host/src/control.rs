@@ -17,10 +17,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::motion::Pose;
-use arcfeed_shared::nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings, Tables};
-use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::motion::Pose;
+use arcfeed_nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings, Tables};
+use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
 use toml::Spanned;
 

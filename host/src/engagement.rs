@@ -10,9 +10,9 @@ pub mod knot_cover;
 use std::fmt::Write;
 use std::path::Path;
 
-use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::segment::{Path as Way, Segment};
-use arcfeed_shared::units::{MicroDeg, Mm, Nm};
+use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_nc::segment::{Path as Way, Segment};
+use arcfeed_units::{MicroDeg, Mm, Nm};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -222,7 +222,7 @@ fn hex(text: &Spanned<String>) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::nc::modal::{Feed, Pose};
+    use arcfeed_nc::modal::{Feed, Pose};
 
     fn line_to(x: i64) -> Segment {
         let end = Pose { linear: [Nm(x), Nm(0), Nm(0)], ..Pose::default() };

@@ -32,12 +32,12 @@ pub mod questions;
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings, Tables};
-use arcfeed_shared::tool::{EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use arcfeed_model::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::tool::{EndMill, Tool};
+use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
 use crate::control;

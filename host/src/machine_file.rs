@@ -39,7 +39,7 @@ mod presets;
 
 use std::path::Path;
 
-use arcfeed_shared::kinematics::machine::{AxisName, Carries, Letter, LinearAxis, Machine, MachineError, RotaryAxis};
+use arcfeed_kinematics::machine::{AxisName, Carries, Letter, LinearAxis, Machine, MachineError, RotaryAxis};
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -17,16 +17,16 @@ mod source;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_shared::nc::block::{LineKind, Notice, NoticeKind, Reading};
-use arcfeed_shared::nc::machining::Machining;
-use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
-use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
+use arcfeed_nc::block::{LineKind, Notice, NoticeKind, Reading};
+use arcfeed_nc::machining::Machining;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
+use arcfeed_nc::text::Lines;
+use arcfeed_nc_macro::program::first_macro;
+use arcfeed_units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
 pub use expansion::{Expansion, Folder, RunBounds};
@@ -60,7 +60,7 @@ pub struct Program {
 pub struct ProgramLine {
     /// Bytes without the line end.
     pub text: Vec<u8>,
-    /// Line end as found (see [`arcfeed_shared::nc::text::RawLine`]).
+    /// Line end as found (see [`arcfeed_nc::text::RawLine`]).
     pub ending: Vec<u8>,
     /// Meaning; `None` if a control would stop here.
     pub meaning: Option<InterpretedLine>,

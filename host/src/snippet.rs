@@ -32,8 +32,8 @@ pub fn render(path: &Path, text: &[u8], diagnostic: &Diagnostic, renderer: &Rend
 mod tests {
     use super::*;
     use crate::program::Program;
-    use arcfeed_shared::nc::block::Reading;
-    use arcfeed_shared::units::LengthUnit;
+    use arcfeed_nc::block::Reading;
+    use arcfeed_units::LengthUnit;
 
     fn shown(text: &[u8]) -> String {
         let path = Path::new("part.nc");

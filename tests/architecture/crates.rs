@@ -4,31 +4,25 @@ use std::collections::BTreeSet;
 
 use crate::complaints::assert_none;
 use crate::manifest::{Entry, array, dependencies, entries, string};
-use crate::source::{Source, read, rust_files, rust_files_of, tokens};
+use crate::source::{CHIP, HOST, SIMULATOR, Source, read, rust_files, rust_files_of, tokens};
 
-/// Each package of the workspace with those it may use.
-const ARROWS: [(&str, &[&str]); 9] = [
-    ("arcfeed-shared", &[]),
-    ("arcfeed-firmware", &["arcfeed-shared"]),
-    ("arcfeed-bench", &["arcfeed-shared", "arcfeed-firmware"]),
-    ("arcfeed-hil-sim", &["arcfeed-shared", "arcfeed-firmware"]),
-    ("arcfeed-line-errors", &[]),
-    ("arcfeed-plan", &["arcfeed-shared"]),
-    ("arcfeed", &["arcfeed-shared", "arcfeed-firmware", "arcfeed-hil-sim", "arcfeed-line-errors", "arcfeed-plan"]),
-    (
-        "arcfeed-tests",
-        &[
-            "arcfeed-shared",
-            "arcfeed-firmware",
-            "arcfeed-bench",
-            "arcfeed-hil-sim",
-            "arcfeed-line-errors",
-            "arcfeed-plan",
-            "arcfeed",
-        ],
-    ),
-    ("xtask", &[]),
+/// Top-level folders in the order of dependence: a crate may use those of its own folder and of the ones before it.
+const LAYERS: [&str; 5] = ["shared", "firmware", "hil-sim", "host", "tests"];
+
+/// Crates of the simulator.
+const SIMULATOR_CRATES: [&str; 5] =
+    ["arcfeed_control", "arcfeed_dexel", "arcfeed_modal", "arcfeed_milling", "arcfeed_hil_sim"];
+
+/// Crates that can be used without the rest, and those of ours that they bring along.
+const ALONE: [(&str, &[&str]); 4] = [
+    ("arcfeed-units", &[]),
+    ("arcfeed-kinematics", &[]),
+    ("arcfeed-nc", &["arcfeed-units"]),
+    ("arcfeed-law", &["arcfeed-model", "arcfeed-nc", "arcfeed-units"]),
 ];
+
+/// Crates that measure the cut: they know no feed law.
+const MEASURING: [&str; 3] = ["arcfeed-dexel", "arcfeed-modal", "arcfeed-milling"];
 
 /// Files or folders in which the host composes the simulator for `sim:`.
 const COMPOSITION_ROOT: [&str; 4] =
@@ -37,23 +31,52 @@ const COMPOSITION_ROOT: [&str; 4] =
 /// Lints against panics.
 const PANICS: [&str; 4] = ["unwrap_used", "expect_used", "panic", "indexing_slicing"];
 
-/// Name and manifest of each member of the workspace.
-fn members() -> Vec<(String, String)> {
+/// A member of the workspace.
+struct Member {
+    layer: usize,
+    name: String,
+    manifest: String,
+}
+
+fn members() -> Vec<Member> {
     let members: Vec<_> = array(&read("Cargo.toml"), "members")
         .into_iter()
-        .map(|folder| read(&format!("{folder}/Cargo.toml")))
-        .map(|manifest| (string(&manifest, "package", "name").expect("a package has a name").to_owned(), manifest))
+        .map(|folder| {
+            let manifest = read(&format!("{folder}/Cargo.toml"));
+            let layer = LAYERS.iter().position(|layer| folder.split('/').next() == Some(layer));
+            let name = string(&manifest, "package", "name").expect("a package has a name").to_owned();
+            Member { layer: layer.unwrap_or_else(|| panic!("{folder} is in no layer")), name, manifest }
+        })
         .collect();
     assert!(!members.is_empty(), "no members in Cargo.toml");
     members
 }
 
-/// Dependencies in the manifest of `package` that break the permitted order.
-fn against_the_arrows(package: &str, manifest: &str) -> Vec<String> {
-    let allowed = ARROWS.iter().find(|(name, _)| *name == package).map_or(&[][..], |(_, allowed)| *allowed);
-    let is_ours = |name: &str| ARROWS.iter().any(|(ours, _)| *ours == name);
-    let used = dependencies(manifest).into_iter().filter(|name| is_ours(name) && !allowed.contains(name));
-    used.map(|name| format!("{package} must not depend on {name}")).collect()
+/// Dependences on a later layer.
+fn upward(members: &[Member]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for member in members {
+        let used = dependencies(&member.manifest);
+        let above = members.iter().filter(|other| other.layer > member.layer && used.contains(&other.name.as_str()));
+        complaints.extend(above.map(|other| format!("{} must not depend on {}", member.name, other.name)));
+    }
+    complaints
+}
+
+/// The crates of ours that a crate needs, directly or not, sorted.
+fn needed<'a>(members: &'a [Member], name: &str) -> BTreeSet<&'a str> {
+    let mut needed = BTreeSet::new();
+    let mut open = vec![name.to_owned()];
+    while let Some(name) = open.pop() {
+        let member = members.iter().find(|member| member.name == name).expect("a member of the workspace");
+        let used = dependencies(&member.manifest);
+        for other in members.iter().filter(|other| used.contains(&other.name.as_str())) {
+            if needed.insert(other.name.as_str()) {
+                open.push(other.name.clone());
+            }
+        }
+    }
+    needed
 }
 
 /// The sources that name one of the `words`, but for those that start with one of the `exempt` paths.
@@ -67,52 +90,40 @@ fn naming<'a>(sources: &'a [Source], words: &[&str], exempt: &[&str]) -> Vec<&'a
 }
 
 #[test]
-fn crates_depend_on_each_other_only_along_the_arrows() {
+fn crates_depend_on_their_own_layer_and_those_below() {
     let members = members();
-    let names: BTreeSet<&str> = members.iter().map(|(name, _)| name.as_str()).collect();
-    assert_eq!(
-        names,
-        ARROWS.iter().map(|(name, _)| *name).collect(),
-        "members of the workspace and packages in ARROWS"
-    );
-    let complaints: Vec<_> =
-        members.iter().flat_map(|(package, manifest)| against_the_arrows(package, manifest)).collect();
-    assert_none(&complaints);
+    assert_none(&upward(&members));
+    for member in &members {
+        println!("{} -> {}", member.name, needed(&members, &member.name).into_iter().collect::<Vec<_>>().join(", "));
+    }
 }
 
 #[test]
-fn the_firmware_is_seen_to_use_shared() {
+fn what_can_be_used_alone_brings_little_along() {
     let members = members();
-    let (_, firmware) = members.iter().find(|(name, _)| name == "arcfeed-firmware").expect("a firmware");
-    assert!(dependencies(firmware).contains(&"arcfeed-shared"), "the check of the arrows reads no dependencies");
+    for (name, brought) in ALONE {
+        assert_eq!(needed(&members, name), brought.iter().copied().collect(), "{name}");
+    }
 }
 
 #[test]
 fn the_host_names_the_simulator_only_where_it_composes_it() {
     let sources = rust_files("host/src");
-    assert_eq!(naming(&sources, &["arcfeed_hil_sim", "hil_sim"], &COMPOSITION_ROOT), [""; 0]);
+    assert_eq!(naming(&sources, &SIMULATOR_CRATES, &COMPOSITION_ROOT), [""; 0]);
 }
 
 #[test]
 fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
-    let folders = [
-        "shared/src",
-        "firmware/src",
-        "firmware/bench/src",
-        "hil-sim/src",
-        "host/src",
-        "host/line-errors/src",
-        "host/plan/src",
-    ];
+    let folders = [&CHIP[..], &SIMULATOR, &HOST, &["firmware/bench/src"]].concat();
     let names_it = |source: &Source| tokens(&source.code).contains(&"unsafe");
     let found: Vec<String> = rust_files_of(&folders).into_iter().filter(names_it).map(|source| source.path).collect();
-    assert_eq!(found, ["shared/src/fmath.rs", "host/line-errors/src/lib.rs"]);
+    assert_eq!(found, ["shared/units/src/fmath.rs", "host/line-errors/src/lib.rs"]);
     let call = read("host/line-errors/src/lib.rs");
     assert_eq!((call.matches("unsafe {").count(), call.matches("// SAFETY:").count()), (1, 1));
-    for (package, manifest) in members() {
+    for Member { name: package, manifest, .. } in members() {
         let own = |value| Entry { section: "lints.rust", key: "unsafe_code", value };
         let of_workspace = Entry { section: "lints", key: "workspace", value: "true" };
-        let is_exempt = ["arcfeed-shared", "arcfeed-line-errors"].contains(&package.as_str());
+        let is_exempt = ["arcfeed-units", "arcfeed-line-errors"].contains(&package.as_str());
         let wanted = if is_exempt { [own("\"deny\""); 2] } else { [own("\"forbid\""), of_workspace] };
         let is_kept_out = entries(&manifest).iter().any(|entry| wanted.contains(entry));
         assert!(is_kept_out, "{package}: its lints do not keep `unsafe` out");
@@ -122,29 +133,34 @@ fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
 }
 
 #[test]
-fn what_measures_the_cut_does_not_name_the_firmware() {
-    let sources = rust_files("hil-sim/src/cutting");
-    assert_eq!(naming(&sources, &["arcfeed_firmware"], &[]), [""; 0]);
+fn what_measures_the_cut_knows_no_law() {
+    let members = members();
+    for name in MEASURING {
+        let needed = needed(&members, name);
+        assert!(!needed.contains("arcfeed-law") && !needed.contains("arcfeed-firmware"), "{name}: {needed:?}");
+    }
 }
 
 #[test]
 fn crates_for_the_chip_are_no_std() {
-    for lib in ["shared/src/lib.rs", "firmware/src/lib.rs"] {
-        let source = Source::new(lib, &read(lib));
-        assert!(source.code.trim_start().starts_with("#![cfg_attr(not(test), no_std)]"), "{lib}");
+    for folder in CHIP {
+        let lib = format!("{folder}/lib.rs");
+        let source = Source::new(&lib, &read(&lib));
+        assert!(source.code.lines().any(|line| line == "#![cfg_attr(not(test), no_std)]"), "{lib}");
     }
 }
 
 #[test]
 fn crates_for_the_chip_deny_what_panics_and_allow_it_nowhere() {
-    for folder in ["shared", "firmware"] {
+    for sources in CHIP {
+        let folder = sources.trim_end_matches("/src");
         let manifest = read(&format!("{folder}/Cargo.toml"));
         for key in PANICS {
             let denied = Entry { section: "lints.clippy", key, value: "\"deny\"" };
             assert!(entries(&manifest).contains(&denied), "{folder}/Cargo.toml lacks {key} = \"deny\"");
         }
         // The one attribute of the crate that speaks of its tests names them, nothing else may.
-        for source in rust_files(&format!("{folder}/src")) {
+        for source in rust_files(sources) {
             let code = source.production().lines().filter(|line| !line.starts_with("#![cfg_attr(test,"));
             let code: String = code.collect::<Vec<_>>().join("\n");
             let named = tokens(&code).windows(3).any(|w| w[..2] == ["clippy", "::"] && PANICS.contains(&w[2]));
@@ -154,9 +170,13 @@ fn crates_for_the_chip_deny_what_panics_and_allow_it_nowhere() {
 }
 
 #[test]
-fn an_arrow_that_points_up_is_found() {
-    let manifest = "[dev-dependencies]\narcfeed-firmware.workspace = true\n";
-    assert_eq!(against_the_arrows("arcfeed-shared", manifest), ["arcfeed-shared must not depend on arcfeed-firmware"]);
+fn a_dependence_on_a_later_layer_is_found() {
+    let member =
+        |layer, name: &str, manifest: &str| Member { layer, name: name.to_owned(), manifest: manifest.to_owned() };
+    let low = member(0, "low", "[dev-dependencies]\nhigh.workspace = true\n");
+    let members = [low, member(1, "high", "[dependencies]\nlow.workspace = true\n")];
+    assert_eq!(upward(&members), ["low must not depend on high"]);
+    assert_eq!(needed(&members, "high"), BTreeSet::from(["high", "low"]));
 }
 
 #[test]

@@ -46,6 +46,23 @@ pub fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
+/// Folders of sources of the crates that run on the chip too.
+pub const CHIP: [&str; 8] = [
+    "shared/units/src",
+    "shared/nc/src",
+    "shared/nc-macro/src",
+    "shared/kinematics/src",
+    "shared/model/src",
+    "shared/link/src",
+    "firmware/law/src",
+    "firmware/src",
+];
+/// Folders of sources of the simulator.
+pub const SIMULATOR: [&str; 5] =
+    ["hil-sim/control/src", "hil-sim/dexel/src", "hil-sim/modal/src", "hil-sim/milling/src", "hil-sim/src"];
+/// Folders of sources of the host.
+pub const HOST: [&str; 3] = ["host/src", "host/line-errors/src", "host/plan/src"];
+
 /// All Rust files below a folder of the workspace, sorted. There is at least one.
 pub fn rust_files(folder: &str) -> Vec<Source> {
     let mut sources = Vec::new();

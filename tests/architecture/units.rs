@@ -1,13 +1,10 @@
 //! Units: conversion factors in one file, and a unit in the name of every public field and parameter that is a float.
 
 use crate::complaints::assert_none;
-use crate::source::{Source, rust_files_of, tokens};
-
-/// Crates whose numbers are physics.
-const FOLDERS: [&str; 3] = ["shared/src", "firmware/src", "hil-sim/src"];
+use crate::source::{CHIP, SIMULATOR, Source, rust_files_of, tokens};
 
 /// The one place for conversion factors.
-const UNITS: &str = "shared/src/units.rs";
+const UNITS: &str = "shared/units/src/lib.rs";
 
 /// Millimetres in an inch, seconds in a minute, thousandths, milliseconds in a minute, nanometres in an inch.
 const FLOAT_FACTORS: [f64; 5] = [25.4, 60.0, 1_000.0, 60_000.0, 25_400_000.0];
@@ -16,7 +13,7 @@ const FLOAT_FACTORS: [f64; 5] = [25.4, 60.0, 1_000.0, 60_000.0, 25_400_000.0];
 const WHOLE_FACTORS: [f64; 2] = [60_000.0, 25_400_000.0];
 
 /// Functions of plain numbers, which have no unit.
-const MATHS: &str = "shared/src/fmath.rs";
+const MATHS: &str = "shared/units/src/fmath.rs";
 
 /// Endings of names that carry a unit.
 const SUFFIXES: [&str; 25] = [
@@ -114,9 +111,14 @@ fn carries_unit(name: &str) -> bool {
     SUFFIXES.iter().any(|suffix| name.ends_with(suffix))
 }
 
+/// Sources of the crates whose numbers are physics.
+fn sources_with_physics() -> Vec<Source> {
+    rust_files_of(&[&CHIP[..], &SIMULATOR].concat())
+}
+
 #[test]
 fn conversion_factors_stand_only_in_units() {
-    let sources = rust_files_of(&FOLDERS);
+    let sources = sources_with_physics();
     let (units, others): (Vec<Source>, Vec<Source>) = sources.into_iter().partition(|source| source.path == UNITS);
     let in_units: Vec<String> = units.iter().flat_map(factors).collect();
     assert!(in_units.len() >= 3, "the check finds too little where the factors are: {in_units:?}");
@@ -125,7 +127,7 @@ fn conversion_factors_stand_only_in_units() {
 
 #[test]
 fn public_float_fields_carry_a_unit() {
-    let sources = rust_files_of(&FOLDERS);
+    let sources = sources_with_physics();
     let fields = || sources.iter().flat_map(|source| float_fields(source).into_iter().map(|name| (&source.path, name)));
     assert!(fields().count() > 0, "no public float field anywhere");
     let bare: Vec<String> =
@@ -135,7 +137,7 @@ fn public_float_fields_carry_a_unit() {
 
 #[test]
 fn public_float_parameters_carry_a_unit() {
-    let sources: Vec<Source> = rust_files_of(&FOLDERS).into_iter().filter(|source| source.path != MATHS).collect();
+    let sources: Vec<Source> = sources_with_physics().into_iter().filter(|source| source.path != MATHS).collect();
     let parameters =
         || sources.iter().flat_map(|source| float_parameters(source).into_iter().map(|name| (&source.path, name)));
     assert!(parameters().count() > 0, "no public float parameter anywhere");

@@ -1,6 +1,6 @@
 //! A tapped board that obeys orders and runs free, seen from its machine.
 
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::plain::PlainLine;
 use arcfeed_tests::emulation::qemu::Emulator;
 use arcfeed_tests::emulation::served_chip::show_standing;
 

@@ -5,14 +5,14 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::override_source::board::{Wire, Wires};
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::codes::ModeCode;
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::codes::ModeCode;
+use arcfeed_link::plain::PlainLine;
 use arcfeed_tests::emulation::host::FILLER;
 use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+use arcfeed_units::Micros;
 
 use crate::free::OBEYING;
 use crate::runs::{Example, prepare, try_prepare};

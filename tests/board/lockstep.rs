@@ -1,6 +1,6 @@
 //! A board decides in place of the controller notified of each block: in process, and on the emulated chip.
 
-use arcfeed_shared::wire::message::Message;
+use arcfeed_link::message::Message;
 use arcfeed_tests::emulation::host::Host;
 use arcfeed_tests::emulation::images::image;
 use arcfeed_tests::emulation::log::messages;

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use arcfeed_hil_sim::override_source::board::{Wire, Wires};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
+use arcfeed_link::frame::ENCODED_MAX;
 
 use crate::free::Free;
 use crate::runs::Example;

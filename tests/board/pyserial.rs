@@ -12,7 +12,7 @@ use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
 use std::time::Duration;
 
-use arcfeed_hil_sim::control::code::{DC1, DC3};
+use arcfeed_control::code::{DC1, DC3};
 use arcfeed_tests::Scratch;
 use arcfeed_tests::python::{Script, python_or_skip};
 use serialport::{SerialPort, TTYPort};

@@ -2,19 +2,19 @@
 //! The other side notices, the override goes where docs/board-safety.md says, and nothing but a person arms again.
 
 use arcfeed::board::words;
+use arcfeed_control::Control;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
-use arcfeed_hil_sim::control::Control;
 use arcfeed_hil_sim::override_source::board::Board;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::link::{LinkState, Loss};
-use arcfeed_shared::wire::message::codes::{AlarmCode, ModeCode, StateCode};
+use arcfeed_link::link::{LinkState, Loss};
+use arcfeed_link::message::codes::{AlarmCode, ModeCode, StateCode};
+use arcfeed_nc::segment::Segment;
 use arcfeed_tests::emulation::cable::{Cable, FROM_BOARD, TO_BOARD};
 use arcfeed_tests::emulation::host::{Host, SET};
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 use arcfeed_tests::noticed::{Noticed, assert_explained};
 use arcfeed_tests::of_full_set;
+use arcfeed_units::Micros;
 
 use crate::runs::Example;
 

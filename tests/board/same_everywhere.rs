@@ -10,7 +10,7 @@ use arcfeed::program::Program;
 use arcfeed_bench::trace::{LAWS, TICKS};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::nc::block::Reading;
+use arcfeed_nc::block::Reading;
 use arcfeed_tests::root;
 
 use arcfeed_tests::emulation::images::image;
@@ -18,9 +18,15 @@ use arcfeed_tests::emulation::log::messages;
 use arcfeed_tests::emulation::qemu::run;
 
 /// A debug build: the workspace's own tests have these crates optimised.
-const DEBUG: [&str; 6] = [
+const DEBUG: [&str; 12] = [
     "--config",
-    "profile.dev.package.arcfeed-shared.opt-level=0",
+    "profile.dev.package.arcfeed-units.opt-level=0",
+    "--config",
+    "profile.dev.package.arcfeed-nc.opt-level=0",
+    "--config",
+    "profile.dev.package.arcfeed-model.opt-level=0",
+    "--config",
+    "profile.dev.package.arcfeed-law.opt-level=0",
     "--config",
     "profile.dev.package.arcfeed-firmware.opt-level=0",
     "--config",

@@ -5,12 +5,12 @@ use arcfeed_firmware::controller;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, State};
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Nm, Span};
+use arcfeed_model::job::Job;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
 use arcfeed_tests::recording::{Recording, ibr_slot};
+use arcfeed_units::{Nm, Span};
 
 use guard::{Guard, Prepared};
 use heapless::spsc::{Producer, Queue};

@@ -3,6 +3,9 @@
 use std::collections::VecDeque;
 
 use arcfeed::commands::simulate::control::control_settings;
+use arcfeed_control::code::{DC1, DC3, TapeCode, without_parity};
+use arcfeed_control::line::{LineCounters, LineSettings, SenderParity};
+use arcfeed_control::{Control, ControlSettings};
 use arcfeed_firmware::application::command_handler::Identity;
 use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::application::messages::Queues;
@@ -12,16 +15,13 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode, without_parity};
-use arcfeed_hil_sim::control::line::{LineCounters, LineSettings, SenderParity};
-use arcfeed_hil_sim::control::{Control, ControlSettings};
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Board, Traffic, Wire, Wires};
 use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
-use arcfeed_shared::wire::message::page::{self, Page, TappedLine};
+use arcfeed_link::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_link::message::page::{self, Page, TappedLine};
 use arcfeed_tests::emulation::qemu::{Clock, Emulator};
+use arcfeed_units::Micros;
 
 use crate::runs::{AHEAD, Example, Outcome, chip_range};
 

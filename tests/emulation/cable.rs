@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 /// Ways.
 pub const TO_BOARD: usize = 0;

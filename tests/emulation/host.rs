@@ -3,18 +3,18 @@
 use std::collections::VecDeque;
 
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::link::{Link, LinkState};
-use arcfeed_shared::wire::message::codes::SettingCode;
-use arcfeed_shared::wire::message::fixed::Q46;
-use arcfeed_shared::wire::message::table::{Report, SetSetting, StockDisc};
-use arcfeed_shared::wire::message::{Message, link_settings, moves, parameters};
-use arcfeed_shared::wire::settings::Role;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::link::{Link, LinkState};
+use arcfeed_link::message::codes::SettingCode;
+use arcfeed_link::message::fixed::Q46;
+use arcfeed_link::message::table::{Report, SetSetting, StockDisc};
+use arcfeed_link::message::{Message, link_settings, moves, parameters};
+use arcfeed_link::settings::Role;
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::Job;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::{Micros, Span};
 
 /// Bytes that the line carries in a millisecond: 115 200 Bd, ten bits a byte. In hundredths.
 const HUNDREDTH_BYTES_PER_MS: i64 = 1_152;

@@ -15,10 +15,10 @@ use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, RevPerMin};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::codes::ResetCode;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::codes::ResetCode;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{Micros, RevPerMin};
 
 /// Moves it holds ahead, and one.
 pub const AHEAD: usize = 9;

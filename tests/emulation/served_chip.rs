@@ -8,13 +8,13 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use arcfeed_hil_sim::override_source::board::{Wire, Wires};
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::codes::{ModeCode, StateCode};
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::table::Sample;
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::Message;
+use arcfeed_link::message::codes::{ModeCode, StateCode};
+use arcfeed_link::message::fixed::Q40;
+use arcfeed_link::message::table::Sample;
+use arcfeed_link::plain::PlainLine;
+use arcfeed_units::Micros;
 
 use super::qemu::{Clock, Emulator, Place};
 use crate::wait_for;

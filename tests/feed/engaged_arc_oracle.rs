@@ -20,17 +20,17 @@
 use crate::geometry::{
     Frame, Motion, Point, RingScene, chip, dot, engaged_deg, engaged_table, sample_table, sign, unit,
 };
-use arcfeed_firmware::law::circumference::Circumference;
-use arcfeed_firmware::law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
-use arcfeed_firmware::law::region::Region;
-use arcfeed_firmware::law::step::Cut;
-use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::segment::Arc;
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
+use arcfeed_law::circumference::Circumference;
+use arcfeed_law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
+use arcfeed_law::region::Region;
+use arcfeed_law::step::Cut;
+use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place};
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_nc::segment::Arc;
+use arcfeed_units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
 use core::f64::consts::{PI, TAU};
 use fastrand::Rng;
 

@@ -2,13 +2,13 @@
 //!
 //! Nothing here knows a law: a chip is the distance by which a circle has moved on along a ray (see [`Motion::chip`]).
 
-use arcfeed_firmware::law::Place;
-use arcfeed_firmware::law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
-use arcfeed_firmware::law::region::Region;
-use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Mm, MmPerTooth};
+use arcfeed_law::Place;
+use arcfeed_law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
+use arcfeed_law::region::Region;
+use arcfeed_model::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{Mm, MmPerTooth};
 use core::f64::consts::{PI, TAU};
 use fastrand::Rng;
 

@@ -20,10 +20,10 @@
 //!
 //! The law with its stock line is measured in `stock_fit`.
 
-use arcfeed_firmware::law::NoDemand;
-use arcfeed_firmware::law::step::Cut;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Mm, MmPerTooth};
+use arcfeed_law::NoDemand;
+use arcfeed_law::step::Cut;
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{Mm, MmPerTooth};
 use core::iter::repeat_with;
 use core::ops::{Add, Div, Mul, Sub};
 use dashu_float::FBig;

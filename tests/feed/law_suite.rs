@@ -15,7 +15,7 @@
 //! out and counted.
 
 use crate::geometry::{self, Point, unit};
-use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
+use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place};
 use arcfeed_tests::of_full_set;
 use core::fmt::Debug;
 use fastrand::Rng;

@@ -14,13 +14,13 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::job::FeedPolicy;
-use arcfeed_shared::machine::{ArcClamp, LimitedBy, MachineLimits};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::{Feed, Pose};
-use arcfeed_shared::units::{Mm, MmPerMin, Nm, S_PER_MIN, Span};
+use arcfeed_model::job::FeedPolicy;
+use arcfeed_model::machine::{ArcClamp, LimitedBy, MachineLimits};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_tests::root;
+use arcfeed_units::{Mm, MmPerMin, Nm, S_PER_MIN, Span};
 
 const TICKS: u32 = 4_000;
 

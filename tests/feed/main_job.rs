@@ -8,7 +8,7 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed::report::figures::{IptFigures, MovementFigures, RunReport};
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_shared::nc::block::Reading;
+use arcfeed_nc::block::Reading;
 use arcfeed_tests::root;
 
 /// Largest excess of a chip over its target, in any sample, relative.

@@ -9,11 +9,11 @@
 //! material before the pass (nearer to the contour than ae) and no earlier position of the tool has reached it. The
 //! engagement is the sum of the engaged angles, the corner's the largest on the way.
 
-use arcfeed_firmware::law::contour::{Contour, ContourLimits};
-use arcfeed_firmware::law::engagement::corner_factor;
-use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
-use arcfeed_shared::cut::ContourSide;
-use arcfeed_shared::units::{Mm, MmPerTooth};
+use arcfeed_law::contour::{Contour, ContourLimits};
+use arcfeed_law::engagement::corner_factor;
+use arcfeed_law::{FeedLaw, NoDemand, Place};
+use arcfeed_model::cut::ContourSide;
+use arcfeed_units::{Mm, MmPerTooth};
 use core::f64::consts::{PI, TAU};
 
 /// ae/Dc of the columns.

@@ -3,11 +3,11 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_hil_sim::control::line::LineSettings;
-use arcfeed_hil_sim::control::{Control, ControlSettings, Switches};
-use arcfeed_shared::machine::ArcClamp;
-use arcfeed_shared::units::{LengthUnit, Micros, Mm, MmPerMin};
+use arcfeed_control::line::LineSettings;
+use arcfeed_control::{Control, ControlSettings, Switches};
+use arcfeed_model::machine::ArcClamp;
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Micros, Mm, MmPerMin};
 
 const CASE: &str = "tests/cases/control-timing";
 const STEP: Micros = Micros::from_ms(1);

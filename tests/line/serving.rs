@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::Duration;
 
-use arcfeed_hil_sim::control::code::TapeCode;
+use arcfeed_control::code::TapeCode;
 use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
 use serde_json::{Value, json};
 

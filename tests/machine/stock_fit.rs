@@ -17,13 +17,13 @@
 //! angle between line and circle, and that changes the step s = a/sin(contact) by cot(contact) of it: see
 //! [`Contact::condition`].
 
-use arcfeed_firmware::law::circumference::Circumference;
-use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::segment::Arc;
-use arcfeed_shared::stock::StockLine;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
+use arcfeed_law::circumference::Circumference;
+use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place};
+use arcfeed_model::stock::StockLine;
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_nc::segment::Arc;
+use arcfeed_units::{MM_PER_INCH, Mm, MmPerTooth, Nm};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use fastrand::Rng;
 

@@ -11,9 +11,9 @@
 //! way: periods until an uncorrupted hello is received, its own period included; k: corrupted hellos before the first uncorrupted
 //! one. Up to k = 3 this is within a heartbeat plus `way`.
 
-use arcfeed_shared::units::US_PER_MS;
-use arcfeed_shared::wire::message::link_settings;
-use arcfeed_shared::wire::settings::Role;
+use arcfeed_link::message::link_settings;
+use arcfeed_link::settings::Role;
+use arcfeed_units::US_PER_MS;
 
 /// Result of a restart, in periods of a millisecond.
 #[derive(Clone, Copy, Debug)]

@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use arcfeed::job;
+use arcfeed_model::cut::{Moves, Work};
+use arcfeed_model::tool::Tool;
 use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc::{Feeds, Indexing, Setup, write};
 use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
-use arcfeed_shared::cut::{Moves, Work};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::{LengthUnit, Nm};
 use arcfeed_tests::{Scratch, run};
+use arcfeed_units::{LengthUnit, Nm};
 use serde_json::Value;
 
 use crate::limits::{CHIP_MM, blank, leaning, mill, path};

@@ -1,22 +1,22 @@
 //! End of the stock for each movement: the faces as planes of the part, and the chip as the area that the shift of a
 //! circle uncovers.
 
-use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
+use arcfeed_law::{FeedLaw, Place, SegmentLaw};
+use arcfeed_model::cut::{CutRule, Moves, RotationCircle, Work};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::{self, Edge, Tool};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::blisk::Blank;
 use arcfeed_plan::output::limits::{BlankFace, LimitError, StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::path::{Level, Purpose, SlotPath, Step};
 use arcfeed_plan::vector::{Flat, Point, Vector};
-use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::{self, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 
 pub const CHIP_MM: f64 = 0.1016;
 const OUTER_MM: f64 = 128.576_07;

@@ -10,12 +10,12 @@
 
 use std::fmt::Write;
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::output::nc::{Feeds, Indexing, Setup, write};
 use arcfeed_plan::path::{Level, SlotPath};
 use arcfeed_plan::vector::Flat;
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
 use arcfeed_tests::{root, shared_or_skip};
+use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 /// Positions of the listing's slots: N of the first block after the one that goes up.
 const SLOTS: [i64; 3] = [126, 206, 286];

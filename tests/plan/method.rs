@@ -1,5 +1,6 @@
 //! Axis, base position and B1 on twisted rotors, against meshes, searches over centres, and scans of pivots and turns.
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::cup_mill::axis::axis;
 use arcfeed_plan::cup_mill::base::triangle;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
@@ -7,7 +8,6 @@ use arcfeed_plan::cup_mill::side::edges;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::vector::{Flat, Point, Vector};
-use arcfeed_shared::nc::modal::Turn;
 use nalgebra::{Matrix2, Rotation2, Vector2};
 
 use crate::dense::Dense;

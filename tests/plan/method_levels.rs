@@ -1,11 +1,11 @@
 //! The lowest level and the ends of all turns on twisted rotors, against scans of sampled surfaces.
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::cup_mill::level::TURN_MAX_RAD;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::vector::{Flat, Point};
-use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation2;
 
 use crate::dense::{Dense, gap_mm};

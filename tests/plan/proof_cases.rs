@@ -1,12 +1,12 @@
 //! Tools, ways and bodies for the proof's tests.
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::{Purpose, Step};
 use arcfeed_plan::proof::clearance::{Body, Clearance, Obstacle, clearance};
 use arcfeed_plan::proof::spheres::Tree;
 use arcfeed_plan::vector::{Flat, Point};
-use arcfeed_shared::nc::modal::Turn;
 use nalgebra::Rotation3;
 
 /// Largest gap between the bounds of a clearance.

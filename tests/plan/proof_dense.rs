@@ -1,10 +1,10 @@
 //! Clearances against dense samples of way and surface: no sample may be below the lower bound, and some must come near it.
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::Step;
 use arcfeed_plan::vector::{Flat, Point};
-use arcfeed_shared::nc::modal::Turn;
 use fastrand::Rng;
 
 use crate::proof_cases::{body, least, poses, step};

@@ -1,9 +1,9 @@
 //! Volume that the published tool's path removes, compared with the simulator's dexels, which share no method with the proof.
 
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::solid::Revolved;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::{Stock, Volume};
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::solid::Revolved;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::{Stock, Volume};
 use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::Blisk;

@@ -1,8 +1,8 @@
 //! Changes of the input that leave a plan unchanged, and changes that mirror it.
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
 use arcfeed_plan::vector::Flat;
-use arcfeed_shared::nc::modal::Turn;
 
 use crate::twisted::{ROTORS, Twisted, ring, roughing};
 

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use arcfeed::program::{Program, Severity};
-use arcfeed_shared::nc::alarm::Alarm;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::settings::{Preset, Scope, Settings, Tables};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::alarm::Alarm;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_tests::root;
+use arcfeed_units::LengthUnit;
 
 const CORPUS: &str = "tests/corpus/bad";
 const TABLE: &str = "docs/alarms.md";

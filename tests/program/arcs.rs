@@ -1,13 +1,13 @@
 //! Arcs against another interpreter (end, centre, sense and rise of `tests/cases/arcs-rs274`, as LinuxCNC reads it), and
 //! the centre of arcs given by R against whole numbers, which know no rounding.
 
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::radius::center_offset;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::segment::{Arc, RADIUS_TOLERANCE, Segment};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_nc::radius::center_offset;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::segment::{Arc, RADIUS_TOLERANCE, Segment};
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Nm};
 use fastrand::Rng;
 
 const CASE: &str = "tests/cases/arcs-rs274";

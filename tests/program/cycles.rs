@@ -1,13 +1,13 @@
 //! Canned cycles, coordinates and offsets against closed forms: bolt circles, depths and feeds written out by hand or
 //! computed from the drawing, never from the reader.
 
-use arcfeed_shared::nc::alarm::{Alarm, Cause};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{MotionKind, Pose, Turn};
-use arcfeed_shared::nc::series::SeriesAction;
-use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
+use arcfeed_nc::alarm::{Alarm, Cause};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::{MotionKind, Pose, Turn};
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::series::SeriesAction;
+use arcfeed_nc::settings::{Decimals, Preset, Scope, Settings, Tables};
+use arcfeed_units::{LengthUnit, Micros, Nm};
 
 /// Rounding of two points, nm.
 const ROUNDING_NM: f64 = 2.0;
@@ -306,7 +306,7 @@ fn a_block_delete_switch_skips_what_stands_behind_its_slash() {
 fn a_feed_per_revolution_counts_with_the_spindle() {
     let mut reader = reader(|_, _| ());
     let feed = |reader: &mut Reader, line: &str| reader.read(line.as_bytes()).expect(line).segment.expect(line).feed;
-    use arcfeed_shared::nc::modal::Feed;
+    use arcfeed_nc::modal::Feed;
     assert_eq!(feed(&mut reader, "G95G1X1.S2000F0.15"), Feed::PerMinute(Nm::from_mm(300.0)));
     assert_eq!(feed(&mut reader, "X2.S1000"), Feed::PerMinute(Nm::from_mm(150.0)));
     assert_eq!(feed(&mut reader, "G94X3."), Feed::Missing);

@@ -10,12 +10,12 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::control::Control;
-use arcfeed_hil_sim::control::dynamics::Dynamics;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::Plane;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_control::Control;
+use arcfeed_control::dynamics::Dynamics;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::Plane;
 use arcfeed_tests::{Scratch, run};
+use arcfeed_units::{Micros, Nm};
 use serde_json::Value;
 
 const TICK: Micros = Micros::from_ms(1);

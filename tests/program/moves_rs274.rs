@@ -1,11 +1,11 @@
 //! Lines, offsets, canned cycles and macro expressions against another interpreter: every end point of
 //! `tests/cases/moves-rs274` and `tests/cases/macros-rs274`, as LinuxCNC reads it.
 
-use arcfeed_hil_sim::control::{Control, Preset, Switches};
-use arcfeed_shared::nc::settings::Decimals;
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::{LengthUnit, Micros, MmPerMin, Nm};
+use arcfeed_control::{Control, Preset, Switches};
+use arcfeed_nc::segment::Path;
+use arcfeed_nc::settings::Decimals;
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Micros, MmPerMin, Nm};
 use moves::{CLEARANCE, Move, moving, off_mm, ours};
 
 #[path = "../rs274/moves.rs"]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use arcfeed::program::Program;
-use arcfeed_shared::nc::block::{LineKind, Parsed, Reading, parse_line};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::block::{LineKind, Parsed, Reading, parse_line};
+use arcfeed_units::LengthUnit;
 use fastrand::Rng;
 use gcode::{Argument, Code, Value};
 

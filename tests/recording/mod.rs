@@ -6,14 +6,14 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
+use arcfeed_control::machine;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Segment;
+use arcfeed_model::job::Job;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
 
 use crate::root;
 

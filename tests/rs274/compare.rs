@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use arcfeed_shared::nc::text::Lines;
+use arcfeed_nc::text::Lines;
 
 use moves::{Move, moving, off_mm, ours};
 

@@ -7,10 +7,10 @@ use std::fmt::Write;
 use std::hint::black_box;
 use std::process::Command;
 
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::word::Words;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::word::Words;
+use arcfeed_units::LengthUnit;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -1,18 +1,18 @@
 //! The moves of a program as our reader has them, in the terms of another interpreter.
 
-use arcfeed_shared::nc::alarm::Fault;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::macros::step as macros;
-use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::modal::{Motion, MotionKind, ProgramStop};
-use arcfeed_shared::nc::series::SeriesAction;
-use arcfeed_shared::nc::settings::{Decimals, Preset, Scope, Settings, Tables};
-use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
+use arcfeed_nc::alarm::Fault;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::{Motion, MotionKind, ProgramStop};
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::series::SeriesAction;
+use arcfeed_nc::settings::{Decimals, Preset, Scope, Settings, Tables};
+use arcfeed_nc::text::Lines;
+use arcfeed_nc_macro::interpreter::Interpreter;
+use arcfeed_nc_macro::program::first_macro;
+use arcfeed_nc_macro::step as macros;
+use arcfeed_nc_macro::variables::Context;
+use arcfeed_units::{LengthUnit, Micros, Nm};
 
 /// G83 of rs274 turns to feed 0.010 in above the last depth, and G73 goes back by as much.
 pub const CLEARANCE: Nm = Nm(254_000);

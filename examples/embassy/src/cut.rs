@@ -1,11 +1,11 @@
 //! A job and its blocks, built in code: the outside contour of a boss, then the inside one of a bore.
 
-use arcfeed_shared::cut::{CutRule, Moves, Side, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::tool::{EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use arcfeed_model::cut::{ContourSide, CutRule, Moves, Work};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::tool::{EndMill, Tool};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 
 /// An end mill of 10 mm with 4 teeth, 0.05 mm per tooth at 4000 rev/min: 800 mm/min along the contour.
 const TOOL: EndMill = EndMill { radius: Nm(5_000_000), teeth: 4 };
@@ -30,7 +30,7 @@ pub fn job() -> Job {
         knots: Default::default(),
     };
     // Climb milling: clockwise round the boss, counter-clockwise in the bore.
-    for (turn, side) in [(Turn::Cw, Side::Outside), (Turn::Ccw, Side::Inside)] {
+    for (turn, side) in [(Turn::Cw, ContourSide::Outside), (Turn::Ccw, ContourSide::Inside)] {
         let rule = CutRule {
             tool: 0,
             moves: Moves::Arcs(turn),

@@ -1,8 +1,8 @@
 //! The simulated axes: they follow the arcs at the feed that the override makes of their F. Yours have encoders.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{MmPerMin, NM_PER_MM, Nm, S_PER_MIN, Span, US_PER_S};
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::{MmPerMin, NM_PER_MM, Nm, S_PER_MIN, Span, US_PER_S};
 
 /// The axes on their way along a block. Single precision: the chip has no other in hardware.
 #[derive(Default)]

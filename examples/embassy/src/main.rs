@@ -24,8 +24,8 @@ use arcfeed_firmware::supervisor::input::{Input, Work};
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::{Output, Supervisor, state::State};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Span;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Span;
 use cortex_m_semihosting::{debug, hprintln};
 use embassy_executor::{Executor, InterruptExecutor, Spawner};
 use embassy_sync::blocking_mutex::Mutex;
@@ -170,7 +170,7 @@ fn panic(_: &PanicInfo<'_>) -> ! {
 fn start(spawner: Spawner) {
     let job = cut::job();
     let supervisor = Supervisor::new(&job, Settings::default()).expect("the limits of the job are sound");
-    let measured = controller::Input { position: None, spindle: job.tools.first().spindle, dt: PERIOD };
+    let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: PERIOD };
     let lines = Latched::new(ParallelLines::new(pins::override_lines()).expect("these pins never fail"));
     let mill = Mill { machine: Machine::default(), segment: None, input: Input::of(measured), lines };
     // SAFETY: the handlers of both interrupts are below; the executor of `control` starts before its interrupt is pended.

@@ -7,17 +7,17 @@
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::controller::Measurement;
-use arcfeed_firmware::law::SegmentLaw;
-use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::progress::PositionFilter;
-use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::knots::{Knot, TABLE_KNOTS_MAX};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::stock::{EDGES_MAX, Stock, StockLine};
-use arcfeed_shared::tool::{CupMill, Edge, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_law::SegmentLaw;
+use arcfeed_law::table::Table;
+use arcfeed_model::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::knots::{Knot, TABLE_KNOTS_MAX};
+use arcfeed_model::stock::{EDGES_MAX, Stock, StockLine};
+use arcfeed_model::tool::{CupMill, Edge, EndMill, Tool};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 use crate::random::Random;
 

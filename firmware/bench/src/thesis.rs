@@ -24,7 +24,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use arcfeed_shared::fmath;
+use arcfeed_units::fmath;
 
 /// A floating-point number.
 pub trait Real:
@@ -242,9 +242,9 @@ pub fn lean_tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_firmware::law::step::Cut;
-    use arcfeed_shared::tool::Edge;
-    use arcfeed_shared::units::{Mm, MmPerTooth};
+    use arcfeed_law::step::Cut;
+    use arcfeed_model::tool::Edge;
+    use arcfeed_units::{Mm, MmPerTooth};
 
     /// The published tool on a line that it meets at `contact_deg` and on the side that recedes.
     fn movement(edge: Edge, contact_deg: f64) -> Movement<f64> {

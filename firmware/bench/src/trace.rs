@@ -14,9 +14,9 @@ use arcfeed_firmware::supervisor::report::Reason;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::{Output, Supervisor};
-use arcfeed_shared::job::LawKind;
-use arcfeed_shared::stock::Stock;
-use arcfeed_shared::units::{MmPerTooth, Span};
+use arcfeed_model::job::LawKind;
+use arcfeed_model::stock::Stock;
+use arcfeed_units::{MmPerTooth, Span};
 
 use crate::random::Random;
 use crate::random_case::{LawChoice, RandomCase};

@@ -2,11 +2,11 @@
 //!
 //! An incomplete table would give a wrong law: a segment has all of its arcs, or it is rejected.
 
-use arcfeed_shared::cut::CutRule;
-use arcfeed_shared::engaged::{EngagedError, EngagedTable};
-use arcfeed_shared::wire::message::codes::RefusalCode;
-use arcfeed_shared::wire::message::moves::decode_arcs;
-use arcfeed_shared::wire::message::table::SegmentArcs;
+use arcfeed_link::message::codes::RefusalCode;
+use arcfeed_link::message::moves::decode_arcs;
+use arcfeed_link::message::table::SegmentArcs;
+use arcfeed_model::cut::CutRule;
+use arcfeed_model::engaged::{EngagedError, EngagedTable};
 
 /// Engaged arcs received for the next segment; state.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! Settings of a board that a host can change one by one.
 
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::Span;
-use arcfeed_shared::wire::message::codes::{RefusalCode, SettingCode};
-use arcfeed_shared::wire::message::table;
+use arcfeed_link::message::codes::{RefusalCode, SettingCode};
+use arcfeed_link::message::table;
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_units::Span;
 
 use crate::supervisor::Supervisor;
 use crate::supervisor::settings::{Settings, SettingsError};

@@ -1,13 +1,13 @@
 //! The largest objects of the command handler, in memory that the board provides; moved by value they would be copied
 //! on the stack.
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::units::{MmPerMin, Nm, RevPerMin};
-use arcfeed_shared::wire::message::codes::RefusalCode;
-use arcfeed_shared::wire::message::page::{self, PageError, TappedLine};
-use arcfeed_shared::wire::message::staging::{Staging, empty_job};
-use arcfeed_shared::wire::message::{moves, table};
+use arcfeed_link::message::codes::RefusalCode;
+use arcfeed_link::message::page::{self, PageError, TappedLine};
+use arcfeed_link::message::staging::{Staging, empty_job};
+use arcfeed_link::message::{moves, table};
+use arcfeed_model::job::Job;
+use arcfeed_model::machine::{FeedLimit, LimitedBy};
+use arcfeed_units::{MmPerMin, Nm, RevPerMin};
 
 use crate::active::{ActiveSegment, Conditions};
 

@@ -5,12 +5,12 @@
 //! Segments are accepted only in the order of their counts and with parameters of the same session. A request arms the
 //! board only if the person has seen the current state (epoch).
 
-use arcfeed_shared::job::{Job, OverrideLimits};
-use arcfeed_shared::units::{Micros, Nm};
-use arcfeed_shared::wire::message::codes::{PathCode, RefusalCode, RequestCode};
-use arcfeed_shared::wire::message::field::Chunk;
-use arcfeed_shared::wire::message::page::{PageError, TappedLine};
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::message::codes::{PathCode, RefusalCode, RequestCode};
+use arcfeed_link::message::field::Chunk;
+use arcfeed_link::message::page::{PageError, TappedLine};
+use arcfeed_link::message::{Message, table};
+use arcfeed_model::job::{Job, OverrideLimits};
+use arcfeed_units::{Micros, Nm};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;

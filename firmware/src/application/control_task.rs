@@ -1,8 +1,8 @@
 //! The control task: each tick it reads commands and notices from its queues, follows the position and decides on the
 //! override.
 
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{Micros, Span};
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_units::{Micros, Span};
 
 use crate::controller;
 use crate::output::telemetry::record::TelemetryRecord;

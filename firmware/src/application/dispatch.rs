@@ -1,7 +1,7 @@
 //! Sends commands and notices to the control task: notices take effect at once, commands in order. None is lost if a
 //! queue is full.
 
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_units::{Micros, Nm};
 use heapless::Deque;
 
 use crate::active::ActiveSegment;

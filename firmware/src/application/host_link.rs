@@ -1,11 +1,11 @@
 //! The board's end of the link to its host: receives and sends frames, and passes messages to the command handler.
 
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::link::{Link, LinkState, Loss, SendError};
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::field::{CHUNK_MAX, Chunk, PAYLOAD_MAX};
-use arcfeed_shared::wire::message::table;
-use arcfeed_shared::wire::settings::{LinkSettings, SettingsError};
+use arcfeed_link::link::{Link, LinkState, Loss, SendError};
+use arcfeed_link::message::Message;
+use arcfeed_link::message::field::{CHUNK_MAX, Chunk, PAYLOAD_MAX};
+use arcfeed_link::message::table;
+use arcfeed_link::settings::{LinkSettings, SettingsError};
+use arcfeed_units::{Micros, Span};
 
 use super::command_handler::CommandHandler;
 

@@ -1,6 +1,6 @@
 //! Identity of a board, sent to its host on request.
 
-use arcfeed_shared::wire::message::codes::ResetCode;
+use arcfeed_link::message::codes::ResetCode;
 
 /// Identity of a board; config.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Messages between main loop and control task: commands and notices to the task, status to the main loop.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{Micros, Nm};
 use heapless::spsc::Queue;
 
 use crate::active::ActiveSegment;
@@ -163,11 +163,11 @@ impl PlannedMove {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::job::{FeedPolicy, Job, LawKind, ToolSetup, Tools};
-    use arcfeed_shared::nc::modal::Feed;
-    use arcfeed_shared::segment::{Path, Segment};
-    use arcfeed_shared::tool::{EndMill, Tool};
-    use arcfeed_shared::units::{LengthUnit, MmPerTooth, RevPerMin};
+    use arcfeed_model::job::{FeedPolicy, Job, LawKind, ToolSetup, Tools};
+    use arcfeed_model::tool::{EndMill, Tool};
+    use arcfeed_nc::modal::Feed;
+    use arcfeed_nc::segment::{Path, Segment};
+    use arcfeed_units::{LengthUnit, MmPerTooth, RevPerMin};
 
     fn planned(run: u32) -> PlannedMove {
         let job = Job {

@@ -1,7 +1,7 @@
 //! Status of the control task, encoded for the link.
 
-use arcfeed_shared::wire::message::codes::{AlarmCode, RefusalCode, StateCode};
-use arcfeed_shared::wire::message::table::Report;
+use arcfeed_link::message::codes::{AlarmCode, RefusalCode, StateCode};
+use arcfeed_link::message::table::Report;
 
 use crate::supervisor::report::{Alarm, Refusal};
 use crate::supervisor::state::State;

@@ -1,9 +1,9 @@
 //! Sensor values of a board, and the machine line of a board without sensors of its own.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, RevPerMin, Span};
-use arcfeed_shared::wire::message::moves::pose;
-use arcfeed_shared::wire::message::table::{Sample, Setpoint};
+use arcfeed_link::message::moves::pose;
+use arcfeed_link::message::table::{Sample, Setpoint};
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{Micros, RevPerMin, Span};
 
 use crate::output::line_code::LineCode;
 use crate::supervisor::Output;
@@ -100,9 +100,9 @@ mod tests {
     use crate::supervisor::report::{Alarm, Reason};
     use crate::supervisor::signals::{BoardFault, Request};
     use crate::supervisor::state::{Hold, State};
-    use arcfeed_shared::units::Nm;
-    use arcfeed_shared::wire::message::codes::{ModeCode, StateCode};
-    use arcfeed_shared::wire::message::fixed::Q40;
+    use arcfeed_link::message::codes::{ModeCode, StateCode};
+    use arcfeed_link::message::fixed::Q40;
+    use arcfeed_units::Nm;
 
     fn sample() -> Sample {
         Sample {

@@ -3,8 +3,6 @@
 use super::*;
 use crate::active::{ActiveSegment, Conditions};
 use crate::controller;
-use crate::law::SegmentLaw;
-use crate::law::table::Table;
 use crate::output::OverrideOutput;
 use crate::output::bench::{Bench, Pin};
 use crate::output::latched::Latched;
@@ -13,11 +11,13 @@ use crate::supervisor::report::Reason;
 use crate::supervisor::settings::Settings;
 use crate::supervisor::signals::{BoardFault, Request, Signals};
 use crate::supervisor::state::State;
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::tool::{CupMill, Tool};
-use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_law::SegmentLaw;
+use arcfeed_law::table::Table;
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::tool::{CupMill, Tool};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 const RADIUS_MM: f64 = 100.0;
 /// 0.1 mm a tooth, 10 teeth, 1000 rev/min: 1000 mm/min, 125 % of the feed that was sent.

@@ -1,10 +1,10 @@
 //! The envelope against the motion that it is for: an override that follows it late and falls by its slew, tick by tick.
 
 use super::*;
-use crate::law::table::Table;
-use arcfeed_shared::nc::modal::{Feed, Pose};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
+use arcfeed_law::table::Table;
+use arcfeed_nc::modal::{Feed, Pose};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{Mm, MmPerTooth, Nm};
 
 const TEETH: f32 = 4.0;
 const SPINDLE: RevPerMin = RevPerMin(2_500.0);

@@ -7,7 +7,7 @@
 //!
 //! as long as no axis moves 32768 counts within a tick. A change beyond the axis's maximum speed is a fault: a jump.
 
-use arcfeed_shared::units::Nm;
+use arcfeed_units::Nm;
 
 /// Scale and limits of an axis; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

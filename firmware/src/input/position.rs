@@ -3,8 +3,8 @@
 //! Incremental encoders count from the position at power-on. The operator must set zero at the program's zero. After a
 //! fault (a jump, a broken wire, an error of the receiver) the counts are invalid until zero is set again.
 
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Nm, Span};
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{Nm, Span};
 
 use crate::supervisor::input::Freshness;
 

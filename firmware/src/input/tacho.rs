@@ -9,7 +9,7 @@
 //! speed below its minimum counts as standstill. In both cases no speed is reported, and the feed stays as programmed.
 //! Too high a speed would raise the feed too much.
 
-use arcfeed_shared::units::{RevPerMin, S_PER_MIN, US_PER_S};
+use arcfeed_units::{RevPerMin, S_PER_MIN, US_PER_S};
 
 /// Pulses per revolution and range of speeds; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]

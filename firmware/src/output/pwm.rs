@@ -10,7 +10,7 @@
 
 use core::num::NonZeroU64;
 
-use arcfeed_shared::units::MILLIPERCENT_PER_PERCENT;
+use arcfeed_units::MILLIPERCENT_PER_PERCENT;
 use embedded_hal::pwm::SetDutyCycle;
 
 use super::OverrideOutput;

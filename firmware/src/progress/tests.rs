@@ -1,6 +1,6 @@
 use super::*;
-use arcfeed_shared::nc::modal::{Feed, Turn};
-use arcfeed_shared::segment::Arc;
+use arcfeed_nc::modal::{Feed, Turn};
+use arcfeed_nc::segment::Arc;
 
 const TICK: Span = Span(1_000);
 

@@ -1,6 +1,6 @@
 //! Inputs of the supervisor at a tick, and their evaluation.
 
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 
 use crate::active::ActiveSegment;
 use crate::controller;

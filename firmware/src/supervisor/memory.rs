@@ -1,6 +1,6 @@
 //! State of the supervisor between ticks.
 
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 
 use crate::active::ActiveSegment;
 use crate::controller;

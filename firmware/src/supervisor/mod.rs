@@ -24,9 +24,9 @@ pub mod target;
 
 pub mod memory;
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::job::{Job, OverrideLimits};
-use arcfeed_shared::units::{MmPerTooth, RevPerMin, Span};
+use arcfeed_model::job::{Job, OverrideLimits};
+use arcfeed_units::fmath;
+use arcfeed_units::{MmPerTooth, RevPerMin, Span};
 
 use crate::active::ActiveSegment;
 use crate::controller::{Controller, PositionSample};

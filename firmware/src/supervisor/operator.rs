@@ -3,7 +3,7 @@
 //! Up to 100 % it is a share of the law's demand. Above 100 % it has no effect on a demand, whose chip is at its
 //! target already. If it is turned down far enough, the operator takes over.
 
-use arcfeed_shared::units::PERCENT;
+use arcfeed_units::PERCENT;
 
 /// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;

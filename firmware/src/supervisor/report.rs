@@ -1,9 +1,9 @@
 //! Reasons, alarms and counters of the supervisor.
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::units::PERCENT;
+use arcfeed_units::PERCENT;
+use arcfeed_units::fmath;
 
-use crate::law::NoDemand;
+use arcfeed_law::NoDemand;
 
 use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};

@@ -1,6 +1,6 @@
 //! Settings of the supervisor: time-outs, counts, and thresholds of the dial.
 
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 
 use crate::ramp::LimitsError;
 

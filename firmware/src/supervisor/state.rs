@@ -1,6 +1,6 @@
 //! States and transitions.
 
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 
 use super::input::{Loss, Quality, Source};
 use super::operator::OperatorDial;

@@ -1,12 +1,12 @@
 //! Target ratio at a place of a segment: the law's demand within the machine's limits and the job's bounds.
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::machine::LimitedBy;
-use arcfeed_shared::units::{MmPerTooth, RevPerMin};
+use arcfeed_model::machine::LimitedBy;
+use arcfeed_units::fmath;
+use arcfeed_units::{MmPerTooth, RevPerMin};
 
 use crate::active::{ActiveSegment, MachineRatio};
-use crate::law::NoDemand;
 use crate::ramp::{Bound, Ramp};
+use arcfeed_law::NoDemand;
 
 use super::report::{Limit, Reason, excess_percent};
 use super::signals::Inhibit;

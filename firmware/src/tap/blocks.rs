@@ -5,15 +5,15 @@
 //! next plain move, or of a cycle. The offsets of the control are unknown here; positions are relative to the
 //! workpiece's origin, where offsets have no effect.
 
-use arcfeed_shared::nc::alarm::{Fault, NotModelled};
-use arcfeed_shared::nc::block::Block;
-use arcfeed_shared::nc::machining::Machining;
-use arcfeed_shared::nc::modal::{Feed, FeedMode, Pose, ProgramStop};
-use arcfeed_shared::nc::series::{Drill, Series};
-use arcfeed_shared::nc::settings::{Settings, Tables};
-use arcfeed_shared::nc::word::{Token, Words};
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::segment::Segment;
+use arcfeed_nc::alarm::{Fault, NotModelled};
+use arcfeed_nc::block::Block;
+use arcfeed_nc::machining::Machining;
+use arcfeed_nc::modal::{Feed, FeedMode, Pose, ProgramStop};
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::series::{Drill, Series};
+use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::word::{Token, Words};
 
 use super::status::TapLossReason;
 

@@ -13,7 +13,7 @@
 //! Blocks are interpreted later, when the machine is near them (see [`super::blocks`]). Marks in the text show the
 //! reader a damaged block or missing text.
 
-use arcfeed_shared::nc::tape_code::{Symbol, TapeCode, without_parity};
+use arcfeed_nc::tape_code::{Symbol, TapeCode, without_parity};
 use heapless::{Deque, Vec};
 
 use super::settings::LINE_MAX;

@@ -27,12 +27,12 @@ mod watch;
 
 use core::mem::MaybeUninit;
 
-use arcfeed_shared::governed::Governing;
-use arcfeed_shared::job::{FeedPolicy, Job};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::tape_code::{DC1, DC3, without_parity};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Micros;
+use arcfeed_model::governed::Governing;
+use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::tape_code::{DC1, DC3, without_parity};
+use arcfeed_units::Micros;
 use heapless::{Deque, Vec};
 
 use crate::active::{ActiveSegment, Conditions};

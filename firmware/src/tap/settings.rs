@@ -1,9 +1,9 @@
 //! Settings of the tap: properties of the line, the control and the machine that it cannot detect.
 
-use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings};
-use arcfeed_shared::nc::tape_code::TapeCode;
-use arcfeed_shared::units::{LengthUnit, Nm, Span};
-use arcfeed_shared::wire::message::page::TappedLine;
+use arcfeed_link::message::page::TappedLine;
+use arcfeed_nc::settings::{Preset, Reading, Scope, Settings};
+use arcfeed_nc::tape_code::TapeCode;
+use arcfeed_units::{LengthUnit, Nm, Span};
 
 /// Maximum number of characters of a block, without comments and blanks.
 pub const LINE_MAX: usize = 256;

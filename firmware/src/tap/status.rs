@@ -14,7 +14,7 @@
 //! Segments are emitted only in [`TapState::InStep`]. In all other states no segment is in execution, and the override
 //! is 100 %.
 
-use arcfeed_shared::nc::alarm::Fault;
+use arcfeed_nc::alarm::Fault;
 
 /// State of the adaptation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

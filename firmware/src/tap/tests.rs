@@ -1,12 +1,12 @@
 use super::*;
-use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RULES_MAX, Work};
-use arcfeed_shared::job::{LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::nc::tape_code::TapeCode;
-use arcfeed_shared::tool::{EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
+use arcfeed_model::cut::{ContourSide, CutRule, Moves, RULES_MAX, Work};
+use arcfeed_model::job::{LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::tool::{EndMill, Tool};
+use arcfeed_nc::modal::Turn;
+use arcfeed_nc::tape_code::TapeCode;
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 
 type Small = Tap<400>;
 
@@ -249,7 +249,7 @@ fn settings_that_make_no_sense_are_refused() {
 fn without_an_override_no_rule_counts() {
     let mut tap = tap();
     hear(&mut tap, "%\nG3X4.I2.F100.\n");
-    let job = Job { policy: FeedPolicy::RewriteOnly(arcfeed_shared::job::PieceSettings::default()), ..job() };
+    let job = Job { policy: FeedPolicy::RewriteOnly(arcfeed_model::job::PieceSettings::default()), ..job() };
     assert!(tap.next(&job).is_some());
     assert_eq!(tap.counters().governed, 0);
 }

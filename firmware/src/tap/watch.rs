@@ -14,10 +14,10 @@
 
 use core::f32::consts::TAU;
 
-use arcfeed_shared::fmath;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::units::Nm;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::Nm;
+use arcfeed_units::fmath;
 
 /// Millimetres in a nanometre.
 const MM_PER_NM: f32 = 1e-6;

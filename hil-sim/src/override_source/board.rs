@@ -12,17 +12,17 @@
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::{ENCODED_MAX, OVERHEAD};
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::codes::{ModeCode, StateCode};
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::table::{Sample, Setpoint};
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::{ENCODED_MAX, OVERHEAD};
+use arcfeed_link::message::Message;
+use arcfeed_link::message::codes::{ModeCode, StateCode};
+use arcfeed_link::message::fixed::Q40;
+use arcfeed_link::message::table::{Sample, Setpoint};
+use arcfeed_link::plain::PlainLine;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::Micros;
 
 use super::{MachineSignals, OverrideSource};
-use crate::control::signals::FeedOverrideLines;
+use arcfeed_control::signals::FeedOverrideLines;
 
 /// Length of a frame with a setpoint on the line.
 const SETPOINT_BYTES: usize = OVERHEAD + 18;

@@ -8,9 +8,9 @@ use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::{Input, Work};
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
-use arcfeed_shared::job::{FeedPolicy, Job};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::{Micros, Nm, Span};
+use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::tool::Tool;
+use arcfeed_units::{Micros, Nm, Span};
 
 use super::{MachineSignals, MoveStart, OverrideSource};
 use crate::faults::ControllerFault;

@@ -11,12 +11,12 @@ pub mod in_process;
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::signals::Signals;
-use arcfeed_shared::cut::CutRule;
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::machine::FeedLimit;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, RevPerMin};
+use arcfeed_model::cut::CutRule;
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::machine::FeedLimit;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::{Micros, RevPerMin};
 
 /// Signals of the machine in a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]

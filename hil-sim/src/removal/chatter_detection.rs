@@ -5,11 +5,11 @@
 //! windows (docs/forces.md); the worst window gives the block's result. The window after the tool enters, or has
 //! descended to its level, is left out, and so is a cut too short for a window.
 //!
-//! Source: own; the metric is that of [`crate::dynamics::chatter`].
+//! Source: own; the metric is that of [`arcfeed_modal::dynamics::chatter`].
 
 use nalgebra::Vector3;
 
-use crate::dynamics::chatter::{Sampling, Verdict, metric_mm};
+use arcfeed_modal::dynamics::chatter::{Sampling, Verdict, metric_mm};
 
 use super::trail::BlockRef;
 

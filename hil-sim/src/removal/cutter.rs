@@ -1,15 +1,15 @@
 //! Stock that a run cuts: each section of the path removes its material as soon as it is complete.
 
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{MicroDeg, Micros, Nm};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{MicroDeg, Micros, Nm};
 
-use crate::control::action::MoveContext;
-use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::{STEP, Simulation};
-use crate::stock::tool::Tool;
-use crate::stock::workpiece::{Stock, StockError};
+use arcfeed_control::action::MoveContext;
+use arcfeed_control::drives::limits::AXES;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::{Stock, StockError};
 
 use super::placement::{LeftOutReason, WorkpiecePlacement};
 use super::rate::Piece;

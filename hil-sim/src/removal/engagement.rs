@@ -2,7 +2,7 @@
 //!
 //! The result depends on the path alone, not on feeds, so one run of the program is valid for all others on the same
 //! path. The material is a stack of layers, and the solid of revolution of the edges clears each. A circle is engaged
-//! where any layer up to the depth has material in front of it. Angles are those of [`arcfeed_shared::engaged`].
+//! where any layer up to the depth has material in front of it. Angles are those of [`arcfeed_model::engaged`].
 //! Material behind the circle, where its edges recede, does not count. Several arcs are reported as one, from the first
 //! to the last.
 //!
@@ -10,20 +10,20 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::vector::{Vector, difference, length};
-use arcfeed_shared::nc::modal::Plane;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::Nm;
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::{Vector, difference, length};
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::Plane;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Nm;
 use nalgebra::Vector2;
 
-use crate::cutting::engaged_arcs::EdgeCircle;
-use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
-use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::Simulation;
-use crate::stock::tool::{Slab, Tool};
+use arcfeed_control::drives::limits::AXES;
+use arcfeed_dexel::tool::{Slab, Tool};
+use arcfeed_milling::cutting::engaged_arcs::EdgeCircle;
+use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};

@@ -19,8 +19,8 @@
 use nalgebra::Vector2;
 
 use super::tip_path::TipSegment;
-use crate::cutting::edge_engagement::REACHED_RATIO;
-use crate::cutting::layers::{LEVEL_RATIO, Layers, Slice};
+use arcfeed_milling::cutting::edge_engagement::REACHED_RATIO;
+use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 /// Number of sweeps in a group; a group that is too far off is skipped as a whole.
 const TOGETHER: usize = 64;
@@ -188,7 +188,7 @@ impl Swept {
 mod tests {
     use super::super::trail::BlockRef;
     use super::*;
-    use crate::cutting::layer::Layer;
+    use arcfeed_milling::cutting::layer::Layer;
 
     fn envelope(ends_mm: [[f64; 3]; 2], inner_mm: f64) -> Envelope {
         let block = BlockRef { count: 1, sequence: None, rule: None, is_rapid: false };

@@ -4,15 +4,15 @@
 //! forms the surface beside a wall: the point of the body nearest to the tool's axis, half-way up the part of the edges
 //! that is beside the body.
 //!
-//! Source: own; the modes: [`crate::flexible`].
+//! Source: own; the modes: [`arcfeed_modal::flexible`].
 
 use std::sync::Arc;
 
-use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_kinematics::vector::Vector;
 use nalgebra::Vector3;
 
-use crate::fe::field::Field;
-use crate::flexible::Workpiece;
+use arcfeed_modal::fe::field::Field;
+use arcfeed_modal::flexible::Workpiece;
 
 /// The body with its modes.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@
 //!
 //! Source: own definitions.
 
-use arcfeed_shared::tool::Edge;
+use arcfeed_model::tool::Edge;
 
 /// Chip thickness below which an edge counts as not cutting.
 pub const CHIP_MIN_MM: f64 = 1e-3;

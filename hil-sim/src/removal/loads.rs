@@ -7,16 +7,16 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::vector::Vector;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Micros, S_PER_MIN};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::Vector;
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
-use crate::cutting::pose::ToolPose;
 use crate::override_source::OverrideSource;
-use crate::process::{Process, ProcessStep};
 use crate::simulation::{STEP, Simulation};
+use arcfeed_milling::cutting::pose::ToolPose;
+use arcfeed_milling::process::{Process, ProcessStep};
 
 use super::chatter_detection::{ChatterResult, ChatterSamples};
 use super::cutter::LeftOut;

@@ -15,9 +15,9 @@ use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 use super::envelope::{CuttingSolid, Depth, Envelope};
 use super::tip_path::TipPath;
 use super::trail::BlockRef;
-use crate::cutting::layer::Layer;
-use crate::cutting::layers::{LEVEL_RATIO, Layers};
-use crate::stock::dexel::Interval;
+use arcfeed_dexel::dexel::Interval;
+use arcfeed_milling::cutting::layer::Layer;
+use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers};
 
 /// Depth below which a remainder of the blank is rounding.
 const LEFT_MM: f64 = 1e-9;

@@ -1,12 +1,12 @@
 //! Periods of a run: motion of the axes in each, and the block that it belongs to.
 
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Micros;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Micros;
 
-use crate::control::action::MoveContext;
-use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::{STEP, Simulation};
+use arcfeed_control::action::MoveContext;
+use arcfeed_control::drives::limits::AXES;
 
 use super::trail::{BlockRef, PathSection, at_tip};
 

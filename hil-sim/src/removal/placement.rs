@@ -5,14 +5,14 @@
 //! while they turn, has no known position on the workpiece, unless the program gives the tool tip on the part (G43.4)
 //! and the machine's kinematics give the tool's direction.
 
-use arcfeed_shared::kinematics::machine::{Letter, Machine};
-use arcfeed_shared::kinematics::vector::Vector;
-use arcfeed_shared::units::{MicroDeg, Nm};
+use arcfeed_kinematics::machine::{Letter, Machine};
+use arcfeed_kinematics::vector::Vector;
+use arcfeed_units::{MicroDeg, Nm};
 
-use crate::control::action::ProgrammedPath;
-use crate::stock::motion::{Move, MoveError, Pose};
-use crate::stock::section::Sweep;
-use crate::stock::tool::Tool;
+use arcfeed_control::action::ProgrammedPath;
+use arcfeed_dexel::motion::{Move, MoveError, Pose};
+use arcfeed_dexel::section::Sweep;
+use arcfeed_dexel::tool::Tool;
 
 use super::trail::{AxisPosition, PathSection};
 

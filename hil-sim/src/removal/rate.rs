@@ -3,7 +3,7 @@
 //! Rays are one step apart, so material removed on less than a step appears in lumps. A window lasts at least a quarter
 //! of a second and covers at least four steps of the path, unless the axes stop earlier.
 
-use arcfeed_shared::units::{Micros, S_PER_MIN};
+use arcfeed_units::{Micros, S_PER_MIN};
 
 use super::trail::SECTION_TIME_MAX;
 

@@ -9,7 +9,7 @@
 //!
 //! Source: (1) similar triangles.
 
-use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_kinematics::vector::Vector;
 use nalgebra::Vector2;
 
 use super::trail::BlockRef;

@@ -13,13 +13,13 @@
 //!
 //! Source: (1) path of a point at r_k under a rotation.
 
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{Micros, Nm};
 
-use crate::control::action::MoveContext;
-use crate::drives::limits::AXES;
 use crate::override_source::OverrideSource;
 use crate::simulation::Simulation;
+use arcfeed_control::action::MoveContext;
+use arcfeed_control::drives::limits::AXES;
 
 /// Longest time of a path section: the resolution of the removal rate.
 pub const SECTION_TIME_MAX: Micros = Micros::from_ms(250);

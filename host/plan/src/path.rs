@@ -9,7 +9,7 @@
 //!
 //! Places are those of the tool's axis in the slot frame, heights those of its bottom.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 
 use crate::vector::Flat;
 

@@ -8,9 +8,9 @@
 //! with all axes at zero, for a rotor on a table that turns about Y. The machine's coordinates are then those of the
 //! slot frame: that is checked, not assumed.
 
-use arcfeed_shared::kinematics::forward::Setup;
-use arcfeed_shared::kinematics::inverse::Angles;
-use arcfeed_shared::kinematics::machine::{Carries, Letter, LinearAxis, Machine, MachineError, RotaryAxis};
+use arcfeed_kinematics::forward::Setup;
+use arcfeed_kinematics::inverse::Angles;
+use arcfeed_kinematics::machine::{Carries, Letter, LinearAxis, Machine, MachineError, RotaryAxis};
 use nalgebra::Rotation3;
 use thiserror::Error;
 

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::iter::once;
 use std::ops::Range;
 
-use arcfeed_firmware::law::{FeedLaw, SegmentLaw};
+use arcfeed_law::{FeedLaw, SegmentLaw};
 
 use super::places::MovePlaces;
 use super::turning_points;

@@ -2,10 +2,10 @@
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::machine::FeedLimit;
-use arcfeed_shared::nc::modal::Feed;
-use arcfeed_shared::segment::Segment;
+use arcfeed_model::job::Job;
+use arcfeed_model::machine::FeedLimit;
+use arcfeed_nc::modal::Feed;
+use arcfeed_nc::segment::Segment;
 
 use super::planned_block::PlannedBlock;
 use crate::program::Program;

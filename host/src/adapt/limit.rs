@@ -3,14 +3,14 @@
 //! Under G43.4 X, Y and Z are the tip's in the part, and the machine's own axes follow from its kinematics; without them, and on
 //! all other moves, every axis covers what the program says.
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::kinematics::forward::Setup;
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::tip_feed::TipMove;
-use arcfeed_shared::machine::{FeedLimit, LimitedBy};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MmPerMin, Nm};
+use arcfeed_kinematics::forward::Setup;
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::tip_feed::TipMove;
+use arcfeed_model::job::Job;
+use arcfeed_model::machine::{FeedLimit, LimitedBy};
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{MmPerMin, Nm};
 
 use crate::post::walk::rotary_deg;
 use crate::program::ProgramLine;

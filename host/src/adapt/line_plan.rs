@@ -1,7 +1,7 @@
 //! The plan of a program that is not kept in memory.
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::text::Lines;
+use arcfeed_model::job::Job;
+use arcfeed_nc::text::Lines;
 
 use super::rewrite::Leak;
 use super::writer::{KeptLines, Known, PlannedLine, Writer};

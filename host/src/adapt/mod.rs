@@ -39,7 +39,7 @@ mod line_plan;
 
 mod end_override;
 
-use arcfeed_shared::job::{FeedPolicy, Job};
+use arcfeed_model::job::{FeedPolicy, Job};
 
 use crate::program::{Diagnostic, Program, ProgramLine};
 pub use line_plan::LinePlan;

@@ -1,6 +1,6 @@
 //! The modes that words are written in, followed from line to line.
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 
 use crate::program::ProgramLine;
 

@@ -10,8 +10,8 @@
 //! feeds, wherever one of them is too short, F would rise by less than the hysteresis, or there are too many: each time
 //! the two whose joining costs least time. Joining only ever lowers a feed: no chip gets thicker.
 
-use arcfeed_shared::job::PieceSettings;
-use arcfeed_shared::units::PERCENT;
+use arcfeed_model::job::PieceSettings;
+use arcfeed_units::PERCENT;
 
 use super::asked_cells::CELLS;
 use super::profile::Profile;
@@ -118,7 +118,7 @@ pub fn start(pieces: &[Piece], index: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::units::Nm;
+    use arcfeed_units::Nm;
 
     /// A move whose law demands `demand` of the way.
     fn profile(demand: impl Fn(f64) -> f64) -> Profile {

@@ -1,8 +1,8 @@
 //! Where the tool is along a move, for laws: what holds for all of the move is worked out once.
 
-use arcfeed_firmware::law::Place;
-use arcfeed_shared::segment::{ArcAngles, Segment};
-use arcfeed_shared::units::Nm;
+use arcfeed_law::Place;
+use arcfeed_nc::segment::{ArcAngles, Segment};
+use arcfeed_units::Nm;
 
 /// A move, prepared for many places on it.
 #[derive(Clone, Copy, Debug)]

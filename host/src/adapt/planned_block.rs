@@ -1,14 +1,14 @@
 //! A block with a move: what a law wants along it, the feed it is sent with, and why.
 
-use arcfeed_firmware::law::SegmentLaw;
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::{FeedPolicy, Job};
-use arcfeed_shared::machine::LimitedBy;
-use arcfeed_shared::nc::alarm::NotModelled;
-use arcfeed_shared::nc::modal::Feed;
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{LengthUnit, Nm, PERCENT, RevPerMin};
+use arcfeed_law::SegmentLaw;
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::machine::LimitedBy;
+use arcfeed_nc::alarm::NotModelled;
+use arcfeed_nc::modal::Feed;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{LengthUnit, Nm, PERCENT, RevPerMin};
 
 use super::asked_cells::AskedCells;
 use super::limit::MoveLimit;

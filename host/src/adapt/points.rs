@@ -12,9 +12,9 @@
 //! where the arc runs along an axis, and much sooner elsewhere. An arc whose start and end radius differ has its radius in
 //! proportion to the angle, as controls execute it: the points lie on that curve.
 
-use arcfeed_shared::nc::modal::{Pose, Turn};
-use arcfeed_shared::segment::{Arc, Segment};
-use arcfeed_shared::units::Nm;
+use arcfeed_nc::modal::{Pose, Turn};
+use arcfeed_nc::segment::{Arc, Segment};
+use arcfeed_units::Nm;
 
 use super::pieces::{Piece, join, start};
 

@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use arcfeed_firmware::law::{FeedDemand, FeedLaw, NoDemand, Place};
+use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place};
 
 use super::asked_cells::{AskedCells, CELLS};
 use super::places::MovePlaces;

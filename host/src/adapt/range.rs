@@ -1,6 +1,6 @@
 //! What a law wants along a whole move: the range of its demands, and a feed that no point of the arc undercuts.
 
-use arcfeed_firmware::law::FeedDemand;
+use arcfeed_law::FeedDemand;
 
 use super::profile::{Answer, Profile};
 
@@ -50,10 +50,10 @@ mod tests {
     use super::super::asked_cells::AskedCells;
     use super::super::places::MovePlaces;
     use super::*;
-    use arcfeed_firmware::law::{FeedLaw, NoDemand, Place};
-    use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-    use arcfeed_shared::segment::{Arc, Path, Segment};
-    use arcfeed_shared::units::Nm;
+    use arcfeed_law::{FeedLaw, NoDemand, Place};
+    use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+    use arcfeed_nc::segment::{Arc, Path, Segment};
+    use arcfeed_units::Nm;
 
     fn along(law: &impl FeedLaw, segment: &Segment, teeth_per_min: f64) -> Option<DemandRange> {
         DemandRange::of(&Profile::ask(law, &MovePlaces::of(segment), &[], &AskedCells::all()), teeth_per_min)

@@ -2,10 +2,10 @@
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
-use arcfeed_shared::nc::modal::Feed;
-use arcfeed_shared::nc::word::Word;
-use arcfeed_shared::reader::InterpretedLine;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::modal::Feed;
+use arcfeed_nc::reader::InterpretedLine;
+use arcfeed_nc::word::Word;
+use arcfeed_units::{LengthUnit, Nm};
 
 use super::modes::Modes;
 use crate::program::ProgramLine;
@@ -191,7 +191,7 @@ fn feed_word(feed: Nm, unit: LengthUnit) -> String {
 mod tests {
     use super::*;
     use crate::program::Program;
-    use arcfeed_shared::nc::settings::Reading;
+    use arcfeed_nc::settings::Reading;
     use std::path::Path as FilePath;
 
     /// Rewrites a program; arcs are governed and sent with `governed` in/min.

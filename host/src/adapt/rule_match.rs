@@ -1,10 +1,10 @@
 //! The cut rule that governs a line's move, or the reason why none does.
 
-use arcfeed_shared::governed::{AXIAL_SINE_MAX, Exclusion, Match};
-use arcfeed_shared::job::{Job, LawKind};
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::RevPerMin;
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_model::governed::{AXIAL_SINE_MAX, Exclusion, Match};
+use arcfeed_model::job::{Job, LawKind};
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::RevPerMin;
 
 use super::PlanReason;
 use super::limit::tip_axial_sine;

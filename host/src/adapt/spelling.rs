@@ -4,12 +4,12 @@
 //! The first piece is the block itself with another end point; what else stands in the block stays there. The pieces behind
 //! it repeat only what they need: `/`, the G word if there was one, the end point, the centre.
 
-use arcfeed_shared::nc::block::Block;
-use arcfeed_shared::nc::modal::{Plane, Pose};
-use arcfeed_shared::nc::number::DIGITS_MAX;
-use arcfeed_shared::nc::word::Word;
-use arcfeed_shared::segment::Arc;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::block::Block;
+use arcfeed_nc::modal::{Plane, Pose};
+use arcfeed_nc::number::DIGITS_MAX;
+use arcfeed_nc::segment::Arc;
+use arcfeed_nc::word::Word;
+use arcfeed_units::LengthUnit;
 
 use super::modes::Modes;
 use super::rewrite::Edit;

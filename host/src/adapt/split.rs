@@ -4,12 +4,12 @@
 //! centre, begin where the one before ends, and the last one end where the program says. What does not read back so, and
 //! what cannot be written in pieces, stays whole and is sent with the least feed the law wants on it.
 
-use arcfeed_shared::job::PieceSettings;
-use arcfeed_shared::nc::block::Block;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::segment::{Arc, Segment};
-use arcfeed_shared::units::Nm;
+use arcfeed_model::job::PieceSettings;
+use arcfeed_nc::block::Block;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::segment::{Arc, Segment};
+use arcfeed_units::Nm;
 
 use super::asked_cells::CELLS;
 use super::modes::Modes;

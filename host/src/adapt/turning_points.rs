@@ -31,8 +31,8 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_firmware::law::SegmentLaw;
-use arcfeed_firmware::law::circumference::ContactGeometry;
+use arcfeed_law::SegmentLaw;
+use arcfeed_law::circumference::ContactGeometry;
 
 /// Error of a cosine: what f32 moves a turning point by, with much to spare.
 const COSINE_ERROR: f64 = 1e-5;

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use arcfeed_shared::cut::CutRule;
-use arcfeed_shared::job::Job;
+use arcfeed_model::cut::CutRule;
+use arcfeed_model::job::Job;
 
 use crate::job::JobFile;
 use crate::program::ProgramLine;

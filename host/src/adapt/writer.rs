@@ -2,15 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::{FeedPolicy, Job};
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::nc::alarm::NotModelled;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::Feed;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{Nm, PERCENT};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_nc::alarm::NotModelled;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::modal::Feed;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{Nm, PERCENT};
 
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;

@@ -2,12 +2,12 @@
 
 use std::hash::{BuildHasher, RandomState};
 
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::link::{Link, LinkState, SendError};
-use arcfeed_shared::wire::message::field::PAYLOAD_MAX;
-use arcfeed_shared::wire::message::{Message, link_settings};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::link::{Link, LinkState, SendError};
+use arcfeed_link::message::field::PAYLOAD_MAX;
+use arcfeed_link::message::{Message, link_settings};
+use arcfeed_link::settings::{LinkSettings, Role};
+use arcfeed_units::{Micros, Span};
 
 use crate::job::{Parity, SerialSettings};
 use crate::port::open::open;

@@ -8,15 +8,15 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::series::SeriesAction;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Nm, RevPerMin};
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::moves::{MoveError, encode, encode_arcs};
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::message::fixed::Q40;
+use arcfeed_link::message::moves::{MoveError, encode, encode_arcs};
+use arcfeed_link::message::{Message, table};
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::Job;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::series::SeriesAction;
+use arcfeed_units::{Nm, RevPerMin};
 
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::dnc::restored_state::PowerOn;
@@ -210,10 +210,10 @@ fn series(line: &ProgramLine) -> Vec<Segment> {
 
 #[cfg(test)]
 mod tests {
-    use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot};
-    use arcfeed_shared::nc::modal::Feed;
-    use arcfeed_shared::segment::Path;
-    use arcfeed_shared::units::Mm;
+    use arcfeed_model::engaged::{EngagedInterval, EngagedKnot};
+    use arcfeed_nc::modal::Feed;
+    use arcfeed_nc::segment::Path;
+    use arcfeed_units::Mm;
 
     use super::*;
 

@@ -11,12 +11,12 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::link::{LinkState, SendError};
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, StateCode};
-use arcfeed_shared::wire::message::parameters::messages;
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::link::{LinkState, SendError};
+use arcfeed_link::message::codes::{RefusalCode, RequestCode, StateCode};
+use arcfeed_link::message::parameters::messages;
+use arcfeed_link::message::{Message, table};
+use arcfeed_model::job::Job;
+use arcfeed_units::Micros;
 
 use super::line::BoardLine;
 use super::plan::BoardPlan;

@@ -4,7 +4,7 @@
 //! waits for that end: 100 %, and its count of moves done stands still while the control continues
 //! (docs/board-safety.md). No other signal shows this.
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 /// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);

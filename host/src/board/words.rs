@@ -1,9 +1,9 @@
 //! Messages about a board and its link.
 
 use arcfeed_firmware::output::telemetry::reason::Cause;
-use arcfeed_shared::wire::link::{LinkState, Loss, Refusal};
-use arcfeed_shared::wire::message::SCHEMA_HASH;
-use arcfeed_shared::wire::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
+use arcfeed_link::link::{LinkState, Loss, Refusal};
+use arcfeed_link::message::SCHEMA_HASH;
+use arcfeed_link::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
 
 /// State of the supervisor.
 pub const fn state(state: StateCode) -> &'static str {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::cut::{ContourSide, Moves, RotationCircle, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind};
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::tool::{Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_model::cut::{ContourSide, Moves, RotationCircle, Work};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind};
+use arcfeed_model::tool::{Edge, Tool};
+use arcfeed_nc::modal::Turn;
+use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
 use super::job_input::{UnknownMoves, load_text};

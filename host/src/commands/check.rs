@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use annotate_snippets::Renderer;
-use arcfeed_shared::kinematics::deviation::Mode;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::settings::Scope;
+use arcfeed_kinematics::deviation::Mode;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::settings::Scope;
 use serde::Serialize;
 
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};

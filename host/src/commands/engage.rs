@@ -4,11 +4,11 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use arcfeed_hil_sim::control::ControlSettings;
+use arcfeed_control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::engagement::{EngagedMove, EngagedSample, EngagementMeter, EngagementSettings};
-use arcfeed_shared::cut::CutRule;
-use arcfeed_shared::engaged::{EngagedKnot, EngagedTable};
+use arcfeed_model::cut::CutRule;
+use arcfeed_model::engaged::{EngagedKnot, EngagedTable};
 use serde::Serialize;
 
 use super::job_input::made_of;

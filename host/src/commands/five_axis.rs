@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use arcfeed_shared::kinematics::forward::Setup;
-use arcfeed_shared::kinematics::singularity::{RepairLimits, ToolEnd};
+use arcfeed_kinematics::forward::Setup;
+use arcfeed_kinematics::singularity::{RepairLimits, ToolEnd};
 use serde::Serialize;
 
 use super::outcome::{Failure, say};

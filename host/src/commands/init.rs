@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
 use super::outcome::{Failure, file_failure, refuse_inputs, say};

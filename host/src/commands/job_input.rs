@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_shared::cut::CutRule;
+use arcfeed_model::cut::CutRule;
 
 use super::outcome::{Failure, file_failure, load_source, load_unmapped};
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};

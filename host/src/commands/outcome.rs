@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcfeed_shared::job::{Job, LawKind};
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::text::Lines;
+use arcfeed_model::job::{Job, LawKind};
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::text::Lines;
 
 use crate::adapt::rewrite::may_leak;
 use crate::adapt::unused_rules::{RuleUse, unused_rules};

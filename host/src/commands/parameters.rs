@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use arcfeed_shared::nc::tape_code::TapeCode as LineCode;
-use arcfeed_shared::wire::message::page::{self, TappedLine};
-use arcfeed_shared::wire::message::parameters::ParametersError;
-use arcfeed_shared::wire::message::staging::Staging;
+use arcfeed_link::message::page::{self, TappedLine};
+use arcfeed_link::message::parameters::ParametersError;
+use arcfeed_link::message::staging::Staging;
+use arcfeed_nc::tape_code::TapeCode as LineCode;
 
 use super::outcome::{Failure, refuse_inputs, say, warn_of_rules, write_whole};
 use crate::job::{JobFile, TapeCode};

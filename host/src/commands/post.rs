@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::kinematics::deviation::Mode;
-use arcfeed_shared::kinematics::linearise::Tolerance;
+use arcfeed_kinematics::deviation::Mode;
+use arcfeed_kinematics::linearise::Tolerance;
 
 use super::five_axis::{PathReport, PlacementArgs, load_cl, load_machine, tool_end};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};

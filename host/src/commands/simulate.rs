@@ -28,14 +28,14 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Instant;
 
-use arcfeed_hil_sim::control::ControlSettings;
+use arcfeed_control::ControlSettings;
+use arcfeed_dexel::deviation::HeightMap;
+use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
-use arcfeed_hil_sim::stock::deviation::HeightMap;
-use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::machine::FeedLimit;
-use arcfeed_shared::units::{LengthUnit, PERCENT};
+use arcfeed_model::machine::FeedLimit;
+use arcfeed_units::{LengthUnit, PERCENT};
 
 use super::job_input::{adapted, load};
 use super::outcome::{Failure, refuse_inputs};

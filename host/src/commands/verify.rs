@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use serde::Serialize;
 
 use super::outcome::{Failure, on_interrupt, refuse_inputs, say, write_whole};

@@ -1,7 +1,7 @@
 //! Characters from the control that the operating system has counted as damaged: monitoring and immediate warning.
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 /// Time between two looks at the counters.
 const PERIOD: Micros = Micros::from_ms(200);

@@ -84,7 +84,7 @@ impl Events {
 
 #[cfg(test)]
 mod tests {
-    use arcfeed_shared::units::Micros;
+    use arcfeed_units::Micros;
 
     use super::*;
     use crate::dnc::pace::Pace;

@@ -1,6 +1,6 @@
 //! Functions that the M, S and T words before a block have left on: spindle, coolant, tool.
 
-use arcfeed_shared::nc::block::Block;
+use arcfeed_nc::block::Block;
 
 /// Functions in force.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl Functions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_shared::nc::block::{Reading, parse_line};
+    use arcfeed_nc::block::{Reading, parse_line};
 
     #[test]
     fn the_last_word_of_each_kind_counts() {

@@ -1,6 +1,6 @@
 //! Characters that the sender has handed out and the line has not accepted yet, and one turn of the loop around both.
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::sender::{CHUNK, Sender, State};
 use crate::port::{Port, PortError};

@@ -10,7 +10,7 @@
 //! line is used for w characters in every r + c. Besides, no character is handed out more than [`Pace::ahead`]
 //! characters before its turn, so that a reaction time set too short does no harm as long as the real one is short.
 
-use arcfeed_shared::units::{Micros, US_PER_MS, US_PER_S};
+use arcfeed_units::{Micros, US_PER_MS, US_PER_S};
 
 /// Characters that a control accepts after DC3 (B-63503EN p. 62).
 pub const AFTER_DC3_MAX: usize = 10;

@@ -17,8 +17,8 @@
 //! lie further back than the look-ahead of the control. No report is inserted where #5001 differs from the program's
 //! position: under G41, G42, cycles, polar coordinates, scaling, rotation, tilted planes, G43.4.
 
-use arcfeed_shared::nc::modal::{Modal, ProgramStop};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::modal::{Modal, ProgramStop};
+use arcfeed_units::LengthUnit;
 
 use super::restored_state::PowerOn;
 use super::transmission::{Transmission, TransmissionFault, Wire};

@@ -6,11 +6,11 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Pose, Turn};
-use arcfeed_shared::nc::settings::{Scope, Settings, Tables};
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Micros, Nm};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Pose, Turn};
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::settings::{Scope, Settings, Tables};
+use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Micros, Nm};
 
 use super::functions::Functions;
 use super::transmission::Transmission;
@@ -83,7 +83,7 @@ impl StateBefore {
         let shift = reader.modal().frame.shift();
         let understood =
             reader.read(text).map_err(|fault| format!("line {source} cannot be read any more: {}", fault.cause))?;
-        if understood.step.stop.is_some_and(|stop| stop == arcfeed_shared::nc::modal::ProgramStop::End) {
+        if understood.step.stop.is_some_and(|stop| stop == arcfeed_nc::modal::ProgramStop::End) {
             return Err(format!("line {source} ends the program"));
         }
         let block = &understood.parsed.block;
@@ -322,7 +322,7 @@ fn difference(wanted: &Modal, found: &Modal) -> Option<&'static str> {
 mod tests {
     use super::*;
     use crate::dnc::transmission::Wire;
-    use arcfeed_shared::nc::settings::Preset;
+    use arcfeed_nc::settings::Preset;
 
     fn control() -> PowerOn {
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);

@@ -4,8 +4,8 @@
 //! continues when its sender is gone. Unless the control reported its progress and had stopped then, only a person at
 //! the machine can name the block, and cuts that may be repeated or left out are given as a range.
 
-use arcfeed_shared::nc::modal::MotionKind;
-use arcfeed_shared::units::Nm;
+use arcfeed_nc::modal::MotionKind;
+use arcfeed_units::Nm;
 use serde::Serialize;
 
 use super::journal::History;
@@ -158,9 +158,9 @@ mod tests {
     use super::*;
     use crate::dnc::journal::Start;
     use crate::dnc::transmission::Wire;
-    use arcfeed_shared::nc::block::Reading;
-    use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
-    use arcfeed_shared::units::LengthUnit;
+    use arcfeed_nc::block::Reading;
+    use arcfeed_nc::settings::{Preset, Settings, Tables};
+    use arcfeed_units::LengthUnit;
 
     const PROGRAM: &str = "%\nG21G0X0Y0Z5.\nG1Z-1.F100.\nX1.\nX2.\nX3.\nX4.\nG0Z5.\nM30\n%\n";
 

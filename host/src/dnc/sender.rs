@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::pace::{AFTER_DC3_MAX, Pace};
 use super::transmission::Transmission;

@@ -3,9 +3,9 @@
 
 use std::fmt;
 
-use arcfeed_shared::nc::block::{Reading, parse_line};
-use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::nc::word::is_control_character;
+use arcfeed_nc::block::{Reading, parse_line};
+use arcfeed_nc::text::Lines;
+use arcfeed_nc::word::is_control_character;
 
 /// Longest block: one that does not fit the control's buffer is never complete there, and the transmission stops.
 const BLOCK_MAX: usize = 256;
@@ -181,7 +181,7 @@ impl Transmission {
         let ends = |index: &usize| {
             let text = self.line_text(*index).unwrap_or_default().trim_ascii_end();
             let Ok(parsed) = parse_line(text, Reading::Lenient) else { return false };
-            let whole = |word: &arcfeed_shared::nc::word::Word| word.number.as_whole();
+            let whole = |word: &arcfeed_nc::word::Word| word.number.as_whole();
             parsed.block.words.iter().any(|word| word.letter == b'M' && matches!(whole(word), Some(2 | 30)))
         };
         let message = "no M02 or M30 anywhere: the control would wait for more; end the program with one";

@@ -12,8 +12,8 @@
 //!
 //! Source: the picking is Douglas and Peucker's (1973), breadth first; (1) own.
 
-use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::units::Mm;
+use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_units::Mm;
 
 /// Full turn.
 const TURN_DEG: f64 = 360.0;

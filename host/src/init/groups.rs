@@ -2,9 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use arcfeed_shared::cut::RADIUS_MATCH_RATIO;
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::units::Nm;
+use arcfeed_model::cut::RADIUS_MATCH_RATIO;
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_units::Nm;
 
 use super::survey::FoundArc;
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::cut::RotationCircle;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_model::cut::RotationCircle;
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{LengthUnit, Nm};
 
 use super::groups::Group;
 use super::proposal::{LikelyTool, Proposal, ProposedCut};

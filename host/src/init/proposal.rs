@@ -3,10 +3,10 @@
 //! A cup mill turns about points on its own two circles: two radii that recur, make up most of its arcs and have the
 //! proportion of a ring, and whose arcs are not rounded corners of a contour. Anything else is taken for an end mill.
 
-use arcfeed_shared::cut::{RULES_MAX, RotationCircle};
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::Nm;
+use arcfeed_model::cut::{RULES_MAX, RotationCircle};
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::Turn;
+use arcfeed_units::Nm;
 
 use super::groups::{Group, are_apart, same_radius};
 

@@ -2,10 +2,10 @@
 
 use std::path::Path as FilePath;
 
-use arcfeed_shared::nc::block::{Block, Reading};
-use arcfeed_shared::nc::modal::{Feed, Plane, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::block::{Block, Reading};
+use arcfeed_nc::modal::{Feed, Plane, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::{LengthUnit, Nm};
 
 use crate::program::{Program, check_line_count, read_bounded};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_units::{LengthUnit, Nm};
 
 use super::groups::Group;
 

@@ -1,7 +1,7 @@
 //! `[cutting]`: cutting edges, the depth in which their chips are computed, and the forces of a chip.
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::tool::Tool;
+use arcfeed_model::job::Job;
+use arcfeed_model::tool::Tool;
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -1,6 +1,6 @@
 //! `[dnc]`: how the control reads the transmission, and how long the sender waits for it.
 
-use arcfeed_shared::units::{Micros, US_PER_S};
+use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
 
 use super::schema::DncTable;

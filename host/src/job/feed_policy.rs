@@ -1,9 +1,9 @@
 //! `[override]`: how the feed demand reaches the control, and its bounds.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, Tools};
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::units::{LengthUnit, MmPerMin, Nm};
+use arcfeed_model::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, Tools};
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_units::{LengthUnit, MmPerMin, Nm};
 use toml::Spanned;
 
 use super::schema::{JobTable, LimitsTable, OverrideTable};

@@ -1,8 +1,8 @@
 //! `[workpiece.flexible]`: the flexible part of the workpiece, clamped at a face: a block, or a wall or a blade from an
 //! STL file.
 
-use arcfeed_shared::kinematics::vector::Vector;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_kinematics::vector::Vector;
+use arcfeed_units::LengthUnit;
 use serde::Deserialize;
 use toml::Spanned;
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use arcfeed_shared::kinematics::machine::{Letter, Machine};
-use arcfeed_shared::machine::{ArcClamp, MachineLimits};
-use arcfeed_shared::units::{DegPerMin, LengthUnit, Mm, MmPerMin};
+use arcfeed_kinematics::machine::{Letter, Machine};
+use arcfeed_model::machine::{ArcClamp, MachineLimits};
+use arcfeed_units::{DegPerMin, LengthUnit, Mm, MmPerMin};
 use toml::Spanned;
 
 use super::schema::{ArcClampTable, JobTable, MaxFeedTable, Quantity};

@@ -1,6 +1,6 @@
 //! Lengths in job files.
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 

@@ -1,12 +1,12 @@
 //! `[[cut]]`: the moves to which a law applies, and the stock there.
 
-use arcfeed_shared::cut::{ContourSide, CutRule, Moves, RULES_MAX, RotationCircle, Work};
-use arcfeed_shared::job::{LawKind, Tools};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::stock::{EDGES_MAX, Stock, StockLine};
-use arcfeed_shared::tool::{Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm};
+use arcfeed_model::cut::{ContourSide, CutRule, Moves, RULES_MAX, RotationCircle, Work};
+use arcfeed_model::job::{LawKind, Tools};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::stock::{EDGES_MAX, Stock, StockLine};
+use arcfeed_model::tool::{Edge, Tool};
+use arcfeed_nc::modal::Turn;
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm};
 use toml::Spanned;
 
 use super::schema::{CutTable, DirectionWord, JobTable, MovesWord, Quantity, RotationWord, SideWord, StockTable};

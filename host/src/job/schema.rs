@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
@@ -172,7 +172,7 @@ pub struct OverrideTable {
 
 impl Default for OverrideTable {
     fn default() -> Self {
-        let limits = arcfeed_shared::job::OverrideLimits::default();
+        let limits = arcfeed_model::job::OverrideLimits::default();
         OverrideTable {
             mode: unplaced("safe-base".into()),
             min: unplaced(limits.min_percent),

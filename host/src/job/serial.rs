@@ -1,7 +1,7 @@
 //! `[serial]`: the DNC line, with pyserial's names and defaults, except that XON/XOFF is on. Settings that make no
 //! sense for a sender are rejected.
 
-use arcfeed_shared::units::{Micros, US_PER_S};
+use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
 
 use super::schema::SerialTable;

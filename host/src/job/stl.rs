@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
 use super::{Complaint, at};

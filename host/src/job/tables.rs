@@ -1,12 +1,12 @@
 //! Tables that the host computes beforehand: engaged arcs and feeds per tooth, over the path travelled.
 
-use arcfeed_firmware::law::table::{Table, TableError};
-use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::job::LawKind;
-use arcfeed_shared::knots::{JOB_KNOTS_MAX, Knot, KnotRange, Knots, TABLE_KNOTS_MAX};
-use arcfeed_shared::stock::Stock;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth};
+use arcfeed_law::table::{Table, TableError};
+use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_model::job::LawKind;
+use arcfeed_model::knots::{JOB_KNOTS_MAX, Knot, KnotRange, Knots, TABLE_KNOTS_MAX};
+use arcfeed_model::stock::Stock;
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{LengthUnit, Mm, MmPerTooth};
 use toml::Spanned;
 
 use super::schema::{CutTable, Quantity};

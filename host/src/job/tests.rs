@@ -1,10 +1,10 @@
 use super::*;
-use arcfeed_shared::cut::Work;
-use arcfeed_shared::job::{FeedPolicy, OverrideLimits, PieceSettings};
-use arcfeed_shared::machine::ArcClamp;
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::CupMill;
-use arcfeed_shared::units::{DegPerMin, Mm, MmPerMin};
+use arcfeed_model::cut::Work;
+use arcfeed_model::job::{FeedPolicy, OverrideLimits, PieceSettings};
+use arcfeed_model::machine::ArcClamp;
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::CupMill;
+use arcfeed_units::{DegPerMin, Mm, MmPerMin};
 
 const JOB: &str = r#"
 units = "inch"
@@ -183,7 +183,7 @@ fn each_rule_finds_its_own_feeds() {
     };
     assert_eq!(feeds(0), [(0.0, 0.254), (25.4, 0.2)]);
     assert_eq!(feeds(1), [(12.7, 7.0 * 25.4)]);
-    assert_eq!(job.rules[0].work, Work::Ring(arcfeed_shared::tool::Edge::Outer, Stock::everywhere()));
+    assert_eq!(job.rules[0].work, Work::Ring(arcfeed_model::tool::Edge::Outer, Stock::everywhere()));
 }
 
 #[test]
@@ -260,7 +260,7 @@ fn the_control_is_one_of_three() {
 fn the_line_has_pyserials_names_and_refuses_what_a_sender_cannot_mean() {
     let with = |line: &str| parse(&format!("{JOB}[serial]\n{line}\n"));
     let timeout = |line: &str| with(line).unwrap().serial.write_timeout();
-    let ms = |ms| Some(arcfeed_shared::units::Micros::from_ms(ms));
+    let ms = |ms| Some(arcfeed_units::Micros::from_ms(ms));
     assert_eq!((timeout(""), timeout("rtscts = true")), (ms(5_000), None));
     assert_eq!((timeout("write_timeout = 0.25"), timeout("rtscts = true\nwrite_timeout = 60")), (ms(250), ms(60_000)));
     assert!(with("").unwrap().serial.exclusive && !with("exclusive = false").unwrap().serial.exclusive);

@@ -1,8 +1,8 @@
 //! `[tool]` and `[[tool]]`: the cutter, the source of its speed, and its `[law]`.
 
-use arcfeed_shared::job::{LawKind, SpeedSource, TOOLS_MAX, ToolAxis, ToolSetup, Tools};
-use arcfeed_shared::tool::{CupMill, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
+use arcfeed_model::job::{LawKind, SpeedSource, TOOLS_MAX, ToolAxis, ToolSetup, Tools};
+use arcfeed_model::tool::{CupMill, EndMill, Tool};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use super::schema::{JobTable, LawTable, ToolTable};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use arcfeed_shared::job::Job;
-use arcfeed_shared::kinematics::vector::{Vector, difference, length};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_kinematics::vector::{Vector, difference, length};
+use arcfeed_model::job::Job;
+use arcfeed_model::tool::Tool;
+use arcfeed_units::{LengthUnit, Nm};
 use toml::Spanned;
 
 use super::flexible::{self, Flexible, Shape};

@@ -1,6 +1,6 @@
 //! Limits of a machine's drives, and the corner tolerance of the control.
 
-use arcfeed_shared::units::S_PER_MIN;
+use arcfeed_units::S_PER_MIN;
 use serde::Deserialize;
 
 /// Limits of one axis; of a rotary axis, degrees for mm.

@@ -8,7 +8,7 @@ use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
 use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
 use arcfeed_plan::geometry::point_file::{PointFileFrame, ReadError};
 use arcfeed_plan::geometry::sections;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
 use super::PartError;

@@ -13,7 +13,7 @@ use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::vector::Point;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
 use crate::file_error::FileError;

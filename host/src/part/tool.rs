@@ -1,7 +1,7 @@
 //! `[cutter]`: the cup mill.
 
 use arcfeed_plan::cutter::CupMill;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
 use super::schema::CutterTable;

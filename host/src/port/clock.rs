@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant, SystemTime};
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 const S_PER_DAY: u64 = 86_400;
 /// Days of 400 years, after which the calendar repeats.

@@ -9,7 +9,7 @@ use std::io::ErrorKind;
 use std::time::SystemTime;
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::url::{FaultPlan, Faults};
 use super::{Machine, Port, PortError};

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::SystemTime;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::clock::WallClock;
 use super::log::{Level, Log};

@@ -34,7 +34,7 @@ use std::rc::Rc;
 use std::time::SystemTime;
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 /// Report of a machine; empty over a plain DNC line.
 #[derive(Clone, Debug, Default, PartialEq)]

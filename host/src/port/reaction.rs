@@ -1,7 +1,7 @@
 //! Reaction time to a DC3: from the control's decision to the last character that leaves after it, without the time of
 //! the DC3 itself. No system documents it; the job sets it, or it is assumed.
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::url::{Base, PortUrl};
 

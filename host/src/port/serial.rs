@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, SystemTime};
 
 use arcfeed_line_errors::{Counts, NativePort, counts};
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use serialport::{ClearBuffer, DataBits, FlowControl, SerialPort, StopBits};
 
 use super::clock::WallClock;

@@ -2,7 +2,7 @@
 
 use std::time::SystemTime;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::clock::WallClock;
 use super::log::{Level, Log};

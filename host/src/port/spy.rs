@@ -12,7 +12,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::url::SpyOptions;
 use super::{Machine, Port, PortError};

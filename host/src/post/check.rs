@@ -3,15 +3,15 @@
 //! The program gives the positions of the rotary axes, so that no branch has to be chosen. The check covers ranges,
 //! poles, changes of branch, fast turns beside a pole, and feeds.
 
-use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::inverse::Angles;
-use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
-use arcfeed_shared::kinematics::singularity::{RepairLimits, ToolEnd};
-use arcfeed_shared::kinematics::vector::wrapped_deg;
-use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::MicroDeg;
+use arcfeed_kinematics::feed::AxisFeed;
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::inverse::Angles;
+use arcfeed_kinematics::machine::{AxisName, Letter, Machine};
+use arcfeed_kinematics::singularity::{RepairLimits, ToolEnd};
+use arcfeed_kinematics::vector::wrapped_deg;
+use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
+use arcfeed_nc::segment::Path;
+use arcfeed_units::MicroDeg;
 
 use super::finding::{Finding, FindingKind};
 use super::plan::{AxisPlan, Task};

@@ -8,9 +8,9 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::vector::{Vector, unit};
-use arcfeed_shared::units::MM_PER_INCH;
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::vector::{Vector, unit};
+use arcfeed_units::MM_PER_INCH;
 
 /// Words that move the tool in ways not supported here.
 const REFUSED: [&str; 5] = ["CIRCLE", "GODLTA", "CYCLE", "MOVARC", "COPY"];

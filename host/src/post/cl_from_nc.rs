@@ -4,12 +4,12 @@
 //! that would change the meaning of positions (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is
 //! rejected.
 
-use arcfeed_shared::kinematics::deviation::Mode;
-use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::vector::{difference, length, unit};
-use arcfeed_shared::nc::text::{Lines, RawLine};
-use arcfeed_shared::nc::word::{Token, Words};
+use arcfeed_kinematics::deviation::Mode;
+use arcfeed_kinematics::forward::{Axes, Setup, ToolPose};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::{difference, length, unit};
+use arcfeed_nc::text::{Lines, RawLine};
+use arcfeed_nc::word::{Token, Words};
 
 use super::cl::{Cl, ClPoint};
 

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use arcfeed_shared::kinematics::branch_change::{BranchChange, BranchChangeMoves};
-use arcfeed_shared::kinematics::forward::Axes;
-use arcfeed_shared::kinematics::inverse::Unreachable;
-use arcfeed_shared::kinematics::machine::{AxisName, Letter};
-use arcfeed_shared::kinematics::singularity::{RepairOutcome, Singularity};
+use arcfeed_kinematics::branch_change::{BranchChange, BranchChangeMoves};
+use arcfeed_kinematics::forward::Axes;
+use arcfeed_kinematics::inverse::Unreachable;
+use arcfeed_kinematics::machine::{AxisName, Letter};
+use arcfeed_kinematics::singularity::{RepairOutcome, Singularity};
 use serde::Serialize;
 
 use crate::program::Severity;

@@ -10,11 +10,11 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::kinematics::branch_change::BranchChangeMoves;
-use arcfeed_shared::kinematics::deviation::{Deviation, Mode, PathPoint};
-use arcfeed_shared::kinematics::forward::Axes;
-use arcfeed_shared::kinematics::linearise::Tolerance;
-use arcfeed_shared::kinematics::vector::{difference, length};
+use arcfeed_kinematics::branch_change::BranchChangeMoves;
+use arcfeed_kinematics::deviation::{Deviation, Mode, PathPoint};
+use arcfeed_kinematics::forward::Axes;
+use arcfeed_kinematics::linearise::Tolerance;
+use arcfeed_kinematics::vector::{difference, length};
 
 use super::cl::Cl;
 use super::finding::FindingKind;

@@ -1,12 +1,12 @@
 //! Axis positions for CL data: branch selection of the rotary axes, repairs, and all findings.
 
-use arcfeed_shared::kinematics::branch_change::Transition;
-use arcfeed_shared::kinematics::deviation::PathPoint;
-use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::singularity::{RepairLimits, Singularity, ToolEnd};
-use arcfeed_shared::kinematics::vector::{difference, length};
+use arcfeed_kinematics::branch_change::Transition;
+use arcfeed_kinematics::deviation::PathPoint;
+use arcfeed_kinematics::feed::AxisFeed;
+use arcfeed_kinematics::forward::{Axes, Setup, ToolPose};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::singularity::{RepairLimits, Singularity, ToolEnd};
+use arcfeed_kinematics::vector::{difference, length};
 
 use super::cl::Cl;
 use super::finding::{Finding, FindingKind};

@@ -4,13 +4,13 @@
 //! added to Z. Under G43.4 X, Y and Z are those of the tip, in a frame that the table carries, and the linear axes
 //! follow from the rotary ones. In both cases the control's zero is that of the machine file.
 
-use arcfeed_shared::kinematics::forward::{Axes, Setup};
-use arcfeed_shared::kinematics::machine::{Letter, Machine};
-use arcfeed_shared::kinematics::tip_feed::TipMove;
-use arcfeed_shared::kinematics::vector::{Vector, difference, scaled, sum};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::units::{MicroDeg, Nm};
+use arcfeed_kinematics::forward::{Axes, Setup};
+use arcfeed_kinematics::machine::{Letter, Machine};
+use arcfeed_kinematics::tip_feed::TipMove;
+use arcfeed_kinematics::vector::{Vector, difference, scaled, sum};
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{MicroDeg, Nm};
 
 use crate::program::{MoveTrace, Program};
 

@@ -4,7 +4,7 @@
 //! its spindle speed, its unit or the F in force may depend on a switch that the program does not show. If two switches
 //! act within one such section, two readings do not cover all cases: no later block counts as equal again.
 
-use arcfeed_shared::reader::{InterpretedLine, Reader};
+use arcfeed_nc::reader::{InterpretedLine, Reader};
 
 use super::ProgramLine;
 

@@ -8,18 +8,18 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use arcfeed_shared::nc::alarm::{Alarm, Cause, Fault};
-use arcfeed_shared::nc::block::{Parsed, Reading, parse_line};
-use arcfeed_shared::nc::macro_alarm::MacroAlarm;
-use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::program::{Library, first_macro};
-use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
-use arcfeed_shared::nc::macros::step::{self as macros, Ending, PlainBlock, ProgramFault};
-use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::settings::{Settings, Tables};
-use arcfeed_shared::nc::text::{Lines, RawLine};
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::units::Micros;
+use arcfeed_nc::alarm::{Alarm, Cause, Fault};
+use arcfeed_nc::block::{Parsed, Reading, parse_line};
+use arcfeed_nc::macro_alarm::MacroAlarm;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::text::{Lines, RawLine};
+use arcfeed_nc_macro::interpreter::Interpreter;
+use arcfeed_nc_macro::program::{Library, first_macro};
+use arcfeed_nc_macro::stack::{Bounds, SourceLine};
+use arcfeed_nc_macro::step::{self as macros, Ending, PlainBlock, ProgramFault};
+use arcfeed_nc_macro::variables::Context;
+use arcfeed_units::Micros;
 
 use super::{Diagnostic, MoveCounts, MoveTrace, Program, ProgramLine, ProgramSummary};
 

@@ -1,9 +1,9 @@
 //! Reads a program line by line, as a control does: only the control's state is kept after a line.
 
-use arcfeed_shared::nc::block::{LineKind, Parsed, Reading};
-use arcfeed_shared::nc::settings::{Settings, Tables};
-use arcfeed_shared::nc::text::RawLine;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
+use arcfeed_nc::block::{LineKind, Parsed, Reading};
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::text::RawLine;
 
 use super::block_delete::BlockDeleteReader;
 use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};

@@ -1,8 +1,8 @@
 //! Counts of moves.
 
-use arcfeed_shared::nc::modal::{Motion, MotionKind};
-use arcfeed_shared::nc::series::SeriesAction;
-use arcfeed_shared::reader::InterpretedLine;
+use arcfeed_nc::modal::{Motion, MotionKind};
+use arcfeed_nc::reader::InterpretedLine;
+use arcfeed_nc::series::SeriesAction;
 
 /// Counts of moves; those of canned cycles and reference returns count one by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! Moves in the order of execution, for following a machine's axes.
 
-use arcfeed_shared::nc::modal::Motion;
-use arcfeed_shared::nc::series::SeriesAction;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Nm;
+use arcfeed_nc::modal::Motion;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc::series::SeriesAction;
+use arcfeed_units::Nm;
 
 use super::{Program, ProgramLine};
 

@@ -4,10 +4,10 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use arcfeed_shared::nc::alarm::{Alarm, Fault};
-use arcfeed_shared::nc::macros::program::first_macro;
-use arcfeed_shared::nc::settings::{Settings, Tables};
-use arcfeed_shared::nc::text::Lines;
+use arcfeed_nc::alarm::{Alarm, Fault};
+use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::text::Lines;
+use arcfeed_nc_macro::program::first_macro;
 
 use super::lines::LineReader;
 use super::summary::ProgramSummary;

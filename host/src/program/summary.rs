@@ -1,8 +1,8 @@
 //! Content of a program, counted line by line.
 
-use arcfeed_shared::nc::block::LineKind;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::nc::modal::ProgramStop;
+use arcfeed_nc::block::LineKind;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::modal::ProgramStop;
 
 use super::{MoveCounts, ProgramLine};
 

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::nc::alarm::Cause;
-use arcfeed_shared::report::{ChipFigures, ExcludedSamples};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_model::report::{ChipFigures, ExcludedSamples};
+use arcfeed_nc::alarm::Cause;
+use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
 use super::loads::LoadsFigures;

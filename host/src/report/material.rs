@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
 /// Cubic millimetres in a cubic centimetre.

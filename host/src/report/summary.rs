@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use arcfeed_shared::report::THIN_RATIO;
+use arcfeed_model::report::THIN_RATIO;
 
 use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use crate::dnc::transmission::Transmission;
 use crate::dnc::{Sender, State};

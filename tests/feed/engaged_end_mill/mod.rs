@@ -4,17 +4,17 @@
 //! that is nearest straight ahead. The new centre O' lies on the path, r0 from C: on a line by a quadratic, on an arc by the
 //! law of cosines in the triangle of C, O' and the rotation centre. To first order the path is a / sin(angle from the side).
 
-use arcfeed_firmware::law::{FeedLaw, NoDemand, Place, SegmentLaw};
-use arcfeed_shared::cut::{CutRule, Moves, Work};
-use arcfeed_shared::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::stock::Stock;
-use arcfeed_shared::tool::{CupMill, Edge, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin};
+use arcfeed_law::{FeedLaw, NoDemand, Place, SegmentLaw};
+use arcfeed_model::cut::{CutRule, Moves, Work};
+use arcfeed_model::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::stock::Stock;
+use arcfeed_model::tool::{CupMill, Edge, EndMill, Tool};
+use arcfeed_nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin};
 
 const TOOL_RADIUS_MM: f64 = 6.0;
 const CHIP_MM: f32 = 0.08;

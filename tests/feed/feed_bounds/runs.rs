@@ -8,12 +8,12 @@ use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_hil_sim::control::{ControlSettings, Switches};
+use arcfeed_control::{ControlSettings, Switches};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::{Nm, S_PER_MIN};
+use arcfeed_nc::segment::Path;
 use arcfeed_tests::Scratch;
+use arcfeed_units::{Nm, S_PER_MIN};
 
 use crate::feed_bounds::jobs::RandomJob;
 use crate::feed_bounds::programs::RandomProgram;

@@ -8,13 +8,13 @@ use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::{self, Output, Supervisor};
-use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
-use arcfeed_shared::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::nc::modal::{Feed, Pose};
-use arcfeed_shared::segment::{Path, Segment};
-use arcfeed_shared::stock::Stock;
-use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_model::cut::{CutRule, Moves, RotationCircle, Work};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::stock::Stock;
+use arcfeed_model::tool::{CupMill, Edge, Tool};
+use arcfeed_nc::modal::{Feed, Pose};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin, Span};
 use fastrand::Rng;
 
 /// Time on the arc.

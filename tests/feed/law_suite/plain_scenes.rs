@@ -2,12 +2,12 @@
 
 use super::{Scene, View};
 use crate::geometry::{between, log_between, unit};
-use arcfeed_firmware::law::contour::{Contour, ContourLimits};
-use arcfeed_firmware::law::engagement::{Engagement, PathShape};
-use arcfeed_firmware::law::table::Table;
-use arcfeed_firmware::law::{FeedLaw, Place};
-use arcfeed_shared::cut::ContourSide;
-use arcfeed_shared::units::{Mm, MmPerTooth};
+use arcfeed_law::contour::{Contour, ContourLimits};
+use arcfeed_law::engagement::{Engagement, PathShape};
+use arcfeed_law::table::Table;
+use arcfeed_law::{FeedLaw, Place};
+use arcfeed_model::cut::ContourSide;
+use arcfeed_units::{Mm, MmPerTooth};
 use core::f64::consts::PI;
 use fastrand::Rng;
 

@@ -4,13 +4,13 @@ use super::{Scene, View};
 use crate::geometry::{
     Point, RingScene, between, chip, dot, engaged_table, log_between, moved, sample_table, sign, unit,
 };
-use arcfeed_firmware::law::circumference::Circumference;
-use arcfeed_firmware::law::{FeedLaw, Place};
-use arcfeed_shared::nc::modal::{Plane, Turn};
-use arcfeed_shared::segment::Arc;
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{Mm, MmPerTooth, Nm};
+use arcfeed_law::circumference::Circumference;
+use arcfeed_law::{FeedLaw, Place};
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::{Plane, Turn};
+use arcfeed_nc::segment::Arc;
+use arcfeed_units::{Mm, MmPerTooth, Nm};
 use core::f64::consts::{PI, TAU};
 use fastrand::Rng;
 

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use arcfeed::adapt::{PlanReason, adapt};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_firmware::law::{FeedLaw, Place, SegmentLaw};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_law::{FeedLaw, Place, SegmentLaw};
+use arcfeed_nc::block::Reading;
+use arcfeed_units::{LengthUnit, Nm};
 use fastrand::Rng;
 
 use crate::rewrite_only::{POINTS, SINGLE, travelled};

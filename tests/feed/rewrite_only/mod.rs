@@ -16,12 +16,12 @@ use std::f64::consts::TAU;
 use arcfeed::adapt::{Adapted, PlannedBlock, adapt};
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed_shared::job::{FeedPolicy, PieceSettings};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::modal::{Feed, Turn};
-use arcfeed_shared::segment::{Arc, Segment};
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_model::job::{FeedPolicy, PieceSettings};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::modal::{Feed, Turn};
+use arcfeed_nc::segment::{Arc, Segment};
 use arcfeed_tests::{Scratch, root};
+use arcfeed_units::{LengthUnit, Nm};
 use fastrand::Rng;
 use spelled::{Spelled, spelled};
 

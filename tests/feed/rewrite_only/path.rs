@@ -2,9 +2,9 @@
 
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
-use arcfeed_hil_sim::control::Control;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
+use arcfeed_control::Control;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{LengthUnit, Micros, Nm};
 
 use crate::rewrite_only::{Case, PROGRAMS, case, moves};
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 use fastrand::Rng;
 
 /// Arcs in a program.

@@ -3,7 +3,7 @@
 use arcfeed_firmware::supervisor::input::Source;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Condition, Inhibit, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, Hold, State};
-use arcfeed_shared::job::OverrideLimits;
+use arcfeed_model::job::OverrideLimits;
 
 use crate::supervisor::bench::{Bench, Piece, name};
 

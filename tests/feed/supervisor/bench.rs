@@ -2,23 +2,23 @@
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::controller;
-use arcfeed_firmware::law::SegmentLaw;
-use arcfeed_firmware::law::table::Table;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Freshness, Input};
+use arcfeed_law::SegmentLaw;
+use arcfeed_law::table::Table;
 
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_firmware::supervisor::{Output, Supervisor};
-use arcfeed_shared::cut::{CutRule, Moves, RotationCircle, Work};
-use arcfeed_shared::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
-use arcfeed_shared::nc::modal::{Feed, Plane, Pose, Turn};
-use arcfeed_shared::segment::{Arc, Path, Segment};
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::{CupMill, Edge, Tool};
-use arcfeed_shared::units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_model::cut::{CutRule, Moves, RotationCircle, Work};
+use arcfeed_model::job::{FeedCeiling, FeedPolicy, Job, LawKind, OverrideLimits, ToolSetup, Tools};
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::{CupMill, Edge, Tool};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_units::{LengthUnit, Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 /// The tick of all figures.
 pub const TICK: Span = Span::from_ms(1);

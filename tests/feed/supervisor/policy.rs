@@ -1,11 +1,11 @@
 //! One test per row of the policy, and per rule of precedence.
 
-use arcfeed_firmware::law::NoDemand;
 use arcfeed_firmware::supervisor::report::{Alarm, Limit, Reason, Refusal};
 use arcfeed_firmware::supervisor::signals::{BoardFault, Condition, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, State};
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::units::{RevPerMin, Span};
+use arcfeed_law::NoDemand;
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_units::{RevPerMin, Span};
 
 use crate::supervisor::bench::{Bench, Piece, name};
 

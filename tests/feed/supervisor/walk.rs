@@ -6,9 +6,9 @@ use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::report::Reason;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
 use arcfeed_firmware::supervisor::state::{Disarm, Hold, State};
-use arcfeed_shared::job::OverrideLimits;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Nm, RevPerMin, Span};
+use arcfeed_model::job::OverrideLimits;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{Nm, RevPerMin, Span};
 
 use crate::supervisor::bench::{Bench, PIECES, Piece, TICK, name, start};
 use crate::supervisor::document::table;

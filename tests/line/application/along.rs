@@ -1,16 +1,16 @@
 //! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
 
 use arcfeed_firmware::application::control_task::Supply;
-use arcfeed_shared::cut::{CutRule, Work};
-use arcfeed_shared::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
-use arcfeed_shared::job::{Job, LawKind};
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::stock::Stock;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::Mm;
-use arcfeed_shared::wire::message::codes::RefusalCode;
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::{Message, moves, parameters, table};
+use arcfeed_link::message::codes::RefusalCode;
+use arcfeed_link::message::fixed::Q40;
+use arcfeed_link::message::{Message, moves, parameters, table};
+use arcfeed_model::cut::{CutRule, Work};
+use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
+use arcfeed_model::job::{Job, LawKind};
+use arcfeed_model::stock::Stock;
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Mm;
 use fastrand::Rng;
 
 use crate::application::world::{Board, Channel, Host, World, standing};

@@ -5,11 +5,11 @@ use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, SettingCode};
-use arcfeed_shared::wire::message::page::{self, TappedLine};
-use arcfeed_shared::wire::message::schema::{FieldType, Optional};
-use arcfeed_shared::wire::message::{Message, SCHEMA, moves, parameters, table};
+use arcfeed_link::message::codes::{RefusalCode, RequestCode, SettingCode};
+use arcfeed_link::message::page::{self, TappedLine};
+use arcfeed_link::message::schema::{FieldType, Optional};
+use arcfeed_link::message::{Message, SCHEMA, moves, parameters, table};
+use arcfeed_nc::segment::Segment;
 
 use crate::application::world::{Channel, World, standing};
 use arcfeed_tests::recording::ibr_slot;

@@ -3,7 +3,7 @@
 use arcfeed_firmware::supervisor::input::Source;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::wire::link::Loss;
+use arcfeed_link::link::Loss;
 
 use crate::application::faults::settled;
 use crate::application::world::World;

@@ -1,7 +1,7 @@
 //! `docs/protocol.md` and `docs/board-safety.md` against the code.
 
-use arcfeed_shared::wire::message::schema::{Entry, FieldType, Optional};
-use arcfeed_shared::wire::message::{SCHEMA, SCHEMA_HASH};
+use arcfeed_link::message::schema::{Entry, FieldType, Optional};
+use arcfeed_link::message::{SCHEMA, SCHEMA_HASH};
 use arcfeed_tests::root;
 
 fn section(file: &str, heading: &str) -> String {
@@ -38,7 +38,7 @@ fn spelled(field: &FieldType) -> String {
 fn message_rows(entry: &Entry) -> Vec<String> {
     let head =
         format!("| {:02X} | **{}** | {} | {} |", entry.kind, entry.name, entry.class.label(), entry.meaning.trim());
-    let field = |field: &arcfeed_shared::wire::message::schema::FieldEntry| {
+    let field = |field: &arcfeed_link::message::schema::FieldEntry| {
         format!("| | `{}` | `{}` | {} |", field.name, spelled(&field.field_type), field.meaning.trim())
     };
     [head].into_iter().chain(entry.fields.iter().map(field)).collect()

@@ -8,8 +8,8 @@ use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Span;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Span;
 
 use crate::application::world::{Channel, World, standing};
 use arcfeed_tests::recording::{Recording, ibr_slot};

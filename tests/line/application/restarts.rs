@@ -5,11 +5,11 @@ use arcfeed_firmware::application::host_link::HostLink;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::link::{LinkState, Loss};
-use arcfeed_shared::wire::message::codes::RequestCode;
+use arcfeed_link::link::{LinkState, Loss};
+use arcfeed_link::message::codes::RequestCode;
+use arcfeed_nc::segment::Segment;
 use arcfeed_tests::noticed::{Noticed, assert_explained};
+use arcfeed_units::{Micros, Span};
 
 use crate::application::example::moves;
 use crate::application::world::{Board, Channel, Host, TICK, World, standing};
@@ -208,7 +208,7 @@ fn a_set_or_a_segment_of_the_session_before_is_not_believed() {
     way.until(400, |world| world.host.is_accepted);
     let executed = way.world.board.host_link.handler().report().expect("a report").executed;
     // The old host wakes up and goes on as if nothing had happened, on a line that both can write to.
-    let mut frame = [0; arcfeed_shared::wire::frame::ENCODED_MAX];
+    let mut frame = [0; arcfeed_link::frame::ENCODED_MAX];
     dead.ask(RequestCode::Arm);
     let before = way.world.board.host_link.link().counters().stale_sessions;
     for _ in 0..40 {

@@ -4,8 +4,8 @@
 //! 60 of them in `cargo xtask test`, 1000 in `cargo xtask soak`.
 
 use arcfeed_firmware::supervisor::state::State;
-use arcfeed_shared::units::{Micros, Span};
 use arcfeed_tests::of_full_set;
+use arcfeed_units::{Micros, Span};
 
 use crate::application::example::moves;
 use crate::application::world::{Channel, World, standing};

@@ -11,17 +11,17 @@ use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
-use arcfeed_shared::engaged::EngagedTable;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{Micros, RevPerMin};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::link::{Link, LinkState, Loss};
-use arcfeed_shared::wire::message::codes::{RefusalCode, RequestCode, ResetCode};
-use arcfeed_shared::wire::message::field::PAYLOAD_MAX;
-use arcfeed_shared::wire::message::{self, Message, moves, parameters, table};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::link::{Link, LinkState, Loss};
+use arcfeed_link::message::codes::{RefusalCode, RequestCode, ResetCode};
+use arcfeed_link::message::field::PAYLOAD_MAX;
+use arcfeed_link::message::{self, Message, moves, parameters, table};
+use arcfeed_link::settings::{LinkSettings, Role};
+use arcfeed_model::engaged::EngagedTable;
+use arcfeed_model::job::Job;
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::{Micros, RevPerMin};
 
 /// The tick of everything.
 pub const TICK: Micros = Micros::from_ms(1);

@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 
 use arcfeed::dnc::readback::ReadBack;
 use arcfeed::dnc::{Sender, State};
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::TapeCode;
-use arcfeed_hil_sim::control::store::{Store, StoreState};
-use arcfeed_shared::units::Micros;
+use arcfeed_control::ControlSettings;
+use arcfeed_control::code::TapeCode;
+use arcfeed_control::store::{Store, StoreState};
+use arcfeed_units::Micros;
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, Outcome, line_use, send};

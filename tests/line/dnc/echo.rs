@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use arcfeed::dnc::reports::{ReportFinding, Reports};
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::line::LineSettings;
-use arcfeed_shared::units::Micros;
+use arcfeed_control::ControlSettings;
+use arcfeed_control::line::LineSettings;
+use arcfeed_units::Micros;
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, line_use, send};

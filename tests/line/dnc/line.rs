@@ -7,8 +7,8 @@ use arcfeed::dnc::pace::Pace;
 use arcfeed::dnc::sender::LineUse;
 use arcfeed::dnc::{Sender, State};
 use arcfeed::port::{Port, PortError};
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::units::Micros;
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_units::Micros;
 
 use crate::dnc::schedule::{Fault, Schedule};
 

@@ -6,7 +6,7 @@ use arcfeed::dnc::resume::{RestartPlan, RestartRequest};
 use arcfeed::dnc::sender::CHUNK;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_units::{Micros, Nm};
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, line_use, send};

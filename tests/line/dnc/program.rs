@@ -2,13 +2,13 @@
 
 use arcfeed::dnc::restored_state::PowerOn;
 use arcfeed::dnc::transmission::{Transmission, Wire};
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::{TapeCode, with_even_parity};
-use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
-use arcfeed_hil_sim::control::tape::TapeSettings;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
-use arcfeed_shared::units::{LengthUnit, Micros, Nm};
+use arcfeed_control::ControlSettings;
+use arcfeed_control::code::{TapeCode, with_even_parity};
+use arcfeed_control::line::{LineSettings, SenderParity};
+use arcfeed_control::tape::TapeSettings;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::settings::{Preset, Settings, Tables};
+use arcfeed_units::{LengthUnit, Micros, Nm};
 use fastrand::Rng;
 
 /// Check of received characters.

@@ -7,11 +7,11 @@ use arcfeed::dnc::resume::{RestartPlan, RestartRequest};
 use arcfeed::dnc::sender::Gate;
 use arcfeed::dnc::transmission::Transmission;
 use arcfeed::dnc::{Sender, State};
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::nc::block::{Reading, parse_line};
-use arcfeed_shared::nc::modal::Modal;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_nc::block::{Reading, parse_line};
+use arcfeed_nc::modal::Modal;
 use arcfeed_tests::of_full_set;
+use arcfeed_units::{Micros, Nm};
 use fastrand::Rng;
 
 use crate::dnc::line::{Line, line_use, send};

@@ -2,8 +2,8 @@
 
 use arcfeed::dnc::starvation::{BlockLoad, predict};
 use arcfeed::dnc::{Sender, State};
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::ControlSettings;
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::dnc::line::{Line, Outcome, line_use, send};
 use crate::dnc::program::{Check, control, transmission};
@@ -29,12 +29,8 @@ fn program(baudrate: u32) -> String {
 fn run(baudrate: u32, latency: Micros) -> Outcome {
     let mut settings = ControlSettings::fanuc_16i(LengthUnit::Mm);
     settings.line = control(Check::Parity, baudrate).line;
-    settings.line = arcfeed_hil_sim::control::line::LineSettings {
-        buffer: 1_024,
-        xoff_below: 256,
-        xon_above: 768,
-        ..settings.line
-    };
+    settings.line =
+        arcfeed_control::line::LineSettings { buffer: 1_024, xoff_below: 256, xon_above: 768, ..settings.line };
     let char_us = 11_000_000 / u64::from(baudrate);
     let step = Micros((char_us / 8).max(5));
     let line = Line::new(settings, step, Micros(char_us).after(latency), &Schedule::default());

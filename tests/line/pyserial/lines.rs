@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use arcfeed::job::{Parity, SerialSettings};
 use arcfeed::port::open::open;
 use arcfeed::port::{Port, PortError};
-use arcfeed_shared::units::Micros;
 use arcfeed_tests::{Ended, Running, Scratch, run, wait_for};
+use arcfeed_units::Micros;
 
 use arcfeed_tests::python::{Script, python_or_skip};
 

@@ -3,10 +3,10 @@
 //! Held against an oracle that does not know the tap: the program as the tap heard it, read line by line, and the nearest of
 //! two thousand places on each of its moves.
 
+use arcfeed_control::code::TapeCode;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::{TapLossReason, TapState};
-use arcfeed_hil_sim::control::code::TapeCode;
-use arcfeed_shared::units::Nm;
+use arcfeed_units::Nm;
 use fastrand::Rng;
 
 use crate::tap::bench::{Bench, Ended, control, encoded, example, moves};
@@ -71,7 +71,7 @@ fn run(code: TapeCode, damage: Damage, seed: u64, before: bool) -> Ended {
 }
 
 fn decoded(frames: &[u8], code: TapeCode) -> Vec<u8> {
-    use arcfeed_hil_sim::control::code::Symbol;
+    use arcfeed_control::code::Symbol;
     let byte = |frame: &u8| match code.decode(*frame) {
         Ok(Symbol::Character(byte)) => Some(byte),
         Ok(Symbol::EndOfBlock) => Some(b'\n'),

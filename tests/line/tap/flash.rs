@@ -3,10 +3,10 @@
 use std::fs;
 
 use arcfeed::job::JobFile;
-use arcfeed_shared::nc::settings::Decimals;
-use arcfeed_shared::nc::tape_code::TapeCode;
-use arcfeed_shared::wire::message::page::{PAGE_MAX, TappedLine, read};
-use arcfeed_shared::wire::message::staging::Staging;
+use arcfeed_link::message::page::{PAGE_MAX, TappedLine, read};
+use arcfeed_link::message::staging::Staging;
+use arcfeed_nc::settings::Decimals;
+use arcfeed_nc::tape_code::TapeCode;
 use arcfeed_tests::{Scratch, root, run};
 
 #[test]

@@ -1,10 +1,10 @@
 //! The line behind the tap is the line before it, in both directions.
 
+use arcfeed_control::code::{DC1, DC3, TapeCode};
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode};
-use arcfeed_shared::units::{LengthUnit, Micros};
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;
 
 use crate::tap::bench::{Bench, control, encoded, example};

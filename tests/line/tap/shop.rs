@@ -1,10 +1,10 @@
 //! Other practice of shops: offsets and cycles, a restarted program, switches, a tap with little room.
 
+use arcfeed_control::code::TapeCode;
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::{TapLossReason, TapState};
-use arcfeed_hil_sim::control::code::TapeCode;
-use arcfeed_hil_sim::cutting::meter::MoveChips;
-use arcfeed_shared::units::Micros;
+use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_units::Micros;
 
 use crate::tap::bench::{Bench, control, encoded, example};
 use crate::tap::machining::in_process;

@@ -6,7 +6,7 @@
 use arcfeed_tests::of_full_set;
 use std::collections::BTreeMap;
 
-use arcfeed_shared::wire::link::LinkState;
+use arcfeed_link::link::LinkState;
 
 use crate::wire::schedule::{FAULTS_END_US, KINDS, Kind, draw, mend};
 use crate::wire::sim::Sim;

@@ -4,10 +4,10 @@
 //! hello. What is accepted must be one of the frames that were sent, byte for byte: a swap of equal bytes, or a splice of one frame
 //! with itself, is what was sent, and is counted as such.
 
-use arcfeed_shared::wire::deframer::Deframer;
-use arcfeed_shared::wire::frame::{ENCODED_MAX, Frame, FrameClass, Header, NO_SALT, encode};
-use arcfeed_shared::wire::session::salt;
-use arcfeed_shared::wire::settings::Role;
+use arcfeed_link::deframer::Deframer;
+use arcfeed_link::frame::{ENCODED_MAX, Frame, FrameClass, Header, NO_SALT, encode};
+use arcfeed_link::session::salt;
+use arcfeed_link::settings::Role;
 use arcfeed_tests::of_full_set;
 use fastrand::Rng;
 
@@ -184,7 +184,7 @@ fn every_flip_of_one_two_or_three_bits_of_a_body_is_seen() {
         for bit in [a, b, c] {
             body[bit / 8] ^= 1 << (bit % 8);
         }
-        let frame = arcfeed_shared::wire::frame::parse(&body).expect("as long as before");
+        let frame = arcfeed_link::frame::parse(&body).expect("as long as before");
         assert_ne!(frame.salt, salt, "bits {a}, {b}, {c}");
         for bit in [a, b, c] {
             body[bit / 8] ^= 1 << (bit % 8);

@@ -2,16 +2,16 @@
 
 use std::collections::HashMap;
 
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::deframer::Deframer;
-use arcfeed_shared::wire::frame::{ENCODED_MAX, FrameClass, Header, checksum, encode};
-use arcfeed_shared::wire::link::{Link, LinkState};
-use arcfeed_shared::wire::message::field::PAYLOAD_MAX;
-use arcfeed_shared::wire::message::fixed::Q40;
-use arcfeed_shared::wire::message::{Message, table};
-use arcfeed_shared::wire::session::{Echo, Hello, salt};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::deframer::Deframer;
+use arcfeed_link::frame::{ENCODED_MAX, FrameClass, Header, checksum, encode};
+use arcfeed_link::link::{Link, LinkState};
+use arcfeed_link::message::field::PAYLOAD_MAX;
+use arcfeed_link::message::fixed::Q40;
+use arcfeed_link::message::{Message, table};
+use arcfeed_link::session::{Echo, Hello, salt};
+use arcfeed_link::settings::{LinkSettings, Role};
 use arcfeed_tests::root;
+use arcfeed_units::Micros;
 
 const CLASSES: [FrameClass; 8] = [
     FrameClass::Hello,

@@ -1,9 +1,9 @@
 //! Either end restarts in the middle of its work: the other one notices, in time, and nothing of before is taken after.
 
-use arcfeed_shared::units::Span;
-use arcfeed_shared::wire::link::{LinkState, Loss};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::link::{LinkState, Loss};
+use arcfeed_link::settings::{LinkSettings, Role};
 use arcfeed_tests::of_full_set;
+use arcfeed_units::Span;
 use fastrand::Rng;
 
 use crate::wire::sim::{Direction, End, Faults, Offering, SCHEMA, Sim};

@@ -1,7 +1,7 @@
 //! Seeded schedules of faults.
 
-use arcfeed_shared::units::Span;
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::settings::{LinkSettings, Role};
+use arcfeed_units::Span;
 use fastrand::Rng;
 
 use crate::wire::sim::{Direction, Faults, Offering, SCHEMA, Sim};

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::link::{Delivery, Link, LinkState, Received};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::link::{Delivery, Link, LinkState, Received};
+use arcfeed_link::settings::{LinkSettings, Role};
+use arcfeed_units::{Micros, Span};
 use fastrand::Rng;
 
 pub const SCHEMA: u32 = 0x00C0_FFEE;

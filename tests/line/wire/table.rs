@@ -1,8 +1,8 @@
 //! Cost of loss and latency: delivered messages, age of the newest value, repeated messages. A golden table.
 
-use arcfeed_shared::units::Span;
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::settings::{LinkSettings, Role};
 use arcfeed_tests::root;
+use arcfeed_units::Span;
 
 use crate::wire::sim::{Direction, Faults, Offering, SCHEMA, Sim};
 

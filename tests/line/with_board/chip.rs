@@ -1,6 +1,6 @@
 //! The same program with the chip at the end of the line, its image in the emulator.
 
-use arcfeed_shared::wire::message::codes::StateCode;
+use arcfeed_link::message::codes::StateCode;
 use arcfeed_tests::emulation::served_chip::ServedChip;
 use arcfeed_tests::wait_for;
 

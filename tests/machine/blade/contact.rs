@@ -1,15 +1,15 @@
 //! A flexible workpiece seen from its contact, against the finite elements' own static solution.
 
-use arcfeed_hil_sim::dynamics::transition::Rule;
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_hil_sim::fe::beam::{Beam, BeamSection};
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
-use arcfeed_hil_sim::flexible::{Workpiece, tool_modes};
+use arcfeed_modal::dynamics::transition::Rule;
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_modal::fe::beam::{Beam, BeamSection};
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::field::Field;
+use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_modal::fe::sparse::Factor;
+use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_modal::flexible::{Workpiece, tool_modes};
 use nalgebra::Vector3;
 
 /// Nearly at once.

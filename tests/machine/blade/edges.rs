@@ -3,25 +3,25 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::material::Cutting;
-use arcfeed_hil_sim::cutting::pose::ToolPose;
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::dynamics::transition::Rule;
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::STEEL;
-use arcfeed_hil_sim::fe::modal_point::ModalPoint;
-use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
-use arcfeed_hil_sim::flexible::{Modal, Workpiece};
-use arcfeed_hil_sim::process::Process;
-use arcfeed_hil_sim::stock::solid::Block;
+use arcfeed_dexel::solid::Block;
+use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill};
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::material::Cutting;
+use arcfeed_milling::cutting::pose::ToolPose;
+use arcfeed_milling::process::Process;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::transition::Rule;
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_modal::fe::field::Field;
+use arcfeed_modal::fe::material::STEEL;
+use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_modal::fe::sparse::Factor;
+use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_modal::flexible::{Modal, Workpiece};
 use nalgebra::Vector2;
 
 const HEIGHT_MM: f64 = 40.0;
@@ -96,7 +96,7 @@ fn left_mm(modes: Vec<Mode>, mut step: impl FnMut(&mut Process, f64, &ToolPose))
         step(&mut process, 1.0 / (TURN_HZ * STEPS_A_TURN as f64), &stand);
     }
     let layers = process.engagement().layers();
-    let left = |(n, layer): (usize, &arcfeed_hil_sim::cutting::layer::Layer)| {
+    let left = |(n, layer): (usize, &arcfeed_milling::cutting::layer::Layer)| {
         let middle = libm::round(layer.index(1, 0.0)) as usize;
         let end_mm = layer.rays(1)[middle].extent().expect("a wall").to_mm;
         [layers.middle_mm(n), end_mm]

@@ -1,12 +1,12 @@
 //! A small plate and a small ball, for passes of a second.
 
-use arcfeed_hil_sim::cutting::edges::EndMill;
-use arcfeed_hil_sim::cutting::material::MATERIALS;
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::finishing::pass::{FinishingPass, PassResolution, PassResult};
-use arcfeed_hil_sim::finishing::side::Side;
+use arcfeed_milling::cutting::edges::EndMill;
+use arcfeed_milling::cutting::material::MATERIALS;
+use arcfeed_milling::finishing::pass::{FinishingPass, PassResolution, PassResult};
+use arcfeed_milling::finishing::side::Side;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::field::Field;
 use nalgebra::Vector3;
 
 pub const THICKNESS_MM: f64 = 1.5;

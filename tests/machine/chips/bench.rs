@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
-use arcfeed_hil_sim::cutting::edges::Cutter;
-use arcfeed_hil_sim::cutting::layer::Layer;
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::ToolPose;
+use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
+use arcfeed_milling::cutting::edges::Cutter;
+use arcfeed_milling::cutting::layer::Layer;
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::pose::ToolPose;
 use nalgebra::Vector2;
 
 /// Chips in front of a tooth.

@@ -2,14 +2,14 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill, Ring};
-use arcfeed_hil_sim::cutting::force::Loads;
-use arcfeed_hil_sim::cutting::layer::Layer;
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::material::{Cutting, Kienzle};
-use arcfeed_hil_sim::cutting::pose::ToolPose;
+use arcfeed_milling::cutting::edge_engagement::{EdgeChip, EdgeEngagement};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill, Ring};
+use arcfeed_milling::cutting::force::Loads;
+use arcfeed_milling::cutting::layer::Layer;
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::material::{Cutting, Kienzle};
+use arcfeed_milling::cutting::pose::ToolPose;
 use nalgebra::{Vector2, Vector3};
 
 use crate::cutting_forces::trochoid::Trochoid;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill, Ring};
-use arcfeed_hil_sim::cutting::layer::Layer;
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill, Ring};
+use arcfeed_milling::cutting::layer::Layer;
 use nalgebra::Vector2;
 
 use crate::chips::bench::{Seen, Straight};

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill};
 
 use crate::chips::bench::{Seen, Straight};
 use crate::cutting_forces::rows::rows;

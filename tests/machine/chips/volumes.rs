@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, EdgeEngagementError};
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::ToolPose;
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::workpiece::Stock;
+use arcfeed_milling::cutting::edge_engagement::{EdgeEngagement, EdgeEngagementError};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill};
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::pose::ToolPose;
 use nalgebra::Vector2;
 
 const STEP_MM: f64 = 0.25;

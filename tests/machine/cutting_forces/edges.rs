@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EdgePiece, EndMill, Ring};
-use arcfeed_hil_sim::cutting::force::Loads;
-use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting, EdgeForce};
-use arcfeed_shared::tool::Edge;
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EdgeError, EdgePiece, EndMill, Ring};
+use arcfeed_milling::cutting::force::Loads;
+use arcfeed_milling::cutting::material::{ChipSection, Cutting, EdgeForce};
+use arcfeed_model::tool::Edge;
 use nalgebra::Vector3;
 
 const FLAT: EndMill = EndMill { diameter_mm: 10.0, corner_mm: 0.0, teeth: 2, helix_rad: 0.0, height_mm: 4.0 };

@@ -1,6 +1,6 @@
 //! Coefficients against figures computed elsewhere, and no force where nothing is cut.
 
-use arcfeed_hil_sim::cutting::material::{
+use arcfeed_milling::cutting::material::{
     AL_6082_T6, AL_7075_T6, ChipSection, Cutting, EdgeForce, MATERIALS, TI_6AL_4V_HELIX_30,
 };
 

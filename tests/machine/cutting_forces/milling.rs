@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EdgePiece, EndMill};
-use arcfeed_hil_sim::cutting::force::Loads;
-use arcfeed_hil_sim::cutting::material::{ChipSection, Cutting};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EdgePiece, EndMill};
+use arcfeed_milling::cutting::force::Loads;
+use arcfeed_milling::cutting::material::{ChipSection, Cutting};
 
 use crate::cutting_forces::closed_form::Milling;
 

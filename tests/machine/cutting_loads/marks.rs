@@ -2,16 +2,16 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, slices};
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
-use arcfeed_hil_sim::cutting::layer::Layer;
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::pose::ToolPose;
 use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::marks::marks;
 use arcfeed_hil_sim::removal::tip_path::TipPath;
 use arcfeed_hil_sim::removal::trail::BlockRef;
+use arcfeed_milling::cutting::edge_engagement::{EdgeEngagement, slices};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill};
+use arcfeed_milling::cutting::layer::Layer;
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::pose::ToolPose;
 use arcfeed_tests::{Scratch, run};
 use nalgebra::Vector2;
 use serde_json::Value;

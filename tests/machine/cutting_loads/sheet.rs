@@ -3,11 +3,11 @@
 
 use std::fs;
 
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::material::STEEL;
-use arcfeed_hil_sim::stock::files::write_stl;
-use arcfeed_hil_sim::stock::mesh::Mesh;
+use arcfeed_dexel::files::write_stl;
+use arcfeed_dexel::mesh::Mesh;
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::material::STEEL;
 use arcfeed_tests::Scratch;
 
 use crate::cutting_loads::slot_job::{assert_plate, assert_refused, number, simulation_report};

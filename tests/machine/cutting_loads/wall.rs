@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
-use arcfeed_hil_sim::flexible::largest_modes;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_modal::fe::field::Field;
+use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
+use arcfeed_modal::fe::sparse::Factor;
+use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_modal::flexible::largest_modes;
 use nalgebra::Vector3;
 
 use crate::fe::at_nodes::unknowns_of_nodes;

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::BufReader;
 
-use arcfeed_hil_sim::stock::files::read_stl;
+use arcfeed_dexel::files::read_stl;
 
 use crate::cutting_stock::scratch_job::{MILL, SLOT, ScratchJob};
 

@@ -1,6 +1,6 @@
 //! Moves whose least time is known.
 
-use arcfeed_hil_sim::drives::limits::AxisLimits;
+use arcfeed_control::drives::limits::AxisLimits;
 
 use crate::drives::motion::{Motion, drives, settings};
 

@@ -2,9 +2,9 @@
 //! in inverse time.
 
 use arcfeed::machine_file::MachineFile;
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_hil_sim::drives::limits::{AxisLimits, DriveLimits};
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::drives::limits::{AxisLimits, DriveLimits};
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::drives::motion::{STEP, drives};
 

@@ -3,9 +3,9 @@
 use arcfeed_tests::of_full_set;
 use std::fmt::Write as _;
 
-use arcfeed_hil_sim::control::{ControlSettings, Preset};
-use arcfeed_hil_sim::drives::limits::{AxisLimits, DriveLimits};
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_control::drives::limits::{AxisLimits, DriveLimits};
+use arcfeed_control::{ControlSettings, Preset};
+use arcfeed_units::LengthUnit;
 
 use crate::drives::motion::{Motion, drives, settings};
 

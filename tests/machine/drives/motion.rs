@@ -1,8 +1,8 @@
 //! Programs executed under limits of all axes, and what their axes did.
 
-use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
-use arcfeed_hil_sim::drives::limits::{AXES, AxisLimits, DriveLimits};
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::drives::limits::{AXES, AxisLimits, DriveLimits};
+use arcfeed_control::{Control, ControlSettings, Preset};
+use arcfeed_units::{LengthUnit, Micros};
 
 pub const STEP: Micros = Micros::from_ms(1);
 /// A program that takes longer than this hangs.

@@ -1,7 +1,7 @@
 //! The operator at the panel while the axes move under their limits: feed hold, single block, reset, whenever they come.
 
-use arcfeed_hil_sim::control::Control;
-use arcfeed_shared::units::Micros;
+use arcfeed_control::Control;
+use arcfeed_units::Micros;
 
 use crate::drives::limits::any_program;
 use crate::drives::motion::{Motion, STEP, drives, settings};

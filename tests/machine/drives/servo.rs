@@ -1,9 +1,9 @@
 //! Axes that lag behind their commands, against closed forms and a published circle.
 
-use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
-use arcfeed_hil_sim::drives::limits::AXES;
-use arcfeed_hil_sim::drives::servo::{AxisServo, PositionLoops, Servo};
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::drives::limits::AXES;
+use arcfeed_control::drives::servo::{AxisServo, PositionLoops, Servo};
+use arcfeed_control::{Control, ControlSettings, Preset};
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::drives::motion::{STEP, drives, settings};
 

@@ -2,12 +2,12 @@
 
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
-use arcfeed_hil_sim::control::{Control, ControlSettings, Preset};
-use arcfeed_hil_sim::drives::spindle::{SpindleDrive, SpindleRotation, SpindleState};
+use arcfeed_control::drives::spindle::{SpindleDrive, SpindleRotation, SpindleState};
+use arcfeed_control::{Control, ControlSettings, Preset};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::units::{LengthUnit, Micros};
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::drives::motion::{STEP, drives, settings};
 

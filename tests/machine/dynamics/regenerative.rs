@@ -9,8 +9,8 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
 use nalgebra::Vector3;
 
 /// Teeth that a tooth remembers.

@@ -3,9 +3,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::dynamics::transition::Rule;
-use arcfeed_hil_sim::dynamics::vibration::Stepping;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::transition::Rule;
+use arcfeed_modal::dynamics::vibration::Stepping;
 use nalgebra::Vector3;
 
 use crate::dynamics::regenerative::Milling;

@@ -1,6 +1,6 @@
 //! Effect of steps and rules on a verdict: deviation of the peak to peak from that of 4000 steps of Runge and Kutta.
 
-use arcfeed_hil_sim::dynamics::vibration::Stepping;
+use arcfeed_modal::dynamics::vibration::Stepping;
 
 use crate::cutting_forces::rows::{Row, rows};
 use crate::dynamics::regenerative::span;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::dynamics::modal::{Mode, ModeError};
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_modal::dynamics::modal::{Mode, ModeError};
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
 use nalgebra::Vector3;
 
 use crate::dynamics::sets::{EXACT, NEWMARK, mode_a};

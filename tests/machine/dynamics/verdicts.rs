@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::dynamics::chatter::{Sampling, Verdict, deviation_mm, metric_mm};
+use arcfeed_modal::dynamics::chatter::{Sampling, Verdict, deviation_mm, metric_mm};
 use nalgebra::Vector3;
 
 use crate::cutting_forces::rows::rows;

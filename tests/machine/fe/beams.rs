@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::fe::beam::{Beam, BeamSection};
-use arcfeed_hil_sim::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_hil_sim::fe::modal_point::ModalPoint;
+use arcfeed_modal::fe::beam::{Beam, BeamSection};
+use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_modal::fe::modal_point::ModalPoint;
 
 /// beta L of a beam with one end clamped, the other free.
 const CANTILEVER: [f64; 5] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_438_2, 10.995_540_734_9, 14.137_168_391_0];

@@ -1,15 +1,15 @@
 //! Disks by one sector against the whole.
 
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::cyclic::{Sector, SectorError, Wave};
-use arcfeed_hil_sim::fe::disk::{BladedDisk, SectorCells};
-use arcfeed_hil_sim::fe::disk_field::DiskField;
-use arcfeed_hil_sim::fe::eigen::below;
-use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::TetMesh;
-use arcfeed_hil_sim::fe::modal_point::ModalPoint;
-use arcfeed_hil_sim::fe::sparse::Sparse;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::cyclic::{Sector, SectorError, Wave};
+use arcfeed_modal::fe::disk::{BladedDisk, SectorCells};
+use arcfeed_modal::fe::disk_field::DiskField;
+use arcfeed_modal::fe::eigen::below;
+use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
+use arcfeed_modal::fe::mesh::TetMesh;
+use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_modal::fe::sparse::Sparse;
+use arcfeed_modal::fe::unknowns::Unknowns;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 use crate::fe::solver::all_of_dense;

@@ -2,13 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::{TetMesh, graded};
-use arcfeed_hil_sim::fe::sheet::{Sheet, SheetError};
-use arcfeed_hil_sim::stock::mesh::Mesh as Surface;
+use arcfeed_dexel::mesh::Mesh as Surface;
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
+use arcfeed_modal::fe::mesh::{TetMesh, graded};
+use arcfeed_modal::fe::sheet::{Sheet, SheetError};
 
 use crate::fe::surfaces::{TWISTED, closed, hollow};
 

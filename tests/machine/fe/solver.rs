@@ -1,12 +1,12 @@
 //! The sparse eigenproblem against a dense one, and what its answers must satisfy.
 
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::eigen::{EigenError, below, lowest};
-use arcfeed_hil_sim::fe::material::TITANIUM_6AL_4V;
-use arcfeed_hil_sim::fe::mesh::TetMesh;
-use arcfeed_hil_sim::fe::sparse::Sparse;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::eigen::{EigenError, below, lowest};
+use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
+use arcfeed_modal::fe::mesh::TetMesh;
+use arcfeed_modal::fe::sparse::Sparse;
+use arcfeed_modal::fe::unknowns::Unknowns;
 use nalgebra::{DMatrix, DVector};
 
 pub fn dense(matrix: &Sparse) -> DMatrix<f64> {

@@ -3,11 +3,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use arcfeed_hil_sim::fe::blade::Blade;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::material::ElasticMaterial;
-use arcfeed_hil_sim::fe::sparse::Factor;
-use arcfeed_hil_sim::fe::unknowns::Unknowns;
+use arcfeed_modal::fe::blade::Blade;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::material::ElasticMaterial;
+use arcfeed_modal::fe::sparse::Factor;
+use arcfeed_modal::fe::unknowns::Unknowns;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 

@@ -1,9 +1,9 @@
 //! The machines of the examples, and paths to run on them.
 
 use arcfeed::machine_file::MachineFile;
-use arcfeed_shared::kinematics::forward::{Setup, ToolPose};
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_kinematics::forward::{Setup, ToolPose};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::Vector;
 use arcfeed_tests::root;
 
 /// The files of examples/machines.

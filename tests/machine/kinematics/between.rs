@@ -1,10 +1,10 @@
 //! The kinematic error between points against its closed form, and paths made straight looked at with matrices.
 
-use arcfeed_shared::kinematics::deviation::{Mode, PathPoint};
-use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
-use arcfeed_shared::kinematics::linearise::Tolerance;
-use arcfeed_shared::kinematics::machine::Machine;
-use arcfeed_shared::kinematics::vector::{Vector, cross, difference, length, sum};
+use arcfeed_kinematics::deviation::{Mode, PathPoint};
+use arcfeed_kinematics::forward::{Axes, Setup, ToolPose};
+use arcfeed_kinematics::linearise::Tolerance;
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::{Vector, cross, difference, length, sum};
 
 use crate::kinematics::bench::{FILES, SETUP, direction, machine};
 use crate::kinematics::oracle;

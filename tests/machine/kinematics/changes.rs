@@ -1,9 +1,9 @@
 //! Changes of branch: never in the cut, always reported, with a path around it.
 
-use arcfeed_shared::kinematics::branch_change::{BranchChange, Transition};
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::machine::{Letter, Machine};
-use arcfeed_shared::kinematics::vector::{angle_deg, difference, length};
+use arcfeed_kinematics::branch_change::{BranchChange, Transition};
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::machine::{Letter, Machine};
+use arcfeed_kinematics::vector::{angle_deg, difference, length};
 
 use crate::kinematics::bench::{SETUP, direction, machine, pose, with_first_range};
 use crate::kinematics::oracle;
@@ -99,7 +99,7 @@ fn every_swing_of_random_paths_is_reported() {
 /// Excess of the distances of the tool axis from both ends over the distance of the ends: zero on their arc.
 fn leaning(machine: &Machine, poses: [&ToolPose; 2], places: [[f64; 2]; 2], part: i32) -> f64 {
     let at = |axis: usize| places[0][axis] + (places[1][axis] - places[0][axis]) * f64::from(part) / 50.0;
-    let axes = arcfeed_shared::kinematics::forward::Axes { linear_mm: [0.0; 3], rotary_deg: [at(0), at(1)] };
+    let axes = arcfeed_kinematics::forward::Axes { linear_mm: [0.0; 3], rotary_deg: [at(0), at(1)] };
     let axis = oracle::forward(machine, &axes, &SETUP).axis;
     let [to_first, to_second] = poses.map(|pose| angle_deg(axis, pose.axis));
     (to_first + to_second - angle_deg(poses[0].axis, poses[1].axis)) / 2.0

@@ -1,7 +1,7 @@
 //! Directions and signs of eight published structures, and every solution against a search.
 
-use arcfeed_shared::kinematics::inverse::Angles;
-use arcfeed_shared::kinematics::machine::{Carries, Letter, LinearAxis, Machine, RotaryAxis};
+use arcfeed_kinematics::inverse::Angles;
+use arcfeed_kinematics::machine::{Carries, Letter, LinearAxis, Machine, RotaryAxis};
 use arcfeed_tests::shared_or_skip;
 
 use crate::kinematics::bench::{FILES, direction, machine};

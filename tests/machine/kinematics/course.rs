@@ -1,7 +1,7 @@
 //! The choice over a whole path against every possible choice, on short paths.
 
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::vector::Vector;
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::vector::Vector;
 use arcfeed_tests::of_full_set;
 
 use crate::kinematics::bench::{direction, machine, pose, travels, with_first_range};

@@ -3,11 +3,11 @@
 use arcfeed_tests::of_full_set;
 use std::f64::consts::PI;
 
-use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::{Axes, Setup};
-use arcfeed_shared::kinematics::machine::{AxisName, Letter, Machine};
-use arcfeed_shared::kinematics::tip_feed::TipMove;
-use arcfeed_shared::kinematics::vector::{Vector, difference, dot, scaled};
+use arcfeed_kinematics::feed::AxisFeed;
+use arcfeed_kinematics::forward::{Axes, Setup};
+use arcfeed_kinematics::machine::{AxisName, Letter, Machine};
+use arcfeed_kinematics::tip_feed::TipMove;
+use arcfeed_kinematics::vector::{Vector, difference, dot, scaled};
 
 use crate::kinematics::bench::{FILES, SETUP, machine};
 use crate::kinematics::oracle;

@@ -7,8 +7,8 @@ use arcfeed::job::JobFile;
 use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::units::Nm;
 use arcfeed_tests::{Scratch, root, run};
+use arcfeed_units::Nm;
 use serde_json::Value;
 
 /// The tip goes up by 20 mm at radius 100 while C turns by 30 degrees, then by 90 while X and Y of the machine go round.

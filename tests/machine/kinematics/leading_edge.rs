@@ -1,8 +1,8 @@
 //! Tournier, section 3: 2 m/min round a leading edge ask 65 450 deg/min of a rotary axis.
 
-use arcfeed_shared::kinematics::feed::AxisFeed;
-use arcfeed_shared::kinematics::forward::{Axes, ToolPose};
-use arcfeed_shared::kinematics::machine::{AxisName, Letter, LinearAxis, Machine};
+use arcfeed_kinematics::feed::AxisFeed;
+use arcfeed_kinematics::forward::{Axes, ToolPose};
+use arcfeed_kinematics::machine::{AxisName, Letter, LinearAxis, Machine};
 
 use crate::kinematics::bench::{SETUP, machine};
 

@@ -1,7 +1,7 @@
 //! A second forward kinematics, by homogeneous matrices link after link, and all solutions by search.
 
-use arcfeed_shared::kinematics::forward::{Axes, Setup, ToolPose};
-use arcfeed_shared::kinematics::machine::{Carries, Machine, RotaryAxis};
+use arcfeed_kinematics::forward::{Axes, Setup, ToolPose};
+use arcfeed_kinematics::machine::{Carries, Machine, RotaryAxis};
 use nalgebra::{Matrix4, Point3, Unit, Vector3, Vector4};
 
 /// The part's and the tool's frame in that of the machine, and the one seen from the other.

@@ -1,8 +1,8 @@
 //! Tournier's appendix: what the post-processor of a Mikron UCP710 gave for published CL points.
 
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
-use arcfeed_shared::kinematics::vector::{difference, length, scaled, sum, unit};
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
+use arcfeed_kinematics::vector::{difference, length, scaled, sum, unit};
 use arcfeed_tests::root;
 
 use crate::kinematics::bench::{machine, travels};

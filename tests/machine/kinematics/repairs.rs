@@ -1,8 +1,8 @@
 //! Incoherent movement on paths made for it.
 
-use arcfeed_shared::kinematics::forward::ToolPose;
-use arcfeed_shared::kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
-use arcfeed_shared::kinematics::vector::{angle_deg, difference, length, unit};
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
+use arcfeed_kinematics::vector::{angle_deg, difference, length, unit};
 
 use crate::kinematics::bench::{machine, pose, travels};
 

@@ -1,9 +1,9 @@
 //! There and back again, over every machine, at random places, in poles and at the ends of the ranges.
 
-use arcfeed_shared::kinematics::forward::{Axes, ToolPose};
-use arcfeed_shared::kinematics::inverse::Solutions;
-use arcfeed_shared::kinematics::machine::{Machine, RotaryAxis};
-use arcfeed_shared::kinematics::vector::{difference, length};
+use arcfeed_kinematics::forward::{Axes, ToolPose};
+use arcfeed_kinematics::inverse::Solutions;
+use arcfeed_kinematics::machine::{Machine, RotaryAxis};
+use arcfeed_kinematics::vector::{difference, length};
 
 use crate::kinematics::bench::{FILES, SETUP, machine};
 use crate::kinematics::oracle;

@@ -1,6 +1,6 @@
 //! A cut that doubles its period: each tooth finds the tool where the last but one did. With two teeth samples once a turn see nothing.
 
-use arcfeed_hil_sim::dynamics::chatter::{Sampling, Verdict, metric_mm};
+use arcfeed_modal::dynamics::chatter::{Sampling, Verdict, metric_mm};
 use nalgebra::Vector3;
 
 use crate::stability::milling::{BRIEFLY, FEED_MM_PER_TOOTH, Milling};

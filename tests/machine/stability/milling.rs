@@ -3,17 +3,17 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_hil_sim::cutting::edge_engagement::EdgeEngagement;
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EndMill};
-use arcfeed_hil_sim::cutting::layer::Layer;
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::material::Cutting;
-use arcfeed_hil_sim::cutting::pose::ToolPose;
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::dynamics::transition::Rule;
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_hil_sim::process::Process;
+use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EndMill};
+use arcfeed_milling::cutting::layer::Layer;
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::material::Cutting;
+use arcfeed_milling::cutting::pose::ToolPose;
+use arcfeed_milling::process::Process;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::transition::Rule;
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
 use nalgebra::{Vector2, Vector3};
 
 const RADIUS_MM: f64 = 50.0;

@@ -4,7 +4,7 @@
 //! semi-discretisation and by time-domain growth, stand in `lobes.py`'s as well, by which B was made. The parameter sets are those
 //! of published benchmarks, see `tests/machine/dynamics/sets.rs`; B has four modes along two axes.
 
-use arcfeed_hil_sim::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::modal::Mode;
 use arcfeed_tests::of_full_set;
 use nalgebra::Vector3;
 

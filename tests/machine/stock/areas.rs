@@ -6,8 +6,8 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::tool::Tool;
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::tool::Tool;
 use fastrand::Rng;
 
 use crate::stock::figures::{area_mm2, order, published, rms, sheet, turn, upright};

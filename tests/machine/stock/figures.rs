@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::section::Sweep;
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::section::Sweep;
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 
 /// Memory that no test needs.
 pub const MEMORY_MAX: usize = 1 << 30;

@@ -1,11 +1,11 @@
 //! A tool that turns while it moves, against the tool put at thousands of places on its way.
 
-use arcfeed_hil_sim::stock::lattice::Lattice;
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::kinematics::vector::{along_arc, unit};
+use arcfeed_dexel::lattice::Lattice;
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
+use arcfeed_kinematics::vector::{along_arc, unit};
 
 use crate::stock::figures::MEMORY_MAX;
 

@@ -1,12 +1,12 @@
 //! Material that a sweep removes from a ray, compared with brute force: for thousands of positions of the tool along its
 //! path, the largest depth of each point of the ray inside the tool. It shares only the solid with the kernel.
 
-use arcfeed_hil_sim::stock::dexel::{Dexel, Interval};
-use arcfeed_hil_sim::stock::lattice::Lattice;
-use arcfeed_hil_sim::stock::profile::Profile;
-use arcfeed_hil_sim::stock::section::{Section, Sweep};
-use arcfeed_hil_sim::stock::sweep::passes;
-use arcfeed_hil_sim::stock::tool::{Slab, Tool};
+use arcfeed_dexel::dexel::{Dexel, Interval};
+use arcfeed_dexel::lattice::Lattice;
+use arcfeed_dexel::profile::Profile;
+use arcfeed_dexel::section::{Section, Sweep};
+use arcfeed_dexel::sweep::passes;
+use arcfeed_dexel::tool::{Slab, Tool};
 use fastrand::Rng;
 
 /// Places along the way.

@@ -1,10 +1,10 @@
 //! Properties of every cut.
 
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::section::Sweep;
-use arcfeed_hil_sim::stock::solid::{Block, Revolved};
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::{Stock, StockError};
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::section::Sweep;
+use arcfeed_dexel::solid::{Block, Revolved};
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::{Stock, StockError};
 use fastrand::Rng;
 
 use crate::stock::figures::{MEMORY_MAX, UP};
@@ -46,7 +46,7 @@ fn cut_all(stock: &mut Stock, cuts: &[(Tool, Vec<Sweep>)]) -> Vec<[f64; 3]> {
 /// The ends of every piece of every ray, to the bit.
 fn bits(stock: &Stock) -> Vec<Vec<[u64; 2]>> {
     let rays = stock.grids().iter().flat_map(|grid| grid.dexels());
-    let ends = |dexel: &arcfeed_hil_sim::stock::dexel::Dexel| {
+    let ends = |dexel: &arcfeed_dexel::dexel::Dexel| {
         dexel.intervals().iter().map(|piece| [piece.from_mm.to_bits(), piece.to_mm.to_bits()]).collect()
     };
     rays.map(ends).collect()
@@ -126,7 +126,7 @@ fn the_three_families_of_rays_agree_on_what_is_there() {
     let (mut there, mut gone) = (0, 0);
     for node in (0..80 * 80 * 80).map(|n: usize| [n % 80, n / 80 % 80, n / 6_400]) {
         let says = [0, 1, 2].map(|axis| {
-            let [column, row] = arcfeed_hil_sim::stock::lattice::Lattice::across(axis).map(|across| node[across]);
+            let [column, row] = arcfeed_dexel::lattice::Lattice::across(axis).map(|across| node[across]);
             let dexel = stock.grids()[axis].dexel(column, row).unwrap();
             dexel.contains(lattice.center_mm(axis, node[axis]))
         });

@@ -1,12 +1,12 @@
 //! What level moves of whole tools take, against brute force: tools whose outline goes in and out, with steps and holes, their
 //! axis along any of the lattice's, either way up.
 
-use arcfeed_hil_sim::stock::lattice::Lattice;
-use arcfeed_hil_sim::stock::profile::Profile;
-use arcfeed_hil_sim::stock::section::Sweep;
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_dexel::lattice::Lattice;
+use arcfeed_dexel::profile::Profile;
+use arcfeed_dexel::section::Sweep;
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 use fastrand::Rng;
 
 use super::figures::MEMORY_MAX;

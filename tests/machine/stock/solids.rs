@@ -3,14 +3,14 @@
 use std::f64::consts::PI;
 use std::io::Cursor;
 
-use arcfeed_hil_sim::stock::deviation::HeightMap;
-use arcfeed_hil_sim::stock::files::{FileError, read_stl, write_ply, write_stl};
-use arcfeed_hil_sim::stock::mesh::{Mesh, MeshError};
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::surface::surface;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_dexel::deviation::HeightMap;
+use arcfeed_dexel::files::{FileError, read_stl, write_ply, write_stl};
+use arcfeed_dexel::mesh::{Mesh, MeshError};
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::surface::surface;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 
 use crate::stock::figures::{MEMORY_MAX, UP, order};
 

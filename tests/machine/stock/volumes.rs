@@ -5,10 +5,10 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_hil_sim::stock::motion::{Move, Pose};
-use arcfeed_hil_sim::stock::solid::Block;
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::solid::Block;
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 
 use crate::stock::figures::{MEMORY_MAX, UP, order, rms};
 

@@ -5,7 +5,7 @@ use arcfeed::dnc::journal::{Record, Start, first_line, line, read};
 use arcfeed::dnc::pace::{AFTER_DC3_MAX, Pace};
 use arcfeed::dnc::sender::{CHUNK, Gate, LineUse, State};
 use arcfeed::dnc::transmission::{Transmission, Wire};
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use fastrand::Rng;
 
 const WIRE: Wire = Wire { encode: Some, filters: true, tv_check: true };

@@ -2,18 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::control::search::Search;
-use arcfeed_hil_sim::control::{Control, Preset};
-use arcfeed_shared::nc::alarm::{Cause, Fault, NotModelled};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
-use arcfeed_shared::nc::macros::step::{MacroSettings, MacroStep};
-use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::nc::settings::{Preset as NcPreset, Scope, Settings as NcSettings, Tables};
-use arcfeed_shared::nc::text::Lines;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::search::Search;
+use arcfeed_control::{Control, Preset};
+use arcfeed_nc::alarm::{Cause, Fault, NotModelled};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::settings::{Preset as NcPreset, Scope, Settings as NcSettings, Tables};
+use arcfeed_nc::text::Lines;
+use arcfeed_nc_macro::interpreter::Interpreter;
+use arcfeed_nc_macro::stack::{Bounds, SourceLine};
+use arcfeed_nc_macro::step::{MacroSettings, MacroStep};
+use arcfeed_nc_macro::variables::Context;
+use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;
 
 const STEP: Micros = Micros::from_ms(1);

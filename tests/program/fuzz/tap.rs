@@ -3,14 +3,14 @@
 use std::sync::OnceLock;
 
 use arcfeed::job::JobFile;
+use arcfeed_control::code::{DC1, DC3, TapeCode};
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::status::TapState;
 use arcfeed_firmware::tap::{AHEAD_MAX, Tap};
-use arcfeed_hil_sim::control::code::{DC1, DC3, TapeCode};
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{Micros, Nm};
+use arcfeed_model::job::Job;
+use arcfeed_nc::modal::Pose;
 use arcfeed_tests::root;
+use arcfeed_units::{Micros, Nm};
 use fastrand::Rng;
 
 fn job() -> &'static Job {

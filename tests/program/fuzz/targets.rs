@@ -6,15 +6,15 @@ use arcfeed::job::{JobFile, Parity, SerialSettings};
 use arcfeed::port::rfc2217::client::{RequestedLine, Rfc2217Client};
 use arcfeed::port::rfc2217::server::Server;
 use arcfeed::port::url::{PortUrl, Rfc2217Options};
-use arcfeed_hil_sim::control::code::TapeCode;
-use arcfeed_hil_sim::control::dnc_port::DncPort;
-use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
-use arcfeed_hil_sim::control::tape::TapeSettings;
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::nc::block::{Reading, parse_line};
-use arcfeed_shared::nc::word::Words;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::code::TapeCode;
+use arcfeed_control::dnc_port::DncPort;
+use arcfeed_control::line::{LineSettings, SenderParity};
+use arcfeed_control::tape::TapeSettings;
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_nc::block::{Reading, parse_line};
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::word::Words;
+use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;
 
 /// The control's step.

@@ -1,9 +1,9 @@
 //! The board link, fed with whatever comes between its own frames.
 
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::frame::{ENCODED_MAX, PAYLOAD_MAX};
-use arcfeed_shared::wire::link::{Delivery, Link, LinkState};
-use arcfeed_shared::wire::settings::{LinkSettings, Role};
+use arcfeed_link::frame::{ENCODED_MAX, PAYLOAD_MAX};
+use arcfeed_link::link::{Delivery, Link, LinkState};
+use arcfeed_link::settings::{LinkSettings, Role};
+use arcfeed_units::{Micros, Span};
 use fastrand::Rng;
 
 type End = Link<5, 3>;

@@ -7,7 +7,7 @@ use arcfeed::init::job_writer::{Findings, job};
 use arcfeed::init::proposal::{LikelyTool, propose};
 use arcfeed::init::survey;
 use arcfeed::job::{JobFile, questions};
-use arcfeed_shared::tool::Tool;
+use arcfeed_model::tool::Tool;
 use arcfeed_tests::{Scratch, root, run};
 use fastrand::Rng;
 use generated::{cup_mill, end_mill};

@@ -2,7 +2,7 @@
 //!
 //! Numbers: program-error list of the Fanuc 16i.
 
-use arcfeed_shared::nc::macros::step::MacroSettings;
+use arcfeed_nc_macro::step::MacroSettings;
 
 use crate::macros::run::{run, run_with};
 

@@ -1,7 +1,7 @@
 //! Subprograms, macro calls and where they return to.
 
-use arcfeed_shared::nc::macros::stack::SourceLine;
-use arcfeed_shared::nc::macros::step::MacroSettings;
+use arcfeed_nc_macro::stack::SourceLine;
+use arcfeed_nc_macro::step::MacroSettings;
 
 use crate::macros::run::{run, run_with};
 

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::control::search::Search;
-use arcfeed_hil_sim::control::settings::Switches;
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::search::Search;
+use arcfeed_control::settings::Switches;
+use arcfeed_control::{Control, ControlSettings};
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{LengthUnit, Micros};
 
 const STEP: Micros = Micros::from_ms(1);
 

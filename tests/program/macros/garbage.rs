@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::stack::Bounds;
-use arcfeed_shared::nc::macros::step::{MacroSettings, MacroStep};
-use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc_macro::interpreter::Interpreter;
+use arcfeed_nc_macro::stack::Bounds;
+use arcfeed_nc_macro::step::{MacroSettings, MacroStep};
+use arcfeed_nc_macro::variables::Context;
+use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;
 
 const PROGRAMS: u64 = 100_000;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_shared::segment::Path;
+use arcfeed_nc::segment::Path;
 
 use crate::macros::run::{corpus, run};
 

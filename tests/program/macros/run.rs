@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_shared::nc::alarm::{Cause, Fault};
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::macros::interpreter::Interpreter;
-use arcfeed_shared::nc::macros::stack::{Bounds, SourceLine};
-use arcfeed_shared::nc::macros::step::{Ending, MacroSettings, MacroStep, ProgramFault};
-use arcfeed_shared::nc::macros::variables::Context;
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_nc::alarm::{Cause, Fault};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc_macro::interpreter::Interpreter;
+use arcfeed_nc_macro::stack::{Bounds, SourceLine};
+use arcfeed_nc_macro::step::{Ending, MacroSettings, MacroStep, ProgramFault};
+use arcfeed_nc_macro::variables::Context;
 use arcfeed_tests::root;
+use arcfeed_units::{LengthUnit, Micros};
 
 /// Result of a program.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! Macro programs where users meet them: the control in software, `check`, and the commands that refuse them.
 
-use arcfeed_hil_sim::control::{Control, ControlSettings};
-use arcfeed_shared::units::{LengthUnit, Micros};
+use arcfeed_control::{Control, ControlSettings};
 use arcfeed_tests::{Scratch, root, run};
+use arcfeed_units::{LengthUnit, Micros};
 use serde_json::Value;
 
 use crate::macros::run::corpus;

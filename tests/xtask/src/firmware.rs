@@ -11,9 +11,13 @@ use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 use crate::target::TARGET;
 
 /// Crates that may run on the chip. Before adding one, check: no heap, no panics on the tick, licence.
-const CRATES: [&str; 24] = [
+const CRATES: [&str; 29] = [
     "arcfeed-firmware",
-    "arcfeed-shared",
+    "arcfeed-law",
+    "arcfeed-link",
+    "arcfeed-model",
+    "arcfeed-nc",
+    "arcfeed-units",
     "approx",
     "bitflags",
     "byteorder",
@@ -26,6 +30,7 @@ const CRATES: [&str; 24] = [
     "hash32",
     "heapless",
     "libm",
+    "memchr",
     "micromath",
     "nalgebra",
     "num-complex",

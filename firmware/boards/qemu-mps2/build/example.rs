@@ -11,16 +11,16 @@ use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
+use arcfeed_control::machine;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::machine;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::cut::{CutRule, Work};
-use arcfeed_shared::job::{Job, ToolSetup};
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::machining::ToolInSpindle;
-use arcfeed_shared::segment::Segment;
-use arcfeed_shared::units::Nm;
+use arcfeed_model::cut::{CutRule, Work};
+use arcfeed_model::job::{Job, ToolSetup};
+use arcfeed_model::knots::Knots;
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::machining::ToolInSpindle;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::Nm;
 
 /// Position feedback is in whole micrometres.
 const NM_PER_UM: i64 = 1_000;

@@ -3,11 +3,11 @@
 use core::hint::black_box;
 
 use arcfeed_bench::thesis::{self, Fpu, Libm, Movement};
-use arcfeed_shared::cut::Work;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::modal::{Pose, Turn};
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::Nm;
+use arcfeed_model::cut::Work;
+use arcfeed_model::job::Job;
+use arcfeed_model::tool::Tool;
+use arcfeed_nc::modal::{Pose, Turn};
+use arcfeed_units::Nm;
 
 use crate::clock::InstructionCounter;
 use crate::example::Block;

@@ -3,17 +3,17 @@
 use core::ops::RangeFrom;
 use core::slice::{ChunksExact, Iter};
 
-use arcfeed_shared::cut::{ContourSide::*, CutRule, Moves, RotationCircle::*, Work};
-use arcfeed_shared::job::{
+use arcfeed_model::cut::{ContourSide::*, CutRule, Moves, RotationCircle::*, Work};
+use arcfeed_model::job::{
     FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
 };
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
-use arcfeed_shared::segment::{Arc, Path::*, Segment};
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::{CupMill, Edge::*, EndMill, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::{CupMill, Edge::*, EndMill, Tool};
+use arcfeed_nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
+use arcfeed_nc::segment::{Arc, Path::*, Segment};
+use arcfeed_units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin, Span};
 
 /// A move of the run, or a rest.
 #[derive(Clone, Copy, Debug)]

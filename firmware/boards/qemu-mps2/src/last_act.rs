@@ -6,12 +6,12 @@
 //! fault of the core -----------------+
 //! ```
 
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::codes::StateCode;
-use arcfeed_shared::wire::message::table::Setpoint;
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::Message;
+use arcfeed_link::message::codes::StateCode;
+use arcfeed_link::message::table::Setpoint;
+use arcfeed_link::plain::PlainLine;
+use arcfeed_units::Micros;
 
 use crate::tick::{PERIOD, costs};
 use crate::uart::{Registers, UART1};

@@ -29,13 +29,13 @@ use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::status::{TapLossReason, TapState};
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::frame::ENCODED_MAX;
-use arcfeed_shared::wire::message::Message;
-use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode, StateCode};
-use arcfeed_shared::wire::message::moves::pose;
-use arcfeed_shared::wire::message::table::Setpoint;
-use arcfeed_shared::wire::plain::PlainLine;
+use arcfeed_link::frame::ENCODED_MAX;
+use arcfeed_link::message::Message;
+use arcfeed_link::message::codes::{ModeCode, ResetCode, StateCode};
+use arcfeed_link::message::moves::pose;
+use arcfeed_link::message::table::Setpoint;
+use arcfeed_link::plain::PlainLine;
+use arcfeed_units::Micros;
 use cortex_m::peripheral::NVIC;
 
 /// Length of the command queue, plus one.

@@ -5,8 +5,8 @@ use core::mem::MaybeUninit;
 use arcfeed_firmware::application::command_handler::CommandHandler;
 use arcfeed_firmware::tap::Tap;
 use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_shared::units::LengthUnit;
-use arcfeed_shared::wire::message::page::{PAGE_MAX, PageError};
+use arcfeed_link::message::page::{PAGE_MAX, PageError};
+use arcfeed_units::LengthUnit;
 
 use crate::flash;
 use crate::handed::Once;

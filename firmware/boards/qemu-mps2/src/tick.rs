@@ -10,9 +10,9 @@ use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
 use arcfeed_firmware::output::OverrideOutput;
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::spsc::{Consumer, Producer, split};
-use arcfeed_shared::units::{Micros, Span};
-use arcfeed_shared::wire::message::codes::ModeCode;
-use arcfeed_shared::wire::message::table::{Sample, Setpoint};
+use arcfeed_link::message::codes::ModeCode;
+use arcfeed_link::message::table::{Sample, Setpoint};
+use arcfeed_units::{Micros, Span};
 use heapless::spsc::Queue;
 
 use crate::clock::InstructionCounter;

@@ -5,7 +5,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 
 use crate::clock::STEPS_PER_US;
 use crate::reset_cause;

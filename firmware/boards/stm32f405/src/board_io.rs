@@ -11,7 +11,7 @@ use arcfeed_firmware::output::port_lines::PortLines;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
-use arcfeed_shared::units::Span;
+use arcfeed_units::Span;
 use stm32f4::stm32f405::GPIOB;
 
 use crate::clock;

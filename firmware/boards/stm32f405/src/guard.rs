@@ -7,7 +7,7 @@ use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::{Output, Supervisor};
-use arcfeed_shared::job::Job;
+use arcfeed_model::job::Job;
 use heapless::spsc::Consumer;
 
 /// A prepared block, and the run of the program to which it belongs.

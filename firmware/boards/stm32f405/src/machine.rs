@@ -3,7 +3,7 @@
 use arcfeed_firmware::input::dial::DialInput;
 use arcfeed_firmware::input::encoder::Encoder;
 use arcfeed_firmware::input::tacho::Tacho;
-use arcfeed_shared::units::RevPerMin;
+use arcfeed_units::RevPerMin;
 
 /// X, Y, Z: nanometres per count with all four edges counted (negative reverses the sense), and the maximum number of
 /// counts per tick: 600 um/ms are 36 m/min.

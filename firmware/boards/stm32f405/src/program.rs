@@ -1,17 +1,17 @@
 //! The job and the blocks of its program, compiled in, as this board has no link to a host yet.
 
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_shared::cut::{CutRule, Moves, RotationCircle::*, Work};
-use arcfeed_shared::job::{
+use arcfeed_model::cut::{CutRule, Moves, RotationCircle::*, Work};
+use arcfeed_model::job::{
     FeedCeiling, FeedPolicy::*, Job, LawKind, OverrideLimits, SpeedSource, ToolAxis, ToolSetup, Tools,
 };
-use arcfeed_shared::knots::Knots;
-use arcfeed_shared::machine::MachineLimits;
-use arcfeed_shared::nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
-use arcfeed_shared::segment::{Arc, Path::*, Segment};
-use arcfeed_shared::stock::{Stock, StockLine};
-use arcfeed_shared::tool::{CupMill, Edge::*, Tool};
-use arcfeed_shared::units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin};
+use arcfeed_model::knots::Knots;
+use arcfeed_model::machine::MachineLimits;
+use arcfeed_model::stock::{Stock, StockLine};
+use arcfeed_model::tool::{CupMill, Edge::*, Tool};
+use arcfeed_nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
+use arcfeed_nc::segment::{Arc, Path::*, Segment};
+use arcfeed_units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
 /// A move of the program, or a rest.
 #[derive(Clone, Copy, Debug)]

@@ -47,7 +47,7 @@ mod tests {
     use super::super::reason::Cause;
     use super::*;
     use crate::ramp::FeedOverride;
-    use arcfeed_shared::units::Micros;
+    use arcfeed_units::Micros;
 
     fn record(at_us: u64) -> TelemetryRecord {
         TelemetryRecord {

@@ -4,11 +4,11 @@
 //! digit is the family. Additional data of a reason (the excess of a chip over its target) is the record's detail.
 //! docs/outputs.md has the same table.
 
-use crate::law::NoDemand;
 use crate::supervisor::input::Source;
 use crate::supervisor::report::{Limit, Reason};
 use crate::supervisor::signals::{BoardFault, Condition, Inhibit};
 use crate::supervisor::state::{Disarm, Hold};
+use arcfeed_law::NoDemand;
 
 /// Declares the causes with their numbers.
 macro_rules! numbered {

@@ -3,7 +3,7 @@
 //! Little endian, whole numbers only, so NaN cannot occur. Decoding and encoding again gives the same bytes. The bytes
 //! have no checksum and no end mark; the link provides them.
 
-use arcfeed_shared::units::{Micros, MmPerMin, MmPerTooth, NM_PER_MM, UM_PER_MM};
+use arcfeed_units::{Micros, MmPerMin, MmPerTooth, NM_PER_MM, UM_PER_MM};
 
 use super::reason::Cause;
 use crate::ramp::FeedOverride;

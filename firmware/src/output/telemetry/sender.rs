@@ -70,7 +70,7 @@ mod tests {
     use super::super::record::TelemetryRecord;
     use super::*;
     use crate::ramp::FeedOverride;
-    use arcfeed_shared::units::Micros;
+    use arcfeed_units::Micros;
     use embedded_io::{ErrorKind, ErrorType};
 
     /// Takes a few bytes at a time, then refuses for once.

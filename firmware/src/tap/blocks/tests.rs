@@ -1,7 +1,7 @@
 use super::*;
-use arcfeed_shared::nc::settings::{Preset, Reading, Scope};
-use arcfeed_shared::segment::Path;
-use arcfeed_shared::units::{LengthUnit, Nm};
+use arcfeed_nc::segment::Path;
+use arcfeed_nc::settings::{Preset, Reading, Scope};
+use arcfeed_units::{LengthUnit, Nm};
 
 fn settings() -> Settings {
     let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);

@@ -1,5 +1,5 @@
 use super::*;
-use arcfeed_shared::nc::modal::{Feed, Plane, Turn};
+use arcfeed_nc::modal::{Feed, Plane, Turn};
 
 fn pose(x: f64, y: f64, z: f64) -> Pose {
     Pose { linear: [x, y, z].map(Nm::from_mm), ..Pose::ORIGIN }

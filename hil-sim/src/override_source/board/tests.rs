@@ -1,4 +1,4 @@
-use arcfeed_shared::units::RevPerMin;
+use arcfeed_units::RevPerMin;
 
 use super::*;
 

@@ -10,7 +10,7 @@
 //! more curved than the ring, the circle after the turn touches the curve at that very fraction, and B1 is where it
 //! crosses the circle at the base position.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 
 use crate::cutter::CupMill;
 use crate::search::{Minimum, descend};

@@ -1,6 +1,6 @@
 //! Plan of one slot: all steps of the method, in order.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 use nalgebra::Rotation3;
 
 use crate::cutter::CupMill;

@@ -12,7 +12,7 @@
 //! with psi the angle from C to q seen from the pivot, psi0 its value at the beginning. So the turn up to contact with
 //! a surface is the least value of (3) over its points, without gaps: there are no steps in time.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 
 use crate::cutter::CupMill;
 use crate::vector::{Flat, Point};

@@ -1,6 +1,6 @@
 //! Both turns out of the base position, level by level, and the lowest level at which they are clear of the hub.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;

@@ -203,7 +203,7 @@ fn whole(ratio: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use arcfeed_shared::nc::modal::Turn;
+    use arcfeed_nc::modal::Turn;
 
     use super::*;
     use crate::path::Level;

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::cut::RotationCircle;
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
+use arcfeed_model::cut::RotationCircle;
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::Turn;
+use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::cutter::CupMill;
 use crate::output::limits::{BlankFace, StockBound, StockLimit};

@@ -20,9 +20,9 @@
 //! tables 5.1 and 5.2 and figure 3.9. The choice by (1) is ours, and gives that table for pivots placed as there. A
 //! blank whose rim is nearer than its face ends the cut before the line: the chip is then below the target.
 
-use arcfeed_shared::cut::RotationCircle;
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::tool::Edge;
+use arcfeed_model::cut::RotationCircle;
+use arcfeed_model::tool::Edge;
+use arcfeed_nc::modal::Turn;
 use thiserror::Error;
 
 use crate::cutter::CupMill;

@@ -9,8 +9,8 @@
 //! Source of words and order: the published listing (Petean, annex); the blocks before the first slot and behind the
 //! last are ours.
 
-use arcfeed_shared::nc::modal::Turn;
-use arcfeed_shared::units::{LengthUnit, MM_PER_INCH};
+use arcfeed_nc::modal::Turn;
+use arcfeed_units::{LengthUnit, MM_PER_INCH};
 use thiserror::Error;
 
 use crate::output::words::{Format, Sheet, degrees, microdegrees};

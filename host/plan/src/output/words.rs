@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::units::{LengthUnit, MICRODEG_PER_DEG, NM_PER_INCH, Nm};
+use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, NM_PER_INCH, Nm};
 
 /// Difference between the sequence numbers of successive blocks.
 const NUMBER_STEP: u32 = 2;

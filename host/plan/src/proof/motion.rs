@@ -1,6 +1,6 @@
 //! Step of the path as a curve, by the length along it.
 
-use arcfeed_shared::nc::modal::Turn;
+use arcfeed_nc::modal::Turn;
 
 use crate::path::Step;
 use crate::vector::{Flat, Point, Vector};

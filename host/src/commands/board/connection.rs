@@ -1,8 +1,8 @@
 //! Conversation with a board: connection, requests, answers.
 
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::link::LinkState;
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::link::LinkState;
+use arcfeed_link::message::{Message, table};
+use arcfeed_units::Micros;
 
 use super::super::outcome::Failure;
 use crate::board::line::BoardLine;

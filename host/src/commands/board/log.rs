@@ -4,7 +4,7 @@ use crate::console::note;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use arcfeed_shared::wire::message::Message;
+use arcfeed_link::message::Message;
 use defmt_decoder::{DecodeError, StreamDecoder, Table};
 
 use super::super::outcome::{Failure, file_failure, on_interrupt, say};

@@ -11,8 +11,8 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use arcfeed_shared::wire::message::codes::SettingCode;
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::message::codes::SettingCode;
+use arcfeed_link::message::{Message, table};
 
 use super::outcome::{Failure, say};
 use crate::board::line::BAUDRATE;

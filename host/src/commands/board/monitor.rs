@@ -3,9 +3,9 @@
 use std::sync::atomic::Ordering;
 
 use arcfeed_firmware::output::telemetry::reason::Cause;
-use arcfeed_shared::units::Micros;
-use arcfeed_shared::wire::message::codes::AlarmCode;
-use arcfeed_shared::wire::message::{Message, table};
+use arcfeed_link::message::codes::AlarmCode;
+use arcfeed_link::message::{Message, table};
+use arcfeed_units::Micros;
 use serde::Serialize;
 
 use super::super::outcome::{Failure, on_interrupt, say};

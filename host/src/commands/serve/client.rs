@@ -5,8 +5,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::control::dnc_port::DncPort;
-use arcfeed_shared::units::{Micros, US_PER_MS, US_PER_S};
+use arcfeed_control::dnc_port::DncPort;
+use arcfeed_units::{Micros, US_PER_MS, US_PER_S};
 
 use super::program_start::{ByteHandling, ProgramStart};
 use crate::job::SerialSettings;

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::control::code::{DC3, without_parity};
-use arcfeed_hil_sim::control::dnc_port::DncPort;
+use arcfeed_control::code::{DC3, without_parity};
+use arcfeed_control::dnc_port::DncPort;
 
 use super::super::outcome::Failure;
 use super::pty::Pty;

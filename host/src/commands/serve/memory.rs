@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use arcfeed_hil_sim::control::store::{Store, StoreState};
+use arcfeed_control::store::{Store, StoreState};
 use arcfeed_hil_sim::simulation::STEP;
 
 use super::super::outcome::{Failure, say};

@@ -19,14 +19,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::control::ControlSettings;
-use arcfeed_hil_sim::control::code::TapeCode;
-use arcfeed_hil_sim::control::line::SenderParity;
-use arcfeed_hil_sim::control::search::Search;
+use arcfeed_control::ControlSettings;
+use arcfeed_control::code::TapeCode;
+use arcfeed_control::line::SenderParity;
+use arcfeed_control::search::Search;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_nc::block::Reading;
+use arcfeed_units::LengthUnit;
 use clap::ValueEnum;
 
 use super::outcome::{Failure, on_interrupt, refuse_inputs, say};

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-use arcfeed_hil_sim::control::dnc_port::DncPort;
+use arcfeed_control::dnc_port::DncPort;
 
 use super::super::outcome::Failure;
 use super::PERIOD;

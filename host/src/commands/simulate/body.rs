@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::fe::body::Body;
-use arcfeed_hil_sim::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_hil_sim::fe::field::Field;
-use arcfeed_hil_sim::fe::material::{ElasticMaterial, MATERIALS};
-use arcfeed_hil_sim::fe::mesh::TetMesh;
-use arcfeed_hil_sim::fe::sheet::Sheet;
-use arcfeed_hil_sim::flexible::largest_modes;
+use arcfeed_dexel::solid::Solid;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
-use arcfeed_hil_sim::stock::solid::Solid;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_modal::fe::field::Field;
+use arcfeed_modal::fe::material::{ElasticMaterial, MATERIALS};
+use arcfeed_modal::fe::mesh::TetMesh;
+use arcfeed_modal::fe::sheet::Sheet;
+use arcfeed_modal::flexible::largest_modes;
 
 use super::surface;
 use crate::job::flexible::{Elastic, Flexible, Shape};

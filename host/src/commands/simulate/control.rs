@@ -1,13 +1,13 @@
 //! Simulated control of a job, from the job and the machine file.
 
-use arcfeed_hil_sim::control::code::TapeCode as Code;
-use arcfeed_hil_sim::control::line::{LineSettings, SenderParity};
-use arcfeed_hil_sim::control::tape::TapeSettings;
-use arcfeed_hil_sim::control::{ControlSettings, Preset, Switches};
-use arcfeed_hil_sim::drives::limits::{AXES, AxisLimits, DriveLimits};
-use arcfeed_hil_sim::drives::servo::{AxisServo, Servo};
-use arcfeed_hil_sim::drives::spindle::SpindleDrive;
-use arcfeed_shared::kinematics::machine::Letter;
+use arcfeed_control::code::TapeCode as Code;
+use arcfeed_control::drives::limits::{AXES, AxisLimits, DriveLimits};
+use arcfeed_control::drives::servo::{AxisServo, Servo};
+use arcfeed_control::drives::spindle::SpindleDrive;
+use arcfeed_control::line::{LineSettings, SenderParity};
+use arcfeed_control::tape::TapeSettings;
+use arcfeed_control::{ControlSettings, Preset, Switches};
+use arcfeed_kinematics::machine::Letter;
 
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::machine_file::MachineFile;

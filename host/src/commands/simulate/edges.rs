@@ -2,21 +2,21 @@
 
 use std::f64::consts::{PI, TAU};
 
-use arcfeed_hil_sim::cutting::edge_engagement::{EdgeEngagement, slices};
-use arcfeed_hil_sim::cutting::edges::meridian::Pieces;
-use arcfeed_hil_sim::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
-use arcfeed_hil_sim::cutting::layers::Layers;
-use arcfeed_hil_sim::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
-use arcfeed_hil_sim::dynamics::modal::Mode;
-use arcfeed_hil_sim::dynamics::transition::Rule;
-use arcfeed_hil_sim::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_hil_sim::process::Process;
+use arcfeed_dexel::solid::Solid;
 use arcfeed_hil_sim::removal::chatter_detection::{ChatterSamples, FLOOR_RATIO};
 use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
-use arcfeed_hil_sim::stock::solid::Solid;
-use arcfeed_shared::tool::Tool;
-use arcfeed_shared::units::{Nm, S_PER_MIN};
+use arcfeed_milling::cutting::edge_engagement::{EdgeEngagement, slices};
+use arcfeed_milling::cutting::edges::meridian::Pieces;
+use arcfeed_milling::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
+use arcfeed_milling::process::Process;
+use arcfeed_modal::dynamics::modal::Mode;
+use arcfeed_modal::dynamics::transition::Rule;
+use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
+use arcfeed_model::tool::Tool;
+use arcfeed_units::{Nm, S_PER_MIN};
 
 use super::body::{self, SetupFault};
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};

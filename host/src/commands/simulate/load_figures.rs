@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::dynamics::chatter::Verdict;
 use arcfeed_hil_sim::removal::load_statistics::LoadStatistics;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::trail::BlockRef;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_modal::dynamics::chatter::Verdict;
+use arcfeed_units::LengthUnit;
 
 use super::material_figures::left_out_figures;
 use crate::report::loads::{

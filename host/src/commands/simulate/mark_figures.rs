@@ -3,13 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::cutting::layers::Layers;
 use arcfeed_hil_sim::removal::envelope::CuttingSolid;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::marks::{WallMark, marks};
 use arcfeed_hil_sim::removal::trail::BlockRef;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_model::job::Job;
+use arcfeed_units::LengthUnit;
 
 use crate::report::loads::LoadsFigures;
 use crate::report::marks::{BlockMarksFigures, LargestFigures, LayerFigures, MarksFigures, RangeFigures};

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use arcfeed_dexel::deviation::HeightMap;
+use arcfeed_dexel::lattice::Lattice;
+use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::placement::LeftOutReason;
 use arcfeed_hil_sim::removal::rate::{Piece, RemovedVolume};
 use arcfeed_hil_sim::removal::trail::BlockRef;
-use arcfeed_hil_sim::stock::deviation::HeightMap;
-use arcfeed_hil_sim::stock::lattice::Lattice;
-use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 
 use super::edges::UPRIGHT;
 use super::setup::Setup;

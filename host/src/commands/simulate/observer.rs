@@ -4,7 +4,7 @@ use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::outcome::Failure;

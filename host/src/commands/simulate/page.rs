@@ -3,16 +3,16 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use arcfeed_dexel::deviation::HeightMap;
+use arcfeed_dexel::files::{write_ply, write_stl};
+use arcfeed_dexel::lattice::Lattice;
+use arcfeed_dexel::surface::surface;
+use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::removal::rate::windows;
-use arcfeed_hil_sim::stock::deviation::HeightMap;
-use arcfeed_hil_sim::stock::files::{write_ply, write_stl};
-use arcfeed_hil_sim::stock::lattice::Lattice;
-use arcfeed_hil_sim::stock::surface::surface;
-use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::units::Micros;
+use arcfeed_model::job::Job;
+use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;

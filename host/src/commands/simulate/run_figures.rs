@@ -1,13 +1,13 @@
 //! Figures of a run, for reports.
 
-use arcfeed_hil_sim::control::interpolator::AxisLimited;
-use arcfeed_hil_sim::cutting::meter::MoveChips;
+use arcfeed_control::interpolator::AxisLimited;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::simulation::{MoveOverride, Simulation};
-use arcfeed_shared::cut::Moves;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::report::{ChipFigures, ExcludedSamples};
-use arcfeed_shared::units::{LengthUnit, MmPerTooth, S_PER_MIN};
+use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_model::cut::Moves;
+use arcfeed_model::job::Job;
+use arcfeed_model::report::{ChipFigures, ExcludedSamples};
+use arcfeed_units::{LengthUnit, MmPerTooth, S_PER_MIN};
 
 use super::super::adapt::{direction_word, rotation_word, side_word};
 use crate::report::figures::{

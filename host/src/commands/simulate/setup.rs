@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use arcfeed_hil_sim::cutting::layers::Layers;
+use arcfeed_dexel::motion::Pose;
+use arcfeed_dexel::profile::ProfileError;
+use arcfeed_dexel::solid::{Block, Revolved, Solid};
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::removal::cutter::{StockCutter, StockCutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
-use arcfeed_hil_sim::stock::motion::Pose;
-use arcfeed_hil_sim::stock::profile::ProfileError;
-use arcfeed_hil_sim::stock::solid::{Block, Revolved, Solid};
-use arcfeed_hil_sim::stock::tool::Tool;
-use arcfeed_hil_sim::stock::workpiece::Stock;
-use arcfeed_shared::kinematics::vector::{difference, length};
-use arcfeed_shared::tool::Tool as JobTool;
-use arcfeed_shared::units::Nm;
+use arcfeed_kinematics::vector::{difference, length};
+use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_model::tool::Tool as JobTool;
+use arcfeed_units::Nm;
 
 use super::super::outcome::Failure;
 use super::body;

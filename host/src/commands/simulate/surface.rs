@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::BufReader;
 
-use arcfeed_hil_sim::stock::files::read_stl;
-use arcfeed_hil_sim::stock::mesh::Mesh;
+use arcfeed_dexel::files::read_stl;
+use arcfeed_dexel::mesh::Mesh;
 
 use crate::job::stl::StlFile;
 

@@ -5,7 +5,7 @@ use std::io::BufRead;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 
-use arcfeed_shared::job::Job;
+use arcfeed_model::job::Job;
 
 use super::super::outcome::{Failure, on_interrupt};
 use super::preparation::PreparedProgram;

@@ -21,7 +21,7 @@ mod simulator;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use super::simulate::finish;

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use arcfeed_hil_sim::control::code::{TapeCode, with_even_parity};
+use arcfeed_control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::simulation::PlannedConditions;
-use arcfeed_shared::nc::modal::{Feed, PER_MIN_SCALE};
-use arcfeed_shared::units::{Micros, S_PER_MIN};
+use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
+use arcfeed_units::{Micros, S_PER_MIN};
 
 use super::super::job_input::{adapted, load};
 use super::super::outcome::Failure;

@@ -3,7 +3,7 @@
 use std::io::{BufRead, ErrorKind, IsTerminal};
 use std::path::Path;
 
-use arcfeed_shared::units::Nm;
+use arcfeed_units::Nm;
 use serde::Serialize;
 
 use super::super::outcome::{Failure, file_failure, say};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, on_interrupt};
 use super::board_session::BoardSession;

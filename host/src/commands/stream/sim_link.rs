@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::sim_port::SimPort;
 use crate::port::{Port, PortError};

@@ -6,7 +6,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::super::outcome::Failure;
 use super::super::simulate::control::control_settings;

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Instant;
 
+use arcfeed_control::Control;
 use arcfeed_firmware::application::command_handler::Identity;
 use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::application::messages::Queues;
@@ -12,13 +13,12 @@ use arcfeed_firmware::assembly::{Config, assemble};
 use arcfeed_firmware::main_loop::Untapped;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
-use arcfeed_hil_sim::control::Control;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::board::Board;
 use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_shared::wire::message::codes::{ModeCode, ResetCode};
+use arcfeed_link::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
 use super::super::simulate::add_baseline;

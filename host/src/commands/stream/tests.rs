@@ -2,7 +2,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use arcfeed_line_errors::Counts;
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use clap::Parser;
 
 use super::*;

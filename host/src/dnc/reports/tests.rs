@@ -1,5 +1,5 @@
-use arcfeed_shared::nc::block::Reading;
-use arcfeed_shared::nc::settings::{Preset, Settings, Tables};
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::settings::{Preset, Settings, Tables};
 
 use super::*;
 

@@ -10,7 +10,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::units::{Micros, US_PER_S};
+use arcfeed_units::{Micros, US_PER_S};
 
 use super::com_port::{
     ANSWER, COM_PORT, NOTIFY_MODEMSTATE, OPTIONS, PURGE_DATA, RESUME, SET_BAUDRATE, SET_CONTROL, SET_DATASIZE,

@@ -10,7 +10,7 @@ pub mod server;
 
 use std::time::{Duration, SystemTime};
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::clock::WallClock;
 use super::log::{Level, Log};

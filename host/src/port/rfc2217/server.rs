@@ -10,7 +10,7 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::com_port::{
     ANSWER, COM_PORT, NOTIFY_LINESTATE, NOTIFY_MODEMSTATE, OPTIONS, PURGE_DATA, RESUME, SET_BAUDRATE, SET_CONTROL,

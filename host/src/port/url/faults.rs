@@ -1,6 +1,6 @@
 //! Plan of `fault://`: the faults of a line, their chances, and the seed of their random times.
 
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 
 use super::UrlError;
 

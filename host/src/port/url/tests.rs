@@ -60,7 +60,7 @@ fn wrappers_nest_and_know_their_own_options() {
 fn faults_are_set_both_ways_or_one_way() {
     let url = parsed("fault://drop=0.01,seed=7,rx.drop=.5,tx.delay=20,disconnect=9/spy:///dev/ttyS0?file=x");
     let Wrapper::Fault(plan) = &url.wrappers[0] else { panic!("{url:?}") };
-    let ms = |ms| arcfeed_shared::units::Micros::from_ms(ms);
+    let ms = |ms| arcfeed_units::Micros::from_ms(ms);
     assert_eq!((plan.seed, plan.tx.drop, plan.rx.drop, plan.tx.delay, plan.rx.delay), (7, 0.01, 0.5, ms(20), ms(0)));
     assert_eq!((plan.disconnect, url.wrappers.len(), url.base), (Some(9), 2, Base::Native("/dev/ttyS0".into())));
 }

@@ -19,17 +19,17 @@ use core::hint::black_box;
 
 use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_firmware::tap::{Tap, TapSegment};
+use arcfeed_model::job::Job;
+use arcfeed_nc::block::{Parsed, Reading};
+use arcfeed_nc::modal::Pose;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::tape_code::TapeCode;
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::example::{ibr_slot, pocket_contour};
 use arcfeed_qemu_mps2::figures::Costs;
 use arcfeed_qemu_mps2::leave;
 use arcfeed_qemu_mps2::stack::Painted;
-use arcfeed_shared::job::Job;
-use arcfeed_shared::nc::block::{Parsed, Reading};
-use arcfeed_shared::nc::modal::Pose;
-use arcfeed_shared::nc::tape_code::TapeCode;
-use arcfeed_shared::reader::{InterpretedLine, Reader};
-use arcfeed_shared::units::Micros;
+use arcfeed_units::Micros;
 use cortex_m_semihosting::{debug, hprintln};
 
 /// Room of the tap for the whole example.

@@ -9,7 +9,7 @@ use core::hint::black_box;
 
 use arcfeed_qemu_mps2::clock::InstructionCounter;
 use arcfeed_qemu_mps2::leave;
-use arcfeed_shared::fmath;
+use arcfeed_units::fmath;
 use cortex_m_semihosting::{debug, hprintln};
 use micromath::F32Ext;
 

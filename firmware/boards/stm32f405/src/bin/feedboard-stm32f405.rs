@@ -18,7 +18,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use arcfeed_firmware::output::latched::Latched;
 use arcfeed_firmware::output::port_lines::PortLines;
 use arcfeed_firmware::output::settling::Settling;
-use arcfeed_shared::job::Job;
+use arcfeed_model::job::Job;
 use arcfeed_stm32f405::board_io::{BoardIo, Outputs, Sensors};
 use arcfeed_stm32f405::clock::{self, Clock};
 use arcfeed_stm32f405::dial::DialConverter;

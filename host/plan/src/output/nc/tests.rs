@@ -1,6 +1,6 @@
-use arcfeed_shared::nc::settings::{Preset, Reading, Scope, Settings, Tables};
-use arcfeed_shared::reader::Reader;
-use arcfeed_shared::segment::{Path, Segment};
+use arcfeed_nc::reader::Reader;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 
 use super::*;
 use crate::path::Level;

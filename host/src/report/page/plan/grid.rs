@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 
 use super::{LeftMap, Lengths};
 use crate::report::page::escaped;

@@ -12,7 +12,7 @@ use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::output::baseline::{FlankMilling, Passes, PlannedTime, SlotTime};
 use arcfeed_plan::output::limits::StockLimit;
 use arcfeed_plan::path::SlotPath;
-use arcfeed_shared::units::LengthUnit;
+use arcfeed_units::LengthUnit;
 
 use super::{Page, Section};
 
@@ -186,14 +186,14 @@ impl Lengths {
 
     fn of(self, length_mm: f64) -> String {
         match self.0 {
-            LengthUnit::Inch => format!("{:.4}", length_mm / arcfeed_shared::units::MM_PER_INCH),
+            LengthUnit::Inch => format!("{:.4}", length_mm / arcfeed_units::MM_PER_INCH),
             LengthUnit::Mm => format!("{length_mm:.3}"),
         }
     }
 
     fn feed(self, feed_mm_per_min: f64) -> String {
         match self.0 {
-            LengthUnit::Inch => format!("{:.2}", feed_mm_per_min / arcfeed_shared::units::MM_PER_INCH),
+            LengthUnit::Inch => format!("{:.2}", feed_mm_per_min / arcfeed_units::MM_PER_INCH),
             LengthUnit::Mm => format!("{feed_mm_per_min:.1}"),
         }
     }
@@ -201,7 +201,7 @@ impl Lengths {
     /// Volume in cubic inches, or cubic centimetres.
     fn volume(self, volume_mm3: f64) -> String {
         let edge_mm = match self.0 {
-            LengthUnit::Inch => arcfeed_shared::units::MM_PER_INCH,
+            LengthUnit::Inch => arcfeed_units::MM_PER_INCH,
             LengthUnit::Mm => 10.0,
         };
         format!("{:.3}", volume_mm3 / (edge_mm * edge_mm * edge_mm))

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::path::{Purpose, SlotPath, Step};
 use arcfeed_plan::vector::Flat;
-use arcfeed_shared::nc::modal::Turn;
 
 use super::{Outline, PlanReport};
 use crate::report::page::escaped;

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
+use arcfeed_model::tool::Edge;
 use arcfeed_plan::output::limits::BlankFace;
 use arcfeed_plan::path::Purpose;
-use arcfeed_shared::tool::Edge;
-use arcfeed_shared::units::{LengthUnit, S_PER_MIN};
+use arcfeed_units::{LengthUnit, S_PER_MIN};
 
 use super::{BaselineResult, Lengths, PlanReport, PlanVerdict, Removed};
 use crate::report::page::escaped;

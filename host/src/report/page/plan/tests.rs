@@ -1,7 +1,7 @@
+use arcfeed_nc::modal::Turn;
 use arcfeed_plan::output::baseline::planned_time;
 use arcfeed_plan::path::Level;
 use arcfeed_plan::vector::Flat;
-use arcfeed_shared::nc::modal::Turn;
 
 use super::*;
 

@@ -1,0 +1,110 @@
+//! Output of the control: text to the sender (DPRNT), at line rate; the sender stops it with DC3 and starts it with
+//! DC1.
+//!
+//! Opening sends DC2, closing DC4. After the sender's DC3 a control sends at most ten more characters; this model sends
+//! none. Source: B-63503EN p. 62; that POPEN and PCLOS send DC2 and DC4 is not published, an assumption. BPRNT sends
+//! eight bits per character: a line of seven data bits truncates them, and a sender cannot distinguish DC1, DC3 and DC4
+//! from numbers.
+
+use std::collections::VecDeque;
+
+use arcfeed_nc_macro::print::Output;
+
+use super::code::{DC1, DC2, DC3, DC4, TapeCode, with_even_parity};
+
+/// The output's state.
+#[derive(Debug, Default)]
+pub struct Punch {
+    queue: VecDeque<u8>,
+    is_open: bool,
+    is_stopped: bool,
+}
+
+impl Punch {
+    /// Queues a macro statement's output; `code` is the control's code.
+    pub fn put(&mut self, output: &Output, code: TapeCode) {
+        match output {
+            Output::Open => self.open(),
+            Output::Close => self.close(),
+            Output::Text(text) => self.print(text.strip_suffix(b"\n").unwrap_or(text), code),
+            Output::Binary(frames) => self.queue.extend(frames),
+        }
+    }
+
+    /// Whether characters are queued and the sender has not stopped the output.
+    pub fn is_sending(&self) -> bool {
+        !self.queue.is_empty() && !self.is_stopped
+    }
+
+    /// POPEN.
+    pub fn open(&mut self) {
+        self.is_open = true;
+        self.is_stopped = false;
+        self.queue.push_back(with_even_parity(DC2));
+    }
+
+    /// DPRNT: a line of text; characters that the code does not have become blanks.
+    pub fn print(&mut self, text: &[u8], code: TapeCode) {
+        let frames = text.iter().chain(b"\n").filter_map(|byte| code.encode(*byte).or(code.encode(b' ')));
+        self.queue.extend(frames);
+    }
+
+    /// PCLOS.
+    pub fn close(&mut self) {
+        if std::mem::take(&mut self.is_open) {
+            self.queue.push_back(with_even_parity(DC4));
+        }
+    }
+
+    /// Reset: discards what has not been sent.
+    pub fn reset(&mut self) {
+        self.queue.clear();
+        self.close();
+        self.is_stopped = false;
+    }
+
+    /// Handles a character from the sender; returns whether it was for the punch.
+    pub fn receive(&mut self, byte: u8) -> bool {
+        match byte {
+            DC1 => self.is_stopped = false,
+            DC3 => self.is_stopped = true,
+            _ => return false,
+        }
+        self.is_open || !self.queue.is_empty()
+    }
+
+    /// Next frame, if the sender has not stopped the output.
+    pub fn poll(&mut self) -> Option<u8> {
+        if self.is_stopped { None } else { self.queue.pop_front() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drain(punch: &mut Punch) -> Vec<u8> {
+        std::iter::from_fn(|| punch.poll()).collect()
+    }
+
+    #[test]
+    fn a_line_goes_out_between_dc2_and_dc4() {
+        let mut punch = Punch::default();
+        punch.open();
+        punch.print(b"X1.5", TapeCode::Ascii);
+        punch.close();
+        assert_eq!(drain(&mut punch), b"\x12X1.5\n\x14");
+    }
+
+    #[test]
+    fn dc3_stops_it_and_dc1_starts_it_again() {
+        let mut punch = Punch::default();
+        punch.open();
+        punch.print(b"AB", TapeCode::Ascii);
+        assert_eq!((punch.poll(), punch.poll()), (Some(DC2), Some(b'A')));
+        assert!(punch.receive(DC3));
+        assert_eq!(punch.poll(), None);
+        assert!(punch.receive(DC1));
+        assert_eq!(drain(&mut punch), b"B\n");
+    }
+}

@@ -1,0 +1,126 @@
+//! Sequence number search and program restart: starting a program in its middle.
+//!
+//! A *search* skips everything before the block: the modal state stays as it was. A *restart* reads everything before
+//! the block, so that the block has the modal state of a run from the beginning, and moves the axes to the end of the
+//! block before it: rotary axes first, then one linear axis after the other, at the dry run feed. A missing number is
+//! alarm PS0060.
+//!
+//! Source: the steps of program restart in Fanuc's operator's manuals; the order of the axes is parameter 7310 there,
+//! X, Y, Z here.
+
+use arcfeed_nc::alarm::{Alarm, Fault};
+use arcfeed_nc::modal::{Feed, Pose, ProgramStop};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{MmPerMin, Nm};
+
+use super::action::{Action, ReadBlock};
+use super::reader::{BlockReader, sequence_of};
+use super::settings::Switches;
+use super::tape::ReceivedBlock;
+
+/// Target of a search.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// The block with this number, with the modal state as it is.
+    Sequence(u32),
+    /// The block with this number, with the modal state and the position that the program gives it.
+    Restart(u32),
+}
+
+/// Result of a search at one block.
+#[derive(Debug, PartialEq)]
+pub enum SearchResult {
+    /// Not the target.
+    NotYet,
+    /// The target: the moves that lead to it, and the block itself.
+    Here(Vec<ReadBlock>),
+    /// The target does not exist: the block with the alarm.
+    Never(Box<ReadBlock>),
+}
+
+impl Search {
+    /// Checks the next block.
+    pub fn apply(
+        self,
+        received: ReceivedBlock,
+        reader: &mut BlockReader,
+        switches: &Switches,
+        approach: &Approach,
+    ) -> SearchResult {
+        match self {
+            Search::Sequence(wanted) => {
+                let is_end = reader.skip(&received);
+                match &received {
+                    ReceivedBlock::Block(text) if sequence_of(text) == Some(wanted) => {
+                        reader.unread();
+                        SearchResult::Here(reader.read(received, switches).into_iter().collect())
+                    }
+                    _ if is_end => SearchResult::Never(Box::new(never(reader.line()))),
+                    _ => SearchResult::NotYet,
+                }
+            }
+            Search::Restart(wanted) => {
+                let start = reader.end();
+                let Some(block) = reader.read(received, switches) else { return SearchResult::NotYet };
+                approach.restart_at(wanted, block, start)
+            }
+        }
+    }
+}
+
+/// Alarm for a missing number.
+pub fn never(line: u32) -> ReadBlock {
+    let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
+    ReadBlock::new(line, Vec::new(), Action::Fault(fault))
+}
+
+/// Approach of the axes to the place where the program starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// Present position.
+    pub position: Pose,
+    /// Feed of the approach.
+    pub feed: MmPerMin,
+}
+
+impl Approach {
+    /// Result of a restart at block N `wanted` for this block; the block before it ends at `start`.
+    pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> SearchResult {
+        if sequence_of(&block.text) == Some(wanted) {
+            let mut blocks = self.blocks(start, block.line);
+            blocks.push(block);
+            return SearchResult::Here(blocks);
+        }
+        match &block.action {
+            Action::Stop(ProgramStop::End)
+            | Action::Move(_, Some(ProgramStop::End))
+            | Action::Series(_, Some(ProgramStop::End)) => SearchResult::Never(Box::new(never(block.line))),
+            Action::Fault(fault) if *fault == Fault::alarm(Alarm::EndOfRecord, 1) => {
+                SearchResult::Never(Box::new(never(block.line)))
+            }
+            Action::Fault(_) => SearchResult::Never(Box::new(block)),
+            _ => SearchResult::NotYet,
+        }
+    }
+
+    /// One move for each axis that is at another position.
+    fn blocks(&self, to: Pose, line: u32) -> Vec<ReadBlock> {
+        let feed = Feed::PerMinute(Nm::from_mm(f64::from(self.feed.0)));
+        let mut at = self.position;
+        let mut blocks = Vec::new();
+        let mut go = |end: Pose| {
+            if end != at {
+                let segment = Segment { sequence: None, start: at, end, feed, path: Path::Line };
+                blocks.push(ReadBlock::new(line, Vec::new(), Action::Move(segment, None)));
+                at = end;
+            }
+        };
+        let mut end = Pose { linear: self.position.linear, rotary: to.rotary };
+        go(end);
+        for axis in 0..end.linear.len() {
+            end.linear[axis] = to.linear[axis];
+            go(end);
+        }
+        blocks
+    }
+}

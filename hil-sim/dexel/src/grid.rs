@@ -1,0 +1,222 @@
+//! All rays of one direction.
+//!
+//! Rows are cut side by side on all cores. No ray is touched by two of them, and sums are formed row by row, then in the
+//! order of the rows, so the number of threads does not show in any result.
+
+use std::ops::Range;
+
+use arcfeed_kinematics::vector::Vector;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
+use rayon::slice::ParallelSliceMut;
+
+use super::dexel::{Dexel, Interval, NOWHERE, Taken};
+use super::lattice::Lattice;
+use super::level::Losses;
+use super::sweep::{Pass, Reach, RowCut};
+
+/// The rays along one axis.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    axis: usize,
+    lattice: Lattice,
+    dexels: Vec<Dexel>,
+    /// What the dexels have allocated.
+    heap_bytes: usize,
+}
+
+/// All of a ray.
+const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::INFINITY };
+
+/// Rays of a row that are left out together where none of them has material for a pass.
+const TILE: usize = 16;
+
+/// The rays of one row while passes cut it, some columns of it in tiles.
+struct RowRays<'a> {
+    dexels: &'a mut [Dexel],
+    first_tile: usize,
+    tiles: Vec<Tile>,
+    taken: Taken,
+}
+
+/// Neighbouring rays.
+#[derive(Clone, Copy, Debug)]
+struct Tile {
+    /// From the first to the last material of them all, or beyond.
+    extent: Interval,
+    /// Whether they have been cut since this was found.
+    is_stale: bool,
+}
+
+impl Grid {
+    /// Asks for the material of every ray; `on_ray` is told a point of it, with 0 as the coordinate along it.
+    pub fn new(lattice: &Lattice, axis: usize, on_ray: impl Fn(Vector) -> Dexel + Sync) -> Self {
+        let [width, height] = lattice.size(axis);
+        let ray = |index: usize| on_ray(point_mm(lattice, axis, [index % width, index / width]));
+        Grid::of(lattice, axis, (0..width * height).into_par_iter().map(ray).collect())
+    }
+
+    /// Of rays that are there already, row by row; rays that are missing are empty.
+    pub fn of(lattice: &Lattice, axis: usize, mut dexels: Vec<Dexel>) -> Self {
+        dexels.resize(lattice.size(axis).iter().product(), Dexel::Empty);
+        let heap_bytes = dexels.iter().map(Dexel::heap_bytes).sum();
+        Grid { axis, lattice: *lattice, dexels, heap_bytes }
+    }
+
+    /// 0, 1, 2 for rays along x, y, z.
+    pub fn axis(&self) -> usize {
+        self.axis
+    }
+
+    /// The rays, row by row.
+    pub fn dexels(&self) -> &[Dexel] {
+        &self.dexels
+    }
+
+    /// The ray at a column and a row.
+    pub fn dexel(&self, column: usize, row: usize) -> Option<&Dexel> {
+        let [width, _] = self.lattice.size(self.axis);
+        self.dexels.get(row * width + column).filter(|_| column < width)
+    }
+
+    /// Length of all material times the area of a cell.
+    pub fn volume_mm3(&self) -> f64 {
+        let [width, _] = self.lattice.size(self.axis);
+        let rows = self.dexels.chunks(width).map(|row| row.iter().map(Dexel::length_mm).sum::<f64>());
+        rows.sum::<f64>() * self.lattice.area_mm2()
+    }
+
+    /// Bytes of the rays and of what they have allocated.
+    pub fn memory_bytes(&self) -> usize {
+        self.dexels.capacity() * size_of::<Dexel>() + self.heap_bytes
+    }
+
+    /// Takes what the passes sweep; returns its volume, mm3.
+    pub fn cut(&mut self, passes: &[Pass<'_>]) -> f64 {
+        let (axis, lattice) = (self.axis, self.lattice);
+        let [width, _] = lattice.size(axis);
+        let [column_axis, row_axis] = Lattice::across(axis);
+        let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
+        let touched = united(rows.iter().cloned());
+        let columns = united(passes.iter().map(|pass| pass.cells(&lattice, column_axis)));
+        let column_mm = lattice.centers_mm(column_axis);
+        let cut_row = |(index, dexels): (usize, &mut [Dexel])| {
+            let row = touched.start + index;
+            let row_mm = lattice.center_mm(row_axis, row);
+            let mut rays = RowRays::new(dexels, &columns, passes.len() > 1);
+            for (pass, _) in passes.iter().zip(&rows).filter(|(_, rows)| rows.contains(&row)) {
+                let Some(reach) = pass.reach(&lattice, row_mm) else { continue };
+                match pass.row_cut(row_mm) {
+                    RowCut::Axial(row) => rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column)))),
+                    RowCut::Layer(row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Upright(mut row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Rays(pass) => rays.cut(&reach, |column, dexel| {
+                        let point_mm = point_mm(&lattice, axis, [column, row]);
+                        if !pass.may_cut(&point_mm, dexel) {
+                            return Taken::default();
+                        }
+                        let before = dexel.heap_bytes() as isize;
+                        let length_mm = pass.cut(point_mm, &reach, dexel);
+                        Taken { length_mm, heap_bytes: dexel.heap_bytes() as isize - before }
+                    }),
+                }
+            }
+            rays.taken
+        };
+        let touched = &mut self.dexels[touched.start * width..touched.end * width];
+        let taken: Vec<Taken> = touched.par_chunks_mut(width).enumerate().map(cut_row).collect();
+        let heap_bytes: isize = taken.iter().map(|row| row.heap_bytes).sum();
+        self.heap_bytes = self.heap_bytes.saturating_add_signed(heap_bytes);
+        taken.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
+    }
+}
+
+/// From the first to the last of some ranges.
+fn united(ranges: impl Iterator<Item = Range<usize>>) -> Range<usize> {
+    let all = ranges.filter(|range| !range.is_empty());
+    all.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+}
+
+impl<'a> RowRays<'a> {
+    /// A row that is cut in some columns. Only where several passes come is it worth knowing where there is no material.
+    fn new(dexels: &'a mut [Dexel], columns: &Range<usize>, is_tiled: bool) -> Self {
+        let first_tile = columns.start / TILE;
+        let tiles = if is_tiled { columns.end.div_ceil(TILE) - first_tile } else { 0 };
+        let tile = Tile { extent: EVERYWHERE, is_stale: true };
+        RowRays { dexels, first_tile, tiles: vec![tile; tiles], taken: Taken::default() }
+    }
+
+    /// Takes what rays lose, by their columns.
+    #[inline]
+    fn lose(&mut self, reach: &Reach, mut losses: impl FnMut(usize) -> Losses) {
+        self.cut(reach, |column, dexel| {
+            let [one, other] = losses(column);
+            let mut taken = dexel.take(one);
+            if other.from_mm < other.to_mm {
+                taken.add(&dexel.take(other));
+            }
+            taken
+        });
+    }
+
+    /// Cuts the rays that have material in reach; `cut` returns what it takes from a ray.
+    #[inline]
+    fn cut(&mut self, reach: &Reach, mut cut: impl FnMut(usize, &mut Dexel) -> Taken) {
+        for columns in reach.parts() {
+            let mut start = columns.start;
+            while start < columns.end {
+                let tile = start / TILE;
+                let end = columns.end.min((tile + 1) * TILE);
+                let known = tile.checked_sub(self.first_tile).and_then(|tile| self.tiles.get_mut(tile));
+                if known.as_ref().is_none_or(|tile| tile.extent.meets(&reach.along)) {
+                    let has_cut = cut_all(start, &mut self.dexels[start..end], &reach.along, &mut self.taken, &mut cut);
+                    if let Some(known) = known {
+                        // Looked at again where that was in vain.
+                        if !has_cut && known.is_stale {
+                            let all = tile * TILE..self.dexels.len().min((tile + 1) * TILE);
+                            known.extent = extent_of(&self.dexels[all]);
+                        }
+                        known.is_stale = has_cut;
+                    }
+                }
+                start = end;
+            }
+        }
+    }
+}
+
+/// Cuts neighbouring rays, from a column on, where they have material in a stretch; returns whether any of them has lost anything.
+#[inline]
+fn cut_all(
+    first: usize,
+    dexels: &mut [Dexel],
+    along: &Interval,
+    all: &mut Taken,
+    mut cut: impl FnMut(usize, &mut Dexel) -> Taken,
+) -> bool {
+    let mut has_cut = false;
+    for (column, dexel) in (first..).zip(dexels) {
+        if dexel.meets(along) {
+            let taken = cut(column, dexel);
+            has_cut |= taken.length_mm > 0.0;
+            all.add(&taken);
+        }
+    }
+    has_cut
+}
+
+/// From the first to the last material of some rays.
+fn extent_of(dexels: &[Dexel]) -> Interval {
+    dexels.iter().filter_map(Dexel::extent).fold(NOWHERE, |all, one| Interval {
+        from_mm: if one.from_mm < all.from_mm { one.from_mm } else { all.from_mm },
+        to_mm: if one.to_mm > all.to_mm { one.to_mm } else { all.to_mm },
+    })
+}
+
+/// A point of the ray at a column and a row, 0 along it.
+fn point_mm(lattice: &Lattice, axis: usize, at: [usize; 2]) -> Vector {
+    let mut point_mm = [0.0; 3];
+    for (across, cell) in Lattice::across(axis).into_iter().zip(at) {
+        point_mm[across] = lattice.center_mm(across, cell);
+    }
+    point_mm
+}

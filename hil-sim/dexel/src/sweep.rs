@@ -1,0 +1,311 @@
+//! Which rays a moving tool can meet at all: boxes, so that most rays are never asked.
+//!
+//! A slab lies in a box about it, which moves with it. At a row of rays only those s count at which the box is on that
+//! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
+//! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line; where
+//! the axis is one of the lattice's, [`flat`](super::flat) says it exactly. What is left then is the
+//! stretch of the ray between the slab's two planes and within that cylinder.
+//!
+//! Where the way is square to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
+
+use std::ops::Range;
+
+use arcfeed_kinematics::vector::{Vector, dot, length, scaled, sum};
+
+use super::dexel::{Dexel, Interval, NOWHERE};
+use super::flat::{Flat, Row};
+use super::lattice::Lattice;
+use super::level::{AxialRow, LayerRow, Level, Losses, UprightRow};
+use super::section::{Section, Sweep};
+use super::tool::{Slab, Tool};
+
+/// By how much boxes are wider than what they hold, for rounding.
+const MARGIN_MM: f64 = 1e-7;
+
+/// Below this a ray counts as lying in a plane, or along an axis.
+const STEEP_RATIO: f64 = 1e-3;
+
+/// Part of a tool on its way, for the rays of one direction, with its box.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass<'a> {
+    ray_axis: usize,
+    /// Lowest and highest corner of the box at s = 0.
+    corners_mm: [Vector; 2],
+    motion_mm: Vector,
+    shape: Shape<'a>,
+}
+
+/// What is on the way.
+#[expect(clippy::large_enum_variant, reason = "a pass is made in place and read where it is")]
+#[derive(Clone, Copy, Debug)]
+enum Shape<'a> {
+    /// All slabs of a monotone part, on a level.
+    Level(Level<'a>),
+    /// One slab, on any way.
+    Slab(SlabShape),
+}
+
+/// One slab, and which rays it may cut.
+#[derive(Clone, Copy, Debug)]
+struct SlabShape {
+    section: Section,
+    /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
+    line_mm: [[f64; 2]; 2],
+    near_mm: f64,
+    flat: Option<Flat>,
+    axis: Vector,
+    /// The tip halfway.
+    halfway_mm: Vector,
+    /// The slab's planes, wider by half of the way along the axis.
+    heights_mm: [f64; 2],
+}
+
+/// What the rays of a row lose, by their columns.
+#[derive(Clone, Debug)]
+pub enum RowCut<'a> {
+    /// Along the axis of a tool on a level.
+    Axial(AxialRow<'a>),
+    /// Across it, at one height.
+    Layer(LayerRow),
+    /// Across it, one above the other.
+    Upright(UprightRow<'a>),
+    /// One ray at a time.
+    Rays(&'a Pass<'a>),
+}
+
+/// The rays of one row that a pass can meet, and where on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reach {
+    /// Columns of the row, in two parts with a hollow between them.
+    columns: [Range<usize>; 2],
+    /// Stretch of each ray.
+    pub along: Interval,
+}
+
+impl Reach {
+    /// All columns of the row that it can meet.
+    pub fn columns(&self) -> impl Iterator<Item = usize> {
+        self.parts().into_iter().flatten()
+    }
+
+    /// These columns, in order; parts may be empty.
+    pub fn parts(&self) -> [Range<usize>; 2] {
+        self.columns.clone()
+    }
+}
+
+/// All parts of a tool on all ways, for rays along an axis: as many slabs at a time as can be cut at once.
+pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass<'a>> {
+    let mut passes = Vec::with_capacity(sweeps.len() * tool.slabs().len());
+    for sweep in sweeps {
+        let pass = |heights_mm: [f64; 2], radius_mm: f64, shape: Shape<'a>| {
+            let corners_mm = [-1.0, 1.0].map(|side| corner_mm(sweep, heights_mm, radius_mm, side));
+            Pass { ray_axis, corners_mm, motion_mm: sweep.motion_mm(), shape }
+        };
+        let levels = tool.parts().iter().filter_map(|part| {
+            let level = Level::new(part, sweep)?;
+            Some(pass(part.heights_mm(), part.extreme_radii().outer_mm, Shape::Level(level)))
+        });
+        let before = passes.len();
+        passes.extend(levels);
+        if passes.len() == before {
+            let slab = |slab: &Slab| {
+                let radius_mm = slab.outer_mm[0].max(slab.outer_mm[1]);
+                pass(slab.heights_mm, radius_mm, Shape::Slab(SlabShape::new(slab, sweep, ray_axis)))
+            };
+            passes.extend(tool.slabs().iter().map(slab));
+        }
+    }
+    passes
+}
+
+/// The lowest or the highest corner of the box around a part of a tool at the start of its way.
+fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> Vector {
+    [0, 1, 2].map(|axis| {
+        let along = sweep.axis[axis];
+        let ends = heights_mm.map(|height_mm| height_mm * along * side);
+        let disc_mm = radius_mm * libm::sqrt((1.0 - along * along).max(0.0));
+        sweep.from_mm[axis] + side * (ends[0].max(ends[1]) + disc_mm + MARGIN_MM)
+    })
+}
+
+impl Pass<'_> {
+    /// The lowest and highest corner of the box around it before it moves.
+    pub fn box_mm(&self) -> [Vector; 2] {
+        self.corners_mm
+    }
+
+    /// The rows that it can meet.
+    pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
+        let [_, row_axis] = Lattice::across(self.ray_axis);
+        self.cells(lattice, row_axis)
+    }
+
+    /// The cells along an axis that it can meet.
+    pub fn cells(&self, lattice: &Lattice, axis: usize) -> Range<usize> {
+        let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
+        lattice.cells_between(axis, from_mm, to_mm)
+    }
+
+    /// What it can meet of the row at this coordinate.
+    pub fn reach(&self, lattice: &Lattice, row_mm: f64) -> Option<Reach> {
+        let [column_axis, _] = Lattice::across(self.ray_axis);
+        let axes = [self.ray_axis, column_axis];
+        let Row { across, hollow, along } = match &self.shape {
+            Shape::Level(level) => level.reach(axes, row_mm, MARGIN_MM)?,
+            Shape::Slab(SlabShape { flat: Some(flat), .. }) => flat.narrowed(self.boxed(row_mm)?, axes, row_mm)?,
+            Shape::Slab(_) => self.boxed(row_mm)?,
+        };
+        let columns = lattice.cells_between(column_axis, across.from_mm, across.to_mm);
+        let hollow = hollow.map(|hollow| lattice.cells_between(column_axis, hollow.from_mm, hollow.to_mm));
+        let hollow = hollow.unwrap_or(columns.end..columns.end);
+        let parts = [columns.start..hollow.start.min(columns.end), hollow.end.max(columns.start)..columns.end];
+        (!columns.is_empty()).then_some(Reach { columns: parts, along })
+    }
+
+    /// What the box meets of the row at this coordinate.
+    fn boxed(&self, row_mm: f64) -> Option<Row> {
+        let [column_axis, row_axis] = Lattice::across(self.ray_axis);
+        let (low_mm, high_mm) = (self.corners_mm[0][row_axis], self.corners_mm[1][row_axis]);
+        let motion_mm = self.motion_mm[row_axis];
+        let mut during = [0.0_f64, 1.0_f64];
+        if motion_mm != 0.0 {
+            let ends = [(row_mm - low_mm) / motion_mm, (row_mm - high_mm) / motion_mm];
+            during = [during[0].max(ends[0].min(ends[1])), during[1].min(ends[0].max(ends[1]))];
+        } else if row_mm < low_mm || row_mm > high_mm {
+            return None;
+        }
+        let [across, along] = [column_axis, self.ray_axis].map(|axis| self.extent(axis, during));
+        (during[0] <= during[1]).then_some(Row { across, hollow: None, along })
+    }
+
+    /// What the rays of a row lose.
+    #[inline]
+    pub fn row_cut(&self, row_mm: f64) -> RowCut<'_> {
+        let [column_axis, row_axis] = Lattice::across(self.ray_axis);
+        match &self.shape {
+            Shape::Slab(_) => RowCut::Rays(self),
+            Shape::Level(level) if level.axis() == row_axis => RowCut::Layer(level.layer_row(self.ray_axis, row_mm)),
+            Shape::Level(level) if level.axis() == column_axis => {
+                RowCut::Upright(level.upright_row(self.ray_axis, row_mm))
+            }
+            Shape::Level(level) => RowCut::Axial(level.axial_row(column_axis, row_mm)),
+        }
+    }
+
+    /// What a ray loses on a level; `None` for single slabs.
+    fn losses(&self, ray_point_mm: &Vector) -> Option<Losses> {
+        let [column_mm, row_mm] = Lattice::across(self.ray_axis).map(|axis| ray_point_mm[axis]);
+        match self.row_cut(row_mm) {
+            RowCut::Axial(row) => Some([row.loss(column_mm), NOWHERE]),
+            RowCut::Layer(row) => Some(row.losses(column_mm)),
+            RowCut::Upright(mut row) => Some(row.losses(column_mm)),
+            RowCut::Rays(_) => None,
+        }
+    }
+
+    /// Whether a ray is so near that it may lose any of its material.
+    pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
+        match &self.shape {
+            // What it loses is as soon known.
+            Shape::Level(_) => true,
+            Shape::Slab(shape) => match &shape.flat {
+                Some(flat) => flat.may_cut(self.ray_axis, ray_point_mm, dexel),
+                None => shape.is_near(self.ray_axis, ray_point_mm),
+            },
+        }
+    }
+
+    /// Takes its sweep from a ray of a row; returns the length that was there.
+    pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
+        let Shape::Slab(shape) = &self.shape else {
+            return self.losses(&ray_point_mm).into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
+        };
+        let mut removed_mm = 0.0;
+        // Ends of spans may be off the ends of what is reached by rounding.
+        let along = Interval::new(reach.along.from_mm - MARGIN_MM, reach.along.to_mm + MARGIN_MM);
+        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along).filter(|stretch| dexel.meets(stretch));
+        if let Some(stretch) = stretch {
+            shape.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
+        }
+        removed_mm
+    }
+
+    /// The pieces of the ray that it sweeps.
+    pub fn spans(&self, ray_point_mm: Vector) -> Vec<Interval> {
+        let Shape::Slab(shape) = &self.shape else {
+            return self.losses(&ray_point_mm).into_iter().flatten().filter(|loss| loss.length_mm() > 0.0).collect();
+        };
+        let mut spans = Vec::new();
+        let along = self.extent(self.ray_axis, [0.0, 1.0]);
+        shape.section.for_each_span(ray_point_mm, &along, |span| spans.push(span));
+        spans
+    }
+
+    /// Where the box is along an axis while s is in a range.
+    fn extent(&self, axis: usize, during: [f64; 2]) -> Interval {
+        let moved = during.map(|s| s * self.motion_mm[axis]);
+        Interval {
+            from_mm: self.corners_mm[0][axis] + moved[0].min(moved[1]),
+            to_mm: self.corners_mm[1][axis] + moved[0].max(moved[1]),
+        }
+    }
+}
+
+impl SlabShape {
+    fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
+        let radius_mm = slab.outer_mm[0].max(slab.outer_mm[1]);
+        let motion_mm = sweep.motion_mm();
+        let across = Lattice::across(ray_axis);
+        let [low_mm, high_mm] = slab.heights_mm;
+        let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
+        let half_way_mm = length(motion_mm) / 2.0;
+        let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
+        SlabShape {
+            section: Section::new(slab, sweep, ray_axis),
+            line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
+            near_mm: radius_mm + half_way_mm + MARGIN_MM,
+            flat: Flat::new(slab, sweep, MARGIN_MM),
+            axis: sweep.axis,
+            halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
+            heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
+        }
+    }
+
+    fn is_near(&self, ray_axis: usize, ray_point_mm: &Vector) -> bool {
+        let across = Lattice::across(ray_axis);
+        let [low, line] = self.line_mm;
+        let arm = [ray_point_mm[across[0]] - low[0], ray_point_mm[across[1]] - low[1]];
+        let square = line[0] * line[0] + line[1] * line[1];
+        let along = arm[0] * line[0] + arm[1] * line[1];
+        let part = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+        let off = [arm[0] - part * line[0], arm[1] - part * line[1]];
+        off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
+    }
+
+    /// Where on a ray it may meet the slab, within a stretch beyond which it does not reach.
+    fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
+        let [low_mm, high_mm] = self.heights_mm;
+        let along_u = self.axis[ray_axis];
+        // From the tip, halfway, to the ray's point at 0.
+        let mut w = [0, 1, 2].map(|axis| ray_point_mm[axis] - self.halfway_mm[axis]);
+        w[ray_axis] = -self.halfway_mm[ray_axis];
+        let height_mm = dot(w, self.axis);
+        let mut stretch = *along;
+        if along_u.abs() > STEEP_RATIO {
+            let ends = [(low_mm - height_mm) / along_u, (high_mm - height_mm) / along_u];
+            stretch = stretch.common(&Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
+        }
+        let square = 1.0 - along_u * along_u;
+        if square > STEEP_RATIO {
+            let half = w[ray_axis] - height_mm * along_u;
+            let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
+            let root = libm::sqrt(half * half - square * rest);
+            if root.is_nan() {
+                return None;
+            }
+            stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
+        }
+        (stretch.length_mm() > 0.0).then_some(stretch)
+    }
+}

@@ -1,0 +1,395 @@
+//! Remaining material along one ray of a layer, after a tool has cut it from above.
+//!
+//! Material that no edge has lowered is as high as its layer. A tool's end that stops inside the layer leaves a column:
+//! an interval of the ray with its height, as a fraction between 0 and 1 of the layer's. The columns are stored beside
+//! the ray's full material, and their ends are as exact. A ray without columns is a plain dexel. The removed volume is
+//! length times height, to the last digit.
+//!
+//! Source: own.
+
+use std::borrow::Cow;
+
+use arcfeed_dexel::dexel::{Dexel, Interval};
+
+/// Heights that differ by less than this fraction of a layer are the same: rounding.
+const SAME_RATIO: f64 = 1e-9;
+
+/// Intervals shorter than this remain between two sweeps by rounding.
+const SLIVER_MM: f64 = 1e-9;
+
+/// Columns of a ray: its lowered intervals, in order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartialHeights(Vec<Column>);
+
+/// Interval of constant height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Column {
+    on: Interval,
+    top_ratio: f64,
+}
+
+/// Depth band of an edge: which columns it cuts, and the height that it leaves. Heights are fractions of the layer's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthBand {
+    /// Remaining height of the layer, as a fraction of its height; nothing remains if it is not above 0.
+    pub foot_ratio: f64,
+    /// Peripheral edges cut the material above this height; end edges cut the rest.
+    pub border_ratio: f64,
+    /// Whether the edge is on the tool's end.
+    pub is_end: bool,
+}
+
+impl DepthBand {
+    /// The whole height of the layer.
+    pub const ALL: DepthBand = DepthBand { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
+
+    /// Cut part of a column, as a fraction of the layer's height.
+    pub fn cut_ratio(&self, top_ratio: f64) -> f64 {
+        if self.cuts(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
+    }
+
+    fn cuts(&self, top_ratio: f64) -> bool {
+        (top_ratio > self.border_ratio + SAME_RATIO) != self.is_end && top_ratio > self.foot_ratio + SAME_RATIO
+    }
+}
+
+impl PartialHeights {
+    /// Removes a depth band of a span; returns the length times the fraction of the height removed.
+    pub fn remove(&mut self, material: &mut Dexel, span: Interval, depth_band: &DepthBand) -> f64 {
+        if depth_band.foot_ratio <= 0.0 && !self.meets(&span) {
+            return if depth_band.cuts(1.0) { material.subtract(span) } else { 0.0 };
+        }
+        if self.is_already_lowered(material, &span, depth_band) {
+            return 0.0;
+        }
+        if let Some(taken_mm) = self.remove_beside(material, &span, depth_band) {
+            return taken_mm;
+        }
+        let (foot_ratio, mut rest, mut taken_mm) = (depth_band.foot_ratio.max(0.0), span, 0.0);
+        while rest.length_mm() > 0.0 {
+            let found = self.columns(material, &rest).find(|column| depth_band.cuts(column.top_ratio));
+            let Some(Column { on, top_ratio }) = found else { break };
+            taken_mm += on.length_mm() * depth_band.cut_ratio(top_ratio);
+            rest.from_mm = on.to_mm;
+            if foot_ratio > 0.0 {
+                self.set(on, Some(foot_ratio));
+            } else {
+                material.subtract(on);
+                self.set(on, None);
+            }
+        }
+        taken_mm
+    }
+
+    /// The common case: removes a chip beside a column that already has the final height; `None`, with nothing removed,
+    /// in any other case.
+    fn remove_beside(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> Option<f64> {
+        let Dexel::One(piece) = material else { return None };
+        let on = piece.common(span);
+        let low = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
+        let Column { on: is_low, top_ratio } = *self.0.get(low)?;
+        if top_ratio != depth_band.foot_ratio || !depth_band.cuts(1.0) {
+            return None;
+        }
+        let chip = if is_low.from_mm <= on.from_mm {
+            let is_last = self.0.get(low + 1).is_none_or(|next| next.on.from_mm > on.to_mm);
+            is_last.then_some(Interval { from_mm: is_low.to_mm, ..on })
+        } else {
+            let is_first = low.checked_sub(1).is_none_or(|before| self.0[before].on.to_mm < on.from_mm);
+            let is_at_end = is_low.from_mm <= on.to_mm && on.to_mm <= is_low.to_mm;
+            (is_first && is_at_end).then_some(Interval { to_mm: is_low.from_mm, ..on })
+        };
+        let chip = chip.filter(|chip| chip.length_mm() > 0.0)?;
+        let all = &mut self.0[low].on;
+        *all = Interval::new(all.from_mm.min(chip.from_mm), all.to_mm.max(chip.to_mm));
+        Some(chip.length_mm() * depth_band.cut_ratio(1.0))
+    }
+
+    /// Length of the material, each interval times its height fraction.
+    pub fn length_mm(&self, material: &Dexel) -> f64 {
+        let missing = |column: &Column| column.on.length_mm() * (1.0 - column.top_ratio);
+        match material.extent().filter(|_| !self.0.is_empty()) {
+            None => material.length_mm(),
+            Some(all) => {
+                material.length_mm() - self.columns(material, &all).map(|column| missing(&column)).sum::<f64>()
+            }
+        }
+    }
+
+    /// Intervals of a span where the material is higher than `above_ratio` of the layer; of lowered intervals only
+    /// those longer than rounding.
+    pub fn section<'a>(&self, material: &'a Dexel, span: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
+        if !self.meets(span) {
+            return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
+        }
+        Cow::Owned(Pieces { columns: self.columns(material, span), above_ratio, next: None }.collect())
+    }
+
+    /// Mean height of the material in a span; that of the whole layer if there is none.
+    pub fn mean_ratio(&self, material: &Dexel, span: &Interval) -> f64 {
+        if !self.meets(span) {
+            return 1.0;
+        }
+        let (length_mm, sum_mm) = self.columns(material, span).fold((0.0, 0.0), |(length_mm, sum_mm), column| {
+            (length_mm + column.on.length_mm(), sum_mm + column.on.length_mm() * column.top_ratio)
+        });
+        if length_mm > 0.0 { sum_mm / length_mm } else { 1.0 }
+    }
+
+    /// Height of the material at a coordinate.
+    pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
+        let first = self.0.partition_point(|column| column.on.to_mm <= at_mm);
+        let column = self.0.get(first).filter(|column| column.on.from_mm <= at_mm);
+        material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
+    }
+
+    /// Whether all material of a span is already so low that an edge removes nothing.
+    pub fn is_already_lowered(&self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> bool {
+        let Interval { mut from_mm, to_mm } = match material {
+            Dexel::One(piece) => piece.common(span),
+            _ => *span,
+        };
+        let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
+        for Column { on, top_ratio } in &self.0[first..] {
+            if from_mm >= to_mm || on.from_mm > from_mm || depth_band.cuts(*top_ratio) {
+                break;
+            }
+            from_mm = on.to_mm;
+        }
+        from_mm >= to_mm
+    }
+
+    /// Whether a whole span is lowered to `above_ratio` of the layer, or below.
+    pub fn is_below(&self, span: &Interval, above_ratio: f64) -> bool {
+        self.over(span).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
+    }
+
+    /// The column that contains a whole span.
+    fn over(&self, span: &Interval) -> Option<&Column> {
+        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
+        self.0.get(first).filter(|column| column.on.from_mm <= span.from_mm && span.to_mm <= column.on.to_mm)
+    }
+
+    /// Whether any column overlaps a span.
+    fn meets(&self, span: &Interval) -> bool {
+        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
+        self.0.get(first).is_some_and(|column| column.on.from_mm < span.to_mm)
+    }
+
+    /// First, or last, interval of a span where the material is higher than `above_ratio` of the layer, as in
+    /// [`PartialHeights::section`], cut off at the span's ends.
+    pub fn end_piece(&self, material: &Dexel, span: &Interval, above_ratio: f64, is_first: bool) -> Option<Interval> {
+        if !self.meets(span) {
+            let mut met = material.met(span);
+            let piece = if is_first { met.next() } else { met.next_back() };
+            return piece.filter(|_| above_ratio + SAME_RATIO < 1.0).map(|piece| piece.common(span));
+        }
+        if self.is_below(span, above_ratio) {
+            return None;
+        }
+        let mut pieces = Pieces { columns: self.columns(material, span), above_ratio, next: None };
+        if is_first { pieces.next() } else { pieces.last() }
+    }
+
+    /// Material of a span as columns, in order.
+    fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
+        let first = self.0.partition_point(|column| column.on.to_mm <= within.from_mm);
+        Columns { heights: &self.0[first..], pieces: material.intervals(), within, whole: None }
+    }
+
+    /// Replaces the columns of an interval by one column, or by none; joins it to a neighbour of the same height.
+    fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
+        let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
+        let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
+        if first == end && top_ratio.is_none_or(|top_ratio| self.extend(first, on, top_ratio)) {
+            return;
+        }
+        let before =
+            self.0[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
+        let after =
+            self.0[first..end].last().map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
+        let rests = [before, top_ratio.map(|top_ratio| (on, top_ratio)), after].into_iter().flatten();
+        let rests = rests.filter(|(on, _)| on.length_mm() > 0.0).map(|(on, top_ratio)| Column { on, top_ratio });
+        self.0.splice(first..end, rests);
+        let mut at = first.saturating_sub(1);
+        while at < first + 3 && at + 1 < self.0.len() {
+            let (one, next) = (self.0[at], self.0[at + 1]);
+            if one.on.to_mm == next.on.from_mm && one.top_ratio == next.top_ratio {
+                self.0[at].on.to_mm = next.on.to_mm;
+                self.0.remove(at + 1);
+            } else {
+                at += 1;
+            }
+        }
+    }
+
+    /// Extends a neighbour of the same height over an interval without a column before column `next`; returns whether
+    /// there was one.
+    fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
+        let is_same = |column: &Column| column.top_ratio == top_ratio;
+        let before = next.checked_sub(1).filter(|last| self.0[*last].on.to_mm == on.from_mm && is_same(&self.0[*last]));
+        let is_joined = self.0.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
+        match before {
+            Some(before) if is_joined => self.0[before].on.to_mm = self.0.remove(next).on.to_mm,
+            Some(before) => self.0[before].on.to_mm = on.to_mm,
+            None if is_joined => self.0[next].on.from_mm = on.from_mm,
+            None => return false,
+        }
+        true
+    }
+}
+
+/// Iterator over the material of a span, in order: full material before, between and after the columns.
+struct Columns<'a> {
+    /// Columns not passed yet.
+    heights: &'a [Column],
+    /// Intervals of material to come.
+    pieces: &'a [Interval],
+    within: &'a Interval,
+    /// Rest of the present interval.
+    whole: Option<Interval>,
+}
+
+impl Iterator for Columns<'_> {
+    type Item = Column;
+
+    fn next(&mut self) -> Option<Column> {
+        loop {
+            let Some(piece) = self.whole.take() else {
+                let (first, rest) = self.pieces.split_first()?;
+                self.pieces = rest;
+                if first.from_mm >= self.within.to_mm {
+                    return None;
+                }
+                self.whole = Some(first.common(self.within)).filter(|piece| piece.length_mm() > 0.0);
+                continue;
+            };
+            let Some((column, rest)) = self.heights.split_first().filter(|(column, _)| column.on.from_mm < piece.to_mm)
+            else {
+                return Some(Column { on: piece, top_ratio: 1.0 });
+            };
+            if column.on.to_mm <= piece.from_mm {
+                (self.heights, self.whole) = (rest, Some(piece));
+            } else if column.on.from_mm > piece.from_mm {
+                self.whole = Some(Interval { from_mm: column.on.from_mm, ..piece });
+                return Some(Column { on: Interval { to_mm: column.on.from_mm, ..piece }, top_ratio: 1.0 });
+            } else {
+                let on = column.on.common(&piece);
+                self.whole = Some(Interval { from_mm: on.to_mm, ..piece }).filter(|rest| rest.length_mm() > 0.0);
+                return Some(Column { on, ..*column });
+            }
+        }
+    }
+}
+
+/// Iterator over the intervals of columns that are higher than a fraction of the layer, and longer than rounding;
+/// touching ones are joined.
+struct Pieces<'a> {
+    columns: Columns<'a>,
+    above_ratio: f64,
+    /// Beginning of the next one.
+    next: Option<Interval>,
+}
+
+impl Iterator for Pieces<'_> {
+    type Item = Interval;
+
+    fn next(&mut self) -> Option<Interval> {
+        let mut last = self.next.take();
+        let is_high = |column: &Column| column.top_ratio > self.above_ratio + SAME_RATIO;
+        for Column { on, .. } in self.columns.by_ref().filter(is_high) {
+            match &mut last {
+                Some(piece) if piece.to_mm == on.from_mm => piece.to_mm = on.to_mm,
+                Some(piece) if piece.length_mm() > SLIVER_MM => {
+                    self.next = Some(on);
+                    return last;
+                }
+                _ => last = Some(on),
+            }
+        }
+        last.filter(|piece| piece.length_mm() > SLIVER_MM)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const END: fn(f64, f64) -> DepthBand =
+        |foot_ratio, border_ratio| DepthBand { foot_ratio, border_ratio, is_end: true };
+
+    #[test]
+    fn removed_and_remaining_material_add_up() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut heights = PartialHeights::default();
+        let mut left_mm = 10.0;
+        let side = DepthBand { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        for (from_mm, to_mm, depth_band, taken_mm) in [
+            (2.0, 4.0, END(0.75, 1.0), 0.5),
+            (3.0, 6.0, END(0.5, 1.0), 0.25 + 1.0),
+            // Both are below the side's border but for 2 to 3, which is 0.75 high, and the plain material.
+            (0.0, 6.0, side, 2.0 * 0.75 + 0.5),
+            (0.0, 8.0, END(0.25, 0.5), 3.0 * 0.25),
+            (0.0, 3.0, END(0.0, 0.5), 3.0 * 0.25),
+            (0.0, 10.0, DepthBand::ALL, 3.0 * 0.25 + 4.0),
+        ] {
+            let taken = heights.remove(&mut material, Interval::new(from_mm, to_mm), &depth_band);
+            left_mm -= taken;
+            assert_eq!(taken, taken_mm, "{depth_band:?}");
+            assert_eq!(heights.length_mm(&material), left_mm, "{depth_band:?}");
+        }
+        assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
+    }
+
+    #[test]
+    fn chips_beside_a_floor_become_part_of_it() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut heights = PartialHeights::default();
+        let side = DepthBand { foot_ratio: 0.25, border_ratio: 0.5, is_end: false };
+        // In the middle, away from it, at the end of a floor, at its beginning, between two floors, beyond the
+        // material, and without remaining material.
+        for (from_mm, to_mm, taken_mm) in [
+            (6.0, 7.0, 1.0),
+            (2.0, 4.0, 2.0),
+            (3.0, 5.0, 1.0),
+            (1.0, 3.0, 1.0),
+            (4.0, 6.5, 1.0),
+            (6.0, 12.0, 3.0),
+            (1.0, 11.0, 0.0),
+        ] {
+            assert_eq!(
+                heights.remove(&mut material, Interval::new(from_mm, to_mm), &side),
+                0.75 * taken_mm,
+                "{from_mm}"
+            );
+        }
+        assert_eq!(heights.0, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
+        assert_eq!(material, Dexel::One(Interval::new(0.0, 10.0)));
+    }
+
+    #[test]
+    fn a_section_is_the_material_above_a_height() {
+        let mut material = Dexel::One(Interval::new(0.0, 10.0));
+        let mut heights = PartialHeights::default();
+        for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {
+            heights.remove(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
+        }
+        assert_eq!(heights.0.len(), 2, "equal neighbours are one");
+        let interval = |(from, to)| Interval::new(from, to);
+        let all = Interval::new(-1.0, 11.0);
+        assert_eq!(*heights.section(&material, &all, 0.5), [(0.0, 4.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*heights.section(&material, &all, 0.75), [(0.0, 2.0), (6.0, 10.0)].map(interval));
+        assert_eq!(*heights.section(&material, &Interval::new(1.0, 3.0), 0.0), [(1.0, 3.0)].map(interval));
+        assert!(PartialHeights::default().section(&material, &all, 1.0).is_empty());
+        for (of_all, above_ratio) in [([(0.0, 4.0), (6.0, 10.0)], 0.5), ([(0.0, 10.0); 2], 0.0)] {
+            let ends = [true, false].map(|is_first| heights.end_piece(&material, &all, above_ratio, is_first));
+            assert_eq!(ends, of_all.map(|ends| Some(interval(ends))));
+        }
+        assert_eq!(
+            PartialHeights::default().end_piece(&material, &Interval::new(9.0, 12.0), 0.0, false),
+            Some(interval((9.0, 10.0)))
+        );
+        assert_eq!(heights.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
+        assert_eq!([1.0, 4.5, 11.0].map(|at| heights.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
+    }
+}

@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+//!
+//! Milling: chips, forces, vibrations and marks.
+//!
+//! [`cutting`] measures the chip of every edge in the stock and works out the forces on the tool. A [`process`] combines these
+//! with the modes of tool and workpiece. A [`finishing`] pass along a blade leaves marks.
+
+pub mod cutting;
+
+pub mod process;
+
+pub mod finishing;

@@ -1,0 +1,237 @@
+//! The reliable class: go-back-N over a line that does not reorder.
+//!
+//! The sender keeps all unacknowledged messages and sends them again when its timer expires or the receiver reports a
+//! gap. The receiver accepts only the next expected message, so it needs no buffer for reordering.
+
+use heapless::{Deque, Vec};
+
+use super::frame::PAYLOAD_MAX;
+use super::state::SendError;
+use arcfeed_units::{Micros, Span};
+
+/// Maximum number of accepted naks until the next acknowledgement: more would only repeat messages that are on their
+/// way.
+const NAKS_MAX: u8 = 2;
+
+/// An unacknowledged message.
+#[derive(Clone, Debug)]
+pub struct Outgoing {
+    /// Kind or payload of the message.
+    pub kind: u8,
+    /// Kind or payload of the message.
+    pub payload: Vec<u8, PAYLOAD_MAX>,
+    sent_at: Micros,
+    times_sent: u32,
+}
+
+/// Result of an acknowledgement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acked {
+    /// Nothing new.
+    Nothing,
+    /// Messages were acknowledged; with a round trip if it is unambiguous.
+    Some(Option<Span>),
+    /// It acknowledges messages that were never sent.
+    Impossible,
+}
+
+/// Sender's side.
+#[derive(Clone, Debug)]
+pub struct Outbox<const WINDOW: usize> {
+    messages: Deque<Outgoing, WINDOW>,
+    /// Sequence number of the first message.
+    first: u16,
+    /// Index of the next message to send.
+    next: usize,
+    timer: Option<Micros>,
+    /// Time since which the first message waits: it was sent first, became the first, or could be sent again.
+    waiting_since: Micros,
+    naks: u8,
+    nak_at: Micros,
+    peer_is_busy: bool,
+}
+
+impl<const WINDOW: usize> Default for Outbox<WINDOW> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const WINDOW: usize> Outbox<WINDOW> {
+    /// No messages.
+    pub const fn new() -> Self {
+        Outbox {
+            messages: Deque::new(),
+            first: 0,
+            next: 0,
+            timer: None,
+            waiting_since: Micros(0),
+            naks: 0,
+            nak_at: Micros(0),
+            peer_is_busy: false,
+        }
+    }
+
+    /// Adds a message.
+    ///
+    /// # Errors
+    /// The queue is full, or the payload is too long.
+    pub fn push(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
+        let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
+        let message = Outgoing { kind, payload, sent_at: Micros(0), times_sent: 0 };
+        self.messages.push_back(message).map_err(|_| SendError::Full)
+    }
+
+    /// Number of unacknowledged messages.
+    pub fn len(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// Whether all messages are acknowledged.
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+    }
+
+    /// The next message to send, with its sequence number, and whether it was sent before.
+    pub fn next(&self) -> Option<(u16, &Outgoing, bool)> {
+        let message = self.messages.iter().nth(self.next).filter(|_| !self.peer_is_busy)?;
+        Some((self.first.wrapping_add(self.next as u16), message, message.times_sent > 0))
+    }
+
+    /// Marks the next message as sent.
+    pub fn next_was_sent(&mut self, now: Micros, rto: Span) {
+        let is_first_wait = self.on_the_line() == 0;
+        let Some(message) = self.messages.iter_mut().nth(self.next) else { return };
+        message.sent_at = now;
+        message.times_sent = message.times_sent.saturating_add(1);
+        self.next = self.next.saturating_add(1);
+        if is_first_wait {
+            self.waiting_since = now;
+        }
+        self.timer.get_or_insert(now.after(Micros(u64::from(rto.0))));
+    }
+
+    /// Handles an acknowledgement: the peer expects `ack` next.
+    pub fn on_ack(&mut self, now: Micros, ack: u16, rto: Span) -> Acked {
+        let done = usize::from(ack.wrapping_sub(self.first));
+        if done == 0 {
+            return Acked::Nothing;
+        }
+        if done > self.on_the_line() {
+            return Acked::Impossible;
+        }
+        let mut newest = None;
+        for _ in 0..done {
+            newest = self.messages.pop_front();
+        }
+        self.first = ack;
+        self.next = self.next.saturating_sub(done);
+        self.naks = 0;
+        self.waiting_since = now;
+        self.timer = (self.on_the_line() > 0).then(|| now.after(Micros(u64::from(rto.0))));
+        // Karn's rule: for a retransmitted message it is unknown which copy was acknowledged.
+        let sample = newest.filter(|message| message.times_sent == 1).map(|message| now.since(message.sent_at).into());
+        Acked::Some(sample)
+    }
+
+    /// Handles a nak: the peer has discarded the messages from `ack` on. Returns true if they are sent again.
+    /// `round_trip` is the time until a retransmission can show an effect.
+    pub fn on_nak(&mut self, now: Micros, ack: u16, round_trip: Span) -> bool {
+        let is_answered = self.naks > 0 && Span::from(now.since(self.nak_at)) < round_trip;
+        let is_on_its_way = self.next < self.on_the_line();
+        if ack != self.first || self.on_the_line() == 0 || self.naks >= NAKS_MAX || is_answered || is_on_its_way {
+            return false;
+        }
+        self.naks = self.naks.saturating_add(1);
+        self.nak_at = now;
+        self.send_again();
+        true
+    }
+
+    /// Handles the peer's busy flag. A busy peer discards messages; the timer is then stopped.
+    pub fn on_busy(&mut self, now: Micros, is_busy: bool) {
+        if is_busy {
+            self.timer = None;
+            self.waiting_since = now;
+        } else if self.peer_is_busy {
+            self.waiting_since = now;
+            self.send_again();
+        }
+        self.peer_is_busy = is_busy;
+    }
+
+    /// Last busy flag of the peer.
+    pub const fn is_peer_busy(&self) -> bool {
+        self.peer_is_busy
+    }
+
+    /// Checks the timer; if it has expired, all messages are sent again. Returns whether it has.
+    pub fn on_time(&mut self, now: Micros) -> bool {
+        let is_over = self.timer.is_some_and(|timer| timer <= now);
+        if is_over {
+            self.send_again();
+        }
+        is_over
+    }
+
+    /// Expiry of the timer.
+    pub const fn timer(&self) -> Option<Micros> {
+        self.timer
+    }
+
+    /// Time since which the first message waits for its acknowledgement; `None` if none waits or the peer is busy.
+    pub fn waiting_since(&self) -> Option<Micros> {
+        (self.on_the_line() > 0 && !self.peer_is_busy).then_some(self.waiting_since)
+    }
+
+    fn send_again(&mut self) {
+        self.next = 0;
+        self.timer = None;
+    }
+
+    /// Number of messages that were sent at least once: the first ones.
+    fn on_the_line(&self) -> usize {
+        self.messages.iter().take_while(|message| message.times_sent > 0).count()
+    }
+}
+
+/// Relation of a received message to the expected one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrival {
+    /// The expected message.
+    Next,
+    /// A duplicate: its acknowledgement was lost.
+    Again,
+    /// An earlier message is missing.
+    Gap,
+}
+
+/// Receiver's side.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inbox {
+    expected: u16,
+}
+
+impl Inbox {
+    /// Classifies message `seq`.
+    pub const fn classify(&self, seq: u16) -> Arrival {
+        match seq.wrapping_sub(self.expected) {
+            0 => Arrival::Next,
+            ahead if ahead < u16::MAX / 2 => Arrival::Gap,
+            _ => Arrival::Again,
+        }
+    }
+
+    /// Marks the expected message as delivered.
+    pub fn delivered(&mut self) {
+        self.expected = self.expected.wrapping_add(1);
+    }
+
+    /// Sequence number of the next expected message, which is sent as the acknowledgement.
+    pub const fn expected(&self) -> u16 {
+        self.expected
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,309 @@
+//! Decides whether a feed law may govern a move that a cut rule matches.
+//!
+//! A law for peripheral cutting describes motion across the tool's axis, at a known spindle speed, with a tool of the
+//! job. The rules of that tool are tried. Any other move keeps its programmed feed:
+//!
+//! ```text
+//! plunge, ramp, helix:  |path along the axis| > sin(1 degree) * path       (1)
+//! roll-in:              an arc whose plane contains the tool's axis
+//! rotary:               A, B or C turns with it, and F counts degrees
+//! other tool:           T and M6 have loaded one that the job doesn't have, or an unknown one
+//! spindle:              off, at S0, or at a speed that neither the program nor the job states
+//! ```
+//!
+//! The table law takes its feed from the job and may follow any path. Source: docs/safety-case.md.
+
+use crate::cut::CutRule;
+use crate::job::{Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
+use crate::machine::{FeedLimit, LimitedBy};
+use arcfeed_nc::machining::{Machining, SpindleCommand, ToolInSpindle};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{MmPerMin, Nm, RevPerMin};
+
+/// Largest sine of the angle between a governed path and the plane across the tool's axis: 1 degree. (1)
+pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
+
+/// Result of matching a move with a job.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Match<'r> {
+    /// No cut rule matches it.
+    NoRule,
+    /// A cut rule matches it, but it keeps its programmed feed.
+    Excluded {
+        /// Index of the rule in the job.
+        index: usize,
+        /// Reason.
+        why: Exclusion,
+    },
+    /// The law governs it.
+    Governed(Governing<'r>),
+}
+
+/// Cut rule and spindle speed that govern a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Governing<'r> {
+    /// Index of the cut rule in the job.
+    pub index: usize,
+    /// The cut rule.
+    pub rule: &'r CutRule,
+    /// Commanded spindle speed.
+    pub spindle: RevPerMin,
+}
+
+/// Reason why a move that a cut rule matches keeps its programmed feed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Exclusion {
+    /// It runs along the tool's axis, or turns about a line across it.
+    Axial,
+    /// A rotary axis turns with it: its F is not a feed along the path.
+    Rotary,
+    /// The program has loaded a tool that the job does not have.
+    Tool,
+    /// The spindle is off, or its speed is stated nowhere.
+    Spindle,
+}
+
+impl<'r> Match<'r> {
+    /// Rule and speed that govern the move, if any.
+    pub fn governing(self) -> Option<Governing<'r>> {
+        match self {
+            Match::Governed(governing) => Some(governing),
+            Match::NoRule | Match::Excluded { .. } => None,
+        }
+    }
+}
+
+impl Job {
+    /// Matches a move with the cut rules, with tool and spindle as the program has commanded them.
+    pub fn match_move(&self, segment: &Segment, machining: &Machining) -> Match<'_> {
+        let Some((index, rule)) = self.rule_for(segment, machining.tool) else { return Match::NoRule };
+        let setup = self.tool_of(rule);
+        let is_described = setup.law == LawKind::Table || is_across(segment, setup.axis);
+        match setup.speed(machining.spindle) {
+            _ if segment.start.rotary != segment.end.rotary => Match::Excluded { index, why: Exclusion::Rotary },
+            _ if !is_described => Match::Excluded { index, why: Exclusion::Axial },
+            _ if self.tool_in(machining.tool).is_none() => Match::Excluded { index, why: Exclusion::Tool },
+            None => Match::Excluded { index, why: Exclusion::Spindle },
+            Some(spindle) => Match::Governed(Governing { index, rule, spindle }),
+        }
+    }
+
+    /// The first rule of the tool in the spindle that matches a move, with its index. For a tool that the job does not
+    /// have: the first rule that would match with its own tool.
+    pub fn rule_for(&self, segment: &Segment, tool: ToolInSpindle) -> Option<(usize, &CutRule)> {
+        let loaded = self.tool_in(tool);
+        let is_tried = |rule: &CutRule| loaded.is_none_or(|index| usize::from(rule.tool) == index);
+        let fits = |rule: &CutRule| is_tried(rule) && rule.fits(segment, &self.tool_of(rule).tool);
+        self.rules.iter().enumerate().find(|(_, rule)| fits(rule))
+    }
+
+    /// The setup of the tool in the spindle; the job's first setup if it has no such tool.
+    pub fn setup_in(&self, tool: ToolInSpindle) -> &ToolSetup {
+        self.tool_in(tool).and_then(|index| self.tools.get(index)).unwrap_or(self.tools.first())
+    }
+
+    /// Index of the spindle's tool in the job; `None` if the job has no such tool. Where the program loads no tool, a
+    /// job for one tool assumes that the operator has loaded it.
+    pub fn tool_in(&self, tool: ToolInSpindle) -> Option<usize> {
+        match tool {
+            ToolInSpindle::Unstated => (self.tools.len() == 1).then_some(0),
+            ToolInSpindle::Number(number) => self.tools.iter().position(|setup| setup.number == Some(number)),
+            ToolInSpindle::Unknown => None,
+        }
+    }
+
+    /// Upper limit of the feed on a move that a law governs; `programmed` is its F in the program.
+    pub fn feed_limit(&self, segment: &Segment, programmed: Option<Nm>) -> Option<FeedLimit> {
+        let feed = MmPerMin(self.ceiling.feed_mm_per_min(programmed) as f32);
+        let ceiling = Some(FeedLimit { feed, by: LimitedBy::Ceiling }).filter(|_| feed.0.is_finite());
+        match (self.machine.feed_limit(segment), ceiling) {
+            (Some(machine), Some(ceiling)) => Some(machine.lower(ceiling)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+impl ToolSetup {
+    /// Spindle speed of a governed move: the program's, or the job's if the operator sets the speed.
+    pub fn speed(&self, command: SpindleCommand) -> Option<RevPerMin> {
+        match (command, self.speed_source) {
+            (SpindleCommand::RevPerMin(speed), _) => Some(RevPerMin(speed as f32)),
+            (SpindleCommand::Unstated, SpeedSource::Operator) => Some(self.spindle),
+            (SpindleCommand::Unstated, SpeedSource::Program) | (SpindleCommand::Stopped, _) => None,
+        }
+    }
+}
+
+/// Whether a move stays across the tool's axis. (1)
+pub fn is_across(segment: &Segment, axis: ToolAxis) -> bool {
+    let ends = [&segment.start, &segment.end].map(|pose| pose.linear.get(axis.index()).copied().unwrap_or_default());
+    let [from, to] = ends.map(Nm::to_mm);
+    let is_in_plane = match &segment.path {
+        Path::Rapid | Path::Line => true,
+        Path::Arc(arc) => arc.plane.axes().2 == axis.index(),
+    };
+    is_in_plane && libm::fabs(to - from) <= AXIAL_SINE_MAX * segment.length_mm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cut::{ContourSide, Moves, Work};
+    use crate::job::{FeedPolicy, OverrideLimits, Tools};
+    use crate::knots::Knots;
+    use crate::machine::MachineLimits;
+    use crate::tool::{EndMill, Tool};
+    use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+    use arcfeed_nc::segment::Arc;
+    use arcfeed_units::{LengthUnit, MmPerTooth};
+
+    const ON: Machining = Machining { tool: ToolInSpindle::Unstated, spindle: SpindleCommand::RevPerMin(900) };
+
+    fn mill(number: i64, law: LawKind) -> ToolSetup {
+        let tool = Tool::EndMill(EndMill { radius: Nm(5_000_000), teeth: 2 });
+        ToolSetup { number: Some(number), ..ToolSetup::new(tool, RevPerMin(1_000.0), law, MmPerTooth(0.1)) }
+    }
+
+    fn job(law: LawKind) -> Job {
+        let work = Work::Mill { side: ContourSide::Inside, radial_depth: Nm(1_000_000) };
+        let rule = |moves| CutRule {
+            tool: 0,
+            moves,
+            work: work.clone(),
+            feed_per_tooth: None,
+            table: None,
+            sequence: None,
+            level: None,
+        };
+        Job {
+            unit: LengthUnit::Mm,
+            tools: Tools::one(mill(3, law)),
+            policy: FeedPolicy::SafeBase,
+            limits: OverrideLimits::default(),
+            ceiling: Default::default(),
+            machine: MachineLimits::default(),
+            rules: [Moves::Lines, Moves::Arcs(Turn::Ccw)].map(rule).into_iter().collect(),
+            knots: Knots::default(),
+        }
+    }
+
+    fn line(to_mm: [f64; 3]) -> Segment {
+        let end = Pose { linear: to_mm.map(Nm::from_mm), ..Pose::default() };
+        Segment { sequence: None, start: Pose::default(), end, feed: Feed::Missing, path: Path::Line }
+    }
+
+    /// A quarter turn of radius 10 mm that rises by this much along the plane's normal.
+    fn arc(plane: Plane, rise_mm: f64) -> Segment {
+        let (first, second, normal) = plane.axes();
+        let mut end = Pose::default();
+        end.linear[first] = Nm(-10_000_000);
+        end.linear[second] = Nm(10_000_000);
+        end.linear[normal] = Nm::from_mm(rise_mm);
+        let (from, to) = ([Nm(10_000_000), Nm(0)], [Nm(0), Nm(10_000_000)]);
+        let path = Path::Arc(Arc { plane, turn: Turn::Ccw, center: [Nm(-10_000_000), Nm(0)], from, to });
+        Segment { path, end, ..line([0.0; 3]) }
+    }
+
+    fn why(job: &Job, segment: &Segment, machining: &Machining) -> Option<Exclusion> {
+        match job.match_move(segment, machining) {
+            Match::Excluded { why, .. } => Some(why),
+            Match::Governed(_) => None,
+            Match::NoRule => panic!("a rule matches every move of these tests"),
+        }
+    }
+
+    #[test]
+    fn plunges_ramps_helices_and_roll_ins_keep_their_feed() {
+        let axial = Some(Exclusion::Axial);
+        for (segment, expected) in [
+            (line([10.0, 0.0, 0.0]), None),
+            (line([0.0, 0.0, -5.0]), axial),
+            (line([0.0, 0.0, 5.0]), axial),
+            (line([10.0, 0.0, -0.174]), None),
+            (line([10.0, 0.0, -0.175]), axial),
+            (line([10.0, 0.0, 1.0]), axial),
+            (arc(Plane::Xy, 0.0), None),
+            (arc(Plane::Xy, -0.27), None),
+            (arc(Plane::Xy, -0.28), axial),
+            (arc(Plane::Zx, 0.0), axial),
+            (arc(Plane::Yz, 0.0), axial),
+        ] {
+            for law in [LawKind::Engagement, LawKind::Contour { inside_only: false, floor_ratio: 0.0 }] {
+                assert_eq!(why(&job(law), &segment, &ON), expected, "{segment:?}");
+            }
+            assert_eq!(why(&job(LawKind::Table), &segment, &ON), None, "a table follows any path: {segment:?}");
+        }
+    }
+
+    #[test]
+    fn with_the_axis_along_y_the_plane_is_g18() {
+        let mut job = job(LawKind::Engagement);
+        job.tools.first_mut().axis = ToolAxis::Y;
+        assert_eq!(why(&job, &arc(Plane::Zx, 0.0), &ON), None);
+        assert_eq!(why(&job, &arc(Plane::Xy, 0.0), &ON), Some(Exclusion::Axial));
+        assert_eq!(why(&job, &line([0.0, 5.0, 0.0]), &ON), Some(Exclusion::Axial));
+    }
+
+    #[test]
+    fn only_the_jobs_own_tool_is_governed() {
+        let (own, cut) = (job(LawKind::Engagement), line([1.0, 0.0, 0.0]));
+        let unnumbered = Job { tools: Tools::one(ToolSetup { number: None, ..*own.tools.first() }), ..own.clone() };
+        for (tool, of_own, of_unnumbered) in [
+            (ToolInSpindle::Unstated, None, None),
+            (ToolInSpindle::Number(3), None, Some(Exclusion::Tool)),
+            (ToolInSpindle::Number(4), Some(Exclusion::Tool), Some(Exclusion::Tool)),
+            (ToolInSpindle::Unknown, Some(Exclusion::Tool), Some(Exclusion::Tool)),
+        ] {
+            let machining = Machining { tool, ..ON };
+            assert_eq!(why(&own, &cut, &machining), of_own, "{tool:?}");
+            assert_eq!(why(&unnumbered, &cut, &machining), of_unnumbered, "{tool:?}");
+        }
+    }
+
+    #[test]
+    fn a_move_is_governed_at_the_speed_that_is_commanded_or_not_at_all() {
+        let (by_program, cut) = (job(LawKind::Engagement), line([1.0, 0.0, 0.0]));
+        let mut by_operator = by_program.clone();
+        by_operator.tools.first_mut().speed_source = SpeedSource::Operator;
+        for (spindle, of_program, of_operator) in [
+            (SpindleCommand::RevPerMin(900), Some(900.0), Some(900.0)),
+            (SpindleCommand::Unstated, None, Some(1_000.0)),
+            (SpindleCommand::Stopped, None, None),
+        ] {
+            let machining = Machining { spindle, ..ON };
+            let speed = |job: &Job| job.match_move(&cut, &machining).governing().map(|governing| governing.spindle.0);
+            assert_eq!((speed(&by_program), speed(&by_operator)), (of_program, of_operator), "{spindle:?}");
+        }
+    }
+
+    #[test]
+    fn each_tool_has_rules_law_and_speed_of_its_own() {
+        let mut job = job(LawKind::Engagement);
+        job.tools.push(ToolSetup { speed_source: SpeedSource::Operator, ..mill(8, LawKind::Table) }).expect("room");
+        let lines = job.rules[0].clone();
+        job.rules.push(CutRule { tool: 1, ..lines }).expect("room");
+        let unstated = SpindleCommand::Unstated;
+        let plunge = line([0.0, 0.0, -5.0]);
+        for (tool, segment, spindle, expected) in [
+            (ToolInSpindle::Number(3), line([1.0, 0.0, 0.0]), ON.spindle, Some((0, 900.0))),
+            (ToolInSpindle::Number(8), line([1.0, 0.0, 0.0]), ON.spindle, Some((2, 900.0))),
+            (ToolInSpindle::Number(3), line([1.0, 0.0, 0.0]), unstated, None),
+            (ToolInSpindle::Number(8), line([1.0, 0.0, 0.0]), unstated, Some((2, 1_000.0))),
+            (ToolInSpindle::Number(3), plunge, ON.spindle, None),
+            (ToolInSpindle::Number(8), plunge, ON.spindle, Some((2, 900.0))),
+            (ToolInSpindle::Number(3), arc(Plane::Xy, 0.0), ON.spindle, Some((1, 900.0))),
+            (ToolInSpindle::Number(8), arc(Plane::Xy, 0.0), ON.spindle, None),
+            (ToolInSpindle::Number(5), line([1.0, 0.0, 0.0]), ON.spindle, None),
+            (ToolInSpindle::Unstated, line([1.0, 0.0, 0.0]), ON.spindle, None),
+        ] {
+            let governing = job.match_move(&segment, &Machining { tool, spindle }).governing();
+            assert_eq!(
+                governing.map(|governing| (governing.index, governing.spindle.0)),
+                expected,
+                "{tool:?} {segment:?}"
+            );
+        }
+        let other = Machining { tool: ToolInSpindle::Number(5), ..ON };
+        assert_eq!(why(&job, &line([1.0, 0.0, 0.0]), &other), Some(Exclusion::Tool));
+    }
+}

@@ -1,0 +1,103 @@
+//! Calls and returns: G65, G66, G66.1, M98, M99.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::arguments::{Letters, locals};
+use super::expression::whole;
+use super::stack::{Call, ModalCallTiming};
+use super::step::Ending;
+use super::words::MacroWord;
+use arcfeed_nc::alarm::{Fault, NotModelled};
+use arcfeed_nc::macro_alarm::MacroAlarm;
+use arcfeed_units::LengthUnit;
+
+/// Largest number of a program: eight digits.
+const PROGRAM_MAX: u32 = 99_999_999;
+/// Largest sequence number.
+pub const SEQUENCE_MAX: u32 = 99_999;
+/// Without L, the digits of M98's P before the last four are the number of repetitions.
+const REPEAT_DIGITS: u32 = 10_000;
+/// Maximum number of repetitions of a macro call.
+const REPEATS_MAX: u32 = 9_999;
+
+/// Action after the last emitted block.
+#[derive(Debug, Default)]
+pub enum Continuation {
+    /// Continue with the next line.
+    #[default]
+    GoOn,
+    /// Call a program.
+    Call(Box<Call>),
+    /// Return (M99), with P and its column.
+    Return(Option<(u32, u16)>),
+    /// End of the program.
+    End(Ending),
+}
+
+/// Macro call of the word `at` (G65, G66 or G66.1) and the words after it, with its timing if it is modal.
+///
+/// # Errors
+/// PS0076, PS0078 or PS0129 at the missing or wrong word.
+pub fn macro_call(
+    words: &[MacroWord],
+    at: usize,
+    unit: LengthUnit,
+) -> Result<Option<(Option<ModalCallTiming>, Call)>, Fault> {
+    let (before, rest) = words.split_at_checked(at).unwrap_or_default();
+    let Some((code, arguments)) = rest.split_first() else { return Ok(None) };
+    if let Some(word) = before.first() {
+        return Err(Fault::in_macro(MacroAlarm::ArgumentAddress, word.column));
+    }
+    let last = |letter: u8| arguments.iter().rev().find(|word| word.letter == letter);
+    let program = last(b'P').ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
+    let given = arguments.iter().filter(|word| !matches!(word.letter, b'P' | b'L'));
+    let locals = locals(given, Letters::Call, unit)?;
+    let number = number_of(program, PROGRAM_MAX)?;
+    let repeats = last(b'L').map_or(Ok(1), |word| number_of(word, REPEATS_MAX))?;
+    let when = match code.value {
+        66.0 => Some(ModalCallTiming::AfterMoves),
+        65.0 => None,
+        _ => Some(ModalCallTiming::EveryBlock),
+    };
+    let arguments = Some(Box::new(locals));
+    Ok(Some((when, Call { number, repeats, arguments, is_modal: when.is_some(), column: program.column })))
+}
+
+/// Removes M98 and M99 with their P and L from a block. Returns the other words and the action after them.
+///
+/// # Errors
+/// PS0076, PS0078, or a call that is not modelled.
+pub fn split_call(words: Vec<MacroWord>) -> Result<(Vec<MacroWord>, Continuation), Fault> {
+    let is_m = |word: &MacroWord, code: f64| word.letter == b'M' && word.value == code;
+    if let Some(word) = words.iter().find(|word| is_m(word, 198.0)) {
+        return Err(Fault::not_modelled(NotModelled::MCode(198), word.column));
+    }
+    let Some(code) = words.iter().find(|word| is_m(word, 98.0) || is_m(word, 99.0)).cloned() else {
+        return Ok((words, Continuation::GoOn));
+    };
+    let (own, others): (Vec<MacroWord>, Vec<MacroWord>) =
+        words.into_iter().partition(|word| matches!(word.letter, b'P' | b'L') || *word == code);
+    let last = |letter: u8| own.iter().rev().find(|word| word.letter == letter);
+    let program = last(b'P');
+    if code.value == 99.0 {
+        let sequence = program.map(|word| Ok((number_of(word, SEQUENCE_MAX)?, word.column))).transpose()?;
+        return Ok((others, Continuation::Return(sequence)));
+    }
+    if let Some(word) = others.iter().find(|word| matches!(word.letter, b'H' | b'Q')) {
+        return Err(Fault::not_modelled(NotModelled::MCode(98), word.column));
+    }
+    let program = program.ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
+    let number = number_of(program, PROGRAM_MAX)?;
+    let (number, repeats) = match last(b'L') {
+        Some(word) => (number, number_of(word, PROGRAM_MAX)?),
+        None if number >= REPEAT_DIGITS => (number % REPEAT_DIGITS, number / REPEAT_DIGITS),
+        None => (number, 1),
+    };
+    let call = Call { number, repeats, arguments: None, is_modal: false, column: program.column };
+    Ok((others, Continuation::Call(Box::new(call))))
+}
+
+fn number_of(word: &MacroWord, max: u32) -> Result<u32, Fault> {
+    whole(Some(word.value), 0..=max).ok_or(Fault::in_macro(MacroAlarm::ProgramNotFound, word.column))
+}

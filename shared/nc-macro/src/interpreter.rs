@@ -1,0 +1,357 @@
+//! Interpreter of macro programs: executes statements and returns the next action of the control.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::arguments::{Letters, locals};
+use super::calls::{Continuation, SEQUENCE_MAX, macro_call, split_call};
+use super::code::{CodeCursor, Head, MacroCode};
+use super::expression::{Evaluator, whole};
+use super::print;
+use super::program::{File, Library, ProgramLine};
+use super::stack::{Call, ModalCallTiming, SourceLine, Stack};
+use super::step::{Ending, MacroSettings, MacroStep, PlainBlock, ProgramFault};
+use super::variables::{Context, Effect, Variables};
+use super::words::{self, MacroWord, spell_block};
+use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
+use arcfeed_nc::macro_alarm::MacroAlarm;
+use arcfeed_nc::settings::Tables;
+
+/// A program in execution.
+#[derive(Debug)]
+pub struct Interpreter {
+    settings: MacroSettings,
+    stack: Stack,
+    variables: Variables,
+    then: Continuation,
+    /// The line in execution, counted from 0 in its file, and its place.
+    index: u32,
+    place: SourceLine,
+    steps: u32,
+    message: Vec<u8>,
+}
+
+impl Interpreter {
+    /// An interpreter at the start of the first program in `text`. In DNC operation [`Interpreter::feed`] supplies the
+    /// text.
+    pub fn new(text: &[u8], library: Box<dyn Library>, settings: MacroSettings, context: &Context) -> Self {
+        Interpreter {
+            settings,
+            stack: Stack::new(File::new(text), library),
+            variables: Variables::new(*context),
+            then: Continuation::GoOn,
+            index: 0,
+            place: SourceLine::default(),
+            steps: 0,
+            message: Vec::new(),
+        }
+    }
+
+    /// Supplies line `number` of the main program (DNC operation, after [`MacroStep::Starved`]).
+    pub fn feed(&mut self, line: &[u8], number: u32) {
+        self.stack.feed(line, number);
+    }
+
+    /// Sets the block-delete switches: bit n for `/n`.
+    pub fn set_block_delete(&mut self, switches: u16) {
+        self.settings.block_delete = switches;
+    }
+
+    /// Continues at block N `sequence` of the current program. Returns whether it exists.
+    pub fn seek(&mut self, sequence: u32) -> bool {
+        self.stack.jump(sequence).is_some()
+    }
+
+    /// Sets the source of subprograms that are not in the main program's file.
+    pub fn set_library(&mut self, library: Box<dyn Library>) {
+        self.stack.set_library(library);
+    }
+
+    /// Sets the offsets: initially, and after a block that wrote some with G10.
+    pub fn set_tables(&mut self, tables: &Tables) {
+        *self.variables.tables = *tables;
+    }
+
+    /// Reset of the control: ready for the next line of the main program from the DNC line. Keeps offsets and the
+    /// common variables from #500 on.
+    pub fn reset(&mut self) {
+        self.stack.reset();
+        self.variables.reset();
+        (self.then, self.steps) = (Continuation::GoOn, 0);
+    }
+
+    /// The variables.
+    pub fn variables(&self) -> &Variables {
+        &self.variables
+    }
+
+    /// The variables, mutable, to preset common ones.
+    pub fn variables_mut(&mut self) -> &mut Variables {
+        &mut self.variables
+    }
+
+    /// Ends the program with a fault of the line executed last.
+    pub fn stop(&mut self, fault: Fault) -> ProgramFault {
+        self.then = Continuation::End(Ending::Program);
+        let (place, calls) = (self.place, self.stack.calls());
+        ProgramFault { fault, place, calls, message: core::mem::take(&mut self.message) }
+    }
+
+    /// Executes statements up to the next action of the control; `context` is the current state of the control.
+    ///
+    /// # Errors
+    /// The alarm with which the control stops; the program has then ended.
+    pub fn next(&mut self, context: &Context) -> Result<MacroStep, ProgramFault> {
+        self.variables.context = *context;
+        for _ in 0..self.settings.bounds.slice {
+            match self.advance() {
+                Ok(None) => {}
+                Ok(Some(step)) => return Ok(step),
+                Err(fault) => return Err(self.stop(fault)),
+            }
+        }
+        Ok(MacroStep::Busy)
+    }
+
+    fn advance(&mut self) -> Result<Option<MacroStep>, Fault> {
+        match core::mem::take(&mut self.then) {
+            Continuation::GoOn => {}
+            Continuation::Call(call) => {
+                self.stack.enter(*call, self.place, &mut self.variables.locals, &self.settings.bounds)?;
+            }
+            Continuation::Return(sequence) => return self.leave(sequence),
+            Continuation::End(ending) => {
+                self.then = Continuation::End(ending);
+                return Ok(Some(MacroStep::End(ending)));
+            }
+        }
+        if self.stack.is_at_end() {
+            return self.at_end_of_text();
+        }
+        let Some((frame, file)) = self.stack.top() else { return Ok(None) };
+        self.index = frame.line;
+        frame.line += 1;
+        let Some(line) = file.line(self.index).cloned() else { return Ok(None) };
+        self.place = self.stack.place(self.index);
+        self.steps += 1;
+        if self.steps > self.settings.bounds.steps {
+            return Err(Fault::in_macro(MacroAlarm::Endless, 1));
+        }
+        self.execute(line)
+    }
+
+    fn at_end_of_text(&mut self) -> Result<Option<MacroStep>, Fault> {
+        if !self.stack.is_in_main() {
+            return Err(Fault::alarm(Alarm::EndOfRecord, 0));
+        }
+        if self.settings.is_dnc {
+            return Ok(Some(MacroStep::Starved));
+        }
+        self.then = Continuation::End(Ending::Text);
+        Ok(None)
+    }
+
+    fn leave(&mut self, sequence: Option<(u32, u16)>) -> Result<Option<MacroStep>, Fault> {
+        if self.stack.is_in_main() && self.settings.is_dnc {
+            return Err(Fault::not_modelled(NotModelled::MCode(99), 1));
+        }
+        let has_returned = self.stack.leave(sequence, &mut self.variables.locals)?;
+        Ok((!has_returned).then_some(MacroStep::Restart))
+    }
+
+    fn execute(&mut self, line: ProgramLine) -> Result<Option<MacroStep>, Fault> {
+        let code = MacroCode::new(&line.text);
+        let mut cursor = code.cursor();
+        let head = Head::read(&mut cursor);
+        let is_off = |switch: u32| self.settings.block_delete.checked_shr(switch).unwrap_or(0) & 1 == 0;
+        if line.text.is_empty() || !head.delete.is_none_or(is_off) {
+            return Ok(None);
+        }
+        let is_block = !matches!(cursor.peek(), None | Some(b'O' | b':'));
+        let calls_macro = is_block && self.stack.modal_call(ModalCallTiming::EveryBlock).is_some();
+        if line.is_plain && !calls_macro {
+            let code =
+                if is_block || head.program.is_some() || head.sequence.is_some() { code } else { MacroCode::default() };
+            return Ok(Some(self.emit(line.text, Vec::new(), &code)));
+        }
+        self.statement(&head, cursor, &code)
+    }
+
+    fn statement(
+        &mut self,
+        head: &Head,
+        mut cursor: CodeCursor<'_>,
+        code: &MacroCode,
+    ) -> Result<Option<MacroStep>, Fault> {
+        let begin = cursor.column();
+        if cursor.peek() == Some(b'#') {
+            return self.assign(cursor, code);
+        }
+        if cursor.accept_keyword(b"IF") {
+            return self.condition(cursor, code);
+        }
+        if cursor.accept_keyword(b"GOTO") {
+            return self.go_to(cursor, begin, true);
+        }
+        if cursor.accept_keyword(b"WHILE") {
+            let holds = self.evaluator().bracketed(&mut cursor)?;
+            return self.begin_loop(cursor, begin, holds.unwrap_or(0.0) != 0.0);
+        }
+        if cursor.letters() == b"DO" {
+            return self.begin_loop(cursor, begin, true);
+        }
+        if cursor.accept_keyword(b"END") {
+            self.refuse_in_dnc(begin)?;
+            cursor.loop_number()?;
+            let (frame, file) = self.stack.top().ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
+            frame.line = file.other_end(self.index).ok_or(Fault::in_macro(MacroAlarm::EndMissing, begin))?;
+            return Ok(None);
+        }
+        if let Some(output) = print::statement(&mut cursor, self.evaluator(), self.settings.print)? {
+            return cursor.finish().map(|()| Some(MacroStep::Output(output)));
+        }
+        self.block(head, cursor)
+    }
+
+    fn evaluator(&self) -> Evaluator<'_> {
+        Evaluator::new(&self.variables, self.settings.angles)
+    }
+
+    fn assign(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> Result<Option<MacroStep>, Fault> {
+        let column = cursor.column();
+        cursor.skip(1);
+        let number = self.evaluator().variable_number(&mut cursor)?;
+        if !cursor.accept(b"=") {
+            return Err(cursor.fault(MacroAlarm::ExpressionFormat));
+        }
+        let value = self.evaluator().expression(&mut cursor)?;
+        cursor.finish()?;
+        match self.variables.write(number, value).map_err(|cause| Fault { cause, column })? {
+            Effect::Kept => Ok(None),
+            Effect::Stop => Ok(Some(MacroStep::Message(code.comment.clone()))),
+            Effect::Ignore => Ok(Some(MacroStep::Ignore(self.variables.ignored))),
+            Effect::Offset => Ok(Some(MacroStep::Offset)),
+            Effect::Alarm(alarm) => {
+                self.message.clone_from(&code.comment);
+                Err(Fault::in_macro(MacroAlarm::User(alarm), column))
+            }
+        }
+    }
+
+    fn condition(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> Result<Option<MacroStep>, Fault> {
+        let holds = self.evaluator().bracketed(&mut cursor)?.unwrap_or(0.0) != 0.0;
+        let is_then = cursor.accept(b"THEN");
+        let begin = cursor.column();
+        if cursor.accept_keyword(b"GOTO") {
+            return self.go_to(cursor, begin, holds);
+        }
+        match cursor.peek() {
+            _ if !is_then => Err(cursor.fault(MacroAlarm::StatementFormat)),
+            _ if !holds => Ok(None),
+            Some(b'#') => self.assign(cursor, code),
+            _ => {
+                let output = print::statement(&mut cursor, self.evaluator(), self.settings.print)?
+                    .ok_or(cursor.fault(MacroAlarm::StatementFormat))?;
+                cursor.finish().map(|()| Some(MacroStep::Output(output)))
+            }
+        }
+    }
+
+    fn go_to(&mut self, mut cursor: CodeCursor<'_>, begin: u16, goes: bool) -> Result<Option<MacroStep>, Fault> {
+        self.refuse_in_dnc(begin)?;
+        if !goes {
+            return Ok(None);
+        }
+        let column = cursor.column();
+        let value = self.evaluator().factor(&mut cursor)?;
+        cursor.finish()?;
+        let number = whole(value, 1..=SEQUENCE_MAX).ok_or(MacroAlarm::SequenceNumber);
+        let gone = number.and_then(|number| self.stack.go_to(number, self.index));
+        gone.map(|()| None).map_err(|alarm| Fault::in_macro(alarm, column))
+    }
+
+    fn begin_loop(&mut self, mut cursor: CodeCursor<'_>, begin: u16, holds: bool) -> Result<Option<MacroStep>, Fault> {
+        self.refuse_in_dnc(begin)?;
+        if !cursor.accept(b"DO") {
+            return Err(cursor.fault(MacroAlarm::StatementFormat));
+        }
+        cursor.loop_number()?;
+        let missing = Fault::in_macro(MacroAlarm::EndMissing, begin);
+        let (frame, file) = self.stack.top().ok_or(missing)?;
+        let end = file.other_end(self.index).ok_or(missing)?;
+        if !holds {
+            frame.line = end.saturating_add(1);
+        }
+        Ok(None)
+    }
+
+    fn refuse_in_dnc(&self, column: u16) -> Result<(), Fault> {
+        let is_refused = self.settings.is_dnc && self.stack.is_in_main();
+        if is_refused { Err(Fault::in_macro(MacroAlarm::NotInDnc, column)) } else { Ok(()) }
+    }
+
+    fn block(&mut self, head: &Head, mut cursor: CodeCursor<'_>) -> Result<Option<MacroStep>, Fault> {
+        let unit = self.variables.context.unit;
+        let words = words::read(&mut cursor, self.evaluator(), unit)?;
+        let tenths =
+            |word: &MacroWord| if word.letter == b'G' { whole(Some(word.value * 10.0), 0..=9_999) } else { None };
+        if let Some(at) = words.iter().position(|word| matches!(tenths(word), Some(650 | 660 | 661))) {
+            return self.call_macro(&words, at).map(|()| None);
+        }
+        let (cancels, words): (Vec<MacroWord>, Vec<MacroWord>) =
+            words.into_iter().partition(|word| tenths(word) == Some(670));
+        if let Some(word) = cancels.first()
+            && !self.stack.cancel_modal()
+        {
+            return Err(Fault::not_modelled(NotModelled::GCode(670), word.column));
+        }
+        if let Some(call) = self.stack.modal_call(ModalCallTiming::EveryBlock).filter(|_| !words.is_empty()) {
+            let arguments = Some(Box::new(locals(words.iter(), Letters::Block, unit)?));
+            self.then = Continuation::Call(Box::new(Call { arguments, ..call }));
+            return Ok(None);
+        }
+        let (words, then) = split_call(words)?;
+        let has_words = !words.is_empty() || matches!(then, Continuation::GoOn);
+        let step = has_words.then(|| {
+            let (mut text, mut columns) = spell_block(words.iter());
+            if let Some(sequence) = head.sequence {
+                let number = alloc::format!("N{sequence}");
+                text.splice(..0, number.bytes());
+                columns.splice(..0, core::iter::repeat_n(1, number.len()));
+            }
+            let code = MacroCode::new(&text);
+            self.emit(text, columns, &code)
+        });
+        // A call of this block precedes a modal call; M99 in a block with M30 is not executed.
+        if !matches!(then, Continuation::GoOn) && !matches!(self.then, Continuation::End(_)) {
+            self.then = then;
+        }
+        Ok(step)
+    }
+
+    /// Emits a block and prepares the action after it.
+    fn emit(&mut self, text: Vec<u8>, columns: Vec<u16>, code: &MacroCode) -> MacroStep {
+        let kind = self.variables.codes.apply_block(code.cursor());
+        if kind.moves || kind.dwells {
+            self.steps = 0;
+        }
+        if kind.ends {
+            self.then = Continuation::End(Ending::Program);
+        } else if let Some(call) = self.stack.modal_call(ModalCallTiming::AfterMoves).filter(|_| kind.moves) {
+            self.then = Continuation::Call(Box::new(call));
+        }
+        MacroStep::Block(PlainBlock { text, place: self.place, calls: self.stack.calls(), columns })
+    }
+
+    /// Executes G65, G66 or G66.1 with the words after it.
+    fn call_macro(&mut self, words: &[MacroWord], at: usize) -> Result<(), Fault> {
+        let Some((when, call)) = macro_call(words, at, self.variables.context.unit)? else { return Ok(()) };
+        let Some(when) = when else {
+            self.then = Continuation::Call(Box::new(call));
+            return Ok(());
+        };
+        let column = call.column;
+        let is_set = self.stack.set_modal(when, call, &self.settings.bounds)?;
+        if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), column)) }
+    }
+}

@@ -1,0 +1,186 @@
+//! Alarms of the control, and constructs that this crate does not interpret yet.
+//!
+//! Numbers and wording follow the program-error (PS) list of the Fanuc 16i/30i family; a sentence of ours gives the
+//! remedy. Where the families differ, the 16i's meaning applies.
+
+use core::fmt;
+
+use super::macro_alarm::MacroAlarm;
+
+/// Declares [`Alarm`] from its table: number, condition, remedy.
+macro_rules! alarms {
+    ($($name:ident = $number:literal: $when:literal, $remedy:literal;)*) => {
+        /// A program alarm of the control.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Alarm {
+            $(#[doc = concat!("PS", stringify!($number), ": ", $when, ".")] $name,)*
+        }
+
+        impl Alarm {
+            /// All alarms, by number.
+            pub const ALL: &'static [Alarm] = &[$(Alarm::$name),*];
+
+            /// The number on the control's screen.
+            pub const fn number(self) -> u16 {
+                match self { $(Alarm::$name => $number,)* }
+            }
+
+            /// Condition under which the control raises it.
+            pub const fn when(self) -> &'static str {
+                match self { $(Alarm::$name => $when,)* }
+            }
+
+            /// Remedy.
+            pub const fn remedy(self) -> &'static str {
+                match self { $(Alarm::$name => $remedy,)* }
+            }
+
+            /// Meaning and remedy in one sentence.
+            pub const fn explanation(self) -> &'static str {
+                match self { $(Alarm::$name => concat!($when, "; ", $remedy),)* }
+            }
+        }
+    };
+}
+
+alarms! {
+    Character = 1: "TH alarm: a character outside the control's code",
+        "use capitals, digits and ( ) * + , - . / = only";
+    BlockParity = 2: "TV alarm: a block with an odd number of characters",
+        "let the sender add a blank, or switch the TV check off";
+    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number";
+    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its letter";
+    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number";
+    MinusSign = 6: "a minus sign where none is allowed", "remove it";
+    DecimalPoint = 7: "a decimal point where none is allowed, or a second one", "remove it";
+    IllegalAddress = 9: "this address is not allowed here", "remove it or write the letter that is meant";
+    ImproperGCode = 10: "this control has no such G code", "correct it";
+    NoFeed = 11: "a cutting move without a feed", "give F in this block or before it (G93: in every block)";
+    RadiusTolerance = 20:
+        "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R",
+        "correct the end point, R or I, J, K";
+    NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
+    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
+    DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
+    ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
+    PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
+    ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
+    NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
+    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "correct P";
+    SequenceNotFound = 60: "no block has the sequence number that was searched for", "give one that is there";
+    ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
+        "count from 1";
+    LineError = 85: "communication error: a character without its stop bits, or lost in the receiver",
+        "check baud rate, stop bits and cable";
+    NotReady = 86: "the sender's data set ready line is off: it was switched off or closed its port",
+        "keep it open to the end";
+    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner";
+    LookAheadFormat = 109: "G08 with anything but P0 and P1", "correct P";
+    RotationPlane = 144: "an arc outside the plane in which G68 turns", "select the plane of G68 or cancel it with G69";
+    EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
+}
+
+/// Construct that a control may accept but this version does not interpret.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotModelled {
+    /// A G code of the control, in tenths (G43.4 is 434).
+    GCode(u16),
+    /// A move under a G code of the control, in tenths.
+    MoveUnder(u16),
+    /// After G68 or G69, a move in the plane that does not give both its axes in absolute terms.
+    AfterRotation,
+    /// An M code that changes the order of the blocks (M98, M99).
+    MCode(u16),
+    /// Macro statements beyond `#variable=number`.
+    Macro,
+    /// A system variable of the control whose value is not known here.
+    Variable(u32),
+    /// An arc that also turns a rotary axis.
+    RotaryArc,
+    /// An arc given by R that ends where it starts in its plane, but not across it.
+    ArcWithoutAngle,
+    /// More words in a block than [`crate::block::WORDS_MAX`].
+    LongBlock,
+}
+
+/// Reason why a block cannot be executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// The control would stop with this alarm.
+    Alarm(Alarm),
+    /// The control would stop with this alarm of a custom macro or a call.
+    Macro(MacroAlarm),
+    /// The control may accept it; arcfeed does not interpret it and rejects the program.
+    NotModelled(NotModelled),
+}
+
+/// Cause of a fault and its column in the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// Cause.
+    pub cause: Cause,
+    /// Column of the offending byte, counted from 1; 0 for the block as a whole.
+    pub column: u16,
+}
+
+impl Fault {
+    /// An alarm at `column`.
+    pub const fn alarm(alarm: Alarm, column: u16) -> Self {
+        Fault { cause: Cause::Alarm(alarm), column }
+    }
+
+    /// A macro alarm at `column`.
+    pub const fn in_macro(alarm: MacroAlarm, column: u16) -> Self {
+        Fault { cause: Cause::Macro(alarm), column }
+    }
+
+    /// A construct that is not modelled at `column`.
+    pub const fn not_modelled(what: NotModelled, column: u16) -> Self {
+        Fault { cause: Cause::NotModelled(what), column }
+    }
+}
+
+impl fmt::Display for NotModelled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            NotModelled::GCode(tenths) => write_g(f, tenths),
+            NotModelled::MoveUnder(tenths) => {
+                f.write_str("a move under ")?;
+                write_g(f, tenths)
+            }
+            NotModelled::AfterRotation => {
+                f.write_str("a move behind G68 or G69 without both axes of the plane in absolute terms")
+            }
+            NotModelled::MCode(code) => write!(f, "M{code}"),
+            NotModelled::Macro => f.write_str("this macro statement"),
+            NotModelled::Variable(number) => write!(f, "#{number}"),
+            NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
+            NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
+            NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
+        }
+    }
+}
+
+fn write_g(f: &mut fmt::Formatter<'_>, tenths: u16) -> fmt::Result {
+    match tenths % 10 {
+        0 => write!(f, "G{}", tenths / 10),
+        tenth => write!(f, "G{}.{tenth}", tenths / 10),
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Cause::Alarm(alarm) => write!(f, "PS{:04} {}", alarm.number(), alarm.explanation()),
+            Cause::Macro(alarm) => match alarm.number() {
+                Some(number) => write!(f, "PS{number:04} {}", alarm.explanation()),
+                None => f.write_str(alarm.explanation()),
+            },
+            Cause::NotModelled(what) => {
+                write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Cause {}

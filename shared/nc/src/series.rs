@@ -1,0 +1,343 @@
+//! Blocks that make several moves: canned cycles (G73 to G89) and the return to a reference point (G28, G30).
+//!
+//! A cycle is a list of operations at each hole along the normal of its plane. I is the initial level, R the level at
+//! which rapid changes to feed, Z the bottom. The lists follow the manual (B-63534EN, 13.1). G88 is missing, because
+//! in it the operator retracts the tool by hand.
+
+use super::frame::CoordinateFrame;
+use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
+use arcfeed_units::{Micros, Nm};
+
+/// One action of a series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SeriesAction {
+    /// A straight move, rapid or at feed.
+    Move(Motion),
+    /// A dwell.
+    Dwell(Micros),
+    /// A change of the spindle's motion.
+    Spindle(SpindleAction),
+}
+
+/// Change of the spindle's motion in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpindleAction {
+    /// Stop.
+    Stop,
+    /// Oriented stop.
+    Orient,
+    /// Reversed rotation.
+    Reverse,
+    /// Forward rotation.
+    Forward,
+}
+
+/// Description of the moves of one block; [`Series::actions`] expands it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
+pub enum Series {
+    /// G28, G30: start, intermediate point and end, in path coordinates.
+    Reference([Pose; 3]),
+    /// A canned cycle.
+    Drill(Drill),
+}
+
+/// A canned cycle at one or more holes. Points and levels are in program coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drill {
+    /// G code of the cycle: 73 for G73.
+    pub code: u8,
+    /// Plane of the cycle; it drills along the normal.
+    pub plane: Plane,
+    /// Transformation from program to path coordinates.
+    pub frame: CoordinateFrame,
+    /// Position of the tool before the cycle.
+    pub start: Pose,
+    /// Position above the first hole, at the level of the start.
+    pub first: Pose,
+    /// Displacement from hole to hole (G91).
+    pub step: Pose,
+    /// Number of holes.
+    pub holes: u32,
+    /// I, R and Z.
+    pub levels: Levels,
+    /// G99.
+    pub returns_to_r: bool,
+    /// Q: depth of a peck, or the shift that clears a boring tool.
+    pub q: Nm,
+    /// Retraction of a pecking cycle (G73), or its clearance above the last depth (G83).
+    pub clearance: Nm,
+    /// P.
+    pub dwell: Micros,
+    /// F.
+    pub feed: Feed,
+}
+
+/// Coordinates along the normal of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Levels {
+    /// Level of the tool when the cycle was first called.
+    pub initial: Nm,
+    /// R.
+    pub r: Nm,
+    /// Z.
+    pub bottom: Nm,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Op {
+    Position,
+    RapidR,
+    FeedR,
+    FeedBottom,
+    Peck,
+    Dwell,
+    Spindle(SpindleAction),
+    ShiftOut,
+    ShiftBack,
+    /// Return to the level of G98 or G99.
+    Return,
+    Initial,
+}
+
+/// Operations of a cycle at one hole.
+const fn ops(code: u8) -> &'static [Op] {
+    use Op::{Dwell, FeedBottom, FeedR, Initial, Peck, Position, RapidR, Return, ShiftBack, ShiftOut};
+    const STOP: Op = Op::Spindle(SpindleAction::Stop);
+    const ORIENT: Op = Op::Spindle(SpindleAction::Orient);
+    const REVERSE: Op = Op::Spindle(SpindleAction::Reverse);
+    const FORWARD: Op = Op::Spindle(SpindleAction::Forward);
+    match code {
+        73 | 83 => &[Position, RapidR, Peck, Return],
+        74 | 84 => &[Position, RapidR, FeedBottom, Dwell, REVERSE, FeedR, Dwell, FORWARD, Return],
+        76 => &[Position, RapidR, FeedBottom, Dwell, ORIENT, ShiftOut, Return, ShiftBack, FORWARD],
+        81 => &[Position, RapidR, FeedBottom, Return],
+        82 => &[Position, RapidR, FeedBottom, Dwell, Return],
+        85 => &[Position, RapidR, FeedBottom, FeedR, Return],
+        86 => &[Position, RapidR, FeedBottom, STOP, Return, FORWARD],
+        87 => &[
+            Position, ORIENT, ShiftOut, RapidR, ShiftBack, FORWARD, FeedBottom, Dwell, ORIENT, ShiftOut, Initial,
+            ShiftBack, FORWARD,
+        ],
+        89 => &[Position, RapidR, FeedBottom, Dwell, FeedR, Return],
+        _ => &[],
+    }
+}
+
+impl Series {
+    /// All actions of the block in order, without moves of zero length.
+    pub fn actions(&self) -> SeriesActions<'_> {
+        SeriesActions { series: self, cursor: self.begin() }
+    }
+
+    /// A cursor before the first action.
+    pub fn begin(&self) -> SeriesCursor {
+        let (at, depth) = match self {
+            Series::Reference([start, ..]) => (*start, Nm(0)),
+            Series::Drill(drill) => (drill.start, drill.levels.r),
+        };
+        SeriesCursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
+    }
+
+    /// The next action.
+    pub fn advance(&self, cursor: &mut SeriesCursor) -> Option<SeriesAction> {
+        loop {
+            let act = match self {
+                Series::Reference(way) => cursor.reference(way),
+                Series::Drill(drill) => cursor.drill(drill),
+            }?;
+            let is_idle = match act {
+                SeriesAction::Move(motion) => motion.start == motion.end,
+                SeriesAction::Dwell(span) => span == Micros(0),
+                SeriesAction::Spindle(_) => false,
+            };
+            if !is_idle {
+                return Some(act);
+            }
+        }
+    }
+}
+
+impl Drill {
+    /// Position of the tool after the last hole.
+    pub fn end(&self) -> Pose {
+        let level = if self.returns_to_r && self.code != 87 { self.levels.r } else { self.levels.initial };
+        self.above(self.holes.saturating_sub(1), level)
+    }
+
+    fn normal(&self) -> usize {
+        self.plane.axes().2
+    }
+
+    fn above(&self, hole: u32, level: Nm) -> Pose {
+        let mut point = self.first;
+        for (axis, Nm(step)) in point.linear.iter_mut().zip(self.step.linear) {
+            axis.0 = axis.0.saturating_add(step.saturating_mul(i64::from(hole)));
+        }
+        for (axis, step) in point.rotary.iter_mut().zip(self.step.rotary) {
+            axis.0 = axis.0.saturating_add(step.0.saturating_mul(i64::from(hole)));
+        }
+        at_level(point, self.normal(), level)
+    }
+
+    /// The level that is `by` deeper than `level`, but not below the bottom.
+    fn deeper(&self, level: Nm, by: Nm) -> Nm {
+        let left = self.levels.bottom.0.saturating_sub(level.0);
+        Nm(level.0.saturating_add(left.signum().saturating_mul(left.abs().min(by.0))))
+    }
+
+    fn shifted(&self, mut point: Pose, by: Nm) -> Pose {
+        let (first, ..) = self.plane.axes();
+        if let Some(axis) = point.linear.get_mut(first) {
+            axis.0 = axis.0.saturating_add(by.0);
+        }
+        point
+    }
+}
+
+fn at_level(mut point: Pose, normal: usize, level: Nm) -> Pose {
+    if let Some(axis) = point.linear.get_mut(normal) {
+        *axis = level;
+    }
+    point
+}
+
+/// Iterator of [`Series::actions`].
+#[derive(Clone, Debug)]
+pub struct SeriesActions<'a> {
+    series: &'a Series,
+    cursor: SeriesCursor,
+}
+
+/// Progress in a series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeriesCursor {
+    at: Pose,
+    hole: u32,
+    op: usize,
+    /// Level to which this hole is drilled.
+    depth: Nm,
+    /// Whether a pecking tool is at the start of its next cut.
+    is_down: bool,
+    stage: Stage,
+}
+
+/// Stage of a cycle, or of the return to a reference point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Move to the hole, or to the intermediate point.
+    Positioning,
+    /// Move to the level at which rapid changes to feed.
+    Approach,
+    /// Moves in the hole and out of it, or from the intermediate point on.
+    Work,
+}
+
+impl SeriesCursor {
+    /// The hole, from 0, and the stage of the last action.
+    pub fn stage(&self) -> (u32, Stage) {
+        (self.hole, self.stage)
+    }
+
+    fn reference(&mut self, way: &[Pose; 3]) -> Option<SeriesAction> {
+        let [start, between, end] = *way;
+        self.op += 1;
+        let (from, to, stage) = match self.op {
+            1 => (start, between, Stage::Positioning),
+            2 => (between, end, Stage::Work),
+            _ => return None,
+        };
+        self.stage = stage;
+        Some(SeriesAction::Move(straight(MotionKind::Rapid, Plane::Xy, [from, to], Feed::Missing)))
+    }
+
+    fn drill(&mut self, drill: &Drill) -> Option<SeriesAction> {
+        while self.hole < drill.holes {
+            let Some(op) = ops(drill.code).get(self.op) else {
+                (self.hole, self.op, self.depth) = (self.hole + 1, 0, drill.levels.r);
+                if ops(drill.code).is_empty() {
+                    return None;
+                }
+                continue;
+            };
+            let approach = ops(drill.code).iter().position(|op| *op == Op::RapidR).unwrap_or(0);
+            self.stage = match self.op {
+                0 => Stage::Positioning,
+                op if op <= approach => Stage::Approach,
+                _ => Stage::Work,
+            };
+            if *op != Op::Peck {
+                self.op += 1;
+                return Some(self.perform(drill, *op));
+            }
+            match self.peck(drill) {
+                Some(act) => return Some(act),
+                None => self.op += 1,
+            }
+        }
+        None
+    }
+
+    fn perform(&mut self, drill: &Drill, op: Op) -> SeriesAction {
+        use MotionKind::{Line, Rapid};
+        let Levels { initial, r, bottom } = drill.levels;
+        let to = |level| at_level(self.at, drill.normal(), level);
+        match op {
+            Op::Position => {
+                let level = self.at.linear.get(drill.normal()).copied().unwrap_or_default();
+                self.go(drill, Rapid, drill.above(self.hole, level))
+            }
+            Op::RapidR => self.go(drill, Rapid, to(r)),
+            Op::FeedR => self.go(drill, Line, to(r)),
+            Op::FeedBottom | Op::Peck => self.go(drill, Line, to(bottom)),
+            Op::Return => self.go(drill, Rapid, to(if drill.returns_to_r { r } else { initial })),
+            Op::Initial => self.go(drill, Rapid, to(initial)),
+            Op::ShiftOut => self.go(drill, Rapid, drill.shifted(self.at, drill.q)),
+            Op::ShiftBack => self.go(drill, Rapid, drill.shifted(self.at, Nm(drill.q.0.saturating_neg()))),
+            Op::Dwell => SeriesAction::Dwell(drill.dwell),
+            Op::Spindle(what) => SeriesAction::Spindle(what),
+        }
+    }
+
+    /// The next move of a pecking cycle at this hole; `None` at full depth.
+    fn peck(&mut self, drill: &Drill) -> Option<SeriesAction> {
+        let Levels { r, bottom, .. } = drill.levels;
+        let to = |level| at_level(self.at, drill.normal(), level);
+        if self.depth == bottom {
+            self.is_down = false;
+            return None;
+        }
+        let is_first = self.depth == r;
+        let stop_short = Nm(self.depth.0.saturating_sub((bottom.0 - r.0).signum().saturating_mul(drill.clearance.0)));
+        let level = self.at.linear.get(drill.normal()).copied().unwrap_or_default();
+        if is_first || self.is_down {
+            self.is_down = false;
+            self.depth = drill.deeper(self.depth, drill.q);
+            return Some(self.go(drill, MotionKind::Line, to(self.depth)));
+        }
+        if drill.code == 83 && level != r {
+            return Some(self.go(drill, MotionKind::Rapid, to(r)));
+        }
+        self.is_down = true;
+        Some(self.go(drill, MotionKind::Rapid, to(stop_short)))
+    }
+
+    fn go(&mut self, drill: &Drill, kind: MotionKind, to: Pose) -> SeriesAction {
+        let ends = [drill.frame.to_path(self.at), drill.frame.to_path(to)];
+        self.at = to;
+        SeriesAction::Move(straight(kind, drill.plane, ends, drill.feed))
+    }
+}
+
+fn straight(kind: MotionKind, plane: Plane, [start, end]: [Pose; 2], feed: Feed) -> Motion {
+    let feed = if kind == MotionKind::Rapid { Feed::Missing } else { feed };
+    Motion { kind, plane, start, end, center: Center::Offset([Nm(0); 3]), feed }
+}
+
+impl Iterator for SeriesActions<'_> {
+    type Item = SeriesAction;
+
+    fn next(&mut self) -> Option<SeriesAction> {
+        self.series.advance(&mut self.cursor)
+    }
+}

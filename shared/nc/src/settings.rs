@@ -1,0 +1,147 @@
+//! Settings of a control: the properties of a machine that are not in the program.
+//!
+//! The presets hold the standard values of the manuals; each value can be changed. Work offsets, tool lengths and
+//! reference points are zero until they are set.
+
+use super::motion::Pose;
+use arcfeed_units::{LengthUnit, Nm};
+
+/// Additional work coordinate systems (G54.1 P1 to P48).
+pub const ADDITIONAL_SYSTEMS: usize = 48;
+/// Work coordinate systems: G54 to G59, then the additional ones.
+pub const SYSTEMS: usize = 6 + ADDITIONAL_SYSTEMS;
+/// Highest tool offset number.
+pub const OFFSETS: usize = 400;
+
+/// Strictness of the reader.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reading {
+    /// Reports deviations in titles and comments as notices, although a control would reject them.
+    #[default]
+    Lenient,
+    /// Raises the same alarms as the control.
+    Strict,
+}
+
+/// Unit of an axis word without a decimal point (parameter 3401, bit 0).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Decimals {
+    /// Least increments: 0.001 mm, 0.0001 in, 0.001 degrees.
+    #[default]
+    LeastIncrement,
+    /// Whole units ("calculator type" input): mm, inches, degrees, seconds.
+    Calculator,
+}
+
+/// Set of blocks that the user of the reader can execute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// At most one move per block, along the tool centre's path, in the program's own coordinates; anything else is
+    /// rejected with its name.
+    #[default]
+    PlainMoves,
+    /// The whole dialect: series of moves, shifted and rotated coordinates, contours under G41 and G42.
+    Everything,
+}
+
+/// The settings of a control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Unit at power-on.
+    pub unit: LengthUnit,
+    /// Strictness of the reader.
+    pub reading: Reading,
+    /// Unit of axis words without a decimal point.
+    pub decimals: Decimals,
+    /// Set of accepted blocks.
+    pub scope: Scope,
+    /// Maximum number of digits of N.
+    pub sequence_digits: u8,
+    /// Maximum number of digits of O.
+    pub program_digits: u8,
+    /// Block-delete switches that are on: bit n for `/n`.
+    pub delete_switches: u16,
+    /// G73: retraction after each peck (parameter 5114).
+    pub peck_return: Nm,
+    /// G83: height above the last depth at which rapid changes to feed (parameter 5115).
+    pub peck_clearance: Nm,
+    /// Machine coordinates of the reference points, first to fourth (parameters 1240 to 1243).
+    pub reference: [Pose; 4],
+}
+
+/// Offsets that a program can read and, with G10, write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tables {
+    /// Shift of all work coordinate systems (G10 L2 P0).
+    pub external: Pose,
+    /// G54 to G59, then G54.1 P1 on: the system's origin in machine coordinates.
+    pub systems: [Pose; SYSTEMS],
+    /// Length compensation by H, geometry and wear, from H1.
+    pub lengths: [[Nm; 2]; OFFSETS],
+    /// Cutter compensation by D, geometry and wear, from D1. It does not shift moves here: the control offsets
+    /// contours.
+    pub radii: [[Nm; 2]; OFFSETS],
+}
+
+/// Series of the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Series 16i/18i/21i-M.
+    Fanuc16i,
+    /// Series 0i-M.
+    Fanuc0i,
+    /// Series 30i/31i/32i.
+    Fanuc31i,
+}
+
+impl Settings {
+    /// Standard settings of a control.
+    pub const fn preset(preset: Preset, unit: LengthUnit, reading: Reading) -> Self {
+        let (sequence_digits, program_digits) = match preset {
+            Preset::Fanuc16i | Preset::Fanuc0i => (5, 4),
+            Preset::Fanuc31i => (8, 8),
+        };
+        let nowhere = Pose::ORIGIN;
+        Settings {
+            unit,
+            reading,
+            decimals: Decimals::LeastIncrement,
+            scope: Scope::PlainMoves,
+            sequence_digits,
+            program_digits,
+            delete_switches: 0,
+            peck_return: Nm(1_000_000),
+            peck_clearance: Nm(1_000_000),
+            reference: [nowhere; 4],
+        }
+    }
+
+    /// Whether the block-delete switch of `/n` is on.
+    pub const fn deletes(&self, switch: u8) -> bool {
+        self.delete_switches >> switch & 1 == 1
+    }
+}
+
+impl Default for Tables {
+    fn default() -> Self {
+        Tables {
+            external: Pose::ORIGIN,
+            systems: [Pose::ORIGIN; SYSTEMS],
+            lengths: [[Nm(0); 2]; OFFSETS],
+            radii: [[Nm(0); 2]; OFFSETS],
+        }
+    }
+}
+
+impl Tables {
+    /// The origin of a work coordinate system in machine coordinates.
+    pub fn origin(&self, system: u16) -> Pose {
+        self.systems.get(usize::from(system)).map_or(self.external, |origin| origin.plus(self.external))
+    }
+
+    /// Length compensation of an H number; 0 for H0 and for numbers that the control does not have.
+    pub fn length(&self, offset: u16) -> Nm {
+        let entry = usize::from(offset).checked_sub(1).and_then(|index| self.lengths.get(index));
+        entry.map_or(Nm(0), |[geometry, wear]| Nm(geometry.0.saturating_add(wear.0)))
+    }
+}
