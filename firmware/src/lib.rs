@@ -1,7 +1,7 @@
 //! The feed controller: from segment, position and spindle speed to the override.
 //!
 //! No heap, no clock, no I/O: one call of [`supervisor::Supervisor::tick`] per sample of the position. Modules in the
-//! order of the data flow: [`law`] gives the feed per tooth that the tool's centre needs; [`progress`] finds the
+//! order of the data flow: `arcfeed-law` gives the feed per tooth that the tool's centre needs; [`progress`] finds the
 //! position on the segment; [`ramp`] turns a wanted ratio into an override that the control can follow; [`envelope`]
 //! lowers the ratio in time for later demands; [`active`] is a segment prepared with all of these; [`controller`]
 //! follows the position along it; [`supervisor`] decides whether the law may act, and on the override; [`queue`] finds

@@ -4,7 +4,7 @@
 //!
 //! Modelled: the reader/punch interface with its codes, checks and flow control, reading ahead and its processing time,
 //! the operator's panel, execution of blocks at override-scaled feed under limits of the path or of every axis, alarms.
-//! [`drives`](crate::drives) computes the actual axis positions. All settings: docs/control.md.
+//! [`drives`] computes the actual axis positions. All settings: docs/control.md.
 
 pub mod drives;
 
