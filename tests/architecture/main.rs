@@ -21,4 +21,6 @@ mod units;
 
 mod laws;
 
+mod names;
+
 mod words;

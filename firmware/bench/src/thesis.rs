@@ -43,7 +43,7 @@ impl Real for f32 {}
 
 impl Real for f64 {}
 
-/// Where the functions come from that the equations name.
+/// Mathematical functions of the equations.
 pub trait Maths<T> {
     /// Square root.
     fn sqrt(x: T) -> T;
@@ -61,7 +61,7 @@ pub trait Maths<T> {
 #[derive(Debug)]
 pub enum Libm {}
 
-/// What the chip has an instruction for by that, sine and cosine by a polynomial in single precision (4e-6 off within a right
+/// Square root by the instruction of the chip, sine and cosine by a polynomial in single precision (4e-6 off within a right
 /// angle, which the equations do not leave), the rest from `libm`.
 #[derive(Debug)]
 pub enum Fpu {}
@@ -138,7 +138,7 @@ pub struct Movement<T> {
     pub feed_per_tooth: T,
 }
 
-/// What the equations answer.
+/// Result of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step<T> {
     /// s, feed per tooth at the centre, mm along the chord.

@@ -23,7 +23,7 @@ use crate::random_case::{LawChoice, RandomCase};
 
 /// Ticks of a run.
 pub const TICKS: u32 = 120_000;
-/// What a run is made for each of.
+/// Laws under test, one run each, with their names.
 pub const LAWS: [(&str, LawChoice); 9] = [
     ("circumference", LawChoice::Job(LawKind::Circumference)),
     ("engaged-arc-one-edge", LawChoice::Job(LawKind::EngagedArc { both_edges: false })),
@@ -39,7 +39,7 @@ pub const LAWS: [(&str, LawChoice); 9] = [
 const SEED: u64 = 0x5eed_0fa2_cfee_d001;
 const TICKS_PER_BLOCK: u64 = 400;
 
-/// What came out of a run: a hash, and counts of ticks that tell what the hash speaks of.
+/// Result of a run: a hash, and counts of the ticks that it covers, by case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Trace {
     /// FNV-1a of all outputs.
@@ -48,13 +48,13 @@ pub struct Trace {
     pub governed: u32,
     /// The law had none, though there was one.
     pub refused: u32,
-    /// Of the governed ones: on a line.
+    /// Governed ticks on a line.
     pub on_lines: u32,
-    /// Of the governed ones: a ring in stock that is a half plane, a polygon, a disc.
+    /// Governed ticks of a ring in stock that is a half plane, a polygon, a disc.
     pub in_stock: [u32; 3],
-    /// Of the governed ones: the position filtered.
+    /// Governed ticks with a filtered position.
     pub filtered: u32,
-    /// Of the filtered ones: without a sample.
+    /// Filtered ticks without a sample.
     pub missing: u32,
 }
 

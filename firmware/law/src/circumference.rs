@@ -35,7 +35,8 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// What the demand along an arc depends on, for analyses of the arc as a whole. All lengths relative to the rotation centre A.
+/// Quantities that determine the demand along an arc, for analyses of the arc as a whole.
+/// All lengths relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
     /// rho, mm.
@@ -87,7 +88,7 @@ impl Circumference {
         }
     }
 
-    /// What the demand along the arc depends on.
+    /// Quantities that determine the demand along the arc.
     pub fn geometry(&self) -> ContactGeometry {
         ContactGeometry {
             path_radius_mm: self.path_radius_mm,

@@ -59,7 +59,7 @@ impl<O: OverrideOutput<Error: Clone>> OverrideOutput for Latched<O> {
 mod tests {
     use super::*;
 
-    /// Fails while told to; counts what reaches it.
+    /// Output that fails while `broken` is set; counts its updates.
     #[derive(Default)]
     struct Fickle {
         broken: bool,

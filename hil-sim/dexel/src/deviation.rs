@@ -41,7 +41,7 @@ impl fmt::Display for OtherLattice {
 impl std::error::Error for OtherLattice {}
 
 impl HeightMap {
-    /// Where the material ends along an axis (0, 1, 2 for x, y, z); none where there is none.
+    /// Upper ends of the material along an axis (0, 1, 2 for x, y, z); `None` for rays without material.
     pub fn new(stock: &Stock, axis: usize) -> Self {
         let axis = axis % 3;
         let top = |extent: Interval| extent.to_mm;
@@ -49,7 +49,8 @@ impl HeightMap {
         HeightMap { axis, lattice: *stock.lattice(), heights_mm }
     }
 
-    /// What is too much, positive, or missing, negative, against a reference; none where one of both has no height.
+    /// Heights above a reference: positive for excess material, negative for missing material.
+    /// `None` where either map has no height.
     ///
     /// # Errors
     /// The maps are not of the same rays.

@@ -1,16 +1,16 @@
 //! One ray's material: sorted intervals that neither touch nor overlap.
 //!
-//! Nothing is rounded here: an end that a cut leaves is one of the numbers that the cut was told, so that the order of the
-//! cuts does not show in the result, not in its last bit.
+//! Nothing is rounded here: an end that a cut leaves is exactly an end of that cut, so the result does not depend on the
+//! order of the cuts, not even in its last bit.
 
 use std::mem;
 
 /// A stretch of a ray, by the coordinate along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Where it begins.
+    /// Lower end.
     pub from_mm: f64,
-    /// Where it ends, beyond its beginning.
+    /// Upper end.
     pub to_mm: f64,
 }
 
@@ -26,12 +26,12 @@ impl Interval {
         if one_mm < other_mm { Interval::new(one_mm, other_mm) } else { Interval::new(other_mm, one_mm) }
     }
 
-    /// Its length; negative where nothing lies between its ends.
+    /// Length; negative if the interval is empty.
     pub fn length_mm(&self) -> f64 {
         self.to_mm - self.from_mm
     }
 
-    /// What both have in common; empty intervals end before they begin.
+    /// Intersection of both intervals; an empty one ends before it begins.
     #[inline]
     pub fn common(&self, other: &Interval) -> Interval {
         // Comparisons, each an instruction: ends are numbers.
@@ -51,12 +51,12 @@ impl Interval {
 /// No stretch: it ends before it begins.
 pub const NOWHERE: Interval = Interval { from_mm: f64::INFINITY, to_mm: f64::NEG_INFINITY };
 
-/// What a cut does to a ray.
+/// Effect of a cut on a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taken {
     /// The length removed.
     pub length_mm: f64,
-    /// What the ray has allocated more than before, or less.
+    /// Change of the heap memory of the ray.
     pub heap_bytes: isize,
 }
 
@@ -136,7 +136,7 @@ impl Dexel {
         }
     }
 
-    /// What it has allocated beside itself.
+    /// Heap memory of the ray.
     pub fn heap_bytes(&self) -> usize {
         match self {
             Dexel::Empty | Dexel::One(_) => 0,

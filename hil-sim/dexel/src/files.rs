@@ -13,7 +13,7 @@ use super::mesh::{Mesh, MeshError};
 pub enum FileError {
     /// It cannot be read, or is no STL.
     Read(io::Error),
-    /// Its triangles enclose nothing.
+    /// The triangles do not enclose a volume.
     Mesh(MeshError),
 }
 

@@ -19,30 +19,30 @@ use super::tool::Slab;
 
 /// A slab on its way, in the plane across the axis.
 #[derive(Clone, Copy, Debug)]
-pub struct Flat {
+pub struct SlabSweep {
     axis: usize,
     /// Both ends of the way; all coordinates, that along the axis without meaning.
     ends_mm: [[f64; 3]; 2],
     outer_mm: f64,
     hole_mm: f64,
-    /// Its ends along the axis, on all of its way.
+    /// Range of the slab along the axis over its whole way.
     heights: Interval,
     margin_mm: f64,
 }
 
-/// What a row of rays can lose.
+/// Part of a row of rays that can lose material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Where its rays stand.
+    /// Range of the rays across the row.
     pub across: Interval,
-    /// Where there are none between them.
+    /// Range within `across` without such rays.
     pub hollow: Option<Interval>,
     /// The stretch of each ray.
     pub along: Interval,
 }
 
-impl Flat {
-    /// Of a slab, wider by a margin; `None` where its axis is none of the lattice's.
+impl SlabSweep {
+    /// Prepares a slab, widened by a margin; `None` if its axis is not one of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
@@ -54,11 +54,11 @@ impl Flat {
         });
         let from_mm = at_first.from_mm.min(at_last.from_mm) - margin_mm;
         let heights = Interval::new(from_mm, at_first.to_mm.max(at_last.to_mm) + margin_mm);
-        Some(Flat { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
+        Some(SlabSweep { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
     }
 
-    /// What is known of a whole row of rays, along an axis, with another one across them: no more than what the box can meet. `None` if it
-    /// loses nothing.
+    /// Narrows a row of rays along `ray_axis`, as far as the box meets it, to the part that the slab can meet. `None` if no
+    /// ray can lose anything.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
         if ray_axis != self.axis {
             return Some(row);
@@ -128,7 +128,7 @@ impl Flat {
         reached
     }
 
-    /// What of a line is in the hole all the way.
+    /// Part of a line that is in the hole over the whole way.
     fn hollow(&self, ray_axis: usize, point_mm: &[f64; 3], hole_mm: f64) -> Option<Interval> {
         let off_axis = 3 - ray_axis - self.axis;
         let [from, to] = self.ends_mm.map(|end| {
@@ -154,10 +154,10 @@ fn half_chord_mm(radius_mm: f64, off_mm: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn flat(inner_mm: Option<[f64; 2]>) -> Flat {
+    fn flat(inner_mm: Option<[f64; 2]>) -> SlabSweep {
         let slab = Slab { heights_mm: [0.0, 1.0], outer_mm: [5.0, 5.0], inner_mm };
         let sweep = Sweep { from_mm: [0.0, 0.0, 3.0], to_mm: [6.0, 8.0, 3.0], axis: [0.0, 0.0, 1.0] };
-        Flat::new(&slab, &sweep, 0.0).unwrap()
+        SlabSweep::new(&slab, &sweep, 0.0).unwrap()
     }
 
     #[test]
@@ -203,10 +203,10 @@ mod tests {
         assert!(ring.may_cut(0, &point, &inside));
         let slab = Slab { heights_mm: [0.0, 1.0], outer_mm: [50.0, 50.0], inner_mm: Some([40.0, 40.0]) };
         let sweep = Sweep { from_mm: [0.0, 0.0, 3.0], to_mm: [6.0, 8.0, 3.0], axis: [0.0, 0.0, 1.0] };
-        let ring = Flat::new(&slab, &sweep, 0.0).unwrap();
+        let ring = SlabSweep::new(&slab, &sweep, 0.0).unwrap();
         assert!(!ring.may_cut(0, &point, &inside) && !ring.may_cut(2, &point, &inside));
         assert!(ring.may_cut(0, &point, &Dexel::One(Interval::new(2.0, 45.0))));
         let tilted = Sweep { axis: [0.0, 0.6, 0.8], ..sweep };
-        assert!(Flat::new(&slab, &tilted, 0.0).is_none());
+        assert!(SlabSweep::new(&slab, &tilted, 0.0).is_none());
     }
 }

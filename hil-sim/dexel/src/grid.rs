@@ -20,7 +20,7 @@ pub struct Grid {
     axis: usize,
     lattice: Lattice,
     dexels: Vec<Dexel>,
-    /// What the dexels have allocated.
+    /// Heap memory of the dexels.
     heap_bytes: usize,
 }
 
@@ -48,14 +48,15 @@ struct Tile {
 }
 
 impl Grid {
-    /// Asks for the material of every ray; `on_ray` is told a point of it, with 0 as the coordinate along it.
+    /// Builds the grid by calling `on_ray` for the material of every ray,
+    /// with a point of the ray whose coordinate along it is 0.
     pub fn new(lattice: &Lattice, axis: usize, on_ray: impl Fn(Vector) -> Dexel + Sync) -> Self {
         let [width, height] = lattice.size(axis);
         let ray = |index: usize| on_ray(point_mm(lattice, axis, [index % width, index / width]));
         Grid::of(lattice, axis, (0..width * height).into_par_iter().map(ray).collect())
     }
 
-    /// Of rays that are there already, row by row; rays that are missing are empty.
+    /// Builds the grid from existing rays, row by row; missing rays are empty.
     pub fn of(lattice: &Lattice, axis: usize, mut dexels: Vec<Dexel>) -> Self {
         dexels.resize(lattice.size(axis).iter().product(), Dexel::Empty);
         let heap_bytes = dexels.iter().map(Dexel::heap_bytes).sum();

@@ -1,4 +1,4 @@
-//! Where the rays stand: through the centres of cubic cells, in the three directions of the axes.
+//! Positions of the rays: through the centres of cubic cells, in the three directions of the axes.
 //!
 //! Rays of all three directions meet in the cells' centres, the *nodes*. A ray along axis k stands at a column, counted
 //! along axis k + 1, and a row, counted along axis k + 2 (mod 3).
@@ -24,14 +24,14 @@ pub struct Lattice {
 pub enum LatticeError {
     /// The step is not a positive number.
     Step {
-        /// As told.
+        /// Rejected step.
         step_mm: f64,
     },
     /// The box has no cells along an axis, or too many.
     Box {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
-        /// Its edge.
+        /// Length of the box along the axis.
         length_mm: f64,
     },
 }
@@ -76,7 +76,7 @@ impl Lattice {
         self.step_mm
     }
 
-    /// What one ray stands for, mm2.
+    /// Area that one ray represents, mm2.
     pub fn area_mm2(&self) -> f64 {
         self.step_mm * self.step_mm
     }

@@ -24,7 +24,7 @@ use super::flat::Row;
 use super::monotone::{MonotonePart, Radii};
 use super::section::Sweep;
 
-/// What a ray loses, in at most two stretches; a stretch that ends before it begins is none.
+/// Intervals that a ray loses, at most two; an unused one ends before it begins.
 pub type Losses = [Interval; 2];
 
 /// A part of a tool on its way.
@@ -42,7 +42,7 @@ pub struct Level<'a> {
 /// The way in the plane of a line along x and of y across it.
 #[derive(Clone, Copy, Debug)]
 struct Band {
-    /// Its ends, that of the lower y first.
+    /// Ends of the way, the one with the lower y first.
     ends_mm: [[f64; 2]; 2],
     direction: [f64; 2],
     /// ux / uy; 0 along the line, where it is not used.
@@ -75,12 +75,12 @@ pub struct UprightRow<'a> {
     band: Band,
     off_mm: f64,
     near: usize,
-    /// What the last ray lost, and at which heights it is the same.
+    /// Losses of the last ray, after the range of heights with the same losses.
     last: (Interval, Losses),
 }
 
 impl<'a> Level<'a> {
-    /// Of a part on a way; `None` where the axis is none of the lattice's, or the way is not square to it.
+    /// Prepares a part on a way; `None` if the axis is not one of the lattice's or the way is not perpendicular to it.
     pub fn new(part: &'a MonotonePart, sweep: &Sweep) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_level = sweep.from_mm[axis] == sweep.to_mm[axis];
@@ -93,7 +93,7 @@ impl<'a> Level<'a> {
         self.axis
     }
 
-    /// Where a row of rays along an axis, with another one across them, may lose anything; wider by a margin. `None` if nowhere.
+    /// Part of a row of rays along `ray_axis` that may lose material, widened by a margin; `None` if there is none.
     pub fn reach(&self, [ray_axis, column_axis]: [usize; 2], row_mm: f64, margin_mm: f64) -> Option<Row> {
         let Radii { outer_mm, inner_mm } = self.part.extreme_radii();
         let [low_mm, high_mm] = self.part.heights_mm();
@@ -207,7 +207,7 @@ impl Band {
         (low_mm <= high_mm).then_some(Interval::new(low_mm, high_mm))
     }
 
-    /// What of a line is in a hole all the way.
+    /// Part of a line that is in a hole over the whole way.
     fn hollow(&self, off_mm: f64, radius_mm: f64) -> Option<Interval> {
         let [at_a, at_b] = self.ends_mm.map(|[x, y]| {
             let half_mm = libm::sqrt(radius_mm * radius_mm - (off_mm - y) * (off_mm - y));
@@ -236,7 +236,7 @@ fn clamped_ratio(part: f64) -> f64 {
 }
 
 impl AxialRow<'_> {
-    /// What the ray at a column loses; nothing is an interval that ends before it begins. (1)
+    /// Interval that the ray at a column loses; it ends before it begins if the ray loses nothing. (1)
     #[inline]
     pub fn loss(&self, column_mm: f64) -> Interval {
         let arm_mm = column_mm - self.columns_mm[0];
@@ -256,7 +256,7 @@ impl AxialRow<'_> {
 }
 
 impl LayerRow {
-    /// What the ray at a column loses.
+    /// Intervals that the ray at a column loses.
     #[inline]
     pub fn losses(&self, column_mm: f64) -> Losses {
         self.radii.map_or([NOWHERE; 2], |radii| self.band.losses(column_mm, &radii))
@@ -264,7 +264,7 @@ impl LayerRow {
 }
 
 impl UprightRow<'_> {
-    /// What the ray at a column loses.
+    /// Intervals that the ray at a column loses.
     #[inline]
     pub fn losses(&mut self, column_mm: f64) -> Losses {
         let height_mm = self.level.height_mm(column_mm);

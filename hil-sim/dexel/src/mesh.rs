@@ -44,7 +44,7 @@ pub enum MeshError {
     },
     /// Edges without a triangle on their other side.
     Open {
-        /// How many.
+        /// Number of open edges.
         edges: usize,
         /// The ends of one of them.
         example_mm: [Vector; 2],
@@ -115,12 +115,12 @@ impl Mesh {
         Mesh::new(vertices_mm, triangles)
     }
 
-    /// Its corners.
+    /// Corners of the triangles.
     pub fn vertices_mm(&self) -> &[Vector] {
         &self.vertices_mm
     }
 
-    /// Its triangles, by the numbers of their corners.
+    /// Triangles, by the numbers of their corners.
     pub fn triangles(&self) -> &[[usize; 3]] {
         &self.triangles
     }
@@ -130,12 +130,13 @@ impl Mesh {
         self.triangles.iter().map(|triangle| triangle.map(|vertex| self.vertices_mm[vertex]))
     }
 
-    /// What it encloses. (1)
+    /// Enclosed volume. (1)
     pub fn volume_mm3(&self) -> f64 {
         self.corners_mm().map(|[a, b, c]| dot(a, cross(b, c)) / 6.0).sum()
     }
 
-    /// Where rays meet a triangle: number of the ray, coordinate along it, +1 where they leave.
+    /// Adds the crossings of rays with a triangle: number of the ray, coordinate along it,
+    /// +1 where the ray leaves the solid, -1 where it enters.
     fn add_crossings(&self, triangle: &[usize; 3], rays: &Rays<'_>, found: &mut Vec<(usize, f64, i32)>) {
         let corners = triangle.map(|vertex| self.vertices_mm[vertex]);
         let [columns, rows] = [0, 1].map(|side| {

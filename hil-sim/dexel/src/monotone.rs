@@ -51,9 +51,9 @@ pub struct MonotonePart {
 /// Radii at one height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
-    /// Of the outside.
+    /// Radius of the outside.
     pub outer_mm: f64,
-    /// Of the hole.
+    /// Radius of the hole, if there is one.
     pub inner_mm: Option<f64>,
 }
 
@@ -121,7 +121,7 @@ impl MonotonePart {
         MonotonePart { slabs: slabs.to_vec(), outer: Wall::new(slabs, |slab| slab.outer_mm), inner }
     }
 
-    /// Its lowest and highest height.
+    /// Lowest and highest height of the part.
     pub fn heights_mm(&self) -> [f64; 2] {
         let end = |slab: Option<&Slab>, end: usize| slab.map_or(0.0, |slab| slab.heights_mm[end]);
         [end(self.slabs.first(), 0), end(self.slabs.last(), 1)]

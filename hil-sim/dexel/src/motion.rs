@@ -24,7 +24,7 @@ use super::tool::Tool;
 /// Most sweeps of one move: more are a mistake in the tolerance.
 const SWEEPS_MAX: f64 = 1e6;
 
-/// Where a tool is.
+/// Position of a tool: tip and axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// The tip.
@@ -33,7 +33,7 @@ pub struct Pose {
     pub axis: Vector,
 }
 
-/// What the tool does.
+/// Move of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
     /// The tip goes straight, the axis turns evenly along the shorter way.
@@ -69,7 +69,7 @@ pub enum MoveError {
     Position(Vector),
     /// The tolerance is not positive, or takes too many sweeps.
     Tolerance {
-        /// As told.
+        /// Rejected tolerance.
         tolerance_mm: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Where a plane cuts a closed surface: closed polygons, and what lines in the plane meet of the solid.
+//! Section of a closed surface by a plane: closed polygons, and the material along lines in the plane.
 //!
 //! ```text
 //! area = sum over pieces of a x b / 2        (1)
@@ -13,19 +13,19 @@ use super::dexel::Dexel;
 use super::mesh::{Mesh, wound};
 
 /// A place in the plane, or a direction.
-pub type Flat = [f64; 2];
+pub type Point2 = [f64; 2];
 
 /// The polygons, in pieces with the solid on their left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    pieces: Vec<[Flat; 2]>,
+    pieces: Vec<[Point2; 2]>,
 }
 
-fn cross([a, b]: Flat, [c, d]: Flat) -> f64 {
+fn cross([a, b]: Point2, [c, d]: Point2) -> f64 {
     a * d - b * c
 }
 
-fn difference([a, b]: Flat, [c, d]: Flat) -> Flat {
+fn difference([a, b]: Point2, [c, d]: Point2) -> Point2 {
     [a - c, b - d]
 }
 
@@ -40,13 +40,13 @@ impl Outline {
         Outline { pieces: pieces.collect() }
     }
 
-    /// What it encloses. (1)
+    /// Enclosed area. (1)
     pub fn area_mm2(&self) -> f64 {
         self.pieces.iter().map(|[a, b]| cross(*a, *b) / 2.0).sum()
     }
 
     /// The least and the greatest coordinate along a direction from a place; none where the plane misses the solid.
-    pub fn extent_mm(&self, from_mm: Flat, along: Flat) -> Option<[f64; 2]> {
+    pub fn extent_mm(&self, from_mm: Point2, along: Point2) -> Option<[f64; 2]> {
         let at = self.pieces.iter().map(|[end, _]| dot(difference(*end, from_mm), along));
         at.fold(None, |extent, at| {
             let [low, high] = extent.unwrap_or([at; 2]);
@@ -55,7 +55,7 @@ impl Outline {
     }
 
     /// The solid on the line through a place, by the coordinate from there along a direction of length 1.
-    pub fn on_line(&self, through_mm: Flat, along: Flat) -> Dexel {
+    pub fn on_line(&self, through_mm: Point2, along: Point2) -> Dexel {
         let mut crossings: Vec<(usize, f64, i32)> = Vec::new();
         for ends in &self.pieces {
             let [from, to] = ends.map(|end| difference(end, through_mm));
@@ -72,13 +72,13 @@ impl Outline {
     }
 }
 
-fn dot([a, b]: Flat, [c, d]: Flat) -> f64 {
+fn dot([a, b]: Point2, [c, d]: Point2) -> f64 {
     a * c + b * d
 }
 
 /// From where a triangle's border comes down through the plane to where it goes up: along the first axis, the second and the third as a right hand has them, the
 /// solid is on the left.
-fn piece(mesh: &Mesh, triangle: &[usize; 3], axes: [usize; 2], at_mm: f64) -> Option<[Flat; 2]> {
+fn piece(mesh: &Mesh, triangle: &[usize; 3], axes: [usize; 2], at_mm: f64) -> Option<[Point2; 2]> {
     let height_mm = |vertex: usize| mesh.vertices_mm()[vertex][3 - axes[0] - axes[1]] - at_mm;
     let is_below = triangle.map(|vertex| height_mm(vertex) < 0.0);
     let crossing = |from_below: bool| {

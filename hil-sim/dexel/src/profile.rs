@@ -15,7 +15,7 @@ use std::fmt;
 /// Chords an arc may have: a tolerance below that is a mistake.
 const CHORDS_MAX: f64 = 4_096.0;
 
-/// How far the ends of an arc may be from the same circle, as part of its radius.
+/// Largest distance of an arc's end from the circle through its start, as a fraction of the radius.
 const ROUND_RATIO: f64 = 1e-9;
 
 /// A point of an outline.
@@ -34,21 +34,21 @@ pub enum ProfileError {
     Point(Knot),
     /// The ends of an arc are not on one circle about its centre, or it is more than half of one.
     Arc {
-        /// Where it was to end.
+        /// End point of the arc.
         to: Knot,
-        /// Its centre.
+        /// Centre of the arc.
         center: Knot,
     },
     /// The tolerance is not positive, or so small that an arc would take more than 4096 chords.
     Tolerance {
-        /// As told.
+        /// Rejected tolerance.
         tolerance_mm: f64,
     },
     /// Outside and inside do not begin and end at the same heights.
     Heights,
     /// The inside lies outside at a height.
     InsideOut {
-        /// Where.
+        /// Height at which the outlines cross.
         height_mm: f64,
     },
     /// There is no height between its ends.
@@ -138,7 +138,7 @@ impl Profile {
         self.with(to)
     }
 
-    /// Its points.
+    /// Points of the outline, from bottom to top.
     pub fn knots(&self) -> &[Knot] {
         &self.knots
     }

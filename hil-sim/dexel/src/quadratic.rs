@@ -19,7 +19,7 @@ impl Quadratic {
         (a * x_ratio + 2.0 * b) * x_ratio + c
     }
 
-    /// Where it is zero, in order; what is not there is NaN or infinite. (1)
+    /// Roots in ascending order; missing roots are NaN or infinite. (1)
     #[inline]
     pub fn roots(&self) -> [f64; 2] {
         let Quadratic([a, b, c]) = self;

@@ -1,4 +1,4 @@
-//! What a moving slab of a tool takes from a ray: the exact answer.
+//! Exact intervals that a moving slab of a tool removes from a ray.
 //!
 //! A point of the ray is o + u d. The slab's reference point is at f + s v, s from 0 to 1. With w = o - f, the tool's axis a, and
 //! the parts of all vectors square to it marked by ', the ray's point is in the slab at s where
@@ -31,9 +31,9 @@ const PLACES_MAX: usize = 22;
 /// A straight move of the tool's tip under a fixed axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// Where the tip is at first.
+    /// Tip position at the start.
     pub from_mm: Vector,
-    /// Where it is at last.
+    /// Tip position at the end.
     pub to_mm: Vector,
     /// From the tip to the holder; a unit vector.
     pub axis: Vector,
@@ -124,7 +124,7 @@ impl Section {
         let mut pairs = places.sorted().windows(2);
         let mut take_from_to = |from: f64, to: f64| take(Interval::new(origin_mm + from, origin_mm + to));
         while let Some(first) = pairs.find(|pair| is_swept(pair)) {
-            // What a slab without a hole sweeps is convex: one piece, whose end is sooner found from behind.
+            // A slab without a hole sweeps a convex region: one piece, whose end is found faster from the back.
             let last = match inner {
                 None => pairs.rfind(|pair| is_swept(pair)).unwrap_or(first),
                 Some(_) => {
@@ -159,7 +159,7 @@ impl Section {
         }
     }
 
-    /// Where a conic crosses the lines of the parallelogram's edges.
+    /// Adds the places where a conic crosses the lines of the parallelogram's edges.
     fn add_crossings(&self, conic: &Conic, height_mm: f64, places: &mut Places) {
         for s in [0.0, 1.0] {
             let [first, second] = conic.on_line([s, 0.0], [0.0, 1.0]).roots();
@@ -220,7 +220,7 @@ impl Conic {
         Quadratic([a, b, c])
     }
 
-    /// Where the function of s has a double root.
+    /// Adds the places where the function of s has a double root.
     fn add_extremes(&self, places: &mut Places) {
         let Conic([uu, ss, us, u, s, one]) = self;
         let [first, second] = Quadratic([us * us - ss * uu, us * s - ss * u, s * s - ss * one]).roots();

@@ -1,4 +1,4 @@
-//! What a stock may be at first.
+//! Initial shapes of a stock.
 
 use arcfeed_kinematics::vector::Vector;
 
@@ -18,7 +18,7 @@ pub trait Solid: Sync {
     /// The lowest and the highest corner of a box around it.
     fn bounds_mm(&self) -> [Vector; 2];
 
-    /// Its material along the rays of one direction.
+    /// Material of the solid along the rays of one direction.
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid;
 }
 

@@ -119,7 +119,7 @@ fn crossings(stock: &Stock) -> Vec<Crossing> {
     found
 }
 
-/// Where the ray through a node and the next one along `axis` says that material ends.
+/// Coordinate at which the material ends on the ray through a node and the next one along `axis`.
 fn crossing_mm(stock: &Stock, axis: usize, node: [usize; 3], leaves: bool) -> f64 {
     let lattice = stock.lattice();
     let [low_mm, high_mm] = [0, 1].map(|next| node_mm(lattice, axis, node[axis] + next));

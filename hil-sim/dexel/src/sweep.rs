@@ -6,14 +6,14 @@
 //! the axis is one of the lattice's, [`flat`](super::flat) says it exactly. What is left then is the
 //! stretch of the ray between the slab's two planes and within that cylinder.
 //!
-//! Where the way is square to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
+//! If the motion is perpendicular to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
 
 use std::ops::Range;
 
 use arcfeed_kinematics::vector::{Vector, dot, length, scaled, sum};
 
 use super::dexel::{Dexel, Interval, NOWHERE};
-use super::flat::{Flat, Row};
+use super::flat::{Row, SlabSweep};
 use super::lattice::Lattice;
 use super::level::{AxialRow, LayerRow, Level, Losses, UprightRow};
 use super::section::{Section, Sweep};
@@ -35,7 +35,7 @@ pub struct Pass<'a> {
     shape: Shape<'a>,
 }
 
-/// What is on the way.
+/// Shape that a pass moves.
 #[expect(clippy::large_enum_variant, reason = "a pass is made in place and read where it is")]
 #[derive(Clone, Copy, Debug)]
 enum Shape<'a> {
@@ -52,7 +52,7 @@ struct SlabShape {
     /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
     line_mm: [[f64; 2]; 2],
     near_mm: f64,
-    flat: Option<Flat>,
+    flat: Option<SlabSweep>,
     axis: Vector,
     /// The tip halfway.
     halfway_mm: Vector,
@@ -60,7 +60,7 @@ struct SlabShape {
     heights_mm: [f64; 2],
 }
 
-/// What the rays of a row lose, by their columns.
+/// Material that the rays of a row lose, by column.
 #[derive(Clone, Debug)]
 pub enum RowCut<'a> {
     /// Along the axis of a tool on a level.
@@ -147,7 +147,7 @@ impl Pass<'_> {
         lattice.cells_between(axis, from_mm, to_mm)
     }
 
-    /// What it can meet of the row at this coordinate.
+    /// Rays of the row at this coordinate that the pass can meet; `None` if there are none.
     pub fn reach(&self, lattice: &Lattice, row_mm: f64) -> Option<Reach> {
         let [column_axis, _] = Lattice::across(self.ray_axis);
         let axes = [self.ray_axis, column_axis];
@@ -163,7 +163,7 @@ impl Pass<'_> {
         (!columns.is_empty()).then_some(Reach { columns: parts, along })
     }
 
-    /// What the box meets of the row at this coordinate.
+    /// Part of the row at this coordinate that the box meets; `None` if there is none.
     fn boxed(&self, row_mm: f64) -> Option<Row> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
         let (low_mm, high_mm) = (self.corners_mm[0][row_axis], self.corners_mm[1][row_axis]);
@@ -179,7 +179,7 @@ impl Pass<'_> {
         (during[0] <= during[1]).then_some(Row { across, hollow: None, along })
     }
 
-    /// What the rays of a row lose.
+    /// Material that the rays of the row at this coordinate lose.
     #[inline]
     pub fn row_cut(&self, row_mm: f64) -> RowCut<'_> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
@@ -193,7 +193,7 @@ impl Pass<'_> {
         }
     }
 
-    /// What a ray loses on a level; `None` for single slabs.
+    /// Intervals that a ray loses on a level; `None` for single slabs.
     fn losses(&self, ray_point_mm: &Vector) -> Option<Losses> {
         let [column_mm, row_mm] = Lattice::across(self.ray_axis).map(|axis| ray_point_mm[axis]);
         match self.row_cut(row_mm) {
@@ -207,7 +207,7 @@ impl Pass<'_> {
     /// Whether a ray is so near that it may lose any of its material.
     pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
         match &self.shape {
-            // What it loses is as soon known.
+            // The loss itself is as fast to compute as this test.
             Shape::Level(_) => true,
             Shape::Slab(shape) => match &shape.flat {
                 Some(flat) => flat.may_cut(self.ray_axis, ray_point_mm, dexel),
@@ -242,7 +242,7 @@ impl Pass<'_> {
         spans
     }
 
-    /// Where the box is along an axis while s is in a range.
+    /// Range of the box along an axis while s is in the range `during`.
     fn extent(&self, axis: usize, during: [f64; 2]) -> Interval {
         let moved = during.map(|s| s * self.motion_mm[axis]);
         Interval {
@@ -265,7 +265,7 @@ impl SlabShape {
             section: Section::new(slab, sweep, ray_axis),
             line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
             near_mm: radius_mm + half_way_mm + MARGIN_MM,
-            flat: Flat::new(slab, sweep, MARGIN_MM),
+            flat: SlabSweep::new(slab, sweep, MARGIN_MM),
             axis: sweep.axis,
             halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
             heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
@@ -283,7 +283,7 @@ impl SlabShape {
         off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
     }
 
-    /// Where on a ray it may meet the slab, within a stretch beyond which it does not reach.
+    /// Part of `along` in which a ray may meet the slab, which does not reach beyond `along`.
     fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
         let [low_mm, high_mm] = self.heights_mm;
         let along_u = self.axis[ray_axis];

@@ -21,7 +21,7 @@ pub struct Stock {
     memory_max_bytes: usize,
 }
 
-/// What is, or was, there: as each of the three grids has it, x first.
+/// Volume of material according to each of the three grids, x first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     /// mm3.
@@ -35,9 +35,9 @@ pub enum StockError {
     Lattice(LatticeError),
     /// It takes more memory than it may.
     Memory {
-        /// What it takes.
+        /// Memory that the stock takes.
         needed_bytes: usize,
-        /// What it may take.
+        /// Memory that the stock may take.
         allowed_bytes: usize,
     },
 }
@@ -98,7 +98,7 @@ impl Stock {
         Ok(stock)
     }
 
-    /// Where its rays are.
+    /// Lattice of the rays.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice
     }
@@ -123,7 +123,7 @@ impl Stock {
         Ok(removed)
     }
 
-    /// What is left.
+    /// Volume of the remaining material.
     pub fn volume(&self) -> Volume {
         Volume { by_axis: [0, 1, 2].map(|axis: usize| self.grids[axis].volume_mm3()) }
     }

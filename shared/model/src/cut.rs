@@ -27,7 +27,7 @@ pub struct CutRule {
     pub work: Work,
     /// Target feed per tooth; `None` means the tool's.
     pub feed_per_tooth: Option<MmPerTooth>,
-    /// Its knots in the job's store, for the table law.
+    /// Knots of the rule in the job's store, for the table law.
     pub table: Option<KnotRange>,
     /// First and last sequence number, if restricted.
     pub sequence: Option<(i64, i64)>,

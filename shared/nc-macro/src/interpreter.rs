@@ -17,6 +17,9 @@ use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::settings::Tables;
 
+/// Next action of the control; `None` if a statement asks for none.
+type StepResult = Result<Option<MacroStep>, Fault>;
+
 /// A program in execution.
 #[derive(Debug)]
 pub struct Interpreter {
@@ -113,7 +116,7 @@ impl Interpreter {
         Ok(MacroStep::Busy)
     }
 
-    fn advance(&mut self) -> Result<Option<MacroStep>, Fault> {
+    fn advance(&mut self) -> StepResult {
         match core::mem::take(&mut self.then) {
             Continuation::GoOn => {}
             Continuation::Call(call) => {
@@ -140,7 +143,7 @@ impl Interpreter {
         self.execute(line)
     }
 
-    fn at_end_of_text(&mut self) -> Result<Option<MacroStep>, Fault> {
+    fn at_end_of_text(&mut self) -> StepResult {
         if !self.stack.is_in_main() {
             return Err(Fault::alarm(Alarm::EndOfRecord, 0));
         }
@@ -151,7 +154,7 @@ impl Interpreter {
         Ok(None)
     }
 
-    fn leave(&mut self, sequence: Option<(u32, u16)>) -> Result<Option<MacroStep>, Fault> {
+    fn leave(&mut self, sequence: Option<(u32, u16)>) -> StepResult {
         if self.stack.is_in_main() && self.settings.is_dnc {
             return Err(Fault::not_modelled(NotModelled::MCode(99), 1));
         }
@@ -159,7 +162,7 @@ impl Interpreter {
         Ok((!has_returned).then_some(MacroStep::Restart))
     }
 
-    fn execute(&mut self, line: ProgramLine) -> Result<Option<MacroStep>, Fault> {
+    fn execute(&mut self, line: ProgramLine) -> StepResult {
         let code = MacroCode::new(&line.text);
         let mut cursor = code.cursor();
         let head = Head::read(&mut cursor);
@@ -177,12 +180,7 @@ impl Interpreter {
         self.statement(&head, cursor, &code)
     }
 
-    fn statement(
-        &mut self,
-        head: &Head,
-        mut cursor: CodeCursor<'_>,
-        code: &MacroCode,
-    ) -> Result<Option<MacroStep>, Fault> {
+    fn statement(&mut self, head: &Head, mut cursor: CodeCursor<'_>, code: &MacroCode) -> StepResult {
         let begin = cursor.column();
         if cursor.peek() == Some(b'#') {
             return self.assign(cursor, code);
@@ -217,7 +215,7 @@ impl Interpreter {
         Evaluator::new(&self.variables, self.settings.angles)
     }
 
-    fn assign(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> Result<Option<MacroStep>, Fault> {
+    fn assign(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> StepResult {
         let column = cursor.column();
         cursor.skip(1);
         let number = self.evaluator().variable_number(&mut cursor)?;
@@ -238,7 +236,7 @@ impl Interpreter {
         }
     }
 
-    fn condition(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> Result<Option<MacroStep>, Fault> {
+    fn condition(&mut self, mut cursor: CodeCursor<'_>, code: &MacroCode) -> StepResult {
         let holds = self.evaluator().bracketed(&mut cursor)?.unwrap_or(0.0) != 0.0;
         let is_then = cursor.accept(b"THEN");
         let begin = cursor.column();
@@ -257,7 +255,7 @@ impl Interpreter {
         }
     }
 
-    fn go_to(&mut self, mut cursor: CodeCursor<'_>, begin: u16, goes: bool) -> Result<Option<MacroStep>, Fault> {
+    fn go_to(&mut self, mut cursor: CodeCursor<'_>, begin: u16, goes: bool) -> StepResult {
         self.refuse_in_dnc(begin)?;
         if !goes {
             return Ok(None);
@@ -270,7 +268,7 @@ impl Interpreter {
         gone.map(|()| None).map_err(|alarm| Fault::in_macro(alarm, column))
     }
 
-    fn begin_loop(&mut self, mut cursor: CodeCursor<'_>, begin: u16, holds: bool) -> Result<Option<MacroStep>, Fault> {
+    fn begin_loop(&mut self, mut cursor: CodeCursor<'_>, begin: u16, holds: bool) -> StepResult {
         self.refuse_in_dnc(begin)?;
         if !cursor.accept(b"DO") {
             return Err(cursor.fault(MacroAlarm::StatementFormat));
@@ -286,20 +284,18 @@ impl Interpreter {
     }
 
     fn refuse_in_dnc(&self, column: u16) -> Result<(), Fault> {
-        let is_refused = self.settings.is_dnc && self.stack.is_in_main();
-        if is_refused { Err(Fault::in_macro(MacroAlarm::NotInDnc, column)) } else { Ok(()) }
+        let is_allowed = !(self.settings.is_dnc && self.stack.is_in_main());
+        is_allowed.then_some(()).ok_or(Fault::in_macro(MacroAlarm::NotInDnc, column))
     }
 
-    fn block(&mut self, head: &Head, mut cursor: CodeCursor<'_>) -> Result<Option<MacroStep>, Fault> {
+    fn block(&mut self, head: &Head, mut cursor: CodeCursor<'_>) -> StepResult {
         let unit = self.variables.context.unit;
         let words = words::read(&mut cursor, self.evaluator(), unit)?;
-        let tenths =
-            |word: &MacroWord| if word.letter == b'G' { whole(Some(word.value * 10.0), 0..=9_999) } else { None };
+        let tenths = |word: &MacroWord| (word.letter == b'G').then(|| whole(Some(word.value * 10.0), 0..=9_999))?;
         if let Some(at) = words.iter().position(|word| matches!(tenths(word), Some(650 | 660 | 661))) {
             return self.call_macro(&words, at).map(|()| None);
         }
-        let (cancels, words): (Vec<MacroWord>, Vec<MacroWord>) =
-            words.into_iter().partition(|word| tenths(word) == Some(670));
+        let (cancels, words): (Vec<_>, Vec<_>) = words.into_iter().partition(|word| tenths(word) == Some(670));
         if let Some(word) = cancels.first()
             && !self.stack.cancel_modal()
         {
@@ -311,8 +307,7 @@ impl Interpreter {
             return Ok(None);
         }
         let (words, then) = split_call(words)?;
-        let has_words = !words.is_empty() || matches!(then, Continuation::GoOn);
-        let step = has_words.then(|| {
+        let step = (!words.is_empty() || matches!(then, Continuation::GoOn)).then(|| {
             let (mut text, mut columns) = spell_block(words.iter());
             if let Some(sequence) = head.sequence {
                 let number = alloc::format!("N{sequence}");

@@ -60,7 +60,7 @@ pub enum Ending {
 pub struct PlainBlock {
     /// Text for the reader of plain blocks.
     pub text: Vec<u8>,
-    /// Its source line.
+    /// Source line of the block.
     pub place: SourceLine,
     /// Lines from which the running programs were called, the main program's call first.
     pub calls: Vec<SourceLine>,

@@ -243,7 +243,7 @@ fn a_board_reports_its_identity_and_accepts_valid_settings() {
     assert_eq!(said(&["set", "resync", "600000"]), (Some(0), "resync is 600000 us\n".into()));
     assert!(said(&["set"]).1.contains("600000 us"));
     let (code, refused) = said(&["set", "position-stale", "0"]);
-    assert!(code == Some(3) && refused.contains("makes no sense"), "{refused}");
+    assert!(code == Some(3) && refused.contains("out of range"), "{refused}");
     let (code, unknown) = said(&["set", "resinc", "1"]);
     assert!(code == Some(2) && unknown.contains("resync"), "{unknown}");
     let (code, half) = said(&["set", "resync"]);

@@ -80,7 +80,7 @@ fn program_source(file: &Path) -> String {
     let section = "#[unsafe(link_section = \".recorded_run\")]";
     format!(
         "    {section}\n    static TEXT: [u8; include_bytes!({file:?}).len()] = *include_bytes!({file:?});\n    \
-         /// Its program, adapted.\n    pub const PROGRAM: &[u8] = &TEXT;\n"
+         /// Adapted program of the run.\n    pub const PROGRAM: &[u8] = &TEXT;\n"
     )
 }
 

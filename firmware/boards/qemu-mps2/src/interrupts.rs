@@ -55,7 +55,7 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
 /// Enables an interrupt.
 ///
 /// # Safety
-/// Its handler is ready to run: its data are initialised.
+/// The interrupt's handler is ready to run: its data are initialised.
 pub unsafe fn enable(interrupt: Interrupt, priority: Priority) {
     let index = usize::from(interrupt as u16);
     // SAFETY: writes one byte of this interrupt in the NVIC; the caller guarantees that the handler is ready. No other

@@ -1,8 +1,8 @@
 //! The feed board: link, tapped line and machine line in the main loop, the tick in a timer's interrupt.
 //!
 //! ```text
-//! UART 0 <-> HostLink --- orders, words ---> ControlTask <- TIMER0
-//!                 <------ told --------
+//! UART 0 <-> HostLink -- commands, notices -> ControlTask <- TIMER0
+//!                 <------ status --------
 //! UART 1  -> samples --> | tick side | -> setpoints -> UART 1      (*FV0 to *FV7: the emulator has no pins)
 //! UART 2 <-> UART 3: the tapped line
 //! ```
@@ -192,7 +192,7 @@ impl<const N: usize> Main<N> {
         self.front.on_link_bytes(now, &part);
     }
 
-    /// What the receivers' handlers have passed on.
+    /// Processes the tapped bytes, which the receive handlers have already forwarded.
     fn hear_tapped(&mut self, now: Micros) {
         for _ in 0..self.lines.waiting(BoardLine::Sender) {
             let Some(byte) = self.lines.receive(BoardLine::Sender) else { break };
@@ -205,7 +205,7 @@ impl<const N: usize> Main<N> {
             let Some(byte) = self.lines.receive(BoardLine::Control) else { break };
             let _passed = self.front.from_control(now, byte);
         }
-        // Of the control's characters the tap only counts.
+        // The tap only counts the control's characters.
         let _gap = self.lines.control.take_gap();
     }
 

@@ -213,8 +213,8 @@ impl Hardware {
     fn start(&'static self) -> Option<Line> {
         let [receiving, sending] = self.rings.take()?;
         let ((into, received), (to_send, from)) = (split(receiving), split(sending));
-        // SAFETY: the rings were given out for the first time: nobody uses the UART yet, the handler is not there, and its
-        // interrupts, both of one priority, are not let through.
+        // SAFETY: the rings can be taken only once, so no other code uses the UART yet. The handler is not set, and its
+        // interrupts, both of one priority, are still disabled.
         unsafe {
             let registers = Registers::start(self.uart);
             self.handler.put(Handler { registers, received: into, to_send: from, onward: None });

@@ -12,7 +12,7 @@ const NS_PER_US: u32 = 1_000;
 #[derive(Debug)]
 pub struct FvPort {
     port: GPIOC,
-    told: Option<u8>,
+    written: Option<u8>,
 }
 
 /// Pins that differ from the written levels: shorted or overloaded.
@@ -32,7 +32,7 @@ pub struct CycleDelay {
 impl FvPort {
     /// The port; [`crate::pins`] configures it.
     pub fn new(port: GPIOC) -> Self {
-        FvPort { port, told: None }
+        FvPort { port, written: None }
     }
 }
 
@@ -41,10 +41,10 @@ impl LinePort for FvPort {
 
     fn write(&mut self, levels: u8) -> Result<(), PinsDiffer> {
         let held = self.port.idr().read().bits() as u8;
-        let pins = self.told.map_or(0, |told| told ^ held);
+        let pins = self.written.map_or(0, |written| written ^ held);
         // SAFETY: the lines are this port's.
         unsafe { write(LINES & u32::from(levels), LINES & !u32::from(levels)) };
-        self.told = Some(levels);
+        self.written = Some(levels);
         if pins == 0 { Ok(()) } else { Err(PinsDiffer { pins }) }
     }
 }

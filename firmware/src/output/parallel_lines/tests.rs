@@ -131,10 +131,10 @@ fn it_waits_only_where_lines_change_in_both_senses() {
 #[test]
 fn a_pin_that_refuses_is_named_and_all_others_are_released() {
     let broken = MockError::Io(ErrorKind::NotConnected);
-    // Levels each line is told: when taken, at 100 %, at 118 %, at the release. Line 4 refuses to be pulled down for
-    // 118 %, lines 5 and 6 are not reached; all are told to let go.
-    let told = ["HHHH", "HHLH", "HLLH", "HHHH", "HHEH", "HLH", "HLH", "HHHH"];
-    let pins = told.map(|levels| {
+    // Levels written to each line: at the start, at 100 %, at 118 %, at the release. Line 4 refuses to be pulled down for
+    // 118 %, lines 5 and 6 are not reached; all are released.
+    let written = ["HHHH", "HHLH", "HLLH", "HHHH", "HHEH", "HLH", "HLH", "HHHH"];
+    let pins = written.map(|levels| {
         let each = levels.bytes().map(|level| match level {
             b'H' => Transaction::set(State::High),
             b'L' => Transaction::set(State::Low),

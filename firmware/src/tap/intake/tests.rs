@@ -10,7 +10,7 @@ fn texts<const N: usize>(intake: &mut Intake<N>) -> std::vec::Vec<String> {
     found
 }
 
-/// How many programs begin.
+/// Pushes a text; returns the number of programs that start in it.
 fn hear<const N: usize>(intake: &mut Intake<N>, code: TapeCode, text: &str) -> usize {
     text.bytes().filter(|byte| intake.push(code.encode(*byte).unwrap())).count()
 }

@@ -9,7 +9,7 @@ fn line(start: Pose, end: Pose) -> Segment {
     Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line }
 }
 
-/// About (100, 0) in XY with radius 10, from the west: a half turn, or as far as told.
+/// Arc about (100, 0) in XY with radius 10, from its west point to `to`, relative to the centre; `rise` is the final Z.
 fn arc(turn: Turn, to: [f64; 2], rise: f64) -> Segment {
     let to = to.map(Nm::from_mm);
     let arc =
@@ -75,7 +75,7 @@ fn a_rapid_has_no_path() {
     assert_eq!(place(&rapid, &Pose::ORIGIN), None);
 }
 
-/// How far off the axes are at the last of these angles behind the start of a full circle, degrees.
+/// Distance of the axes from their expected place at the last of these angles from the start of a full circle, degrees.
 fn off_on_circle(turn: Turn, degrees: &[i32]) -> f32 {
     let circle = arc(turn, [-10.0, 0.0], 0.0);
     let mut way = PathProgress::default();

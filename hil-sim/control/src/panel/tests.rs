@@ -1,4 +1,4 @@
-//! What the operator does, against closed forms: holds, stops, switches, reset, restarts.
+//! Operator actions against closed forms: holds, stops, switches, reset, restarts.
 
 use crate::dynamics::Dynamics;
 use crate::tests::{STEP, alone, close, run, time_s, until, x_mm};

@@ -50,7 +50,7 @@ impl HeightField {
     }
 }
 
-/// Where a line along x is within the radius of a way from the origin.
+/// Interval of a line along x that lies within the radius of a path from the origin.
 fn chord(way: [f64; 2], off_mm: f64, radius_mm: f64) -> Option<[f64; 2]> {
     let half_mm = |off_mm: f64| libm::sqrt(radius_mm * radius_mm - off_mm * off_mm);
     let at_ends = [(0.0, off_mm), (way[0], off_mm - way[1])].map(|(x, off)| [x - half_mm(off), x + half_mm(off)]);

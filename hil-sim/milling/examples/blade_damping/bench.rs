@@ -16,7 +16,7 @@ use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::material::{ElasticMaterial, TITANIUM_6AL_4V};
 use arcfeed_modal::flexible::{Modal, Workpiece, tool_modes};
 
-/// Its first ten modes are near those of the paper, which does not give its blade's dimensions.
+/// Blade whose first ten modes are near those of the paper, which does not state its dimensions.
 pub const BLADE: Blade = Blade {
     span_mm: 84.2,
     chord_mm: [84.2, 67.36],

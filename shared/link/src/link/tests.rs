@@ -5,7 +5,7 @@ use crate::settings::Role;
 
 const SCHEMA: u32 = 0x5EED_0001;
 type End4 = Link<4, 2>;
-/// What an end was handed.
+/// Messages that an end received: kind, payload, delivery.
 type Taken = Vec<(u8, Vec<u8>, Delivery)>;
 
 fn settings(role: Role) -> LinkSettings {

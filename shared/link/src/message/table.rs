@@ -63,7 +63,7 @@ macro_rules! messages {
         ];
 
         impl Message {
-            /// Its number on the wire.
+            /// Number of the message on the wire.
             pub const fn kind(&self) -> u8 {
                 match self {
                     $(Message::$name(_) => $kind,)+
@@ -85,7 +85,7 @@ macro_rules! messages {
             /// Reads a payload.
             ///
             /// # Errors
-            /// What makes it no message of this kind.
+            /// The kind is unknown, or the payload is not a message of this kind.
             pub fn decode(kind: u8, payload: &[u8]) -> Result<Self, DecodeError> {
                 let mut reader = Reader::new(payload);
                 let message = match kind {

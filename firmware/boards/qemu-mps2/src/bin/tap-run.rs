@@ -103,7 +103,7 @@ fn main() -> ! {
 fn start(job: &Job) -> Option<&'static mut Line> {
     let settings = TapSettings { code: Some(TapeCode::Ascii), ..TapSettings::new(job.unit) };
     let tap = Tap::new(settings).ok()?;
-    // SAFETY: no handler runs, and nobody else takes it.
+    // SAFETY: no handler runs, and no other code takes it.
     let tap = unsafe {
         TAP.put(tap);
         TAP.get()?

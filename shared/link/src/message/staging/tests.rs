@@ -17,7 +17,7 @@ fn set_of(job: &Job, set: u32) -> Vec<Message> {
     all
 }
 
-/// What a board makes of a set.
+/// Job that a board commits from a set, or the refusal.
 fn staged(staging: &mut Staging, all: &[Message]) -> Result<Job, RefusalCode> {
     for message in all {
         match message {
