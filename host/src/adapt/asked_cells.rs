@@ -1,6 +1,6 @@
 //! In which cells of a move a law is asked: in all of them, or in those that decide about the least and the largest demand.
 //!
-//! Where a law states its turning points, the demand between two of them lies between the demands there. So the cell of each
+//! Between two turning points that a law states, the demand lies between the demands there. So the cell of each
 //! turning point, of each knot and of each end of the move is enough, with one more on either side: the bound of a cell is
 //! then the same as if all were asked.
 
@@ -76,7 +76,7 @@ impl AskedCells {
         &self.runs
     }
 
-    /// How many.
+    /// Number of cells.
     pub fn count(&self) -> usize {
         self.runs.iter().map(ExactSizeIterator::len).sum()
     }

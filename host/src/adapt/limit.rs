@@ -20,9 +20,9 @@ use crate::program::ProgramLine;
 pub struct MoveLimit {
     /// Along the path, as its F counts.
     pub feed_mm_per_min: f64,
-    /// What sets it.
+    /// Cause of the limit.
     pub by: LimitedBy,
-    /// Which axis, where one does: `X` to `Z`, `A` to `C`.
+    /// Limiting axis, if it is an axis: `X` to `Z`, `A` to `C`.
     pub axis: Option<char>,
 }
 

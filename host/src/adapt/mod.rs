@@ -49,14 +49,14 @@ use rewrite::Leak;
 use writer::{KeptLines, Writer};
 pub use writer::{Known, PlannedLine};
 
-/// What becomes of a program.
+/// Adapted program.
 #[derive(Clone, Debug)]
 pub struct Adapted {
     /// Every block with a move, in order.
     pub blocks: Vec<PlannedBlock>,
     /// The program to send.
     pub text: Vec<u8>,
-    /// Where in it the text of each of the program's lines ends.
+    /// End of each program line in the adapted text.
     pub line_ends: Vec<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! How an arc is cut into pieces of one feed each, where no override can vary it.
+//! Division of an arc into pieces of one feed each, for a control without an override input.
 //!
 //! Each cell of the arc may be run with the largest of the feeds
 //!
@@ -19,7 +19,7 @@ use super::profile::Profile;
 /// A stretch of a move with one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Where it ends, as a part (0 to 1) of the move; the last one at 1.
+    /// End of the piece, as a fraction (0 to 1) of the move; 1 for the last one.
     pub until_ratio: f64,
     /// A path per tooth that no demand on it undercuts, mm.
     pub path_mm_per_tooth: f64,
@@ -81,7 +81,7 @@ fn bucket(demand: f64, least: f64, step: f64) -> f64 {
     if power(k) <= demand { power(k) } else { power((k - 1.0).max(0.0)) } // (1)
 }
 
-/// What pieces must not do.
+/// Limits that pieces must keep.
 struct Limits {
     least_ratio: f64,
     rise: f64,
@@ -110,7 +110,7 @@ impl Limits {
     }
 }
 
-/// Where a piece begins, as a part of the move.
+/// Start of a piece, as a fraction of the move.
 pub fn start(pieces: &[Piece], index: usize) -> f64 {
     index.checked_sub(1).map_or(0.0, |before| pieces[before].until_ratio)
 }

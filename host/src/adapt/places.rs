@@ -1,4 +1,4 @@
-//! Where the tool is along a move, for laws: what holds for all of the move is worked out once.
+//! Places of the tool along a move, for laws. Constants of the move are computed once.
 
 use arcfeed_law::Place;
 use arcfeed_nc::segment::{ArcAngles, Segment};
@@ -24,7 +24,7 @@ enum Shape {
 }
 
 impl MovePlaces {
-    /// Of a move.
+    /// Places along a move.
     pub fn of(segment: &Segment) -> Self {
         let shape = match segment.arc() {
             Some(arc) => {

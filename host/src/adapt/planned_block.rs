@@ -25,23 +25,23 @@ use crate::program::{Diagnostic, FeedKept, ProgramLine};
 pub struct PlannedBlock {
     /// Line in the program, counted from 1.
     pub line: usize,
-    /// Its move.
+    /// Move of the block.
     pub segment: Segment,
-    /// Index of the cut rule that speaks of it.
+    /// Index of the cut rule that fits it.
     pub rule: Option<usize>,
-    /// Where the tool's circles are engaged along it, where its rule leaves that to be told with each move.
+    /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
     pub along: Option<EngagedTable>,
-    /// What the law wants along it.
+    /// Demand of the law along it.
     pub demand: Option<DemandRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
     /// Why.
     pub reason: PlanReason,
-    /// Its pieces, where the law governs it and there is no override to vary its feed.
+    /// Pieces of the move, if the law governs it without an override.
     pub pieces: Vec<SentPiece>,
-    /// Why it is whole although the law wants pieces.
+    /// Reason to send it whole although the law asks for pieces.
     pub whole: Option<Whole>,
-    /// What its pieces make of the chip.
+    /// Chip error that remains with its pieces.
     pub chip_error: Option<ChipError>,
     /// F words in its text as sent.
     pub f_words: usize,
@@ -82,7 +82,7 @@ impl PlannedBlock {
         block
     }
 
-    /// Its own feed, per minute.
+    /// Programmed feed, per minute.
     pub fn programmed(&self) -> Option<Nm> {
         match self.segment.feed {
             Feed::PerMinute(feed) => Some(feed),

@@ -1,4 +1,4 @@
-//! Where an arc is divided: points that a control can be given exactly.
+//! Points of division of an arc that NC words give exactly.
 //!
 //! A control knows positions in its least increment (0.001 mm, 0.0001 in): rounded to it, a point may lie 1.8 um off the
 //! arc. But the place of a division matters little, so it is moved on along the arc, into the faster of the two pieces (the
@@ -32,16 +32,16 @@ const BY_RADIUS_MAX_RAD: f64 = 2.0;
 pub struct Grid {
     /// Least increment, nm.
     pub step_nm: i64,
-    /// What increments are counted from: zero, or under G91 the start of the move.
+    /// Origin of the increments: zero, or under G91 the start of the move.
     pub origin: [Nm; 3],
 }
 
 /// A piece with its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its feed, and where it ends on the arc.
+    /// Feed of the piece, and its end on the arc.
     pub piece: Piece,
-    /// Where it ends.
+    /// End point.
     pub end: Pose,
 }
 
@@ -52,7 +52,7 @@ struct Found {
     off_nm: f64,
 }
 
-/// What an arc is divided with.
+/// Data for dividing an arc.
 #[derive(Clone, Copy, Debug)]
 pub struct Divider<'a> {
     segment: &'a Segment,
@@ -67,7 +67,7 @@ impl<'a> Divider<'a> {
         Divider { segment, arc, grid, least_mm }
     }
 
-    /// What a piece must be longer than the least, mm, so that both its ends can be moved a little.
+    /// Length by which a piece must exceed the least, mm, so that both its ends can be moved a little.
     pub fn allowance_mm(&self) -> f64 {
         0.5 * self.window_mm()
     }

@@ -9,14 +9,14 @@ use super::places::MovePlaces;
 
 /// Dip between two points, over their value, above which it is looked at more closely.
 const SHARP_RATIO: f64 = 1e-5;
-/// How often a cell is halved for that; what still falls then is a jump, not a dip.
+/// Most halvings of a cell in this search. A fall that remains is a jump, not a dip.
 const DEPTH_MAX: usize = 16;
 /// Steps towards the bottom of a valley, each of which leaves two thirds of it.
 const DESCENTS: usize = 40;
 /// Halvings of a cell to the place where a law's demand begins or ends: f32 resolves a place to 24 bits of its move.
 const HALVINGS: usize = 16;
 
-/// What a law says at a point.
+/// Answer of a law at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     /// A path of the centre per tooth and a contact.
@@ -38,7 +38,7 @@ pub struct Profile {
     pub covered: Vec<bool>,
 }
 
-/// Where the law is asked.
+/// Law, and the places at which it is evaluated.
 struct Asked<'a, L> {
     law: &'a L,
     places: &'a MovePlaces,

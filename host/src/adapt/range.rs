@@ -1,4 +1,4 @@
-//! What a law wants along a whole move: the range of its demands, and a feed that no point of the arc undercuts.
+//! Demands of a law along a whole move: their range, and a feed that no point of the arc undercuts.
 
 use arcfeed_law::FeedDemand;
 
@@ -22,7 +22,7 @@ pub struct DemandRange {
 }
 
 impl DemandRange {
-    /// What a law's answers come to; `None` if there is no finite demand among them.
+    /// Range of a law's answers; `None` without a finite demand among them.
     pub fn of(profile: &Profile, teeth_per_min: f64) -> Option<Self> {
         let demands = || {
             profile.answers.iter().filter_map(|(_, answer)| match answer {

@@ -23,9 +23,9 @@ const fn feed_decimals(unit: LengthUnit) -> u32 {
 pub struct Edit {
     /// Offset of the bytes that go.
     pub at: usize,
-    /// How many go.
+    /// Number of bytes removed.
     pub len: usize,
-    /// What comes in their place.
+    /// Bytes inserted in their place.
     pub new: String,
 }
 
@@ -66,14 +66,14 @@ struct ModalFeed {
     is_governed: bool,
 }
 
-/// What a line asks of the F in force.
+/// Feed that a line requires to be in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Required {
     /// Nothing: it does not cut.
     Nothing,
     /// This feed.
     Feed(Nm),
-    /// Its own feed, where the program has stated one: no other that a law has set.
+    /// Programmed feed of the line, if there is one; never one that a law has set.
     Own(Option<Nm>),
 }
 
@@ -112,7 +112,7 @@ pub fn may_leak(line: &ProgramLine) -> bool {
 }
 
 impl FeedRewriter {
-    /// What makes the line be sent with `governed` as its feed, or with its own. Lines that a block-delete switch may change stay
+    /// Edits that send the line with `governed` as its feed, or with its own. Lines that a block-delete switch may change stay
     /// as they are, and find the program's own F in force.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ pub const fn increment_nm(unit: LengthUnit) -> i64 {
     }
 }
 
-/// How a block is spelled.
+/// Spelling of a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling<'a> {
     text: &'a [u8],
@@ -53,7 +53,7 @@ impl<'a> Spelling<'a> {
         self.block.word(b'R').is_some()
     }
 
-    /// What turns the block into its first piece, which ends at `end`; `None` if a number cannot be written.
+    /// Edits that turn the block into its first piece, which ends at `end`; `None` if a number cannot be written.
     pub fn first(&self, start: &Pose, end: &Pose, rises: bool) -> Option<Vec<Edit>> {
         let mut edits = Vec::new();
         let mut missing = String::new();

@@ -1,8 +1,8 @@
 //! `rewrite-only`: an arc's block as several, each with its own F.
 //!
-//! What is written is read back as the control will read it: each piece must be an arc of the same sense about the same
-//! centre, begin where the one before ends, and the last one end where the program says. What does not read back so, and
-//! what cannot be written in pieces, stays whole and is sent with the least feed the law wants on it.
+//! The text of the pieces is read back as the control will read it: each piece must be an arc of the same sense about the same
+//! centre, each must begin at the end of the one before, and the last must end at the programmed point. A move that does not
+//! read back so, or cannot be written in pieces, stays whole and is sent with the least feed that the law demands on it.
 
 use arcfeed_model::job::PieceSettings;
 use arcfeed_nc::block::Block;
@@ -20,7 +20,7 @@ use super::rewrite::{Edit, FeedRewriter, apply, round_down};
 use super::spelling::{Spelling, increment_nm};
 use crate::program::ProgramLine;
 
-/// How far a piece's centre may lie from the arc's, nm: R and two points on the arc tell it no better.
+/// Largest distance of a piece's centre from the arc's, nm: R and two points on the arc give it no better.
 const CENTER_MAX_NM: i64 = 20_000;
 
 /// Why a move that a law wants in pieces stays whole.
@@ -28,7 +28,7 @@ const CENTER_MAX_NM: i64 = 20_000;
 pub enum Whole {
     /// Only arcs are cut into pieces.
     Line,
-    /// Its block has words that pieces cannot share: M, T, a variable, another G.
+    /// The block has words that pieces cannot share: M, T, a variable, another G.
     Words,
     /// G51, G52 or G68 lays the program's coordinates elsewhere than the workpiece's.
     Coordinates,
@@ -54,9 +54,9 @@ impl Whole {
 /// A stretch of a move with one F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SentPiece {
-    /// Where it ends, as a part (0 to 1) of the move.
+    /// End of the piece, as a fraction (0 to 1) of the move.
     pub until_ratio: f64,
-    /// Its F, per minute.
+    /// F of the piece, per minute.
     pub feed: Nm,
 }
 
@@ -74,22 +74,22 @@ pub struct ChipError {
 /// A move, as sent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
-    /// Its pieces; at least one.
+    /// Pieces of the move; at least one.
     pub pieces: Vec<SentPiece>,
-    /// Its text, piece by piece, without line ends.
+    /// Text of each piece, without line ends.
     pub texts: Vec<Vec<u8>>,
-    /// Why it is whole although the law wants pieces.
+    /// Reason to send it whole although the law asks for pieces.
     pub whole: Option<Whole>,
 }
 
 /// A governed move and its surroundings.
 #[derive(Debug)]
 pub struct Governed<'a> {
-    /// Its line.
+    /// Line of the move.
     pub line: &'a ProgramLine,
-    /// Its geometry.
+    /// Geometry of the move.
     pub segment: &'a Segment,
-    /// What the law says along it.
+    /// Answers of the law along it.
     pub profile: &'a Profile,
     /// The modes after its G words.
     pub modes: Modes,
@@ -99,7 +99,7 @@ pub struct Governed<'a> {
     pub teeth_per_min: f64,
     /// Largest feed over the least one.
     pub most_ratio: f64,
-    /// The fastest feed that machine and control can follow; infinite where nobody knows of one.
+    /// The fastest feed that machine and control can follow; infinite if none is known.
     pub limit_mm_per_min: f64,
 }
 
@@ -211,7 +211,7 @@ impl Governed<'_> {
 }
 
 impl ChipError {
-    /// Of pieces run with their F; `None` where the law demands nowhere.
+    /// Chip error of pieces that run with their F; `None` if the law has no demand anywhere.
     pub fn of(pieces: &[SentPiece], profile: &Profile, teeth_per_min: f64) -> Option<Self> {
         let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
         let mut from = 0.0;

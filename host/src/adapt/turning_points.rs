@@ -1,4 +1,4 @@
-//! Where along an arc the demand of the circumference law can turn: directions of the tool's centre O from the rotation centre
+//! Turning points of the circumference law's demand along an arc: directions of the tool's centre O from the rotation centre
 //! A. Between two neighbouring ones the demand only rises, only falls, or is refused.
 //!
 //! The contact B lies on the stock line, at the distance s from A. The contact angle th is the angle at O in the triangle A O B:

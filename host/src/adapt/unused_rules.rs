@@ -38,7 +38,7 @@ pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUs
     rules.iter().enumerate().filter_map(warning).collect()
 }
 
-/// How a rule meets the moves of a program.
+/// Use of a rule by the moves of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Met {
     /// No move fits it.
@@ -49,7 +49,7 @@ enum Met {
     First,
 }
 
-/// How the rules of a job meet the moves of a program.
+/// Use of each rule of a job by the moves of a program.
 #[derive(Clone, Debug)]
 pub struct RuleUse {
     met: Vec<Met>,

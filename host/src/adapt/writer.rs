@@ -27,12 +27,12 @@ use crate::program::ProgramLine;
 /// Governed blocks that may keep their feed because it would leak, one by one.
 const LEAKS_MAX: usize = 64;
 
-/// What is known beside program and job.
+/// Further input beside program and job.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
     /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
     pub machine: Option<&'a Machine>,
-    /// Where the tool's circles are engaged, for rules that leave it to be told with each move.
+    /// Engaged arcs of the tool's circles, for rules that expect engagement per move.
     pub map: Option<&'a EngagementMap>,
 }
 
@@ -69,9 +69,9 @@ impl KeptLines {
 /// A line as it is sent.
 #[derive(Clone, Debug)]
 pub struct PlannedLine {
-    /// Its move.
+    /// Move of the line.
     pub block: Option<PlannedBlock>,
-    /// Its text, without line end; of a move in pieces several lines.
+    /// Text of the line, without line end; several lines for a move in pieces.
     pub text: Vec<u8>,
 }
 
@@ -141,11 +141,11 @@ impl<'a> Writer<'a> {
         Ok(PlannedLine { block: Some(block), text: texts.join(end) })
     }
 
-    /// What a line's move is sent with, and what the law says along it.
+    /// Plan of a line's move, and the answers of the law along it.
     fn plan(&mut self, number: usize, line: &ProgramLine, segment: Segment) -> (PlannedBlock, Option<Profile>) {
         let mut block = PlannedBlock::new(number, segment);
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
-        block.along = self.told_along(&segment, line.machining.tool);
+        block.along = self.engagement_along(&segment, line.machining.tool);
         let under = self.special(line);
         let reason = match match_move(self.job, self.machine, line, &segment) {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
@@ -171,8 +171,8 @@ impl<'a> Writer<'a> {
         (block, None)
     }
 
-    /// Where the circles are engaged along a move, where its rule leaves that to be told.
-    fn told_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
+    /// Engaged arcs along a move, if its rule expects engagement per move.
+    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
         engaged.next(segment).cloned()
@@ -195,7 +195,7 @@ impl<'a> Writer<'a> {
         Ok(rewrite::apply(&line.text, edit.as_slice()))
     }
 
-    /// The line's pieces, with what is to be told of them; nothing where the mode has none.
+    /// Pieces of the line with their remarks; none in modes without pieces.
     fn in_pieces(
         &mut self,
         line: &ProgramLine,
