@@ -6,7 +6,7 @@ use crate::complaints::assert_none;
 use crate::source::{CHIP, HOST, SIMULATOR, Source, read, rust_files, rust_files_of, tokens};
 
 /// Types with two definitions, of which a feature or the operating system selects one.
-const ALTERNATIVES: [&str; 3] = ["NativePort", "Pattern", "Screen"];
+const ALTERNATIVES: [&str; 4] = ["NativePort", "Pattern", "Pty", "Screen"];
 
 /// First words of comments that do not say what an item is.
 const FIRST_WORDS: [&str; 5] = ["What", "How", "Where", "Its", "Of"];
@@ -15,7 +15,8 @@ const FIRST_WORDS: [&str; 5] = ["What", "How", "Where", "Its", "Of"];
 fn public_types(source: &Source) -> Vec<&str> {
     let kinds = ["struct", "enum", "trait", "type", "union"];
     let tokens = tokens(source.production());
-    let is_type = |w: &&[&str]| w[0] == "pub" && kinds.contains(&w[1]);
+    let is_name = |token: &str| token.starts_with(char::is_alphabetic);
+    let is_type = |w: &&[&str]| w[0] == "pub" && kinds.contains(&w[1]) && is_name(w[2]);
     tokens.windows(3).filter(is_type).map(|w| w[2]).collect()
 }
 

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_are_told_apart_around_the_wrap() {
+    fn runs_are_distinguished_around_the_wrap() {
         for (run, now, is_before, is_behind) in [
             (5, 5, false, false),
             (4, 5, true, false),

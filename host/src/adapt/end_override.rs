@@ -19,7 +19,7 @@ pub fn set_ends(blocks: &mut [PlannedBlock], program: &Program, job: &Job) {
         let is_next = |(line, _): &(usize, u8)| !has_other_moves(program, block.line, *line);
         block.end_percent = behind.filter(is_next).map_or(programmed, |(_, percent)| percent);
         let begins = begin_percent(block, job);
-        // Where a block-delete switch skips the block, what is behind it comes first.
+        // If a block-delete switch skips the block, the next block comes first.
         let percent = if may_be_skipped(program, block.line) { begins.min(block.end_percent) } else { begins };
         behind = Some((block.line, percent));
     }

@@ -34,7 +34,7 @@ pub struct Profile {
     pub answers: Vec<(f64, Answer)>,
     /// Path per tooth that no point of the cell undercuts, mm; infinite where no feed is too high.
     pub bounds: Vec<f64>,
-    /// Whether the law says something everywhere in the cell.
+    /// For each cell: `true` if the law has a demand, or allows any feed, at both ends of the cell.
     pub covered: Vec<bool>,
 }
 
@@ -241,7 +241,7 @@ impl<L: FeedLaw> Asked<'_, L> {
 }
 
 impl Quarters {
-    /// Whether the demand falls below the points by next to nothing.
+    /// Reports whether the demand falls below the points by a negligible amount only.
     fn is_smooth(&self) -> bool {
         self.dip <= SHARP_RATIO * self.least
     }

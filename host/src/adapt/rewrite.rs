@@ -39,7 +39,7 @@ impl Edit {
 /// A text with its changes, which must not overlap.
 pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     let mut edits: Vec<&Edit> = edits.iter().collect();
-    // What is inserted before a word comes before what replaces it.
+    // An insertion before a word comes before a replacement of that word.
     edits.sort_by_key(|edit| (edit.at, edit.len));
     let (mut changed, mut done) = (Vec::with_capacity(text.len()), 0);
     for edit in edits {
@@ -62,7 +62,7 @@ pub struct FeedRewriter {
 struct ModalFeed {
     /// `None`: the program's own, whatever it is.
     feed: Option<Nm>,
-    /// Whether a law has set it.
+    /// `true` if a law has set the feed.
     is_governed: bool,
 }
 
@@ -73,7 +73,7 @@ enum Required {
     Nothing,
     /// This feed.
     Feed(Nm),
-    /// Programmed feed of the line, if there is one; never one that a law has set.
+    /// Programmed feed of the line, if there is one. A feed that a law has set serves only if it is the same.
     Own(Option<Nm>),
 }
 

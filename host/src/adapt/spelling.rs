@@ -48,7 +48,7 @@ impl<'a> Spelling<'a> {
         is_plain.then_some(Spelling { text, block, modes, plane })
     }
 
-    /// Whether its centre is given by R.
+    /// Reports whether the block gives the centre of the arc by R.
     pub fn is_by_radius(&self) -> bool {
         self.block.word(b'R').is_some()
     }

@@ -99,7 +99,7 @@ pub struct Governed<'a> {
     pub teeth_per_min: f64,
     /// Largest feed over the least one.
     pub most_ratio: f64,
-    /// The fastest feed that machine and control can follow; infinite if none is known.
+    /// Fastest feed that machine, control and the job's ceiling allow; infinite if nothing limits the move.
     pub limit_mm_per_min: f64,
 }
 

@@ -195,7 +195,7 @@ impl<'a> Writer<'a> {
         Ok(rewrite::apply(&line.text, edit.as_slice()))
     }
 
-    /// Pieces of the line with their remarks; none in modes without pieces.
+    /// Texts of the pieces of a line's move; `None` in modes without pieces, or if the law has no finite demand.
     fn in_pieces(
         &mut self,
         line: &ProgramLine,

@@ -16,7 +16,7 @@ pub struct Standstill {
     done: usize,
     /// Time since which the control has been ahead.
     since: Option<Micros>,
-    is_told: bool,
+    is_reported: bool,
 }
 
 impl Standstill {
@@ -26,11 +26,11 @@ impl Standstill {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };
         }
-        if by_control <= done || self.is_told {
+        if by_control <= done || self.is_reported {
             return false;
         }
-        self.is_told = now.since(*self.since.get_or_insert(now)) >= TIMEOUT;
-        self.is_told
+        self.is_reported = now.since(*self.since.get_or_insert(now)) >= TIMEOUT;
+        self.is_reported
     }
 }
 

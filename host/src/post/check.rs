@@ -29,7 +29,7 @@ const STEPS: usize = 40;
 pub fn check_program(program: &Program, task: &Task) -> (AxisPlan, usize) {
     let moves = walk(program, &task.machine, &task.setup);
     let mut check_program =
-        Checker { task, plan: AxisPlan::default(), told_over: Vec::new(), told_missing: Vec::new() };
+        Checker { task, plan: AxisPlan::default(), reported_over: Vec::new(), reported_missing: Vec::new() };
     for step in &moves {
         check_program.ranges(step);
         if step.is_continuous {
@@ -49,8 +49,8 @@ pub fn check_program(program: &Program, task: &Task) -> (AxisPlan, usize) {
 struct Checker<'t> {
     task: &'t Task,
     plan: AxisPlan,
-    told_over: Vec<AxisName>,
-    told_missing: Vec<Letter>,
+    reported_over: Vec<AxisName>,
+    reported_missing: Vec<Letter>,
 }
 
 impl Checker<'_> {
@@ -63,8 +63,8 @@ impl Checker<'_> {
         let machine = &self.task.machine;
         for place in step.places(machine).iter().skip(1) {
             for axis in machine.over_limits(place) {
-                if !self.told_over.contains(&axis) {
-                    self.told_over.push(axis);
+                if !self.reported_over.contains(&axis) {
+                    self.reported_over.push(axis);
                     self.add(step.made.line, FindingKind::OverLimit(axis));
                 }
             }
@@ -73,8 +73,8 @@ impl Checker<'_> {
             step.made.segment.start.rotary.iter().zip(&step.made.segment.end.rotary).map(|(from, to)| from != to);
         for (letter, _) in Letter::ALL.into_iter().zip(turns).filter(|(_, turns)| *turns) {
             let has = machine.rotary().iter().any(|axis| axis.letter == letter);
-            if !has && !self.told_missing.contains(&letter) {
-                self.told_missing.push(letter);
+            if !has && !self.reported_missing.contains(&letter) {
+                self.reported_missing.push(letter);
                 self.add(step.made.line, FindingKind::NoAxis(letter));
             }
         }

@@ -98,12 +98,12 @@ impl AxisPlan {
     fn check(&mut self, cl: &Cl, task: &Task, poses: &[ToolPose], course: &[[f64; 2]]) {
         let Task { machine, setup, limits, retract_mm, .. } = task;
         let [first, _] = machine.rotary();
-        let mut told_over = Vec::new();
+        let mut reported_over = Vec::new();
         for (point, stop) in cl.points.iter().zip(&self.stops) {
             for axis in machine.over_limits(&stop.axes) {
                 // An axis that stays outside its range is reported once.
-                if !told_over.contains(&axis) {
-                    told_over.push(axis);
+                if !reported_over.contains(&axis) {
+                    reported_over.push(axis);
                     self.findings.push(Finding { line: point.line, what: FindingKind::OverLimit(axis) });
                 }
             }

@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn all_four_quadrants_are_told_apart() {
+    fn all_four_quadrants_are_distinguished() {
         for (y, x, positive, signed) in
             [(1.0, 1.0, 45.0, 45.0), (1.0, -1.0, 135.0, 135.0), (-1.0, -1.0, 225.0, -135.0), (-1.0, 1.0, 315.0, -45.0)]
         {

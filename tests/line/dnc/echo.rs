@@ -21,7 +21,7 @@ const CHECKS: [Check; 3] = [Check::None, Check::Parity, Check::ParityAndTv];
 /// Result of a run.
 struct Run {
     is_whole: bool,
-    is_told: bool,
+    is_reported: bool,
     confirmed: usize,
     asked: usize,
     remarks: Vec<ReportFinding>,
@@ -70,7 +70,7 @@ fn run((sent, mut reports): (Transmission, Reports), check: Check, schedule: &Sc
     let (asked, confirmed) = reports.counts();
     Run {
         is_whole: own(of_code(control.executed().iter().cloned())) == wanted,
-        is_told: outcome.error.is_some()
+        is_reported: outcome.error.is_some()
             || control.alarm().is_some()
             || matches!(outcome.state, State::Failed(_))
             || !control.has_ended()
@@ -93,7 +93,7 @@ fn every_report_of_a_line_without_faults_confirms_the_program() {
         let found = run(with_reports(&text, Check::ParityAndTv, Some(every)), Check::ParityAndTv, &Schedule::default());
         assert_eq!(found.remarks, [], "seed {seed}, every {every}:\n{text}");
         let (asked, confirmed) = (found.asked, found.confirmed);
-        let is_clean = found.is_whole && !found.is_told && asked > 0;
+        let is_clean = found.is_whole && !found.is_reported && asked > 0;
         assert!(is_clean, "seed {seed}, every {every}, {confirmed} of {asked}, whole {}:\n{text}", found.is_whole);
         assert_eq!(confirmed, asked, "seed {seed}");
         reports += asked;
@@ -116,7 +116,8 @@ fn reports_show_most_of_what_parity_and_tv_let_pass() {
                 let sent = with_reports(&text, check, every);
                 let schedule = kind.draw(&mut rng, sent.0.frames().len());
                 let found = run(sent, check, &schedule);
-                unnoticed.entry((kind, check)).or_default()[context] += u32::from(!found.is_whole && !found.is_told);
+                unnoticed.entry((kind, check)).or_default()[context] +=
+                    u32::from(!found.is_whole && !found.is_reported);
             }
         }
     }

@@ -1,6 +1,6 @@
 """pyserial's rfc2217:// as a sender. usage: rfc2217_client.py URL BAUDRATE FRAME PROGRAM (server | own)
 
-With `server` the port at the other end does XON/XOFF; with `own` this script does. Prints what it was told of the port.
+With `server` the port at the other end does XON/XOFF; with `own` this script does. Prints the reported state of the port.
 """
 import sys
 import time

@@ -13,7 +13,7 @@ import serial.rfc2217 as rfc2217
 
 
 class Line(serial.Serial):
-    """A native port on a pseudo-terminal: 8N1 and without modem lines, whatever it is told, and one that keeps what the
+    """A native port on a pseudo-terminal: 8N1 and without modem lines, whatever is requested, and one that keeps what the
     control has said before."""
 
     cts = dsr = cd = property(lambda self: True)
@@ -29,12 +29,12 @@ class Line(serial.Serial):
         pass
 
     def _reconfigure_port(self, force_update=False):
-        told = self._bytesize, self._parity
+        requested = self._bytesize, self._parity
         self._bytesize, self._parity = 8, "N"
         try:
             super()._reconfigure_port(force_update)
         finally:
-            self._bytesize, self._parity = told
+            self._bytesize, self._parity = requested
 
 
 class Client:

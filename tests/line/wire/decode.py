@@ -80,8 +80,8 @@ def main(page):
             meant = bytes.fromhex(value) if name in ("payload", "body") else int(value, 0)
             assert said.pop(name) == meant, (name, value)
         assert said.keys() == {"version"}, said
-    told, known = [example(block) for block in blocks(page, "message")], messages(page)
-    for written in told:
+    examples, known = [example(block) for block in blocks(page, "message")], messages(page)
+    for written in examples:
         kind, fields = known[written.pop("message")]
         assert kind == int(written.pop("kind"))
         said = fields_of(fields, bytes.fromhex(written.pop("payload")))
@@ -99,7 +99,7 @@ def main(page):
         else:
             mine, other = greeted[who], greeted[{"host": "board", "board": "host"}[who]]
             assert said["salt"] == salt(mine["role"], mine["session"], other["session"], mine["schema"])
-    print(f"{len(frames)} frames, {len(told)} messages, {len(salts)} salts, {len(talk)} rows of talk")
+    print(f"{len(frames)} frames, {len(examples)} messages, {len(salts)} salts, {len(talk)} rows of talk")
 
 
 main(open(sys.argv[1], encoding="utf-8").read())

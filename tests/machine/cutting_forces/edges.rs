@@ -156,8 +156,8 @@ fn runout_moves_every_place_by_the_same() {
     for (before, after) in plain.pieces().iter().zip(moved.pieces()) {
         assert!((after.place_mm(0.0) - before.place_mm(0.0) - by).norm() < 1e-14);
     }
-    let told_again = moved.with_runout(0.02, 4.0).unwrap().with_runout(0.0, 0.0).unwrap();
-    for (before, after) in plain.pieces().iter().zip(told_again.pieces()) {
+    let moved_back = moved.with_runout(0.02, 4.0).unwrap().with_runout(0.0, 0.0).unwrap();
+    for (before, after) in plain.pieces().iter().zip(moved_back.pieces()) {
         assert!((after.place_mm(0.0) - before.place_mm(0.0)).norm() < 1e-14);
     }
     let other_order = plain.clone().with_runout(0.05, 1.0).unwrap().with_offsets(&[0.1, 0.0, -0.1]).unwrap();

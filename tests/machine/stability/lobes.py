@@ -4,7 +4,7 @@
     python3 -B lobes.py check    by how much the tables beside this file differ, ten minutes
 
 The critical depth is the first one, going up by three hundredths, at which the largest eigenvalue mu of the map from tooth to
-tooth (monodromy.py) passes 1. Of the frequencies (arg mu / 2 pi + k) / T the one at which the tool goes farthest is told. Beside
+tooth (monodromy.py) passes 1. The frequency reported is that of (arg mu / 2 pi + k) / T at which the tool moves farthest. Beside
 it stands the zeroth-order approximation (zeroth_order.py).
 """
 import csv

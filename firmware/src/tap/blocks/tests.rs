@@ -114,7 +114,7 @@ fn a_control_that_keeps_its_codes_is_trusted_once_the_program_has_said_them() {
 }
 
 #[test]
-fn the_block_of_the_end_is_told() {
+fn the_block_of_the_end_is_reported() {
     for (line, ends) in [("M30", true), ("M2", true), ("G0X1.M30", true), ("M0", false), ("M1", false)] {
         assert_eq!(last(line).map(|(_, ends)| ends), Ok(ends), "{line}");
     }

@@ -13,7 +13,7 @@ use super::clamped_block::Face;
 use super::mesh::{TetMesh, TetMeshError};
 use super::sides::{NoSides, SheetSection};
 use arcfeed_dexel::mesh::Mesh as Surface;
-use arcfeed_dexel::outline::{Flat, Outline};
+use arcfeed_dexel::outline::{Outline, Point2};
 use arcfeed_dexel::solid::Solid;
 
 /// Distance of cuts from both ends, as a fraction of the span, because faces at the ends may be in the plane.
@@ -163,7 +163,7 @@ impl Sheet<'_> {
     }
 
     /// Points on both sides of each cut, `places` of them.
-    fn layers(&self, cuts: &[(f64, Outline)], places: usize) -> Result<Vec<Vec<[Flat; 2]>>, SheetError> {
+    fn layers(&self, cuts: &[(f64, Outline)], places: usize) -> Result<Vec<Vec<[Point2; 2]>>, SheetError> {
         let no_sides = |at_mm: f64, NoSides { at_mm: flat, count }: NoSides| SheetError::NoSides {
             axis: self.thickness,
             at_mm: self.place(at_mm, flat),
@@ -182,7 +182,7 @@ impl Sheet<'_> {
     }
 
     /// Point in the plane at a coordinate along the span.
-    fn place(&self, at_mm: f64, [along_mm, through_mm]: Flat) -> Vector {
+    fn place(&self, at_mm: f64, [along_mm, through_mm]: Point2) -> Vector {
         [0, 1, 2].map(|axis: usize| match axis {
             axis if axis == self.held.axis => at_mm,
             axis if axis == self.thickness => through_mm,
@@ -238,7 +238,7 @@ mod tests {
     }
 
     /// A rectangle about the origin, turned about z.
-    fn rectangle([length_mm, width_mm]: Flat, turned_rad: f64, z_mm: f64) -> [Vector; 4] {
+    fn rectangle([length_mm, width_mm]: Point2, turned_rad: f64, z_mm: f64) -> [Vector; 4] {
         let (sin, cos) = libm::sincos(turned_rad);
         [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| {
             let (x_mm, y_mm) = (x * length_mm, y * width_mm);

@@ -20,7 +20,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use arcfeed_dexel::dexel::Interval;
-use arcfeed_dexel::outline::{Flat, Outline};
+use arcfeed_dexel::outline::{Outline, Point2};
 
 /// Fraction of the largest thickness below which the sides end: elements that end in a line would be folded. The
 /// resulting error: docs/fe.md.
@@ -46,7 +46,7 @@ const HALVINGS: usize = 30;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoSides {
     /// Point on the line.
-    pub at_mm: Flat,
+    pub at_mm: Point2,
     /// Number of times that the line meets the solid.
     pub count: usize,
 }
@@ -55,20 +55,20 @@ pub struct NoSides {
 #[derive(Clone, Copy, Debug)]
 struct Middle<'a> {
     outline: &'a Outline,
-    origin_mm: Flat,
-    along: Flat,
+    origin_mm: Point2,
+    along: Point2,
     bend_per_mm: f64,
     extent_mm: [f64; 2],
 }
 
 impl<'a> Middle<'a> {
-    fn new(outline: &'a Outline, origin_mm: Flat, along: Flat, bend_per_mm: f64) -> Self {
+    fn new(outline: &'a Outline, origin_mm: Point2, along: Point2, bend_per_mm: f64) -> Self {
         let extent_mm = outline.extent_mm(origin_mm, along).unwrap_or_default();
         Middle { outline, origin_mm, along, bend_per_mm, extent_mm }
     }
 
     /// Point on the middle line, and the direction square to it there.
-    fn line(&self, u_mm: f64) -> (Flat, Flat) {
+    fn line(&self, u_mm: f64) -> (Point2, Point2) {
         let across = [-self.along[1], self.along[0]];
         let mixed = |u: f64, v: f64| [0, 1].map(|k| self.along[k] * u + across[k] * v);
         let place = mixed(u_mm, self.bend_per_mm * u_mm * u_mm);
@@ -193,7 +193,7 @@ impl<'a> SheetSection<'a> {
     ///
     /// # Errors
     /// The same as for [`Self::of`].
-    pub fn sides(&self, inset_mm: [f64; 2], places: usize) -> Result<Vec<[Flat; 2]>, NoSides> {
+    pub fn sides(&self, inset_mm: [f64; 2], places: usize) -> Result<Vec<[Point2; 2]>, NoSides> {
         let [low, high] = self.middle.extent_mm;
         let (from_mm, to_mm) = (low + inset_mm[0], high - inset_mm[1]);
         let place = |place: usize| {

@@ -99,8 +99,11 @@ mod tests {
             for place in (0..3600).map(|k| [f64::from(k % 60), f64::from(k / 60) * 1.7 - 10.0]) {
                 let near = sections.iter().map(|section| section.distance_mm(place[0], place[1]));
                 let distance_mm = near.fold(f64::INFINITY, f64::min);
-                let told_mm = tool().distance_of_mm(part, place[0], place[1]);
-                assert!((distance_mm - told_mm).abs() < 1e-12 || (distance_mm < 0.0 && told_mm <= 0.0), "{place:?}");
+                let computed_mm = tool().distance_of_mm(part, place[0], place[1]);
+                assert!(
+                    (distance_mm - computed_mm).abs() < 1e-12 || (distance_mm < 0.0 && computed_mm <= 0.0),
+                    "{place:?}"
+                );
             }
         }
         let ring = Section::of(&tool(), ToolPart::Ring)[0];

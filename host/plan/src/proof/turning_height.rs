@@ -42,7 +42,7 @@ mod tests {
         let turns = (0..7200).map(|k| Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * 8.727e-4));
         let highest = |turn: Rotation3<f64>| all.iter().map(|p| (to_slot * (turn * p)).z).fold(f64::MIN, f64::max);
         let seen_mm = turns.map(highest).fold(f64::MIN, f64::max);
-        let told_mm = highest_mm(&blank, &boxes, &to_slot);
-        assert!((0.0..1e-4).contains(&(told_mm - seen_mm)), "{told_mm} {seen_mm}");
+        let computed_mm = highest_mm(&blank, &boxes, &to_slot);
+        assert!((0.0..1e-4).contains(&(computed_mm - seen_mm)), "{computed_mm} {seen_mm}");
     }
 }

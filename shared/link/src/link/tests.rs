@@ -256,7 +256,7 @@ fn goodbye_is_said_once_and_understood() {
 }
 
 #[test]
-fn who_cannot_be_talked_to_is_told_apart_and_the_right_one_is_still_welcome() {
+fn an_incompatible_peer_is_distinguished_and_the_right_one_is_still_accepted() {
     let other = |settings: LinkSettings| Link::<4, 2>::new(settings, 22).unwrap();
     let board = settings(Role::Board);
     let slow = Span::from_ms(126);

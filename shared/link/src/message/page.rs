@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_never_written_is_told_from_what_is_broken() {
+    fn an_unwritten_page_is_distinguished_from_a_corrupt_one() {
         let mut staging = Staging::new();
         assert_eq!(read(&[ERASED; PAGE_MAX], &mut staging), Err(PageError::Blank));
         assert_eq!(read(&[], &mut staging), Err(PageError::Blank));

@@ -113,7 +113,7 @@ fn a_byte_too_few_or_too_many_is_refused() {
 }
 
 #[test]
-fn kinds_and_names_are_told_apart() {
+fn kinds_and_names_are_distinguished() {
     for (at, entry) in SCHEMA.iter().enumerate() {
         for other in &SCHEMA[at + 1..] {
             assert!(entry.kind != other.kind && entry.name != other.name, "{} and {}", entry.name, other.name);
