@@ -36,6 +36,7 @@ pub struct Freshness {
 
 /// Lost source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
     /// The axes' positions.
     Position,

@@ -53,6 +53,7 @@ pub struct Supervisor {
 
 /// Decision of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
     /// Override for the output.
     pub feed_override: FeedOverride,

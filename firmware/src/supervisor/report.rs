@@ -11,6 +11,7 @@ use super::state::{Disarm, Hold, State};
 
 /// Reason of the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The law's demand, or the slew towards it.
     Law,
@@ -47,6 +48,7 @@ pub enum Reason {
 
 /// Limit of a demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limit {
     /// `max` of the job.
     Max,
@@ -60,6 +62,7 @@ pub enum Limit {
 
 /// Alarm level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
     /// No alarm.
     None,
@@ -71,6 +74,7 @@ pub enum Alarm {
 
 /// Reason why arming was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// A fault is active or was not reset.
     Faulted,

@@ -6,6 +6,7 @@ pub struct Signals(u32);
 
 /// Fault of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BoardFault {
     /// The watchdog has expired, now or before this start.
     Watchdog,
@@ -28,6 +29,7 @@ pub enum Request {
 
 /// A condition under which the laws must not have the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Condition {
     /// G41 or G42: the control corrects the feed of arcs itself.
     CutterCompensation,
@@ -37,6 +39,7 @@ pub enum Condition {
 
 /// Reason why the override has nothing to act on at present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Inhibit {
     /// A tapping cycle.
     Tapping,

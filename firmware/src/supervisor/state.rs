@@ -32,6 +32,7 @@ use super::signals::{BoardFault, Condition, Inhibit};
 /// If several events occur at a tick, the first in the order of [`Event`] applies; an event without an arrow changes
 /// nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Not armed since power-on or reset: the dial's value.
     #[default]
@@ -73,6 +74,7 @@ pub enum State {
 
 /// Cause of a hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hold {
     /// Feed hold.
     Feed,
@@ -82,6 +84,7 @@ pub enum Hold {
 
 /// Cause of a disarming.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Disarm {
     /// The operator has turned the dial down: the dial's value, without a rise until the dial is turned up.
     Operator {
