@@ -43,9 +43,9 @@ pub struct ContactGeometry {
     pub path_radius_mm: f32,
     /// r0, mm.
     pub edge_radius_mm: f32,
-    /// k.
+    /// k: 1 for an edge that advances outward, -1 inward.
     pub edge_sign: i8,
-    /// a.
+    /// a, the wanted feed per tooth.
     pub feed_per_tooth: MmPerTooth,
     /// k on a counter-clockwise arc, -k on a clockwise one.
     pub advance_sign: i8,

@@ -145,7 +145,7 @@ impl SegmentLaw {
         SegmentLaw::with_engagement(segment, rule, None, job)
     }
 
-    /// The same with engagement sent for this segment, used when its rule expects engagement per move.
+    /// The job's law for a segment with the engagement sent for it, used when its rule expects engagement per move.
     pub fn with_engagement(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
         let setup = job.tool_of(rule);

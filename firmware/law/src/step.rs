@@ -128,7 +128,7 @@ impl PreparedCut {
         }
     }
 
-    /// k.
+    /// k: 1 for an edge that advances outward, -1 inward.
     pub fn edge_sign(&self) -> i8 {
         if self.closing_per_mm < 0.0 { -1 } else { 1 }
     }

@@ -32,7 +32,7 @@ impl<P: OutputPin, S: OutputPin<Error = P::Error>> Strobed<P, S> {
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> {
-    /// The same with slow wiring: waits before the strobe rises and while it is high.
+    /// Output for slow wiring: waits before the strobe rises and while it is high.
     ///
     /// # Errors
     /// The first failed pin.

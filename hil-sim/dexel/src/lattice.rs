@@ -107,7 +107,7 @@ impl Lattice {
         self.centers_mm(axis)(cell)
     }
 
-    /// The same of many cells along one axis.
+    /// Coordinates of the centres of cells along `axis`, as a function of the cell.
     pub fn centers_mm(&self, axis: usize) -> impl Fn(usize) -> f64 + Copy {
         let (lowest_mm, step_mm) = (self.lowest_mm[axis], self.step_mm);
         // No lattice has as many cells as a u32 holds, and that is sooner a float.

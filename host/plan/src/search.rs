@@ -35,7 +35,7 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl
     descend_by(ranges, start, spacing, around, &f)
 }
 
-/// The same for an expensive function: a stencil's values are computed on all cores.
+/// Descent for an expensive function: a stencil's values are computed on all cores.
 pub fn descend_parallel(
     ranges: [[f64; 2]; 2],
     start: Minimum,

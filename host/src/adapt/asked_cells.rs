@@ -71,7 +71,7 @@ impl AskedCells {
         AskedCells { runs: once(run).collect() }
     }
 
-    /// The same, as runs of neighbours.
+    /// Cells, as runs of neighbours.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }

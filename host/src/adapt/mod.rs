@@ -65,7 +65,7 @@ pub fn adapt(program: &Program, job: &Job) -> Adapted {
     adapt_with(program, job, Known::default())
 }
 
-/// The same with all that is known.
+/// Plans the feeds of a program without errors, with machine and engagement map.
 pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
     let mut kept = KeptLines::default();
     loop {

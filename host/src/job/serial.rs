@@ -37,11 +37,11 @@ pub struct SerialSettings {
 /// Parity of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// N.
+    /// No parity bit (N).
     None,
-    /// E.
+    /// Even parity (E).
     Even,
-    /// O.
+    /// Odd parity (O).
     Odd,
 }
 

@@ -37,7 +37,7 @@ pub struct RunReport {
     pub baseline_ipt_circumference: Option<IptFigures>,
     /// Values of the override on the arcs that a cut rule matches.
     pub r#override: Option<OverrideFigures>,
-    /// The same, for each cut rule.
+    /// Override and chip load for each cut rule.
     pub movements: Vec<MovementFigures>,
     /// Blocks that an axis of the machine kept from their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,

@@ -16,7 +16,7 @@ const SHOWN: usize = 10;
 pub struct VolumeUnit {
     /// `in3` or `cm3`.
     pub label: &'static str,
-    /// The same per minute.
+    /// `in3/min` or `cm3/min`.
     pub rate_label: &'static str,
     mm3: f64,
 }
@@ -26,7 +26,7 @@ pub struct VolumeUnit {
 pub struct MaterialFigures {
     /// `cm3` or `in3`.
     pub volume_unit: &'static str,
-    /// The same per minute.
+    /// `cm3/min` or `in3/min`.
     pub rate_unit: &'static str,
     /// Material removed in the whole run.
     pub taken: TakenFigures,

@@ -85,11 +85,11 @@ pub enum Command {
 pub enum Press {
     /// Space, h.
     Hold,
-    /// r.
+    /// Key r: resume.
     Resume,
     /// q, Ctrl-C.
     Abort,
-    /// y.
+    /// Key y: confirm.
     Yes,
     /// All other keys.
     Other,

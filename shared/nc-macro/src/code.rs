@@ -181,7 +181,7 @@ pub fn is_short_keyword(letters: &[u8]) -> bool {
 pub struct Head {
     /// Block-delete switch of a leading `/`.
     pub delete: Option<u32>,
-    /// N.
+    /// Sequence number (N).
     pub sequence: Option<u32>,
     /// O, also written `:`.
     pub program: Option<u32>,

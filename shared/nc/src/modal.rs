@@ -51,7 +51,7 @@ pub struct Modal {
     pub starts_up: bool,
     /// G43 (1), G44 (-1), G49 (0).
     pub length_sign: i8,
-    /// H.
+    /// Number of the tool length offset (H).
     pub length_offset: u16,
     /// G73 to G89.
     pub cycle: Option<Cycle>,
@@ -74,13 +74,13 @@ pub struct Cycle {
     pub code: u8,
     /// Initial level, in path coordinates.
     pub initial: Nm,
-    /// R.
+    /// Point R of a canned cycle.
     pub r: Option<Nm>,
-    /// Z.
+    /// Bottom of the hole (Z).
     pub bottom: Option<Nm>,
-    /// Q.
+    /// Depth of a peck, or shift (Q).
     pub q: Nm,
-    /// P.
+    /// Dwell at the bottom (P).
     pub dwell: Micros,
 }
 

@@ -67,9 +67,9 @@ pub struct Drill {
     pub q: Nm,
     /// Retraction of a pecking cycle (G73), or its clearance above the last depth (G83).
     pub clearance: Nm,
-    /// P.
+    /// Dwell at the bottom (P).
     pub dwell: Micros,
-    /// F.
+    /// Feed (F).
     pub feed: Feed,
 }
 
@@ -78,9 +78,9 @@ pub struct Drill {
 pub struct Levels {
     /// Level of the tool when the cycle was first called.
     pub initial: Nm,
-    /// R.
+    /// Point R, at which the feed begins.
     pub r: Nm,
-    /// Z.
+    /// Bottom of the hole (Z).
     pub bottom: Nm,
 }
 

@@ -24,7 +24,7 @@ impl Painted {
         Painted::so_deep(DEPTH)
     }
 
-    /// The same for a board with its link.
+    /// Fills the free stack of a board with its link.
     #[inline(always)]
     pub fn far_below_here() -> Self {
         Painted::so_deep(DEPTH_OF_A_BOARD)

@@ -61,7 +61,7 @@ impl SpindleState {
         SpindleState { drive, speed: 0.0, rotation: SpindleRotation::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
     }
 
-    /// S.
+    /// Sets the commanded speed (S).
     pub fn set_speed(&mut self, rev_per_min: f64) {
         self.speed = rev_per_min;
     }

@@ -19,7 +19,7 @@ use nalgebra::Vector2;
 pub struct Circle {
     /// r0.
     pub radius_mm: f64,
-    /// k.
+    /// k: 1 for an edge that advances outward, -1 inward.
     pub advance_ratio: f64,
 }
 

@@ -35,7 +35,7 @@ const NEW_MIN_RATIO: f64 = 1e-10;
 pub struct Eigenpair {
     /// lambda, the square of the angular frequency.
     pub lambda_per_s2: f64,
-    /// x.
+    /// Eigenvector x.
     pub vector: Vec<f64>,
 }
 

@@ -35,7 +35,7 @@ pub struct Setup {
     pub unit: LengthUnit,
     /// T and H.
     pub tool: u32,
-    /// S.
+    /// Spindle speed (S).
     pub rev_per_min: f64,
     /// M8 and M9.
     pub coolant: bool,

@@ -64,7 +64,7 @@ impl Floor {
         self.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The same after each level; the height decreases from one to the next.
+    /// Lowest height of the ring over a place after each level, mm; the height decreases from one to the next.
     pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
         let mut floors_mm = vec![f64::INFINITY; levels];
         for pass in &self.passes {
