@@ -179,7 +179,8 @@ impl RotaryAxis {
         position_deg + TURN_DEG * libm::round((near_deg - position_deg) / TURN_DEG)
     }
 
-    /// Position nearest to `near_deg` within the range that differs from `position_deg` by whole turns; `None` if no whole number of turns leads into it.
+    /// Position nearest to `near_deg` within the range that differs from `position_deg` by whole turns; `None` if no
+    /// whole number of turns leads into it.
     pub fn nearest_in_range(&self, position_deg: f64, near_deg: f64) -> Option<f64> {
         let Some([least, greatest]) = self.range_deg else {
             return Some(Self::nearest_turn(position_deg, near_deg));

@@ -219,7 +219,7 @@ impl Block {
     }
 
     /// Adds a word. Returns whether it was accepted: the block has room, and its letter is an address other than N and
-    /// Program number (O).
+    /// O.
     #[inline]
     fn push(&mut self, word: Word) -> bool {
         let letter = letters(&[word.letter]) & ADDRESSES;
