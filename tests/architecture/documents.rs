@@ -15,13 +15,15 @@ const CONTENTS: &str = "docs/SUMMARY.md";
 
 /// Links of a document, and the names of its headings as a link can give them.
 #[derive(Default)]
-struct Document {
+pub struct Document {
     links: Vec<String>,
-    headings: BTreeSet<String>,
+    /// Anchors of the headings.
+    pub headings: BTreeSet<String>,
 }
 
 impl Document {
-    fn read(text: &str) -> Self {
+    /// Reads the text of a document.
+    pub fn read(text: &str) -> Self {
         let mut document = Document::default();
         let mut heading: Option<String> = None;
         for event in Parser::new(text) {
@@ -124,4 +126,6 @@ fn an_anchor_is_a_heading_without_punctuation() {
     let document = Document::read("# A `G2` arc: what, where?\n\n[there](#x) ![picture](p.png)\n");
     assert_eq!(document.headings, BTreeSet::from(["a-g2-arc-what-where".to_owned()]));
     assert_eq!(document.links, ["#x", "p.png"]);
+    let page = Document::read("# Laws\n## Full slot (2/3)\n```\n# no\n```\n#no\n");
+    assert_eq!(page.headings, BTreeSet::from(["laws", "full-slot-23"].map(str::to_owned)));
 }

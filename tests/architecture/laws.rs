@@ -1,5 +1,6 @@
 //! Every feed law says where it comes from, and the page it names is there.
 
+use crate::documents::Document;
 use crate::source::{names, read};
 
 const FOLDER: &str = "firmware/law/src";
@@ -14,34 +15,16 @@ fn source_anchor(text: &str) -> Option<&str> {
     anchor.split(|c: char| !c.is_alphanumeric() && c != '-' && c != '_').next().filter(|anchor| !anchor.is_empty())
 }
 
-/// The anchors of a page's headings, as they are formed where it is read: lower case, blanks to hyphens, no other signs.
-fn anchors(page: &str) -> Vec<String> {
-    let mut in_code = false;
-    let mut anchors = Vec::new();
-    for line in page.lines() {
-        in_code ^= line.trim_start().starts_with("```");
-        let heading = line.trim_start_matches('#');
-        if !in_code && heading.len() < line.len() && heading.starts_with(' ') {
-            let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
-            anchors.push(kept.collect::<String>().to_lowercase().replace(' ', "-"));
-        }
-    }
-    anchors
-}
-
 #[test]
 fn every_law_names_its_source_and_the_page_exists() {
     let laws: Vec<String> =
         names(FOLDER).into_iter().filter(|name| name.ends_with(".rs") && name != "lib.rs").collect();
     assert!(!laws.is_empty(), "no laws in {FOLDER}");
-    let anchors = anchors(&read(BOOK));
+    let anchors = Document::read(&read(BOOK)).headings;
     for law in laws {
         let text = read(&format!("{FOLDER}/{law}"));
         let anchor = source_anchor(&text).unwrap_or_else(|| panic!("{law}: no line `//! Source: ... {BOOK}#anchor`"));
-        assert!(
-            anchors.iter().any(|known| known == anchor),
-            "{law}: no heading for #{anchor} in {BOOK}, only {anchors:?}"
-        );
+        assert!(anchors.contains(anchor), "{law}: no heading for #{anchor} in {BOOK}, only {anchors:?}");
     }
 }
 
@@ -50,5 +33,4 @@ fn a_law_without_a_page_is_found() {
     assert_eq!(source_anchor("//! Source: a book; docs/laws.md#full-slot, eq. 3.\n"), Some("full-slot"));
     assert_eq!(source_anchor("//! Source: a book; docs/laws.md.\n// docs/laws.md#x\n"), None);
     assert_eq!(source_anchor("//! Says docs/laws.md#x.\n"), None);
-    assert_eq!(anchors("# Laws\n## Full slot (2/3)\n```\n# no\n```\n#no\n"), ["laws", "full-slot-23"]);
 }
