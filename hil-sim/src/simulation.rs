@@ -20,7 +20,8 @@ use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_control::action::MoveContext;
 use arcfeed_control::machine;
 use arcfeed_control::{Control, ControlSettings};
-use arcfeed_milling::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
+use arcfeed_milling::cutting::measured_move::GoverningRule;
+use arcfeed_milling::cutting::meter::{ChipMeter, STEADY_RATIO};
 
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
@@ -115,11 +116,7 @@ impl<D: OverrideSource> Simulation<D> {
             control,
             source,
             output: FeedOverride::PROGRAMMED,
-            meter: ChipMeter::new(MeterSettings {
-                tool: job.tools.first().tool,
-                spindle: job.tools.first().spindle,
-                target_mm_per_tooth: f64::from(job.tools.first().feed_per_tooth.0),
-            }),
+            meter: ChipMeter::new(job.tools.first()),
             job: job.clone(),
             overrides: Vec::new(),
             first_move: None,
@@ -239,16 +236,15 @@ impl<D: OverrideSource> Simulation<D> {
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
             None => plain,
         };
-        if let Some((_, rule)) = found {
-            let setup = self.job.tool_of(rule);
-            self.meter.set_tool(setup.tool, f64::from(setup.feed_per_tooth.0));
-        }
+        let along = known.as_ref().and_then(|known| known.along.as_ref());
+        let governing =
+            found.map(|(index, rule)| GoverningRule { index, rule, setup: self.job.tool_of(rule), along });
         match continued {
-            Some(_) => self.meter.continue_move(count, segment, found),
+            Some(_) => self.meter.continue_move(count, segment, governing.as_ref()),
             None => {
                 let settling_us = self.control.settling_s(STEADY_RATIO) * US_PER_S as f64;
                 self.settles_until = self.now.after(Micros(settling_us as u64));
-                self.meter.begin(count, segment, found);
+                self.meter.begin(count, segment, governing.as_ref());
             }
         }
         if found.is_some() && continued.is_none() {
@@ -256,7 +252,6 @@ impl<D: OverrideSource> Simulation<D> {
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
         let limit = known.as_ref().and_then(|known| known.limit);
-        let along = known.as_ref().and_then(|known| known.along.as_ref());
         let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
         let rule = found.map(|(_, rule)| rule);
         let machining = self.context.machining;
