@@ -209,6 +209,11 @@ impl<D: OverrideSource> Simulation<D> {
         self.last.and_then(|(_, rule)| rule)
     }
 
+    /// Last move begun, in the workpiece's coordinates.
+    pub fn segment(&self) -> Option<&Segment> {
+        self.last.as_ref().map(|(segment, _)| segment)
+    }
+
     /// Context of the last move begun.
     pub fn context(&self) -> &MoveContext {
         &self.context
@@ -237,8 +242,7 @@ impl<D: OverrideSource> Simulation<D> {
             None => plain,
         };
         let along = known.as_ref().and_then(|known| known.along.as_ref());
-        let governing =
-            found.map(|(index, rule)| GoverningRule { index, rule, setup: self.job.tool_of(rule), along });
+        let governing = found.map(|(index, rule)| GoverningRule { index, rule, setup: self.job.tool_of(rule), along });
         match continued {
             Some(_) => self.meter.continue_move(count, segment, governing.as_ref()),
             None => {

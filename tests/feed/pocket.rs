@@ -46,6 +46,6 @@ fn both_jobs_run_on_the_simulated_machine() {
         let output = run(&["simulate", &format!("examples/pocket/{job}.toml"), "--json"]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
-        assert_eq!((&report["blocks_executed"], &report["ipt_circumference"]), (&Value::from(32), &Value::Null));
+        assert_eq!((&report["blocks_executed"], &report["chip_load"]), (&Value::from(32), &Value::Null));
     }
 }

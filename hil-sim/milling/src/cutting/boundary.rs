@@ -131,12 +131,7 @@ impl PlanePath {
 
 impl Boundary {
     /// Thickest chip of a circle that moves by `delta_mm`; `None` if it cuts nothing.
-    pub fn thickest_chip_mm(
-        &self,
-        circle: &Circle,
-        center_mm: &Vector2<f64>,
-        delta_mm: &Vector2<f64>,
-    ) -> Option<f64> {
+    pub fn thickest_chip_mm(&self, circle: &Circle, center_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> Option<f64> {
         let forward = delta_mm.try_normalize(0.0)? * circle.advance_ratio;
         let (is_ahead, ends) = self.engaged(circle, center_mm, &forward)?;
         if is_ahead {
@@ -294,7 +289,8 @@ mod tests {
     fn a_disc_that_the_circle_enters_from_the_side_gives_the_chip_at_its_edge() {
         // Tool at the origin, moving along x; a disc of radius 4 about (3, -4): its rim crosses the tool's circle where
         // both radii meet, at cos = (25 + 25 - 16) / 50 about the direction of the disc's centre.
-        let disc = Boundary::Circle { center_mm: Vector2::new(3.0, -4.0), radius_mm: 4.0, is_hollow: false, along: None };
+        let disc =
+            Boundary::Circle { center_mm: Vector2::new(3.0, -4.0), radius_mm: 4.0, is_hollow: false, along: None };
         let step_mm = 1e-6;
         let chip_mm = disc.thickest_chip_mm(&MILL, &Vector2::zeros(), &Vector2::new(step_mm, 0.0)).unwrap();
         let angle = libm::atan2(-4.0, 3.0) + libm::acos(34.0 / 50.0);
@@ -303,7 +299,8 @@ mod tests {
 
     #[test]
     fn nothing_ahead_and_no_crossing_is_no_chip() {
-        let far = Boundary::Circle { center_mm: Vector2::new(99.0, 0.0), radius_mm: 4.0, is_hollow: false, along: None };
+        let far =
+            Boundary::Circle { center_mm: Vector2::new(99.0, 0.0), radius_mm: 4.0, is_hollow: false, along: None };
         assert_eq!(far.thickest_chip_mm(&MILL, &Vector2::zeros(), &Vector2::new(0.1, 0.0)), None);
     }
 }

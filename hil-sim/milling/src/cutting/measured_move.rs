@@ -58,7 +58,11 @@ pub struct MeasuredMove {
 #[derive(Clone, Debug)]
 enum Quantity {
     Contact(RingCut),
-    Contour { center_mm: Option<Vector2<f64>>, radius_mm: f64, is_outside: bool },
+    Contour {
+        center_mm: Option<Vector2<f64>>,
+        radius_mm: f64,
+        is_outside: bool,
+    },
     /// Each circle with the stock that it meets.
     Thickest(Vec<(Circle, Boundary)>),
 }
@@ -123,9 +127,9 @@ impl MeasuredMove {
                 (contact(position_mm + delta_mm)? - contact(*position_mm)?).norm() // (1)
             }
             Quantity::Thickest(circles) => {
-                let chips = circles.iter().filter_map(|(circle, boundary)| {
-                    boundary.thickest_chip_mm(circle, position_mm, delta_mm)
-                });
+                let chips = circles
+                    .iter()
+                    .filter_map(|(circle, boundary)| boundary.thickest_chip_mm(circle, position_mm, delta_mm));
                 chips.max_by(f64::total_cmp)?
             }
         };
@@ -226,9 +230,8 @@ impl PlaneMove {
             }
             (Tool::CupMill(mill), Work::Ring(edge, stock)) => {
                 let edges = [Edge::Outer, Edge::Inner].into_iter().filter(|other| both || other == edge);
-                let circles = edges.map(|edge| {
-                    Some((circle(mill.radius(edge), edge), self.boundary(stock, edge, governing.along)?))
-                });
+                let circles = edges
+                    .map(|edge| Some((circle(mill.radius(edge), edge), self.boundary(stock, edge, governing.along)?)));
                 circles.collect()
             }
             (Tool::CupMill(_), Work::Mill { .. }) => None,

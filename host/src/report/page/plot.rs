@@ -16,6 +16,8 @@ pub struct Lane {
     pub title: String,
     /// Curves of the lane.
     pub series: Vec<Series>,
+    /// Value with a line of its own, such as a target.
+    pub mark: Option<f64>,
 }
 
 /// Curve of a lane.
@@ -51,7 +53,7 @@ pub fn svg(lanes: &[Lane]) -> String {
 
 fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
     let values = lane.series.iter().flat_map(|series| &series.steps).map(|(_, value)| *value);
-    let most = values.fold(1e-9, f64::max);
+    let most = values.chain(lane.mark).fold(1e-9, f64::max);
     let y = |value: f64| top + LANE_HEIGHT * (1.0 - value / most);
     let [left, right, _] = MARGINS;
     text(svg, [left, top - 8.0], "start", &lane.title);
@@ -59,6 +61,11 @@ fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
         let at = y(tick);
         let _ = writeln!(svg, "<path d=\"M{left} {at:.1}H{}\" stroke=\"#ddd\"/>", WIDTH - right);
         text(svg, [left - 6.0, at + 4.0], "end", &format!("{tick}"));
+    }
+    if let Some(mark) = lane.mark {
+        let at = y(mark);
+        let _ =
+            writeln!(svg, "<path d=\"M{left} {at:.1}H{}\" stroke=\"#3a7\" stroke-dasharray=\"6 4\"/>", WIDTH - right);
     }
     for (index, series) in lane.series.iter().enumerate() {
         let _ = writeln!(svg, "<path d=\"{}\" fill=\"none\" stroke=\"{}\"/>", path(&series.steps, x, &y), series.color);
