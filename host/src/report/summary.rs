@@ -145,8 +145,8 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, all: &ChipLoadFig
     )?;
     writeln!(
         f,
-        "    of all samples in the cut, steady or not, the thickest chip is {:+.2} % off its target; {:.1} % of the steady ones are \
-         thinner by more than {:.0} %",
+        "    of all samples in the cut, steady or not, the largest is {:+.2} % off its target\n    {:.1} % of the steady ones are \
+         below it by more than {:.0} %",
         1e2 * all.error_ratio_max_all,
         1e2 * all.samples_thin as f64 / all.samples as f64,
         1e2 * THIN_RATIO

@@ -156,5 +156,5 @@ fn the_page_shows_where() {
     for part in parts {
         assert!(html.contains(part), "{part}");
     }
-    assert!(html.contains("of the wanted, chatter</title>"));
+    assert!(html.contains("of the target, chatter</title>"));
 }

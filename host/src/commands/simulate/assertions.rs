@@ -13,7 +13,7 @@ use super::spindle_load::SpindleLoad;
 use crate::report::figures::RunReport;
 use crate::report::material::short;
 use crate::report::spindle::BlockValue;
-use crate::unit_value::{POWER, TORQUE, with_unit};
+use crate::unit_value::{FORCE, POWER, TIME, TORQUE, with_unit};
 
 /// Form of an assertion, for messages.
 const FORM: &str =
@@ -21,9 +21,7 @@ const FORM: &str =
 
 /// Units of the other figures.
 const CHIP: &[(&str, f64)] = &[("", 1.0)];
-const FORCE: &[(&str, f64)] = &[("kN", 1e3), ("N", 1.0)];
 const FEED: &[(&str, f64)] = &[("mm/min", 1.0), ("in/min", LengthUnit::Inch.mm())];
-const TIME: &[(&str, f64)] = &[("min", 60.0), ("s", 1.0)];
 
 /// Assertion on a run.
 #[derive(Clone, Debug, PartialEq)]

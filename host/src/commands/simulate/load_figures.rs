@@ -85,7 +85,7 @@ pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
             };
             Series { name, color, steps: meter.windows().iter().map(step).collect() }
         });
-        Lane { title: title.into(), series: series.into(), mark: None }
+        Lane { title: title.into(), series: series.into(), mark: None, has_gaps: false }
     };
     [
         lane("largest bending force, N", &|statistics| statistics.bending.max()),

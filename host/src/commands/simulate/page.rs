@@ -152,7 +152,7 @@ impl PageContent<'_> {
             let series = [("before", "#999", before), ("after", "#c03020", after)]
                 .map(|(name, color, cutter)| Series { name, color, steps: rates(cutter, volumes) });
             let title = format!("removal rate, {}", volumes.rate_label);
-            lanes.push(Lane { title, series: series.into(), mark: None });
+            lanes.push(Lane { title, series: series.into(), mark: None, has_gaps: false });
         }
         if let (Some(after), Some(before)) = (&after.loads, &before.loads) {
             lanes.extend(load_figures::lanes(after, before));
@@ -160,7 +160,7 @@ impl PageContent<'_> {
         let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
         let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();
         let series = vec![Series { name: "after", color: "#2050a0", steps }];
-        lanes.push(Lane { title: "override, %".into(), series, mark: None });
+        lanes.push(Lane { title: "override, %".into(), series, mark: None, has_gaps: false });
         lanes
     }
 
@@ -180,7 +180,7 @@ fn log_lanes(job: &Job, logs: [&MoveLog; 2]) -> Vec<Lane> {
     let lane = |title: String, curve: &dyn Fn(&MoveLog) -> Vec<([f64; 2], f64)>, mark: Option<f64>| {
         let series = [("before", "#999", logs[0]), ("after", "#c03020", logs[1])];
         let series = series.map(|(name, color, log)| Series { name, color, steps: curve(log) });
-        Lane { title, series: series.into(), mark }
+        Lane { title, series: series.into(), mark, has_gaps: mark.is_some() }
     };
     let mut lanes = Vec::new();
     if logs.iter().any(|log| !log.chips.is_empty()) {

@@ -84,7 +84,7 @@ impl PlotBlock {
                 pen = Some([x, y]);
             }
         }
-        let chip = self.chip_ratio.map_or("no chips".into(), |ratio| format!("thickest chip {ratio:.2} of the wanted"));
+        let chip = self.chip_ratio.map_or("no chips".into(), |ratio| format!("chip load {ratio:.2} of the target"));
         let verdict = self.verdict.map_or(String::new(), |verdict| format!(", {verdict}"));
         let _ = writeln!(
             svg,
@@ -118,7 +118,9 @@ fn legend(svg: &mut String, top: f64, has_vibration: bool) {
         "</linearGradient>\n<rect x=\"{MARGIN}\" y=\"{:.1}\" width=\"240\" height=\"14\" fill=\"url(#chips)\"/>",
         top + 20.0
     );
-    for (at, label) in [(0.0, "0"), (120.0, "1"), (240.0, "2: thickest chip over wanted")] {
+    let label =
+        if has_vibration { "2: thickest chip over wanted" } else { "2: measured over target; grey: not measured" };
+    for (at, label) in [(0.0, "0"), (120.0, "1"), (240.0, label)] {
         let _ = writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{label}</text>", MARGIN + at, top + 50.0);
     }
     for (index, (verdict, color)) in VERDICTS.iter().enumerate().filter(|_| has_vibration) {
