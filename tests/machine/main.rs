@@ -20,6 +20,8 @@ mod dynamics;
 
 mod kinematics;
 
+mod spindle_limits;
+
 mod stability;
 
 mod stock;
