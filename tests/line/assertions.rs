@@ -1,6 +1,6 @@
 //! `simulate --assert` and `--junit`: broken limits, missing figures, and the file that a CI server reads.
 
-use arcfeed_tests::{Scratch, run};
+use arcfeed_tests::{Scratch, root, run};
 
 const JOB: &str = "examples/pocket/job-contour.toml";
 
@@ -122,11 +122,10 @@ fn the_file_has_the_structure_that_ci_servers_read() {
 #[test]
 fn a_run_that_ends_in_an_alarm_passes_no_assertion() {
     let scratch = Scratch::new("assert-alarm");
-    // The control has no reader for a second line as long as this one: the simulated control stops at an unknown code.
-    let job = std::fs::read_to_string(arcfeed_tests::root().join(JOB)).expect("the example");
-    let program =
-        std::fs::read_to_string(arcfeed_tests::root().join("examples/pocket/pocket.nc")).expect("the example");
-    scratch.write("pocket.nc", program.replace("M30\n%", "%"));
+    let text = |path: &str| std::fs::read_to_string(root().join(path)).expect("the example");
+    let (job, program) = (text(JOB), text("examples/pocket/pocket.nc"));
+    // Without any F the simulated control stops at the first cutting move.
+    scratch.write("pocket.nc", program.replace("F500.", "").replace("F3200.", "").replace("F1600.", ""));
     let path = scratch.path("result.xml");
     let (code, words) = asserted(&scratch.write("job.toml", job), &["time<=99s"], &["--junit", &path]);
     println!("{code:?} {words}");

@@ -20,8 +20,6 @@ mod dynamics;
 
 mod kinematics;
 
-mod spindle_limits;
-
 mod stability;
 
 mod stock;
