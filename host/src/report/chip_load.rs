@@ -1,18 +1,8 @@
 //! Measured chip load: figures (JSON of docs/json.md) of a run, of each tool and of each cut rule.
 
-use arcfeed_milling::cutting::measured_move::ChipMeasure;
 use arcfeed_model::report::{ChipFigures, ExcludedSamples};
 use arcfeed_units::LengthUnit;
 use serde::Serialize;
-
-/// Quantity that the measured figures are of, by its name in JSON.
-pub const fn measure_name(measure: ChipMeasure) -> &'static str {
-    match measure {
-        ChipMeasure::Contact => "contact",
-        ChipMeasure::Contour => "contour",
-        ChipMeasure::Thickest => "thickest-chip",
-    }
-}
 
 /// Measured feed per tooth or chip thickness of the moves that a cut rule matches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -11,7 +11,7 @@
 //! outside a contour:  material inside the circle of radius q - r + ae about A        (2)
 //! ```
 //!
-//! Where the arc ends the wall goes on along its tangent. On a line the wall is parallel to the path.
+//! The wall goes on along the tangent at the end of the arc. On a line the wall is parallel to the path.
 //!
 //! Source: plane geometry; docs/laws.md#measured-chip.
 

@@ -48,7 +48,7 @@ enum AssertedFigure {
 pub struct Evidence<'a> {
     /// Figures of the run.
     pub report: &'a RunReport,
-    /// Its moves.
+    /// Moves of the run.
     pub log: &'a MoveLog,
     /// Measured chips, move by move.
     pub chips: &'a [MoveChips],
@@ -56,7 +56,7 @@ pub struct Evidence<'a> {
     pub spindle: Option<&'a SpindleLoad>,
     /// Line of the program for a count of executed blocks.
     pub line_of: &'a dyn Fn(u32) -> Option<usize>,
-    /// Name of the program.
+    /// Name of the program for messages.
     pub program: String,
 }
 

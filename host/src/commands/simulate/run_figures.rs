@@ -10,7 +10,7 @@ use arcfeed_model::job::Job;
 use arcfeed_units::{LengthUnit, S_PER_MIN};
 
 use super::super::adapt::{direction_word, rotation_word, side_word};
-use crate::report::chip_load::{ChipLoadFigures, ChipSamples, ToolFigures, measure_name};
+use crate::report::chip_load::{ChipLoadFigures, ChipSamples, ToolFigures};
 use crate::report::figures::{
     AlarmFigures, AxisLimitFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
 };
@@ -100,6 +100,15 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
         thickest_ratio: [thickest(0), thickest(1)],
         r#override: overrides(of_rule().map(|(_, figures)| *figures)),
         changes_per_arc: of_rule().map(|(_, figures)| figures.changes).collect(),
+    }
+}
+
+/// Name of a measured quantity in JSON.
+const fn measure_name(measure: ChipMeasure) -> &'static str {
+    match measure {
+        ChipMeasure::Contact => "contact",
+        ChipMeasure::Contour => "contour",
+        ChipMeasure::Thickest => "thickest-chip",
     }
 }
 
