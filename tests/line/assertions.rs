@@ -52,6 +52,15 @@ fn a_figure_that_the_run_does_not_have_never_passes() {
     assert!(code == Some(2) && found.contains("--assert"), "{found}");
 }
 
+#[test]
+fn the_limits_of_the_example_workflow_are_such_that_the_example_keeps_them() {
+    let workflow = std::fs::read_to_string(root().join("examples/ci/workflow.yml")).expect("the example");
+    let limits: Vec<&str> =
+        workflow.split("--assert '").skip(1).filter_map(|rest| Some(rest.split_once('\'')?.0)).collect();
+    assert_eq!(limits.len(), 3);
+    assert_eq!(asserted(JOB, &limits, &[]), (Some(0), String::new()));
+}
+
 /// Element of an XML text: its name and attributes.
 #[derive(Debug, PartialEq)]
 struct Element<'x> {
