@@ -117,6 +117,25 @@ fn the_engagement_law_keeps_every_chip_below_its_target() {
     }
 }
 
+#[test]
+fn on_lines_the_stock_is_that_of_their_level_and_plane() {
+    let rules = |stock: &str| format!("[[cut]]\nmoves = \"lines\"\nside = \"outer\"\nstock = {stock}\n");
+    // 5 mm below zero, a face with this rise is 3 mm further out: at -1.5 mm in place of -4.5 mm.
+    let program = "%\nG21G17G90G94\nS3000M3\nG0X0Y0Z5.\nN4G1Z-5.F500.\nN5G1X40.F1200.\nM30\n%\n";
+    let stock = rules("{ normal_deg = 90, offset = -4.5, rise = -0.6 }");
+    let report = simulate("rise", &job("kind = \"engaged-arc\"", &stock), program);
+    let [target, most] = ["target", "max"].map(|field| number(&report, &format!("/chip_load/{field}")));
+    println!("at its level: {most:.5} mm, target {target:.5}");
+    assert!(most < target * 1.005 && most > target * 0.98, "{most} {target}");
+    // In G18 the plane is (Z, X): a line along X, its stock on the side of negative X.
+    let program = "%\nG21G18G90G94\nS3000M3\nG0X0Z0Y0\nN5G1X-40.F1200.\nM30\n%\n";
+    let stock = rules("{ normal_deg = 90, offset = -4.9 }");
+    let job = job("kind = \"engaged-arc\"", &stock).replace("teeth = 4\n", "teeth = 4\naxis = \"y\"\n");
+    let report = simulate("along-y", &job, program);
+    let times = ["cycle_time_s", "baseline_cycle_time_s"].map(|time| number(&report, &format!("/{time}")));
+    assert!(times[0] == times[1] && report["movements"][0]["arcs"] == 0, "it keeps its own feed: {report}");
+}
+
 fn mill_move(path: Path, end_mm: [f64; 2], work: Work, law: LawKind) -> (Segment, CutRule, ToolSetup) {
     let pose = |[x, y]: [f64; 2]| Pose { linear: [x, y, 0.0].map(Nm::from_mm), ..Pose::default() };
     let segment = Segment { sequence: None, start: pose([0.0; 2]), end: pose(end_mm), feed: Feed::Missing, path };
