@@ -6,13 +6,13 @@ use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::job::{FeedPolicy, Job, ToolSetup};
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_model::telemetry::Sample;
 use arcfeed_nc::machining::SpindleCommand;
-use arcfeed_nc::modal::Pose;
+use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
+use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
 use crate::override_source::controller::InProcessController;
@@ -20,7 +20,8 @@ use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_control::action::MoveContext;
 use arcfeed_control::machine;
 use arcfeed_control::{Control, ControlSettings};
-use arcfeed_milling::cutting::meter::{ChipMeter, MeterSettings, STEADY_RATIO};
+use arcfeed_milling::cutting::measured_move::GoverningRule;
+use arcfeed_milling::cutting::meter::{ChipMeter, STEADY_RATIO};
 
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
@@ -59,6 +60,8 @@ pub struct PlannedConditions {
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
     pub end_percent: u8,
+    /// Target chip load, for a tool whose target is the programmed feed.
+    pub target: Option<MmPerTooth>,
 }
 
 impl PlannedConditions {
@@ -115,11 +118,7 @@ impl<D: OverrideSource> Simulation<D> {
             control,
             source,
             output: FeedOverride::PROGRAMMED,
-            meter: ChipMeter::new(MeterSettings {
-                tool: job.tools.first().tool,
-                spindle: job.tools.first().spindle,
-                target_mm_per_tooth: f64::from(job.tools.first().feed_per_tooth.0),
-            }),
+            meter: ChipMeter::new(job.tools.first()),
             job: job.clone(),
             overrides: Vec::new(),
             first_move: None,
@@ -212,6 +211,11 @@ impl<D: OverrideSource> Simulation<D> {
         self.last.and_then(|(_, rule)| rule)
     }
 
+    /// Last move begun, in the workpiece's coordinates.
+    pub fn segment(&self) -> Option<&Segment> {
+        self.last.as_ref().map(|(segment, _)| segment)
+    }
+
     /// Context of the last move begun.
     pub fn context(&self) -> &MoveContext {
         &self.context
@@ -239,16 +243,19 @@ impl<D: OverrideSource> Simulation<D> {
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
             None => plain,
         };
-        if let Some((_, rule)) = found {
+        let along = known.as_ref().and_then(|known| known.along.as_ref());
+        let planned_target = known.as_ref().and_then(|known| known.target);
+        let governing = found.map(|(index, rule)| {
             let setup = self.job.tool_of(rule);
-            self.meter.set_tool(setup.tool, f64::from(setup.feed_per_tooth.0));
-        }
+            let target = planned_target.or_else(|| programmed_target(segment, setup, self.context.machining.spindle));
+            GoverningRule { index, rule, setup, along, target }
+        });
         match continued {
-            Some(_) => self.meter.continue_move(count, segment, found),
+            Some(_) => self.meter.continue_move(count, segment, governing.as_ref()),
             None => {
                 let settling_us = self.control.settling_s(STEADY_RATIO) * US_PER_S as f64;
                 self.settles_until = self.now.after(Micros(settling_us as u64));
-                self.meter.begin(count, segment, found);
+                self.meter.begin(count, segment, governing.as_ref());
             }
         }
         if found.is_some() && continued.is_none() {
@@ -256,7 +263,6 @@ impl<D: OverrideSource> Simulation<D> {
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
         let limit = known.as_ref().and_then(|known| known.limit);
-        let along = known.as_ref().and_then(|known| known.along.as_ref());
         let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
         let rule = found.map(|(_, rule)| rule);
         let machining = self.context.machining;
@@ -327,4 +333,11 @@ fn continues(last: &Segment, next: &Segment) -> bool {
         && next.start == last.end
         && (arc.plane, arc.turn) == (before.plane, before.turn)
         && centers.into_iter().all(|(a, b)| is_near(*a, *b))
+}
+
+/// Target chip load on a move of the original program, for a tool whose target is the programmed feed.
+fn programmed_target(segment: &Segment, setup: &ToolSetup, command: SpindleCommand) -> Option<MmPerTooth> {
+    let Feed::PerMinute(feed) = segment.feed else { return None };
+    let spindle = setup.speed(command).filter(|_| setup.follows_program)?;
+    setup.target_of(feed, spindle)
 }

@@ -18,6 +18,8 @@ pub(crate) mod machine;
 
 mod tool;
 
+mod spindle;
+
 mod rules;
 
 pub mod workpiece;
@@ -53,6 +55,7 @@ pub(crate) use schema::Quantity;
 #[cfg(feature = "plan")]
 pub(crate) use schema::UnitWord;
 pub use serial::{Parity, SerialSettings};
+pub use spindle::SpindleLimits;
 pub use workpiece::Workpiece;
 
 /// Bounds of lengths, and of feeds per minute: below one nanometre a length would round to nothing.
@@ -89,6 +92,8 @@ pub struct JobFile {
     pub workpiece: Option<Workpiece>,
     /// Cutting edges and forces, if the job describes them.
     pub cutting: Option<Cutting>,
+    /// Limits of the spindle.
+    pub spindle: SpindleLimits,
     /// The DNC line.
     pub serial: SerialSettings,
     /// Settings of the transmission on the line.
@@ -213,6 +218,7 @@ impl JobFile {
             map: None,
             workpiece: None,
             cutting: None,
+            spindle: SpindleLimits::default(),
             serial,
             dnc: DncSettings::default(),
             rule_places: Vec::new(),
@@ -298,6 +304,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         map,
         workpiece,
         cutting,
+        spindle: spindle::build(table)?,
         serial,
         dnc,
         rule_places,

@@ -11,6 +11,8 @@ pub mod features;
 pub mod console;
 mod toml_values;
 
+mod unit_value;
+
 pub mod output;
 
 pub mod checksum;

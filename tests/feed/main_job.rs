@@ -6,7 +6,8 @@ use arcfeed::commands::simulate::run_figures::measure;
 use arcfeed::commands::simulate::run_in_memory;
 use arcfeed::job::JobFile;
 use arcfeed::program::Program;
-use arcfeed::report::figures::{IptFigures, MovementFigures, RunReport};
+use arcfeed::report::chip_load::ChipLoadFigures;
+use arcfeed::report::figures::{MovementFigures, RunReport};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_nc::block::Reading;
 use arcfeed_tests::root;
@@ -37,14 +38,14 @@ fn run_unadapted() -> RunReport {
     measure(&run_in_memory(&file, &program.bytes(), ControllerFault::LawOff).expect("the program ends"), &file.job)
 }
 
-fn ipt(movement: &MovementFigures) -> IptFigures {
-    movement.ipt.expect("every movement is measured")
+fn chip_load(movement: &MovementFigures) -> ChipLoadFigures {
+    movement.chip_load.expect("every movement is measured")
 }
 
 /// Whether each movement's chips are within their bounds; prints their range.
 fn kept(report: &RunReport) -> Vec<bool> {
     let is_kept = |movement: &MovementFigures| {
-        let IptFigures { error_ratio_min, error_ratio_max_all, samples_thin, samples, .. } = ipt(movement);
+        let ChipLoadFigures { error_ratio_min, error_ratio_max_all, samples_thin, samples, .. } = chip_load(movement);
         let thin = samples_thin as f64 / samples as f64;
         let [least, most, share] = [error_ratio_min, error_ratio_max_all, thin].map(|ratio| 1e2 * ratio);
         println!("movement {}: {least:+.2} .. {most:+.2} %, {share:.1} % thin", movement.rule);
@@ -76,21 +77,22 @@ fn the_override_is_at_work_where_the_feed_must_vary() {
 #[test]
 fn the_unadapted_program_thins_the_chips_by_a_half_and_spreads_them() {
     let report = run_unadapted();
-    let ipt = report.ipt_circumference.expect("the arcs are measured");
-    println!("unadapted: {:.5} .. {:.5} {}, target {:.5}", ipt.min, ipt.max, report.unit, ipt.target);
-    assert!(ipt.max / ipt.min > 1.8, "{ipt:?}");
+    let figures = report.chip_load.expect("the arcs are measured");
+    let [min, max, target] = [figures.min, figures.max, figures.target].map(|value| value.expect("one target"));
+    println!("unadapted: {min:.5} .. {max:.5} {}, target {target:.5}", report.unit);
+    assert!(max / min > 1.8, "{figures:?}");
     assert_eq!(kept(&report), [false; 4]);
     // F25 is 25 in/min: 0.0025 in a tooth at the centre, and no chip is thicker than that.
-    assert!((ipt.max - 0.0025).abs() < 2e-5);
+    assert!((max - 0.0025).abs() < 2e-5);
 }
 
 #[test]
 fn most_samples_count_and_the_others_are_accounted_for() {
-    let ipt = run(ControllerFault::None).ipt_circumference.expect("the arcs are measured");
-    let left_out = ipt.left_out;
-    assert_eq!(left_out.not_steady + left_out.block_end + left_out.no_contact, ipt.samples_left_out);
+    let figures = run(ControllerFault::None).chip_load.expect("the arcs are measured");
+    let left_out = figures.left_out;
+    assert_eq!(left_out.not_steady + left_out.block_end + left_out.no_contact, figures.samples_left_out);
     assert_eq!(left_out.no_contact, 0);
-    assert!(ipt.samples_left_out * 10 < ipt.samples, "{ipt:?}");
+    assert!(figures.samples_left_out * 10 < figures.samples, "{figures:?}");
 }
 
 #[test]

@@ -40,12 +40,40 @@ fn the_engagement_law_asks_for_less_in_corners_than_on_lines_but_for_more_than_t
     assert_eq!(sent(&blocks, 440), (1600.0, "law"));
 }
 
+/// The report of `simulate --json` for one of the two jobs.
+fn simulated(job: &str) -> Value {
+    let output = run(&["simulate", &format!("examples/pocket/{job}.toml"), "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one object")
+}
+
+/// Measured least and largest of a rule, `chip_load` after or `baseline_chip_load` before, mm.
+fn measured(report: &Value, rule: usize, run: &str) -> [f64; 2] {
+    ["min", "max"].map(|field| report["movements"][rule][run][field].as_f64().expect("it is measured"))
+}
+
 #[test]
-fn both_jobs_run_on_the_simulated_machine() {
-    for job in ["job-contour", "job-engagement"] {
-        let output = run(&["simulate", &format!("examples/pocket/{job}.toml"), "--json"]);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
-        assert_eq!((&report["blocks_executed"], &report["ipt_circumference"]), (&Value::from(32), &Value::Null));
+fn the_machine_keeps_the_feed_at_the_contour_as_the_readme_has_it() {
+    let report = simulated("job-contour");
+    assert_eq!(report["blocks_executed"], 32);
+    // Corner: path 3, contour 8. Island: path 15, contour 10. Slot: path 25, wall 30.
+    let before = [0.1 * 8.0 / 3.0, 0.1 * 10.0 / 15.0, 0.05 * 30.0 / 25.0];
+    for (rule, (before_mm, after_mm)) in before.into_iter().zip([0.1, 0.1 * 10.0 / 15.0, 0.05]).enumerate() {
+        for (run, wanted_mm) in [("baseline_chip_load", before_mm), ("chip_load", after_mm)] {
+            let [least, most] = measured(&report, rule, run);
+            println!("rule {} {run}: {least:.5} .. {most:.5}, closed form {wanted_mm:.5}", rule + 1);
+            assert!(most < wanted_mm * 1.0001 && least > wanted_mm * 0.994, "{least} {most} {wanted_mm}");
+        }
     }
+    assert!(report["chip_load"]["error_ratio_max_all"].as_f64().expect("measured") < 5e-3);
+}
+
+#[test]
+fn under_the_engagement_law_no_chip_is_above_its_target_and_lines_are_at_it() {
+    let report = simulated("job-engagement");
+    assert!(report["chip_load"]["error_ratio_max_all"].as_f64().expect("measured") < 5e-3);
+    // The corners take 0.61 of the feed by the published factor; before, their thickest chip is that of 60 degrees, at most.
+    let [least, most] = measured(&report, 0, "baseline_chip_load");
+    assert!(least > 0.1 * 0.6 && most < 0.1 * 60.0_f64.to_radians().sin(), "{least} {most}");
+    assert!(measured(&report, 0, "chip_load")[1] < 0.06 && measured(&report, 3, "chip_load")[0] > 0.06 * 0.98);
 }

@@ -168,7 +168,7 @@ fn a_job_means_the_drawing_wherever_the_work_offset_is() {
         movements.map(|movement| movement["arcs"].as_u64().expect("a count")).collect()
     };
     assert_eq!((arcs(&here), &here["override"]["max"]), (arcs(&there), &there["override"]["max"]));
-    let error = |report: &Value| report["ipt_circumference"]["error_ratio_max"].as_f64().expect("chips");
+    let error = |report: &Value| report["chip_load"]["error_ratio_max"].as_f64().expect("chips");
     println!("largest error of the chip: {} here, {} there", error(&here), error(&there));
     assert!(error(&there) < 5e-3);
 }

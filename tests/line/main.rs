@@ -22,6 +22,8 @@ mod serving_clients;
 
 mod application;
 
+mod assertions;
+
 mod streaming;
 
 mod tap;

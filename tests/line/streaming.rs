@@ -20,7 +20,7 @@ const AFTER_DC3_MAX: u64 = 10;
 /// Reads that find nothing come back at once.
 const O_NONBLOCK: i32 = if cfg!(target_os = "linux") { 0o4000 } else { 4 };
 /// Figures measured on the machine, independent of the way the program arrived.
-const MEASURED: [&str; 6] = ["alarms", "blocks_executed", "cycle_time_s", "ipt_circumference", "override", "movements"];
+const MEASURED: [&str; 6] = ["alarms", "blocks_executed", "cycle_time_s", "chip_load", "override", "movements"];
 
 /// The one JSON object in what a command wrote.
 fn report(out: &str) -> Value {
@@ -131,7 +131,7 @@ fn sim_and_pseudo_terminal_execute_the_same_blocks_and_measure_the_same_chips() 
     let measured = |mut report: Value| {
         // Only the adapted program arrives, so figures of the program before the adaptation are missing.
         for movement in report["movements"].as_array_mut().expect("movements") {
-            movement.as_object_mut().expect("an object").remove("baseline_ipt");
+            movement.as_object_mut().expect("an object").remove("baseline_chip_load");
         }
         MEASURED.map(|field| format!("{field}: {}", report[field]))
     };
@@ -177,7 +177,7 @@ fn a_sender_that_knows_nothing_of_arcfeed_gets_its_program_executed_as_it_is() {
     // The program's F25 wants 160 to 300 %: the override goes for it as fast as it may, and not beyond its bound.
     let most = report["override"]["max"].as_u64().expect("the override was at work");
     assert!((150..=200).contains(&most), "{most} %");
-    assert!(report["ipt_circumference"]["error_ratio_max"].as_f64() < Some(5e-3), "{}", report["ipt_circumference"]);
+    assert!(report["chip_load"]["error_ratio_max"].as_f64() < Some(5e-3), "{}", report["chip_load"]);
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn a_job_without_serial_streams_with_software_flow_control() {
     let [with, without] = [run(&["stream", JOB, "--port", "sim:", "--json"]), sent]
         .map(|sent| report(&String::from_utf8(sent.stdout).expect("text")));
     // The control waits for its first characters as long as ten bits take, not eleven.
-    for figure in ["alarms", "blocks_executed", "ipt_circumference"] {
+    for figure in ["alarms", "blocks_executed", "chip_load"] {
         assert_eq!(with[figure], without[figure], "{figure}");
     }
     assert!(without["link"]["xoff_count"].as_u64() >= Some(1), "{without}");

@@ -8,6 +8,8 @@ mod blade;
 
 mod chips;
 
+mod end_mill_chips;
+
 mod cutting_loads;
 
 mod cutting_stock;

@@ -59,7 +59,7 @@ fn the_machine_measures_the_same_chips_in_every_plane() {
         report
     };
     let in_g17 = measured("planes-sim-G17", &case("program.nc"));
-    let error = |bound: &str| in_g17["ipt_circumference"][bound].as_f64().expect("measured");
+    let error = |bound: &str| in_g17["chip_load"][bound].as_f64().expect("measured");
     // Thin are only the arcs' ends, as in `main_job`.
     assert!(error("error_ratio_max_all") < 0.005, "{in_g17}");
     assert!(error("samples_thin") < 0.06 * error("samples"), "{in_g17}");

@@ -28,7 +28,7 @@ fn commands(document: &str) -> Vec<Shown> {
         } else if !is_console {
         } else if let Some(command) = line.strip_prefix("$ arcfeed ") {
             let (command, code) = command.split_once(EXIT_CODE).unwrap_or((command, "0"));
-            let arguments = command.split_whitespace().map(str::to_owned).collect();
+            let arguments = command.split_whitespace().map(|part| part.trim_matches('"').to_owned()).collect();
             commands.push(Shown { arguments, exit_code: code.parse().expect("a number"), lines: Vec::new() });
         } else {
             commands.last_mut().expect("a command before its output").lines.push(line.to_owned());
@@ -76,7 +76,7 @@ fn every_command_of_the_tutorials_prints_what_they_show() {
 
 #[test]
 fn a_command_is_read_with_its_exit_code_and_its_lines() {
-    let text = "```sh\n$ arcfeed no\n```\n```console\n$ arcfeed check A.nc   # exit code 1\nA.nc: 1 error\n```\n";
+    let text = "```sh\n$ arcfeed no\n```\n```console\n$ arcfeed check \"A.nc\"   # exit code 1\nA.nc: 1 error\n```\n";
     let arguments = ["check", "A.nc"].map(str::to_owned).to_vec();
     assert_eq!(commands(text), [Shown { arguments, exit_code: 1, lines: vec!["A.nc: 1 error".to_owned()] }]);
 }

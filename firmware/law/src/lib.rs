@@ -23,7 +23,7 @@ pub mod table;
 
 use arcfeed_model::cut::{ContourSide, CutRule, Work};
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{Job, LawKind};
+use arcfeed_model::job::{Job, LawKind, ToolAxis};
 use arcfeed_model::stock::Stock;
 use arcfeed_model::tool::{CupMill, Edge, EndMill, Tool};
 use arcfeed_nc::segment::Segment;
@@ -158,9 +158,10 @@ impl SegmentLaw {
                 for_rotation(segment, mill, (*edge, stock), feed_per_tooth)
             }
             (_, Work::Ring(_, stock), LawKind::EngagedArc { .. }) => {
+                let Some(height) = height(segment, setup.axis) else { return SegmentLaw::Programmed };
                 let region = match (stock, along) {
                     (Stock::PerMove, Some(table)) => Some(Region::Engaged(table.clone())),
-                    _ => Region::new(stock, origin_mm(segment), segment.height().to_mm()),
+                    _ => Region::new(stock, origin_mm(segment), height.to_mm()),
                 };
                 region.map_or(SegmentLaw::Programmed, |region| for_circles(segment, rule, region, job))
             }
@@ -244,6 +245,15 @@ fn for_circles(segment: &Segment, rule: &CutRule, region: Region, job: &Job) -> 
     let ring = Ring { outer_radius, inner_radius, path_radius, feed_per_tooth: job.feed_per_tooth_of(rule) };
     let policy = if both_edges { EdgePolicy::Both } else { EdgePolicy::Only(*edge) };
     SegmentLaw::EngagedArc(EngagedArc::new(ring, policy, region))
+}
+
+/// Height of a segment's plane; `None` for lines that are not in X and Y, in which places on a line are given.
+fn height(segment: &Segment, axis: ToolAxis) -> Option<Nm> {
+    let [_, _, z] = segment.start.linear;
+    match segment.arc() {
+        Some(_) => Some(segment.height()),
+        None => (axis == ToolAxis::Z).then_some(z),
+    }
 }
 
 /// Origin of a segment's plane coordinates: the rotation centre of an arc, the start of a line.

@@ -91,6 +91,12 @@ impl PlannedBlock {
         }
     }
 
+    /// Target feed per tooth of its move, for a tool whose target is the programmed feed.
+    pub fn target(&self, job: &Job) -> Option<MmPerTooth> {
+        let setup = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule))?;
+        setup.target_of(self.programmed()?, self.spindle?).filter(|_| setup.follows_program)
+    }
+
     /// The fastest feed on it; infinite where nothing limits it.
     pub fn limit_mm_per_min(&self) -> f64 {
         self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)

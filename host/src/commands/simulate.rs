@@ -15,13 +15,25 @@ mod mark_figures;
 
 pub(super) mod setup;
 
+pub(super) mod move_log;
+
 pub(super) mod observer;
 
 pub(super) mod material_figures;
 
 mod load_figures;
 
+mod spindle_load;
+
+mod path_plot;
+
 mod page;
+
+mod block_lines;
+
+mod assertions;
+
+mod junit;
 
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
@@ -34,24 +46,29 @@ use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
+use arcfeed_model::job::Job;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::{LengthUnit, PERCENT};
 
 use super::job_input::{JobInput, adapted};
-use super::outcome::{Failure, refuse_inputs};
+use super::outcome::{Failure, refuse_inputs, write_whole};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
-use crate::job::JobFile;
+use crate::job::{JobFile, SpindleLimits};
 use crate::program::Program;
 use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
+use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
+use block_lines::block_lines;
 use control::control_settings;
+use junit::TestSuite;
 use observer::RunObserver;
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
 use setup::Setup;
+use spindle_load::SpindleLoad;
 
 /// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
@@ -67,6 +84,13 @@ pub struct Simulate {
     /// Write the remaining surface of the job's workpiece here, in millimetres: .stl or .ply, binary
     #[arg(long, value_name = "OUT.stl|OUT.ply")]
     surface: Option<PathBuf>,
+    /// Require a limit of the adapted run, for example chip<=1.05, power<=11kW, torque<=40Nm, force<=800N,
+    /// feed<=5000mm/min or time<=120s; may be given several times (docs/simulate.md)
+    #[arg(long = "assert", value_name = "FIGURE<=LIMIT")]
+    assertions: Vec<Assertion>,
+    /// Write the outcomes of the assertions here, as JUnit XML
+    #[arg(long, value_name = "OUT.xml", requires = "assertions")]
+    junit: Option<PathBuf>,
 }
 
 impl Simulate {
@@ -77,7 +101,8 @@ impl Simulate {
     pub fn run(&self) -> Result<(), Failure> {
         let (file, program) = self.input.load()?;
         let job = &self.input.job;
-        refuse_inputs(&[self.report.as_deref(), self.surface.as_deref()], &file.inputs(job))?;
+        let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
+        refuse_inputs(&outputs, &file.inputs(job))?;
         let setup = Setup::of(job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
@@ -85,7 +110,7 @@ impl Simulate {
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
-        simulation.set_planned_conditions(foreseen(&program, &adapted));
+        simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
@@ -93,23 +118,51 @@ impl Simulate {
         report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
         let mut ended = after.result.and(unadapted.result);
         let title = format!("{}: simulated", file.program.display());
-        let (mut deviation, mut marks) = (None, Vec::new());
+        let (mut deviation, mut marks, mut spindle) = (None, Vec::new(), None);
         if ended.is_ok() {
             compare(&mut report, measure(&before, &file.job));
             if let Some(setup) = &setup {
                 (deviation, marks) = add_cuts(&mut report, file.job.unit, setup, &observers, target.as_ref());
             }
+            spindle = add_spindle(&mut report, &file, setup.as_ref(), &observers);
         }
         if let (Some((path, format)), Some(after)) = (surface, &observers[0].cutter) {
             ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
-            let shown = PageContent { title: &title, report: &report, job: &file.job, runs, deviation, marks };
+            let chips = [&simulation, &before].map(|run| run.meter().moves());
+            let shown = PageContent { title: &title, report: &report, job: &file.job, runs, chips, deviation, marks };
             ended = ended.and(shown.write(path));
         }
-        let printed = finish(&report, self.json, title);
-        ended.and(printed)
+        let lines = block_lines(simulation.control().executed(), &adapted);
+        let evidence = Evidence {
+            report: &report,
+            log: &observers[0].log,
+            chips: simulation.meter().moves(),
+            spindle: spindle.as_ref(),
+            line_of: &|block| lines.get((block as usize).checked_sub(1)?).copied().flatten(),
+            program: file.program.display().to_string(),
+        };
+        let asserted = self.judge(&evidence, ended.is_ok(), started);
+        ended.and(finish(&report, self.json, title)).and(asserted)
+    }
+
+    /// Judges the assertions, and writes their outcomes.
+    fn judge(&self, evidence: &Evidence<'_>, has_ended: bool, started: Instant) -> Result<(), Failure> {
+        let judged = |assertion: &Assertion| match evidence.report.alarms.first() {
+            Some(alarm) => assertion.without_run(&alarm.to_string()),
+            None if !has_ended => assertion.without_run("see the message of the command"),
+            None => assertion.judge(evidence),
+        };
+        let outcomes: Vec<AssertionOutcome> = self.assertions.iter().map(judged).collect();
+        if let Some(path) = &self.junit {
+            let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
+            write_whole(path, TestSuite { job, outcomes: &outcomes, time_s }.to_string().as_bytes())?;
+        }
+        let broken = outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Passed);
+        let broken: Vec<String> = broken.map(AssertionOutcome::to_string).collect();
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
     }
 
     /// Path and format of the surface file; checked before the run.
@@ -174,6 +227,28 @@ fn add_cuts(
     (deviation, marks)
 }
 
+/// Adds the spindle's load in both runs, and returns that of the first.
+fn add_spindle(
+    report: &mut RunReport,
+    file: &JobFile,
+    setup: Option<&Setup<'_>>,
+    observers: &[RunObserver; 2],
+) -> Option<SpindleLoad> {
+    let load = |observer: &RunObserver| SpindleLoad::of(&file.job, setup?, observer);
+    if let (Some(setup), [Some(after), Some(before)]) = (setup, observers.each_ref().map(load)) {
+        let figures = spindle_load::figures(file, setup, [&after, &before]);
+        figures.warnings().iter().for_each(|warning| note(format_args!("warning: {warning}")));
+        report.spindle = Some(figures);
+        return Some(after);
+    }
+    if file.spindle != SpindleLimits::default() {
+        note(format_args!(
+            "warning: the limits in [spindle] are not checked: the job has no [cutting], and no [workpiece] with `material`"
+        ));
+    }
+    None
+}
+
 /// Prints a report and returns the result of the run.
 ///
 /// # Errors
@@ -222,7 +297,7 @@ pub(super) fn in_memory_of(
 
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
 /// with their engagement and the largest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> {
+pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
@@ -233,6 +308,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> 
         along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
         end_percent: block.end_percent,
+        target: block.target(job),
     });
     known.collect()
 }

@@ -110,6 +110,7 @@ pub struct WorkpieceTable {
     pub stl: Option<Spanned<String>>,
     pub target: Option<Spanned<String>>,
     pub stl_units: Option<UnitWord>,
+    pub material: Option<Spanned<String>>,
     pub step: Spanned<Quantity>,
     pub memory_mib: Option<Spanned<usize>>,
     pub flexible: Option<Spanned<FlexibleTable>>,
@@ -136,6 +137,8 @@ pub struct RoundTable {
 pub struct SpindleTable {
     pub rev_per_min: Spanned<f64>,
     pub set_by: Option<Spanned<String>>,
+    pub max_power: Option<Spanned<String>>,
+    pub max_torque: Option<Spanned<String>>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -26,6 +26,8 @@ pub struct Workpiece {
     pub blank: Blank,
     /// Target shape.
     pub target: Option<StlFile>,
+    /// Material, and the byte offset of its name in the job file.
+    pub material: Option<(String, usize)>,
     /// Distance of the dexel rays.
     pub step_mm: f64,
     /// Most memory of the dexels.
@@ -80,7 +82,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
     });
     let bodies = bodies.collect::<Result<Vec<_>, Complaint>>()?;
     let Some(entry) = &table.workpiece else { return Ok(None) };
-    let WorkpieceTable { stl_units, step, memory_mib, target, .. } = entry.as_ref();
+    let WorkpieceTable { stl_units, step, memory_mib, target, material, .. } = entry.as_ref();
     let &[(tool, corner_mm, height_mm)] = bodies.as_slice() else {
         return Err(at(
             entry,
@@ -110,6 +112,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         flexible: flexible.map(|flexible| flexible::build(flexible, job.unit, &named)).transpose()?,
         blank: blank(entry, job.unit, folder, stl_unit)?,
         target,
+        material: material.as_ref().map(|name| (name.as_ref().clone(), name.span().start)),
         step_mm: length_mm(step, job.unit, "step")?,
         memory_max_bytes,
         body: Body { corner_mm, height_mm },

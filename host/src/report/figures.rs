@@ -3,13 +3,13 @@
 use std::fmt;
 
 use arcfeed_line_errors::Counts;
-use arcfeed_model::report::{ChipFigures, ExcludedSamples};
 use arcfeed_nc::alarm::Cause;
-use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
+use super::chip_load::{ChipLoadFigures, ToolFigures};
 use super::loads::LoadsFigures;
 use super::material::MaterialFigures;
+use super::spindle::SpindleFigures;
 use crate::dnc::reports::Reports;
 
 /// Run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
@@ -31,10 +31,12 @@ pub struct RunReport {
     pub cycle_time_s: Option<f64>,
     /// Time of the original program.
     pub baseline_cycle_time_s: Option<f64>,
-    /// Measured chip load.
-    pub ipt_circumference: Option<IptFigures>,
+    /// Measured chip load of all tools.
+    pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
-    pub baseline_ipt_circumference: Option<IptFigures>,
+    pub baseline_chip_load: Option<ChipLoadFigures>,
+    /// Measured chip load of each tool of the job.
+    pub tools: Vec<ToolFigures>,
     /// Values of the override on the arcs that a cut rule matches.
     pub r#override: Option<OverrideFigures>,
     /// Override and chip load for each cut rule.
@@ -45,6 +47,8 @@ pub struct RunReport {
     pub material: Option<MaterialFigures>,
     /// Loads of the edges, if the job has `[cutting]`.
     pub loads: Option<LoadsFigures>,
+    /// Load of the spindle, if the job describes edges or the material of its workpiece.
+    pub spindle: Option<SpindleFigures>,
     /// Serial line.
     pub link: Option<LinkFigures>,
     /// Position reports of the control, if the job requests them.
@@ -133,75 +137,6 @@ impl fmt::Display for AxisLimitFigures {
     }
 }
 
-/// Feed per tooth on the circumference, measured in the machine model at the contact.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct IptFigures {
-    /// Target.
-    pub target: f64,
-    /// Least measured.
-    pub min: f64,
-    /// Largest measured.
-    pub max: f64,
-    /// Root mean square of (measured - target) / target.
-    pub rms_error_ratio: f64,
-    /// Least of (measured - target) / target.
-    pub error_ratio_min: f64,
-    /// Largest of (measured - target) / target.
-    pub error_ratio_max: f64,
-    /// Largest of it over all samples in the cut, including those left out below.
-    pub error_ratio_max_all: f64,
-    /// Samples measured at steady feed.
-    pub samples: u64,
-    /// Steady samples more than 2 % below the target.
-    pub samples_thin: u64,
-    /// Samples that are not steady.
-    pub samples_left_out: u64,
-    /// Samples that are not steady, by cause.
-    pub left_out: LeftOutSamples,
-}
-
-/// Samples that are not steady, by cause.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct LeftOutSamples {
-    /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
-    pub not_steady: u64,
-    /// The block ended within the tooth's cut.
-    pub block_end: u64,
-    /// No admissible contact with the stock line.
-    pub no_contact: u64,
-}
-
-impl IptFigures {
-    /// Figures of the measured samples; `None` if there are none.
-    pub fn new(
-        figures: &ChipFigures,
-        all: &ChipFigures,
-        left_out: &ExcludedSamples,
-        target_mm: f64,
-        unit: LengthUnit,
-    ) -> Option<Self> {
-        let (error_ratio_min, error_ratio_max) = figures.error_ratio_range()?;
-        let target = target_mm / unit.mm();
-        Some(IptFigures {
-            target,
-            min: target * figures.min_ratio,
-            max: target * figures.max_ratio,
-            rms_error_ratio: figures.rms_error_ratio()?,
-            error_ratio_min,
-            error_ratio_max,
-            error_ratio_max_all: all.error_ratio_range()?.1,
-            samples: figures.samples,
-            samples_thin: figures.thin,
-            samples_left_out: left_out.total(),
-            left_out: LeftOutSamples {
-                not_steady: left_out.not_steady,
-                block_end: left_out.block_end,
-                no_contact: left_out.no_contact,
-            },
-        })
-    }
-}
-
 /// Values of the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OverrideFigures {
@@ -237,12 +172,14 @@ pub struct MovementFigures {
     pub direction: Option<&'static str>,
     /// `outer` or `inner` for a ring, `inside`, `outside` or `slot` for an end mill.
     pub side: &'static str,
+    /// Measured quantity: `contact`, `contour` or `thickest-chip`; null if the rule's moves cannot be measured.
+    pub measure: Option<&'static str>,
     /// Moves executed.
     pub arcs: usize,
-    /// Measured chip load at the contact.
-    pub ipt: Option<IptFigures>,
+    /// Measured chip load.
+    pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
-    pub baseline_ipt: Option<IptFigures>,
+    pub baseline_chip_load: Option<ChipLoadFigures>,
     /// Thickest chip anywhere on the outer and on the inner circle inside the rule's half plane, over the target.
     pub thickest_ratio: [Option<f64>; 2],
     /// Values of the override.

@@ -6,6 +6,10 @@ pub mod marks;
 
 pub mod loads;
 
+pub mod spindle;
+
+pub mod chip_load;
+
 pub mod figures;
 
 pub mod print_output;

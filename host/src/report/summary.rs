@@ -4,7 +4,8 @@ use std::fmt::{self, Write};
 
 use arcfeed_model::report::THIN_RATIO;
 
-use super::figures::{IptFigures, LineErrorFigures, MovementFigures, ReportFigures, RunReport};
+use super::chip_load::ChipLoadFigures;
+use super::figures::{LineErrorFigures, MovementFigures, ReportFigures, RunReport};
 
 /// Most blocks limited by an axis in the summary.
 const SHOWN: usize = 10;
@@ -28,14 +29,17 @@ impl fmt::Display for RunSummary<'_> {
         writeln!(f, "{}", self.title)?;
         write_blocks(f, report)?;
         write_times(f, report)?;
-        if let Some(ipt) = &report.ipt_circumference {
-            write_chips(f, report, ipt)?;
+        if let Some(chip_load) = &report.chip_load {
+            write_chips(f, report, chip_load)?;
         }
         if let Some(material) = &report.material {
             write!(f, "{material}")?;
         }
         if let Some(loads) = &report.loads {
             write!(f, "{loads}")?;
+        }
+        if let Some(spindle) = &report.spindle {
+            writeln!(f, "  {}", spindle.words())?;
         }
         if let Some(restart) = &report.restart {
             let word = |letter: char, number: i64| format!(" {letter}{number}");
@@ -124,36 +128,35 @@ fn write_times(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {
     }
 }
 
-fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, ipt: &IptFigures) -> fmt::Result {
-    writeln!(
-        f,
-        "  feed per tooth on the circumference, target {:.5} {}, measured on the machine at the contact:",
-        ipt.target, report.unit
-    )?;
-    writeln!(
-        f,
-        "    {:<24}{:>5}  {:<20}{:<20}{:<19}{:<14}changes per arc",
-        "movement", "arcs", "before", "after", "after, error", "override"
-    )?;
+fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, all: &ChipLoadFigures) -> fmt::Result {
+    let mut before: Option<&MovementFigures> = None;
     for movement in &report.movements {
+        let group = |movement: &MovementFigures| (movement.tool, movement.measure);
+        if before.replace(movement).map(group) != Some(group(movement)) {
+            write_measure(f, report, movement)?;
+        }
         write_movement(f, movement)?;
     }
-    let left_out = &ipt.left_out;
+    let left_out = &all.left_out;
     writeln!(
         f,
         "    {} samples at steady feed; left out: {} speeding up or slowing down, {} at block ends, {} without contact",
-        ipt.samples, left_out.not_steady, left_out.block_end, left_out.no_contact
+        all.samples, left_out.not_steady, left_out.block_end, left_out.no_contact
     )?;
     writeln!(
         f,
-        "    of all samples in the cut, steady or not, the thickest chip is {:+.2} % off its target; {:.1} % of the steady ones are \
-         thinner by more than {:.0} %",
-        1e2 * ipt.error_ratio_max_all,
-        1e2 * ipt.samples_thin as f64 / ipt.samples as f64,
+        "    of all samples in the cut, steady or not, the largest is {:+.2} % off its target\n    {:.1} % of the steady ones are \
+         below it by more than {:.0} %",
+        1e2 * all.error_ratio_max_all,
+        1e2 * all.samples_thin as f64 / all.samples as f64,
         1e2 * THIN_RATIO
     )?;
+    let mut rings = report.movements.iter().filter(|movement| movement.thickest_ratio != [None; 2]).peekable();
+    if rings.peek().is_none() {
+        return Ok(());
+    }
     write!(f, "    thickest chip anywhere in the stock given, over its target (outer, inner circle):")?;
-    for movement in &report.movements {
+    for movement in rings {
         let [outer, inner] =
             movement.thickest_ratio.map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")));
         write!(f, "  {}: {outer}, {inner}", movement.rule)?;
@@ -161,15 +164,34 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, ipt: &IptFigures)
     writeln!(f)
 }
 
-fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt::Result {
-    let MovementFigures { rule, rotation, direction, side, arcs, .. } = movement;
-    let range = |ipt: &Option<IptFigures>| match ipt {
-        Some(ipt) => format!("{:.5} .. {:.5}", ipt.min, ipt.max),
-        None => "-".into(),
+/// Heading of the movements from this one on: the tool, if the job has several, and the measured quantity.
+fn write_measure(f: &mut fmt::Formatter<'_>, report: &RunReport, movement: &MovementFigures) -> fmt::Result {
+    let measure = match movement.measure {
+        Some("contact") => "feed per tooth on the circumference, measured on the machine at the contact",
+        Some("contour") => "feed per tooth at the contour, measured on the machine",
+        Some(_) => "thickest chip over the engaged arc, measured on the machine",
+        None => "moves that are not measured",
     };
-    let error = movement
-        .ipt
-        .map_or("-".into(), |ipt| format!("{:+.2} .. {:+.2} %", 1e2 * ipt.error_ratio_min, 1e2 * ipt.error_ratio_max));
+    let tool = movement.tool.filter(|_| report.tools.len() > 1).map_or(String::new(), |tool| format!("T{tool}: "));
+    writeln!(f, "  {tool}{measure}, {}:", report.unit)?;
+    writeln!(
+        f,
+        "    {:<24}{:>5}  {:<9}{:<20}{:<20}{:<19}{:<14}changes per arc",
+        "movement", "arcs", "target", "before", "after", "after, error", "override"
+    )
+}
+
+fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt::Result {
+    let MovementFigures { rule, rotation, direction, side, arcs, chip_load, baseline_chip_load, .. } = movement;
+    let range = |chip_load: &Option<ChipLoadFigures>| match chip_load {
+        Some(ChipLoadFigures { min: Some(min), max: Some(max), .. }) => format!("{min:.5} .. {max:.5}"),
+        _ => "-".into(),
+    };
+    let target = chip_load.or(*baseline_chip_load).and_then(|figures| figures.target);
+    let target = target.map_or("-".into(), |target| format!("{target:.5}"));
+    let error = chip_load.map_or("-".into(), |figures| {
+        format!("{:+.2} .. {:+.2} %", 1e2 * figures.error_ratio_min, 1e2 * figures.error_ratio_max)
+    });
     let bounds = movement.r#override.map_or("-".into(), |figures| format!("{} .. {} %", figures.min, figures.max));
     let mut changes = String::new();
     for count in &movement.changes_per_arc {
@@ -177,14 +199,14 @@ fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt
     }
     writeln!(
         f,
-        "    {:<24}{arcs:>5}  {:<20}{:<20}{error:<19}{bounds:<14}{}",
+        "    {:<24}{arcs:>5}  {target:<9}{:<20}{:<20}{error:<19}{bounds:<14}{}",
         [Some(rule.to_string().as_str()), *rotation, Some(direction.unwrap_or("lines")), Some(side)]
             .into_iter()
             .flatten()
             .collect::<Vec<_>>()
             .join(" "),
-        range(&movement.baseline_ipt),
-        range(&movement.ipt),
+        range(baseline_chip_load),
+        range(chip_load),
         changes.trim_end()
     )
 }

@@ -69,6 +69,13 @@ pub struct ToolSetup {
 }
 
 impl ToolSetup {
+    /// Target feed per tooth where the programmed feed is the target, if it is positive.
+    pub fn target_of(&self, programmed: Nm, spindle: RevPerMin) -> Option<MmPerTooth> {
+        let teeth_per_min = f64::from(spindle.0) * f64::from(self.tool.active_teeth());
+        let target = programmed.to_mm() / teeth_per_min;
+        (target > 0.0 && target.is_finite()).then_some(MmPerTooth(target as f32))
+    }
+
     /// A tool along Z without a number; the program sets its speed.
     pub const fn new(tool: Tool, spindle: RevPerMin, law: LawKind, feed_per_tooth: MmPerTooth) -> Self {
         let (number, axis, speed_source) = (None, ToolAxis::Z, SpeedSource::Program);

@@ -11,6 +11,9 @@ use arcfeed::program::Program;
 use arcfeed_control::{ControlSettings, Switches};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
+use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_model::job::{Job, LawKind};
+use arcfeed_model::tool::Tool;
 use arcfeed_nc::segment::Path;
 use arcfeed_tests::Scratch;
 use arcfeed_units::{Nm, S_PER_MIN};
@@ -99,7 +102,7 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
         ControllerFault::None,
     );
     let mut simulation = simulation.map_err(|error| format!("{error:?}"))?;
-    simulation.set_planned_conditions(foreseen(&program, &adapted));
+    simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
     let mut figures =
         Figures { programs: 1, blocks: random_program.moves.iter().flatten().count() as u32, ..Figures::default() };
     let mut last: Option<At> = None;
@@ -129,7 +132,8 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
         }
         last = now;
     }
-    for chips in simulation.meter().moves().iter().filter(|chips| chips.any_contact.samples > 0) {
+    let moves = simulation.meter().moves().iter().filter(|chips| is_bounded(chips, &file.job, job.mode, &governed));
+    for chips in moves.filter(|chips| chips.any_contact.samples > 0) {
         figures.metered += chips.any_contact.samples;
         figures.thickest_metered = figures.thickest_metered.max(chips.any_contact.max_ratio);
         if let Some(excess) = truth::excess_of_meter(chips.any_contact.max_ratio) {
@@ -140,6 +144,19 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
         Some(alarm) => Err(format!("alarm at line {}: {}", alarm.line, alarm.fault.cause)),
         None if !simulation.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),
         None => Ok(Some(figures)),
+    }
+}
+
+/// Whether the law bounds the measured chips of a move. An end mill's table has feeds of its own, and if the program's F is
+/// sent, the job's least override may hold the feed up.
+fn is_bounded(chips: &MoveChips, job: &Job, mode: &str, governed: &HashSet<usize>) -> bool {
+    let setup = job.tool_of(&job.rules[chips.rule]);
+    match (setup.tool, setup.law) {
+        (Tool::CupMill(_), _) => true,
+        (Tool::EndMill(_), LawKind::Table | LawKind::Programmed) => false,
+        (Tool::EndMill(_), _) => {
+            mode != "override-only" && chips.sequence.is_some_and(|n| governed.contains(&(n as usize)))
+        }
     }
 }
 

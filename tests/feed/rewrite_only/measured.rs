@@ -45,7 +45,7 @@ fn the_chip_is_measured_within_the_stated_error_with_the_override_at_100() {
             let said = |field: &'static str| blocks.iter().filter(mine).map(move |block| number(block, field));
             let least = said("chip_error_min").fold(f64::INFINITY, f64::min);
             let most = said("chip_error_max").fold(f64::NEG_INFINITY, f64::max);
-            let measured = ["error_ratio_min", "error_ratio_max"].map(|field| number(&movement["ipt"], field));
+            let measured = ["error_ratio_min", "error_ratio_max"].map(|field| number(&movement["chip_load"], field));
             println!(
                 "{program}, movement {}: said {least:+.4} .. {most:+.4}, measured {measured:+.4?}",
                 movement["rule"]
@@ -67,7 +67,7 @@ fn over_a_line_the_same_is_measured() {
         [vec!["simulate", &job], vec!["stream", &job]].map(|arguments| objects(&arguments).remove(0));
     assert_eq!(streamed["blocks_sent"], streamed["blocks_executed"]);
     assert_eq!(streamed["link"]["starved_ms"], 0);
-    for field in ["ipt_circumference", "movements", "override", "cycle_time_s"] {
+    for field in ["chip_load", "movements", "override", "cycle_time_s"] {
         assert_eq!(streamed[field], simulated[field], "{field}");
     }
 }

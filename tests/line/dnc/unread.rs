@@ -78,5 +78,5 @@ fn figures_are_printed_though_the_report_cannot_be_written() {
     let output = run(&["simulate", JOB, "--json", "--report", &scratch.path("no-folder/report.html")]);
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(1), "{err}");
-    assert!(err.contains("no-folder/report.html") && out.contains("\"ipt_circumference\":{"), "{err}{out}");
+    assert!(err.contains("no-folder/report.html") && out.contains("\"chip_load\":{"), "{err}{out}");
 }

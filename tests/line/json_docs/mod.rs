@@ -93,8 +93,9 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-cut");
     let head = "units = \"mm\"\nprogram = \"cut.nc\"\ntool = { kind = \"end-mill\", diameter = 4, teeth = 2, height = 9 }\n\
-                spindle = { rev_per_min = 9000 }\nlaw = { kind = \"programmed\", feed_per_tooth = 0.05 }\n\
-                [workpiece]\nblock = { from = [0, 0, -4], to = [12, 8, 0] }\nstep = 0.5\n";
+                spindle = { rev_per_min = 9000, max_power = \"1 W\", max_torque = \"0.001 Nm\" }\n\
+                law = { kind = \"programmed\", feed_per_tooth = 0.05 }\n\
+                [workpiece]\nblock = { from = [0, 0, -4], to = [12, 8, 0] }\nstep = 0.5\nmaterial = \"Ti-6Al-4V\"\n";
     scratch.write("cut.nc", "G21G90G94\nN1G0X-5.Y4.Z1.\nG1Z-2.F800.\nN2X6.\nN3G41D1X9.\nN4G0Z5.\nM30\n");
     let (plain, stl) = (scratch.write("plain.toml", head), scratch.path("left.stl"));
     object(&["simulate", &plain, "--surface", &stl], 0);
@@ -103,6 +104,8 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     documented.assert_fits("simulate", &report);
     let material = &report["material"];
     assert!(material["deviation"].is_object() && material["left_out"][0]["cause"] == "contour", "{material}");
+    let spindle = &report["spindle"];
+    assert!(spindle["source"] == "estimate" && spindle["power"]["above"][0]["value"].is_f64(), "{spindle}");
     let cutting = "flexible = { block = { from = [0, 0, -4], to = [12, 8, 0], cells = [1, 1, 1], clamped = \"z-\" }, \
                    material = \"7075-T6\", modes = 2, damping = 0.02 }\n\
                    [cutting]\nkc11 = 800\nmc = 0.25\nradial = 0.4\naxial = 0.2\naxial_depth = 2\n";
@@ -111,6 +114,7 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     documented.assert_fits("simulate", &report);
     let loads = &report["loads"];
     assert!(loads["marks"]["largest"]["off"].is_f64() && loads["vibration"]["workpiece_hz"][1].is_f64(), "{loads}");
+    assert!(report["spindle"]["torque"]["baseline_above"][0]["n"].is_i64(), "{}", report["spindle"]);
     assert!(loads["blocks"][0]["load"]["chips"][0].is_u64() && loads["left_out"][0]["cause"] == "contour", "{loads}");
 }
 

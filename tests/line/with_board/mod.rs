@@ -138,7 +138,7 @@ fn behind_a_link_the_example_is_cut_as_by_a_notified_controller() {
     let direct = figures(&["stream", JOB, "--json"]);
     let linked = figures(&["stream", JOB, "--board", "sim:", "--json"]);
     assert_eq!(linked["blocks_executed"], direct["blocks_executed"]);
-    let chip = |report: &Value, field: &str| report["ipt_circumference"][field].as_f64().expect("measured");
+    let chip = |report: &Value, field: &str| report["chip_load"][field].as_f64().expect("measured");
     for field in ["min", "max", "error_ratio_min", "error_ratio_max"] {
         let (a, b) = (chip(&direct, field), chip(&linked, field));
         println!("{field}: direct {a:.6}, behind a link {b:.6}");
@@ -159,7 +159,7 @@ fn a_control_that_reports_where_it_is_is_cut_the_same_behind_a_link() {
     let job = scratch.write("job.toml", read("job.toml") + "\n[dnc]\nreport_every = 5\n");
     let report = figures(&["stream", &job, "--board", "sim:", "--json"]);
     assert!(report["blocks_executed"].as_u64() > Some(80), "{report}");
-    let chip = report["ipt_circumference"]["error_ratio_max"].as_f64().expect("measured");
+    let chip = report["chip_load"]["error_ratio_max"].as_f64().expect("measured");
     println!("thickest chip {:+.2} %", chip * 100.0);
     assert!(chip <= 0.0, "a move left out puts the laws of all others on the wrong ones: {chip}");
 }

@@ -152,9 +152,9 @@ fn the_page_shows_where() {
     let words = String::from_utf8(output.stdout).expect("text");
     assert!(words.contains("marks on walls, mm: before -0.0") && words.contains(" by N4 (chatter)"), "{words}");
     let parts =
-        ["<h2>Marks on walls, seen along Z</h2>", "largest: -0.0", "<td>N4</td><td>chatter, ", "N4: thickest chip 0."];
+        ["<h2>Marks on walls, seen along Z</h2>", "largest: -0.0", "<td>N4</td><td>chatter, ", "N4: chip load 0."];
     for part in parts {
         assert!(html.contains(part), "{part}");
     }
-    assert!(html.contains("of the wanted, chatter</title>"));
+    assert!(html.contains("of the target, chatter</title>"));
 }

@@ -4,6 +4,8 @@
 
 mod scratch_job;
 
+mod spindle_limits;
+
 mod volumes;
 
 mod left_out;

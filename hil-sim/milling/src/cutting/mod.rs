@@ -2,6 +2,10 @@
 
 pub mod chip;
 
+pub mod boundary;
+
+pub mod measured_move;
+
 pub mod meter;
 
 pub mod edges;

@@ -160,14 +160,22 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, Ed
     }
 }
 
+/// Tangential coefficients of a material of the catalogue, by its name in the job and the offset of that name.
+///
+/// # Errors
+/// The material is unknown.
+pub fn tangential(name: &str, offset: usize) -> Result<Kienzle, SetupFault> {
+    let found = MATERIALS.iter().find(|material| material.name == name);
+    found.map(|material| material.tangential).ok_or_else(|| {
+        let names = MATERIALS.map(|material| format!("\"{}\"", material.name)).join(", ");
+        (Some(offset), format!("no coefficients are known of `{name}`; write one of {names}, or kc11 and mc"))
+    })
+}
+
 fn forces(coefficients: &Coefficients) -> Result<Forces, SetupFault> {
     match coefficients {
         Coefficients::Material { name, offset, ratios: [radial, axial] } => {
-            let found = MATERIALS.iter().find(|material| material.name == name);
-            found.map(|material| material.tangential.with_ratios(*radial, *axial)).ok_or_else(|| {
-                let names = MATERIALS.map(|material| format!("\"{}\"", material.name)).join(", ");
-                (Some(*offset), format!("no coefficients are known of `{name}`; write one of {names}, or kc11 and mc"))
-            })
+            Ok(tangential(name, *offset)?.with_ratios(*radial, *axial))
         }
         Coefficients::Kienzle { specific_mpa, exponent_ratio, ratios: [radial, axial] } => {
             let (specific_mpa, exponent_ratio) = (*specific_mpa, *exponent_ratio);

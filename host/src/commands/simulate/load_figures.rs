@@ -85,7 +85,7 @@ pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
             };
             Series { name, color, steps: meter.windows().iter().map(step).collect() }
         });
-        Lane { title: title.into(), series: series.into() }
+        Lane { title: title.into(), series: series.into(), mark: None, has_gaps: false }
     };
     [
         lane("largest bending force, N", &|statistics| statistics.bending.max()),
@@ -115,7 +115,8 @@ fn blocks(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vec<Load
     after.iter().map(block).collect()
 }
 
-fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (BlockRef, LoadStatistics)> {
+/// Loads of each block, by its count.
+pub fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (BlockRef, LoadStatistics)> {
     let mut found = BTreeMap::new();
     for (of, statistics) in meter.blocks() {
         found.entry(of.count).or_insert((*of, LoadStatistics::default())).1.merge(statistics);

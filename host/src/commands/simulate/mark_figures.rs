@@ -129,5 +129,5 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
             _ => block.lines.push(vec![from, to]),
         }
     }
-    LoadPlot { blocks }
+    LoadPlot { blocks, has_vibration: true }
 }

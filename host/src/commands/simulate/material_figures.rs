@@ -106,6 +106,14 @@ fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: V
     cutting.filter(|block| block.taken.removed > 0.0).collect()
 }
 
+/// Largest removal rate of each block, mm3/min, without rapids.
+pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
+    let step_mm = cutter.stock().lattice().step_mm();
+    let rate = |pieces: &[&Piece]| RemovedVolume::of(pieces.iter().copied(), step_mm).rate_max_per_min;
+    let blocks = by_block(cutter).into_values().filter(|(of, _)| !of.is_rapid);
+    blocks.map(|(of, pieces)| (of, rate(&pieces))).collect()
+}
+
 /// Pieces of each block, with its rapids apart.
 fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();

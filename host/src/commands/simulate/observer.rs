@@ -8,6 +8,7 @@ use arcfeed_units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::outcome::Failure;
+use super::move_log::MoveLog;
 use super::setup::Setup;
 
 /// Longest simulated run: a program that takes longer does not end.
@@ -23,6 +24,8 @@ pub struct RunObserver {
     pub cutter: Option<StockCutter>,
     /// Edges in it.
     pub loads: Option<LoadMeter>,
+    /// Moves, feed and chip load.
+    pub log: MoveLog,
     /// Override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
@@ -57,6 +60,7 @@ impl RunObserver {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
+        self.log.observe(simulation);
         let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((simulation.now(), percent));

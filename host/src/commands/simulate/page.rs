@@ -11,13 +11,15 @@ use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::removal::rate::windows;
+use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::job::Job;
 use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
+use super::move_log::MoveLog;
 use super::observer::RunObserver;
-use super::{load_figures, mark_figures};
+use super::{load_figures, mark_figures, path_plot};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
 use crate::report::page::loads::section as loads_section;
@@ -45,6 +47,8 @@ pub struct PageContent<'a> {
     pub job: &'a Job,
     /// The run and the original program, each with the time of its end.
     pub runs: [(&'a RunObserver, Micros); 2],
+    /// Measured chips of both, move by move.
+    pub chips: [&'a [MoveChips]; 2],
     /// Deviation, if the job has a target.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
     /// Marks of the edges on walls.
@@ -89,7 +93,9 @@ impl PageContent<'_> {
         let mut sections = vec![tables::summary(self.title, self.report)];
         sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.job.unit)));
         sections.extend(self.report.loads.as_ref().map(loads_section));
+        sections.extend(self.report.spindle.as_ref().and_then(tables::spindle));
         sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
+        sections.extend(self.chip_plots());
         if let Some(cutter) = &observer.cutter {
             let heights = self.map(&HeightMap::new(cutter.stock(), UPRIGHT), cutter.stock(), None);
             sections.push(Section { heading: "Heights, seen along Z".into(), body: heights.svg() });
@@ -104,6 +110,18 @@ impl PageContent<'_> {
         }
         sections.extend(self.marks());
         Page { title: self.title.to_owned(), sections }
+    }
+
+    /// The path before and after, with the measured chip load; empty if nothing was measured.
+    fn chip_plots(&self) -> Vec<Section> {
+        let [after, before] = self.runs.map(|(observer, _)| observer);
+        let plots = [("before", before, self.chips[1]), ("after", after, self.chips[0])];
+        let plots = plots.into_iter().filter(|(_, observer, _)| !observer.log.chips.is_empty());
+        let section = |(name, observer, chips): (&str, &RunObserver, &[MoveChips])| Section {
+            heading: format!("Chip load along the path, {name}"),
+            body: path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+        };
+        plots.map(section).collect()
     }
 
     /// Sections with the marks of the edges; empty without edges.
@@ -128,12 +146,13 @@ impl PageContent<'_> {
 
     fn lanes(&self) -> Vec<Lane> {
         let [(after, ends), (before, _)] = self.runs;
-        let mut lanes = Vec::new();
+        let mut lanes = log_lanes(self.job, [&before.log, &after.log]);
         if let (Some(after), Some(before)) = (&after.cutter, &before.cutter) {
             let volumes = VolumeUnit::of(self.job.unit);
             let series = [("before", "#999", before), ("after", "#c03020", after)]
                 .map(|(name, color, cutter)| Series { name, color, steps: rates(cutter, volumes) });
-            lanes.push(Lane { title: format!("removal rate, {}", volumes.rate_label), series: series.into() });
+            let title = format!("removal rate, {}", volumes.rate_label);
+            lanes.push(Lane { title, series: series.into(), mark: None, has_gaps: false });
         }
         if let (Some(after), Some(before)) = (&after.loads, &before.loads) {
             lanes.extend(load_figures::lanes(after, before));
@@ -141,7 +160,7 @@ impl PageContent<'_> {
         let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
         let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();
         let series = vec![Series { name: "after", color: "#2050a0", steps }];
-        lanes.push(Lane { title: "override, %".into(), series });
+        lanes.push(Lane { title: "override, %".into(), series, mark: None, has_gaps: false });
         lanes
     }
 
@@ -153,6 +172,22 @@ impl PageContent<'_> {
         let values = heights.heights_mm().iter().map(|height| height.map(in_unit)).collect();
         Map { columns, values, lowest, step: in_unit(lattice.step_mm()), unit: self.job.unit.label(), largest }
     }
+}
+
+/// Chip load over its target, and feed; before, then after.
+fn log_lanes(job: &Job, logs: [&MoveLog; 2]) -> Vec<Lane> {
+    let unit = job.unit;
+    let lane = |title: String, curve: &dyn Fn(&MoveLog) -> Vec<([f64; 2], f64)>, mark: Option<f64>| {
+        let series = [("before", "#999", logs[0]), ("after", "#c03020", logs[1])];
+        let series = series.map(|(name, color, log)| Series { name, color, steps: curve(log) });
+        Lane { title, series: series.into(), mark, has_gaps: mark.is_some() }
+    };
+    let mut lanes = Vec::new();
+    if logs.iter().any(|log| !log.chips.is_empty()) {
+        lanes.push(lane("measured chip load over its target".into(), &|log| log.chips.steps(1.0), Some(1.0)));
+    }
+    lanes.push(lane(format!("feed, {}/min", unit.label()), &|log| log.feeds.steps(unit.mm()), None));
+    lanes
 }
 
 fn rates(cutter: &StockCutter, volumes: VolumeUnit) -> Vec<([f64; 2], f64)> {

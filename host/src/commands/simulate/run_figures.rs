@@ -3,15 +3,16 @@
 use arcfeed_control::interpolator::AxisLimited;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::simulation::{MoveOverride, Simulation};
+use arcfeed_milling::cutting::measured_move::ChipMeasure;
 use arcfeed_milling::cutting::meter::MoveChips;
-use arcfeed_model::cut::Moves;
+use arcfeed_model::cut::{CutRule, Moves};
 use arcfeed_model::job::Job;
-use arcfeed_model::report::{ChipFigures, ExcludedSamples};
-use arcfeed_units::{LengthUnit, MmPerTooth, S_PER_MIN};
+use arcfeed_units::{LengthUnit, S_PER_MIN};
 
 use super::super::adapt::{direction_word, rotation_word, side_word};
+use crate::report::chip_load::{ChipLoadFigures, ChipSamples, ToolFigures};
 use crate::report::figures::{
-    AlarmFigures, AxisLimitFigures, IptFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
+    AlarmFigures, AxisLimitFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
 };
 use crate::report::print_output;
 
@@ -19,9 +20,12 @@ use crate::report::print_output;
 pub fn compare(report: &mut RunReport, baseline: RunReport) {
     // A program that its control does not finish has no time to compare with.
     report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
-    report.baseline_ipt_circumference = baseline.ipt_circumference;
+    report.baseline_chip_load = baseline.chip_load;
+    for (tool, before) in report.tools.iter_mut().zip(baseline.tools) {
+        tool.baseline_chip_load = before.chip_load;
+    }
     for (movement, before) in report.movements.iter_mut().zip(baseline.movements) {
-        movement.baseline_ipt = before.ipt;
+        movement.baseline_chip_load = before.chip_load;
     }
 }
 
@@ -39,7 +43,8 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
         printed: print_output::lines(simulation.control().output()),
         messages: simulation.control().messages().map(String::from).collect(),
         cycle_time_s: Some(simulation.cycle_time().to_s()),
-        ipt_circumference: ipt(job.unit, job.tools.first().feed_per_tooth, moves.iter().map(|(chips, _)| *chips)),
+        chip_load: chip_load(job, simulation.meter().moves(), &|_| true),
+        tools: tools(job, simulation.meter().moves()),
         r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
         movements,
         axis_limited: simulation.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
@@ -88,24 +93,55 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
             Moves::Lines => None,
         },
         side: side_word(&cut.work),
+        measure: ChipMeasure::of(cut, job.tool_of(cut)).map(measure_name),
         arcs: of_rule().count(),
-        ipt: ipt(job.unit, job.feed_per_tooth_of(cut), of_rule().map(|(chips, _)| *chips)),
-        baseline_ipt: None,
+        chip_load: chip_load(job, moves.iter().map(|(chips, _)| *chips), &|other| std::ptr::eq(other, cut)),
+        baseline_chip_load: None,
         thickest_ratio: [thickest(0), thickest(1)],
         r#override: overrides(of_rule().map(|(_, figures)| *figures)),
         changes_per_arc: of_rule().map(|(_, figures)| figures.changes).collect(),
     }
 }
 
-fn ipt<'a>(unit: LengthUnit, target: MmPerTooth, moves: impl Iterator<Item = &'a MoveChips>) -> Option<IptFigures> {
-    let (mut figures, mut all, mut left_out) =
-        (ChipFigures::default(), ChipFigures::default(), ExcludedSamples::default());
-    for chips in moves {
-        figures.merge(&chips.contact);
-        all.merge(&chips.any_contact);
-        left_out.merge(&chips.left_out);
+/// Name of a measured quantity in JSON.
+const fn measure_name(measure: ChipMeasure) -> &'static str {
+    match measure {
+        ChipMeasure::Contact => "contact",
+        ChipMeasure::Contour => "contour",
+        ChipMeasure::Thickest => "thickest-chip",
     }
-    IptFigures::new(&figures, &all, &left_out, f64::from(target.0), unit)
+}
+
+fn tools(job: &Job, moves: &[MoveChips]) -> Vec<ToolFigures> {
+    let figures = (0_u8..).zip(job.tools.iter()).map(|(tool, setup)| ToolFigures {
+        tool: setup.number,
+        chip_load: chip_load(job, moves, &|rule| rule.tool == tool),
+        baseline_chip_load: None,
+    });
+    figures.collect()
+}
+
+/// Chip load under these rules, with a target if all of them have the same.
+fn chip_load<'a>(
+    job: &Job,
+    moves: impl IntoIterator<Item = &'a MoveChips>,
+    choose: &dyn Fn(&CutRule) -> bool,
+) -> Option<ChipLoadFigures> {
+    let mut samples = ChipSamples::default();
+    let (mut targets_mm, mut follows_program): (Vec<f64>, bool) = (Vec::new(), false);
+    for chips in moves {
+        let Some(rule) = job.rules.get(chips.rule).filter(|rule| choose(rule)) else { continue };
+        samples.steady.merge(&chips.contact);
+        samples.all.merge(&chips.any_contact);
+        samples.left_out.merge(&chips.left_out);
+        let target_mm = f64::from(job.feed_per_tooth_of(rule).0);
+        follows_program |= job.tool_of(rule).follows_program;
+        if chips.any_contact.samples > 0 && !targets_mm.contains(&target_mm) {
+            targets_mm.push(target_mm);
+        }
+    }
+    let only = (targets_mm.len() == 1 && !follows_program).then(|| targets_mm[0]);
+    ChipLoadFigures::new(&samples, only, job.unit)
 }
 
 fn overrides<'a>(arcs: impl Iterator<Item = &'a MoveOverride>) -> Option<OverrideFigures> {

@@ -11,6 +11,7 @@ use arcfeed_hil_sim::removal::cutter::{StockCutter, StockCutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
 use arcfeed_kinematics::vector::{difference, length};
 use arcfeed_milling::cutting::layers::Layers;
+use arcfeed_milling::cutting::material::Kienzle;
 use arcfeed_model::tool::Tool as JobTool;
 use arcfeed_units::Nm;
 
@@ -40,6 +41,8 @@ pub struct Setup<'a> {
     pub loads: Option<LoadSettings>,
     /// Reference for the marks of those edges.
     pub truth: Option<MarkReference>,
+    /// Specific cutting force of the workpiece's material, if the job names it.
+    pub material: Option<Kienzle>,
 }
 
 impl<'a> Setup<'a> {
@@ -70,16 +73,19 @@ impl<'a> Setup<'a> {
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             Ok((LoadSettings { process, machine, step_max_rad, flexible, samples }, truth))
         };
-        let edges = file.cutting.as_ref().map(|cutting| {
-            let wrong = |(offset, message): body::SetupFault| {
-                Failure::Input(format!("{}: {message}", located(offset.unwrap_or(cutting.offset))))
-            };
-            edges(cutting).map_err(wrong)
-        });
+        let wrong = |(offset, message): body::SetupFault, table: usize| {
+            Failure::Input(format!("{}: {message}", located(offset.unwrap_or(table))))
+        };
+        let edges = file.cutting.as_ref().map(|cutting| edges(cutting).map_err(|fault| wrong(fault, cutting.offset)));
+        let material = workpiece
+            .material
+            .as_ref()
+            .map(|(name, offset)| edges::tangential(name, *offset).map_err(|fault| wrong(fault, *offset)));
         let (loads, truth) = edges.transpose()?.unzip();
         let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
         let settings = StockCutterSettings { stock, tool, machine, tolerance_mm };
-        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth }))
+        let material = material.transpose()?;
+        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth, material }))
     }
 
     /// Meter for the loads of the edges in a run.

@@ -21,6 +21,8 @@ const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", 
 pub struct LoadPlot {
     /// Blocks in order.
     pub blocks: Vec<PlotBlock>,
+    /// Whether blocks were judged for vibration.
+    pub has_vibration: bool,
 }
 
 /// Block of the path.
@@ -62,7 +64,7 @@ impl LoadPlot {
             }
         }
         blocks.iter().for_each(|block| block.draw(&mut svg, &place, (&block.color(), 2.0)));
-        legend(&mut svg, height);
+        legend(&mut svg, height, self.has_vibration);
         svg + "</svg>\n"
     }
 }
@@ -82,7 +84,7 @@ impl PlotBlock {
                 pen = Some([x, y]);
             }
         }
-        let chip = self.chip_ratio.map_or("no chips".into(), |ratio| format!("thickest chip {ratio:.2} of the wanted"));
+        let chip = self.chip_ratio.map_or("no chips".into(), |ratio| format!("chip load {ratio:.2} of the target"));
         let verdict = self.verdict.map_or(String::new(), |verdict| format!(", {verdict}"));
         let _ = writeln!(
             svg,
@@ -106,7 +108,7 @@ fn chips(part: f64) -> String {
     format!("rgb({r:.0},{g:.0},{b:.0})")
 }
 
-fn legend(svg: &mut String, top: f64) {
+fn legend(svg: &mut String, top: f64, has_vibration: bool) {
     let _ = write!(svg, "<linearGradient id=\"chips\">");
     for part in [0.0, 0.5, 1.0] {
         let _ = write!(svg, "<stop offset=\"{part}\" stop-color=\"{}\"/>", chips(part));
@@ -116,10 +118,12 @@ fn legend(svg: &mut String, top: f64) {
         "</linearGradient>\n<rect x=\"{MARGIN}\" y=\"{:.1}\" width=\"240\" height=\"14\" fill=\"url(#chips)\"/>",
         top + 20.0
     );
-    for (at, label) in [(0.0, "0"), (120.0, "1"), (240.0, "2: thickest chip over wanted")] {
+    let label =
+        if has_vibration { "2: thickest chip over wanted" } else { "2: measured over target; grey: not measured" };
+    for (at, label) in [(0.0, "0"), (120.0, "1"), (240.0, label)] {
         let _ = writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{label}</text>", MARGIN + at, top + 50.0);
     }
-    for (index, (verdict, color)) in VERDICTS.iter().enumerate() {
+    for (index, (verdict, color)) in VERDICTS.iter().enumerate().filter(|_| has_vibration) {
         let x = 330.0 + 125.0 * index as f64;
         let _ = writeln!(
             svg,
@@ -143,7 +147,9 @@ mod tests {
             chip_ratio: Some(chip_ratio),
             lines: vec![vec![[0.0, 0.0], [0.001, 0.0], [10.0, 0.0]]],
         };
-        let svg = LoadPlot { blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)] }.svg();
+        let svg =
+            LoadPlot { blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)], has_vibration: true }
+                .svg();
         let places = ["<title>N1", "<title>N2", "rgb(190,20,30)\" stroke-width"].map(|part| svg.rfind(part));
         assert!(places[0] > places[1] && places[2] > places[1], "{svg}");
         assert_eq!(svg.matches("stroke=\"#f06060\"").count(), 2);
@@ -152,6 +158,6 @@ mod tests {
 
     #[test]
     fn without_a_way_there_is_nothing() {
-        assert_eq!(LoadPlot { blocks: Vec::new() }.svg(), "");
+        assert_eq!(LoadPlot { blocks: Vec::new(), has_vibration: false }.svg(), "");
     }
 }

@@ -45,7 +45,7 @@ impl fmt::Display for Page {
         write!(
             f,
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
-             body {{ font: 15px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; color: #222 }}\n\
+             body {{ font: 15px/1.5 sans-serif; max-width: 66em; margin: 2em auto; padding: 0 1em; color: #222 }}\n\
              pre {{ overflow-x: auto; background: #f6f6f6; padding: 1em; font-size: 12px }}\n\
              table {{ border-collapse: collapse }}\n\
              th, td {{ padding: .2em .8em; border-bottom: 1px solid #ddd; text-align: right }}\n\

@@ -16,6 +16,10 @@ pub struct Lane {
     pub title: String,
     /// Curves of the lane.
     pub series: Vec<Series>,
+    /// Value with a line of its own, such as a target.
+    pub mark: Option<f64>,
+    /// Whether the quantity is unknown between steps, not zero.
+    pub has_gaps: bool,
 }
 
 /// Curve of a lane.
@@ -51,7 +55,7 @@ pub fn svg(lanes: &[Lane]) -> String {
 
 fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
     let values = lane.series.iter().flat_map(|series| &series.steps).map(|(_, value)| *value);
-    let most = values.fold(1e-9, f64::max);
+    let most = values.chain(lane.mark).fold(1e-9, f64::max);
     let y = |value: f64| top + LANE_HEIGHT * (1.0 - value / most);
     let [left, right, _] = MARGINS;
     text(svg, [left, top - 8.0], "start", &lane.title);
@@ -60,8 +64,18 @@ fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
         let _ = writeln!(svg, "<path d=\"M{left} {at:.1}H{}\" stroke=\"#ddd\"/>", WIDTH - right);
         text(svg, [left - 6.0, at + 4.0], "end", &format!("{tick}"));
     }
+    if let Some(mark) = lane.mark {
+        let at = y(mark);
+        let _ =
+            writeln!(svg, "<path d=\"M{left} {at:.1}H{}\" stroke=\"#3a7\" stroke-dasharray=\"6 4\"/>", WIDTH - right);
+    }
     for (index, series) in lane.series.iter().enumerate() {
-        let _ = writeln!(svg, "<path d=\"{}\" fill=\"none\" stroke=\"{}\"/>", path(&series.steps, x, &y), series.color);
+        let _ = writeln!(
+            svg,
+            "<path d=\"{}\" fill=\"none\" stroke=\"{}\"/>",
+            path(&series.steps, x, &y, lane.has_gaps),
+            series.color
+        );
         let at = WIDTH - right - 90.0 * (lane.series.len() - 1 - index) as f64;
         let (color, name) = (series.color, series.name);
         let _ =
@@ -70,7 +84,7 @@ fn draw(svg: &mut String, lane: &Lane, top: f64, x: &dyn Fn(f64) -> f64) {
 }
 
 /// Steps as a path; steps within one pixel's column become the line from their lowest to their highest value.
-fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64) -> String {
+fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f64, has_gaps: bool) -> String {
     let mut path = String::new();
     let mut pen = [f64::NAN; 2];
     let mut column: Option<(i64, [f64; 2])> = None;
@@ -84,11 +98,15 @@ fn path(steps: &[([f64; 2], f64)], x: &dyn Fn(f64) -> f64, y: &dyn Fn(f64) -> f6
             }
             column = Some((own, [low.min(at), high.max(at)]));
         }
-        // A gap in the data is drawn as 0.
-        if from > pen[0] + 0.1 {
+        let is_gap = from > pen[0] + 0.1;
+        if is_gap && !has_gaps {
             let _ = write!(path, "V{0}H{from}", y(0.0));
         }
-        let _ = if pen[0].is_nan() { write!(path, "M{from} {at}H{to}") } else { write!(path, "V{at}H{to}") };
+        let _ = if pen[0].is_nan() || (is_gap && has_gaps) {
+            write!(path, "M{from} {at}H{to}")
+        } else {
+            write!(path, "V{at}H{to}")
+        };
         pen = [to, at];
     }
     path
@@ -120,12 +138,13 @@ mod tests {
     }
 
     #[test]
-    fn a_path_goes_to_nothing_in_a_pause_and_takes_a_column_once() {
+    fn a_path_goes_to_nothing_or_ends_in_a_pause_and_takes_a_column_once() {
         let same = |v: f64| v;
         let steps = [([0.0, 10.0], 5.0), ([20.0, 30.0], 7.0)];
-        assert_eq!(path(&steps, &same, &same), "M0 5H10V0H20V7H30");
+        assert_eq!(path(&steps, &same, &same, false), "M0 5H10V0H20V7H30");
+        assert_eq!(path(&steps, &same, &same, true), "M0 5H10M20 7H30");
         let dense: Vec<([f64; 2], f64)> =
             (0..1000).map(|n| ([f64::from(n) * 1e-3, f64::from(n + 1) * 1e-3], f64::from(n % 3))).collect();
-        assert!(path(&dense, &same, &same).len() < 60, "{}", path(&dense, &same, &same));
+        assert!(path(&dense, &same, &same, false).len() < 60, "{}", path(&dense, &same, &same, false));
     }
 }

@@ -7,6 +7,7 @@ use arcfeed_units::LengthUnit;
 use super::{Section, escaped};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, MaterialFigures, RuleFigures, TakenFigures, short};
+use crate::report::spindle::SpindleFigures;
 use crate::report::summary::RunSummary;
 
 /// Section with the command's printed summary.
@@ -51,6 +52,15 @@ pub fn material(material: &MaterialFigures, unit: LengthUnit) -> Section {
         );
     }
     Section { heading: "Material".into(), body }
+}
+
+/// Section with the warnings of the spindle's load; `None` without one.
+pub fn spindle(figures: &SpindleFigures) -> Option<Section> {
+    let mut body = String::new();
+    for warning in figures.warnings() {
+        let _ = writeln!(body, "<p class=\"warning\">{}</p>", escaped(&warning));
+    }
+    (!body.is_empty()).then(|| Section { heading: "Spindle".into(), body })
 }
 
 fn row(body: &mut String, name: &str, after: &TakenFigures, before: &TakenFigures) {

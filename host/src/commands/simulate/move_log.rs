@@ -1,0 +1,78 @@
+//! Log of a run: its moves, and the feed and the chip load over time.
+
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{Micros, S_PER_MIN};
+
+/// Relative change that begins another step of a curve.
+const STEP_RATIO: f64 = 2e-3;
+
+/// Log of a run.
+#[derive(Debug, Default)]
+pub struct MoveLog {
+    /// Moves in order of execution.
+    pub moves: Vec<LoggedMove>,
+    /// Feed along the path, mm/min, without rapids.
+    pub feeds: Curve,
+    /// Measured chip load over its target.
+    pub chips: Curve,
+}
+
+/// One move of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoggedMove {
+    /// Blocks executed, up to and including the move's.
+    pub block: u32,
+    /// The move, in the workpiece's coordinates.
+    pub segment: Segment,
+    /// Whether a cut rule governs it.
+    pub is_governed: bool,
+    /// Time of its first millisecond.
+    pub began: Micros,
+    /// Largest feed along the path, mm/min; zero for rapids.
+    pub feed_max_mm_per_min: f64,
+}
+
+/// Quantity over time: steps from, to, and the value between.
+#[derive(Debug, Default)]
+pub struct Curve(Vec<(Micros, Micros, f64)>);
+
+impl MoveLog {
+    /// Processes a millisecond of the run.
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        let (now, control) = (simulation.now(), simulation.control());
+        let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
+        if self.moves.last().is_none_or(|last| (last.block, &last.segment) != (block, segment)) {
+            let is_governed = simulation.rule().is_some();
+            self.moves.push(LoggedMove { block, segment: *segment, is_governed, began: now, feed_max_mm_per_min: 0.0 });
+        }
+        let Some(last) = self.moves.last_mut().filter(|last| last.segment.path != Path::Rapid) else { return };
+        let feed_mm_per_min = control.speed_mm_per_s() * S_PER_MIN;
+        last.feed_max_mm_per_min = last.feed_max_mm_per_min.max(feed_mm_per_min);
+        self.feeds.add(now, feed_mm_per_min);
+        if let Some(ratio) = simulation.meter().last_ratio() {
+            self.chips.add(now, ratio);
+        }
+    }
+}
+
+impl Curve {
+    /// Steps as times in seconds, and values in another unit.
+    pub fn steps(&self, unit: f64) -> Vec<([f64; 2], f64)> {
+        self.0.iter().map(|(from, to, value)| ([from.to_s(), to.to_s()], value / unit)).collect()
+    }
+
+    /// Whether there is no step.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn add(&mut self, now: Micros, value: f64) {
+        let began = Micros(now.0.saturating_sub(arcfeed_hil_sim::simulation::STEP.0));
+        match self.0.last_mut() {
+            Some((_, to, last)) if *to == began && (value - *last).abs() <= STEP_RATIO * last.abs() => *to = now,
+            _ => self.0.push((began, now, value)),
+        }
+    }
+}

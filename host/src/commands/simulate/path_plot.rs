@@ -1,0 +1,44 @@
+//! Path of a run with the measured chip load of each move.
+
+use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{LengthUnit, Nm};
+
+use super::move_log::{LoggedMove, MoveLog};
+use crate::report::page::load_plot::{LoadPlot, PlotBlock};
+
+/// Largest angle between two points of an arc.
+const POINT_RAD: f64 = 0.05;
+
+/// Moves that cut, seen along Z, each with its largest measured chip over the target.
+pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
+    let block = |logged: &LoggedMove| {
+        let LoggedMove { block, segment, is_governed, .. } = logged;
+        // A piece of an arc belongs to the move that its first piece began.
+        let before = chips.partition_point(|chips| chips.block <= *block);
+        let own = before.checked_sub(1).and_then(|index| chips.get(index)).filter(|_| *is_governed);
+        let measured = own.filter(|chips| chips.any_contact.samples > 0);
+        PlotBlock {
+            name: segment.sequence.map_or_else(|| format!("block {block}"), |n| format!("N{n}")),
+            verdict: None,
+            chip_ratio: measured.map(|chips| chips.any_contact.max_ratio),
+            lines: vec![points(segment).into_iter().map(|point| point.map(|mm| mm / unit.mm())).collect()],
+        }
+    };
+    let cutting = log.moves.iter().filter(|logged| logged.segment.path != Path::Rapid);
+    LoadPlot { blocks: cutting.map(block).collect(), has_vibration: false }
+}
+
+/// X and Y of a move, mm.
+fn points(segment: &Segment) -> Vec<[f64; 2]> {
+    let at = |[x, y, _]: [Nm; 3]| [x, y].map(Nm::to_mm);
+    let ends = [at(segment.start.linear), at(segment.end.linear)];
+    let Some(arc) = segment.arc().filter(|arc| arc.plane.axes() == (0, 1, 2)) else { return ends.into() };
+    let steps = (arc.sweep_rad() / POINT_RAD).ceil().max(1.0) as usize;
+    let (angles, [x, y], radius_mm) = (arc.angles(), arc.center.map(Nm::to_mm), arc.radius_mm());
+    let point = |step: usize| {
+        let [cos, sin] = angles.direction_at(step as f64 / steps as f64);
+        [x + radius_mm * cos, y + radius_mm * sin]
+    };
+    (0..=steps).map(point).collect()
+}

@@ -1,0 +1,34 @@
+//! Limits of the spindle in `[spindle]`.
+
+use toml::Spanned;
+
+use super::schema::JobTable;
+use super::{Complaint, at};
+use crate::unit_value::{POWER, TORQUE, with_unit};
+
+/// Largest loads of the spindle, as far as the job names them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpindleLimits {
+    /// Power, W.
+    pub power_w: Option<f64>,
+    /// Torque, N m.
+    pub torque_n_m: Option<f64>,
+}
+
+/// Checks the limits of the first tool's spindle.
+pub fn build(job: &JobTable) -> Result<SpindleLimits, Complaint> {
+    let own = job.tool.0.first().and_then(|tool| tool.spindle.as_ref());
+    let Some(table) = own.or(job.spindle.as_ref()) else { return Ok(SpindleLimits::default()) };
+    Ok(SpindleLimits {
+        power_w: limit(table.max_power.as_ref(), POWER, "max_power is a power such as \"11 kW\" or \"750 W\"")?,
+        torque_n_m: limit(table.max_torque.as_ref(), TORQUE, "max_torque is a torque such as \"40 Nm\"")?,
+    })
+}
+
+fn limit(given: Option<&Spanned<String>>, units: &[(&str, f64)], needs: &str) -> Result<Option<f64>, Complaint> {
+    let Some(given) = given else { return Ok(None) };
+    match with_unit(given.as_ref(), units).filter(|value| *value > 0.0) {
+        Some(value) => Ok(Some(value)),
+        None => Err(at(given, needs)),
+    }
+}

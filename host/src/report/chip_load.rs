@@ -1,0 +1,92 @@
+//! Measured chip load: figures (JSON of docs/json.md) of a run, of each tool and of each cut rule.
+
+use arcfeed_model::report::{ChipFigures, ExcludedSamples};
+use arcfeed_units::LengthUnit;
+use serde::Serialize;
+
+/// Measured feed per tooth or chip thickness of the moves that a cut rule matches.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChipLoadFigures {
+    /// Target; null if the moves have several.
+    pub target: Option<f64>,
+    /// Least measured; null with several targets.
+    pub min: Option<f64>,
+    /// Largest measured; null with several targets.
+    pub max: Option<f64>,
+    /// Root mean square of (measured - target) / target.
+    pub rms_error_ratio: f64,
+    /// Least of (measured - target) / target.
+    pub error_ratio_min: f64,
+    /// Largest of (measured - target) / target.
+    pub error_ratio_max: f64,
+    /// Largest of it over all samples in the cut, including those left out below.
+    pub error_ratio_max_all: f64,
+    /// Samples measured at steady feed.
+    pub samples: u64,
+    /// Steady samples more than 2 % below the target.
+    pub samples_thin: u64,
+    /// Samples that are not steady.
+    pub samples_left_out: u64,
+    /// Samples that are not steady, by cause.
+    pub left_out: LeftOutSamples,
+}
+
+/// Samples that are not steady, by cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOutSamples {
+    /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
+    pub not_steady: u64,
+    /// The block ended within the tooth's cut.
+    pub block_end: u64,
+    /// No admissible contact with the stock.
+    pub no_contact: u64,
+}
+
+/// All moves that the cut rules of one tool match.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ToolFigures {
+    /// T number, if the job or the program gives one.
+    pub tool: Option<i64>,
+    /// Measured chip load.
+    pub chip_load: Option<ChipLoadFigures>,
+    /// Measured chip load of the original program.
+    pub baseline_chip_load: Option<ChipLoadFigures>,
+}
+
+/// Samples of several moves together.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ChipSamples {
+    /// Steady samples.
+    pub steady: ChipFigures,
+    /// All samples.
+    pub all: ChipFigures,
+    /// Samples that are not steady.
+    pub left_out: ExcludedSamples,
+}
+
+impl ChipLoadFigures {
+    /// Figures of the measured samples; `None` if there are none.
+    pub fn new(samples: &ChipSamples, target_mm: Option<f64>, unit: LengthUnit) -> Option<Self> {
+        let ChipSamples { steady, all, left_out } = samples;
+        let (error_ratio_min, error_ratio_max) = steady.error_ratio_range()?;
+        let target = target_mm.map(|mm| mm / unit.mm());
+        let times = |ratio: f64| target.map(|target| target * ratio);
+        Some(ChipLoadFigures {
+            target,
+            min: times(steady.min_ratio),
+            max: times(steady.max_ratio),
+            rms_error_ratio: steady.rms_error_ratio()?,
+            error_ratio_min,
+            error_ratio_max,
+            error_ratio_max_all: all.error_ratio_range()?.1,
+            samples: steady.samples,
+            samples_thin: steady.thin,
+            samples_left_out: left_out.total(),
+            left_out: LeftOutSamples {
+                not_steady: left_out.not_steady,
+                block_end: left_out.block_end,
+                no_contact: left_out.no_contact,
+            },
+        })
+    }
+}
