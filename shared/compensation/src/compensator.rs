@@ -269,7 +269,7 @@ impl Compensator {
         let start = put_corner(&segment, plane, &held.centers, moves);
         let main = match offset_segment(&segment, plane, start, *end) {
             _ if held.is_start_up => straight(&segment, plane, start, *end),
-            main => main.map_err(|alarm| held_fault(alarm))?,
+            main => main.map_err(held_fault)?,
         };
         put(moves, CenterMove::Main(main));
         self.vector = subtract(*end, corner);
@@ -292,7 +292,7 @@ impl HeldMove {
 /// Checks that the tool fits an arc.
 fn check_fit(given: &ContourMove, element: &Element) -> Result<(), CompensationFault> {
     let alarm = match element.radii_mm(given.offset.to_mm()) {
-        Some((radius_mm, _)) if radius_mm == 0.0 => Alarm::ArcEndInCenter,
+        Some((0.0, _)) => Alarm::ArcEndInCenter,
         Some((_, offset_radius_mm)) if offset_radius_mm < -ROUNDING_MM => Alarm::Interference,
         Some(_) | None => return Ok(()),
     };
