@@ -55,7 +55,9 @@ fn main() {
 /// Prints rs274's moves of one program, one per line: kind, end, centre.
 fn print_moves(rs274: &str, program: &str) {
     let text = normalised(&std::fs::read(program).expect("a program"));
-    for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in moving(&theirs(rs274, &text, 0.0).expect("it is accepted")) {
+    for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in
+        moving(&theirs(rs274, &text, 0.0).expect("it is accepted"))
+    {
         println!("{kind} {x:.4} {y:.4} {z:.4} {u:.4} {v:.4}");
     }
 }
@@ -64,7 +66,7 @@ fn print_moves(rs274: &str, program: &str) {
 fn write_contours(rs274: &str, count: usize, folder: &Path) {
     let (mut programs, mut expected, mut written) = (String::new(), String::new(), 0);
     let mut refused = [0_usize; 3];
-    for seed in 0.. {
+    for seed in 0..4 * count as u64 {
         if written == count {
             break;
         }
@@ -77,7 +79,7 @@ fn write_contours(rs274: &str, count: usize, folder: &Path) {
             refused[usize::from(theirs.is_err()) + 2 * usize::from(ours.is_err()) - 1] += 1;
             match (&theirs, &ours) {
                 (Err(reason), Ok(_)) => println!("seed {seed}: rs274 alone refuses: {reason}"),
-                (Ok(_), Err(found)) => println!("seed {seed}: arcfeed alone refuses: {found:?}"),
+                (Ok(_), Err(found)) => println!("seed {seed}: arcfeed alone refuses: {found:?}\n{with_tool}"),
                 _ => {}
             }
             continue;
@@ -92,7 +94,7 @@ fn write_contours(rs274: &str, count: usize, folder: &Path) {
     std::fs::write(folder.join("program.nc"), programs).expect("the folder can be written");
     std::fs::write(folder.join("expected.txt"), expected).expect("the folder can be written");
     let [by_rs274, by_arcfeed, by_both] = refused;
-    println!("{count} contours; refused by rs274 alone {by_rs274}, by arcfeed alone {by_arcfeed}, by both {by_both}");
+    println!("{written} contours; refused by rs274 alone {by_rs274}, by arcfeed alone {by_arcfeed}, by both {by_both}");
 }
 
 fn programs(target: &Path) -> Vec<PathBuf> {
@@ -137,7 +139,8 @@ fn theirs(rs274: &str, text: &[u8], radius_mm: f64) -> Result<Vec<Move>, String>
     let folder = std::env::temp_dir().join(format!("rs274-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("p.ngc"), text).expect("a program");
-    let tools: String = (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D{}\n", 2.0 * radius_mm / MM_PER_INCH)).collect();
+    let tools: String =
+        (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D{}\n", 2.0 * radius_mm / MM_PER_INCH)).collect();
     std::fs::write(folder.join("t.tbl"), tools).expect("a table");
     std::fs::write(folder.join("v.var"), "").expect("variables");
     let arguments = ["20", rs274, "-t", "t.tbl", "-v", "v.var", "-g", "p.ngc"];

@@ -53,10 +53,3 @@ pub fn compensated(text: &str, start_up: StartUp) -> Result<Compensated, Contour
     }
     Ok(moves)
 }
-
-/// The segment of a move of the tool centre.
-pub fn segment_of(center_move: &CenterMove) -> &Segment {
-    match center_move {
-        CenterMove::Corner(segment) | CenterMove::Main(segment) => segment,
-    }
-}
