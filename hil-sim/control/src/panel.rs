@@ -122,6 +122,7 @@ impl Control {
             }
             Phase::Resetting if self.interpolator.is_at_rest() => {
                 self.interpolator.clear();
+                self.contour_queue.clear();
                 self.dwell_left = Micros(0);
                 self.after_move = None;
                 self.cycle_run = None;

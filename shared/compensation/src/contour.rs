@@ -25,6 +25,8 @@ pub struct ContourCommand {
     pub refusal: Option<Fault>,
     /// Reason why the block cannot stand between the moves of a contour.
     pub break_of_contour: Option<Fault>,
+    /// Whether moves were offset before the block, if the reader of the block has noted it.
+    pub continues: bool,
     /// Whether the control reads no further block before it has executed this one.
     pub stops_reading: bool,
     /// Whether the block has words: a comment is no block for the control's reading ahead.
@@ -38,6 +40,7 @@ impl Default for ContourCommand {
             offset: Nm(0),
             refusal: None,
             break_of_contour: None,
+            continues: false,
             stops_reading: false,
             has_words: false,
         }
@@ -52,6 +55,7 @@ impl ContourCommand {
             offset: offset(modal, tables),
             refusal: refusal(line, modal),
             break_of_contour: break_of_contour(line),
+            continues: false,
             stops_reading: line.step.stop.is_some(),
             has_words: !line.parsed.block.words.is_empty(),
         }

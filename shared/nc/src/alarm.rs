@@ -112,6 +112,8 @@ pub enum NotModelled {
     InContour(u16),
     /// A corner of a contour that the control has not read in time.
     UnreadCorner,
+    /// A restart at a block within a contour.
+    RestartInContour,
     /// More words in a block than [`crate::block::WORDS_MAX`].
     LongBlock,
 }
@@ -179,6 +181,7 @@ impl fmt::Display for NotModelled {
                 "a corner under G41 or G42 behind more blocks without a move in the plane, or a stop, than the control \
                  reads across (it would cut too much or too little there)",
             ),
+            NotModelled::RestartInContour => f.write_str("a restart within a contour under G41 or G42"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }

@@ -147,6 +147,11 @@ impl Modal {
         }
     }
 
+    /// Whether moves are offset: G41 or G42 with a move in the plane since.
+    pub fn is_in_contour(&self) -> bool {
+        self.compensation.is_some() && !self.starts_up
+    }
+
     /// Tool and spindle as commanded so far.
     pub fn machining(&self) -> Machining {
         self.machining_state.with_speed(self.spindle)
