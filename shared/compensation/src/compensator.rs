@@ -105,6 +105,11 @@ impl Compensator {
         self.held.is_some() || self.vector != NONE
     }
 
+    /// Move that waits for the next one.
+    pub fn held(&self) -> Option<&ContourMove> {
+        self.held.as_ref().map(|held| &held.programmed)
+    }
+
     /// Discards the held move and the offset.
     pub fn reset(&mut self) {
         *self = Compensator::new(self.settings);
