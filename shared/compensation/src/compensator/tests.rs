@@ -259,3 +259,53 @@ fn without_an_offset_every_move_stays_as_it_is() {
         assert_eq!(moves[..], wanted[..], "{text}");
     }
 }
+
+const WORDS: [&str; 34] = [
+    "G0", "G1", "G1", "G2", "G3", "G40", "G41", "G42", "D1", "D2", "D3", "D4", "D0", "X0", "X1.", "X5.", "X-7.5",
+    "X20.", "Y0", "Y2.", "Y-3.", "Y12.", "Z1.", "I1.", "I-5.", "J3.", "J-2.", "R4.", "R-9.", "M8", "M0", "G4P1", "G91",
+    "G90",
+];
+
+#[test]
+fn random_blocks_come_out_once_each_in_order_and_without_a_jump() {
+    let (mut seed, mut corners, mut faults, mut compensated) = (1_u32, 0, 0, 0);
+    let mut next = |below: usize| {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 16) as usize % below
+    };
+    for start_up in [StartUp::A, StartUp::B].repeat(5_000) {
+        let (mut reader, mut compensator) = reader_and_compensator(start_up, 3 + next(3) as u8);
+        let (mut given, mut out, mut position) = (0, 0, None);
+        for _ in 0..30 {
+            let text: String = (0..1 + next(4)).map(|_| WORDS[next(WORDS.len())]).collect();
+            let Ok(line) = reader.read(format!("{text}F1.").as_bytes()) else { break };
+            let command = ContourCommand::of(&line, reader.modal(), reader.tables());
+            let moves = match command.apply(line.segment.as_ref(), &mut compensator) {
+                Ok(moves) => moves,
+                Err(_) => {
+                    faults += 1;
+                    compensator.reset();
+                    break;
+                }
+            };
+            given += usize::from(line.segment.is_some());
+            compensated += usize::from(command.offset != Nm(0) && line.segment.is_some());
+            for center_move in moves {
+                let (CenterMove::Corner(segment) | CenterMove::Main(segment)) = center_move;
+                assert!(position.is_none_or(|position| position == segment.start), "{text}");
+                position = Some(segment.end);
+                match center_move {
+                    CenterMove::Corner(_) => corners += 1,
+                    CenterMove::Main(_) => out += 1,
+                }
+            }
+            let waiting = compensator.waiting.len() + usize::from(compensator.held().is_some());
+            assert_eq!(out + waiting, given, "{text}");
+        }
+        let waiting = compensator.waiting.len() + usize::from(compensator.held().is_some());
+        if let Ok(rest) = compensator.end_held() {
+            assert_eq!(rest.iter().filter(|moved| matches!(moved, CenterMove::Main(_))).count(), waiting);
+        }
+    }
+    assert!(corners > 100 && faults > 500 && compensated > 5_000, "{corners} {faults} {compensated}");
+}
