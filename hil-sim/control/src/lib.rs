@@ -373,8 +373,7 @@ impl Control {
             self.stop_with(AlarmRecord { line: block.line, fault });
             return false;
         }
-        if let Action::Corner(_) = block.action {
-            self.has_moved = true;
+        if matches!(block.action, Action::Corner(_)) {
             return true;
         }
         self.blocks_begun += 1;
@@ -401,17 +400,6 @@ impl Control {
             Action::Nothing | Action::Auxiliary | Action::Corner(_) | Action::Fault(_) => {}
         }
         false
-    }
-
-    fn apply_stop(&mut self, stop: ProgramStop, now: Micros) {
-        self.reads_no_further = false;
-        self.drive_state.end(stop);
-        match stop {
-            ProgramStop::Optional if !self.switches.optional_stop => {}
-            ProgramStop::Program | ProgramStop::Optional => self.phase = Phase::Stopped { since: now },
-            ProgramStop::End => self.ended = true,
-        }
-        self.halts_after &= self.phase == Phase::Running;
     }
 }
 

@@ -151,8 +151,13 @@ impl Expansion<'_> {
             ..macros::MacroSettings::default()
         };
         let mut reader = Reader::with(self.settings, self.tables).at_unknown_position();
-        let mut found = Findings { lines, folder: folder.as_ref(), reported: BTreeSet::new(), list: Vec::new() };
-        let mut contours = ContourCheck::new(&self.settings);
+        let mut found = Findings {
+            lines,
+            folder: folder.as_ref(),
+            contours: ContourCheck::new(&self.settings),
+            reported: BTreeSet::new(),
+            list: Vec::new(),
+        };
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
         let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, MoveCounts::default(), Vec::new());
@@ -169,14 +174,10 @@ impl Expansion<'_> {
                 Ok(macros::MacroStep::Block(block)) => {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
-                    let place = in_main(block.place, &block.calls).line as usize;
-                    found.add_contour(match &understood {
-                        Some(understood) => contours.add(understood, &reader, place),
-                        None => contours.stop(),
-                    });
                     understood.iter().for_each(|block| moves.add(block));
                     if let Some(understood) = understood.as_ref().filter(|_| self.keeps_moves) {
-                        run.extend(MoveTrace::of_block(place, understood, &reader));
+                        let line = in_main(block.place, &block.calls).line as usize;
+                        run.extend(MoveTrace::of_block(line, understood, &reader));
                     }
                     if understood.is_some_and(|block| block.step.sets_data) {
                         interpreter.set_tables(reader.tables());
@@ -200,7 +201,8 @@ impl Expansion<'_> {
                 }
             }
         }
-        found.add_contour(contours.stop());
+        let last = found.contours.stop();
+        found.add_contour(last);
         (found.list, moves, run)
     }
 }
@@ -219,14 +221,18 @@ fn context(reader: &Reader, now: Micros) -> Context {
 struct Findings<'a> {
     lines: &'a [ProgramLine],
     folder: Option<&'a Folder>,
+    contours: ContourCheck<usize>,
     reported: BTreeSet<(Option<u32>, u32, u16)>,
     list: Vec<Diagnostic>,
 }
 
 impl Findings<'_> {
     fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<InterpretedLine> {
+        let line = in_main(block.place, &block.calls).line as usize;
         match reader.read(&block.text) {
             Ok(understood) => {
+                let of_contour = self.contours.add(&understood, reader, line);
+                self.add_contour(of_contour);
                 if understood.lacks_feed() && self.is_new(0, block.place) {
                     let text = self.text(block.place);
                     self.list.push(Diagnostic::of_missing_feed(block.place.line as usize, &text, reading));
@@ -234,6 +240,8 @@ impl Findings<'_> {
                 Some(understood)
             }
             Err(fault) => {
+                let of_contour = self.contours.stop();
+                self.add_contour(of_contour);
                 self.add(block.in_source(fault), block.place, &block.calls, b"");
                 None
             }

@@ -20,7 +20,7 @@ pub struct Element {
 pub struct ArcElement {
     pub center: Point,
     /// +1 counter-clockwise, -1 clockwise.
-    pub sign: f64,
+    pub sign: i8,
     /// Angle from start to end in the sense of the arc, in (0, 2 pi].
     pub sweep_rad: f64,
 }
@@ -47,7 +47,7 @@ impl Element {
         let (from, to) = (in_plane(&segment.start, plane), in_plane(&segment.end, plane));
         let arc = match &segment.path {
             Path::Arc(arc) if arc.plane == plane => {
-                Some(ArcElement { center: arc.center, sign: f64::from(arc.turn.sign()), sweep_rad: arc.sweep_rad() })
+                Some(ArcElement { center: arc.center, sign: arc.turn.sign(), sweep_rad: arc.sweep_rad() })
             }
             Path::Arc(_) | Path::Rapid | Path::Line => None,
         };
@@ -69,8 +69,8 @@ impl Element {
             return Branch { tangent: unit(between(self.from, self.to)), circle: None };
         };
         let center = between(point, arc.center);
-        let tangent = scaled(to_left(unit(center)), -arc.sign);
-        Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - arc.sign * offset_mm }) }
+        let tangent = scaled(to_left(unit(center)), -f64::from(arc.sign));
+        Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - f64::from(arc.sign) * offset_mm }) }
     }
 
     /// Radius of the arc at its smaller end, and of its offset path there; `None` for a line.
@@ -78,7 +78,7 @@ impl Element {
         let arc = self.arc.as_ref()?;
         let [start, end] = [self.from, self.to].map(|point| length(between(point, arc.center)));
         let radius = start.min(end);
-        Some((radius, radius - arc.sign * offset_mm))
+        Some((radius, radius - f64::from(arc.sign) * offset_mm))
     }
 
     /// Vector of the offset at the start, at a right angle to the path.

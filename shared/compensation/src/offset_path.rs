@@ -70,6 +70,6 @@ fn along_arc(segment: &Segment, plane: Plane, arc: &ArcElement, [from, to]: [Poi
 impl ArcElement {
     /// Angle between two directions from the centre, in the sense of the arc, in (-pi, pi].
     fn turned_rad(&self, from: Vector, to: Vector) -> f64 {
-        self.sign * libm::atan2(cross(from, to), dot(from, to))
+        f64::from(self.sign) * libm::atan2(cross(from, to), dot(from, to))
     }
 }

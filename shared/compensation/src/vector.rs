@@ -16,8 +16,8 @@ pub fn minus([ax, ay]: Vector, [bx, by]: Vector) -> Vector {
     [ax - bx, ay - by]
 }
 
-pub fn scaled([x, y]: Vector, by: f64) -> Vector {
-    [x * by, y * by]
+pub fn scaled([x, y]: Vector, by_ratio: f64) -> Vector {
+    [x * by_ratio, y * by_ratio]
 }
 
 pub fn dot([ax, ay]: Vector, [bx, by]: Vector) -> f64 {

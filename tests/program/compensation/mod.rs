@@ -3,6 +3,8 @@
 
 mod clearance;
 
+mod cli;
+
 mod geometry;
 
 mod impossible;
