@@ -151,13 +151,7 @@ impl Expansion<'_> {
             ..macros::MacroSettings::default()
         };
         let mut reader = Reader::with(self.settings, self.tables).at_unknown_position();
-        let mut found = Findings {
-            lines,
-            folder: folder.as_ref(),
-            contours: ContourCheck::new(&self.settings),
-            reported: BTreeSet::new(),
-            list: Vec::new(),
-        };
+        let mut found = Findings::new(lines, folder.as_ref(), &self.settings);
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
         let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, MoveCounts::default(), Vec::new());
@@ -201,8 +195,7 @@ impl Expansion<'_> {
                 }
             }
         }
-        let last = found.contours.stop();
-        found.add_contour(last);
+        found.stop_contour();
         (found.list, moves, run)
     }
 }
@@ -226,7 +219,12 @@ struct Findings<'a> {
     list: Vec<Diagnostic>,
 }
 
-impl Findings<'_> {
+impl<'a> Findings<'a> {
+    fn new(lines: &'a [ProgramLine], folder: Option<&'a Folder>, settings: &Settings) -> Self {
+        let (contours, reported) = (ContourCheck::new(settings), BTreeSet::new());
+        Findings { lines, folder, contours, reported, list: Vec::new() }
+    }
+
     fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<InterpretedLine> {
         let line = in_main(block.place, &block.calls).line as usize;
         match reader.read(&block.text) {
@@ -240,12 +238,16 @@ impl Findings<'_> {
                 Some(understood)
             }
             Err(fault) => {
-                let of_contour = self.contours.stop();
-                self.add_contour(of_contour);
+                self.stop_contour();
                 self.add(block.in_source(fault), block.place, &block.calls, b"");
                 None
             }
         }
+    }
+
+    fn stop_contour(&mut self) {
+        let of_contour = self.contours.stop();
+        self.add_contour(of_contour);
     }
 
     /// Adds a finding in a contour, at its line in the main program's file.
