@@ -86,7 +86,7 @@ fn the_switches_are_flags() {
 fn a_contour_is_offset_by_the_radius_of_the_settings_and_stops_where_the_tool_does_not_fit() {
     let run = |radius: &str, moves: &str| {
         let scratch = Scratch::new(&format!("contour-{radius}-{}", moves.len()));
-        let settings = scratch.write("machine.toml", &format!("unit = 'mm'\n[radius]\n1 = {radius}\n"));
+        let settings = scratch.write("machine.toml", format!("unit = 'mm'\n[radius]\n1 = {radius}\n"));
         let (server, mut line) = serve(&scratch, &["--settings", &settings]);
         send(&mut line, format!("%\nG0X-10.Y0\n{moves}M30\n%\n").as_bytes());
         (server.end(), executed(&scratch).len())
