@@ -8,6 +8,8 @@ mod move_trace;
 
 mod lines;
 
+mod contour_check;
+
 mod summary;
 
 mod expansion;

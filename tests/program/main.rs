@@ -6,6 +6,8 @@ mod arcs;
 
 mod cli_check;
 
+mod compensation;
+
 mod cycles;
 
 mod fuzz;
