@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use arcfeed_compensation::compensator::{CenterMove, CenterMoves, CompensationFault, Compensator};
 use arcfeed_compensation::contour::ContourCommand;
 use arcfeed_nc::alarm::Fault;
+use arcfeed_nc::series::Series;
 
 use super::action::{Action, ReadBlock};
 use super::settings::ControlSettings;
@@ -48,9 +49,24 @@ impl ContourQueue {
                 ready
             }
             result => {
-                self.waiting.push_back(block);
+                let action = self.beside(block.action, &command);
+                self.waiting.push_back(ReadBlock { action, ..block });
                 self.release(result)
             }
+        }
+    }
+
+    /// A return to a reference point that begins beside the contour.
+    fn beside(&self, action: Action, command: &ContourCommand) -> Action {
+        match action {
+            Action::Series(series, stop) => match *series {
+                Series::Reference(way) => {
+                    let way = way.map(|pose| self.compensator.center(pose, command.plane));
+                    Action::Series(Box::new(Series::Reference(way)), stop)
+                }
+                Series::Drill(_) => Action::Series(series, stop),
+            },
+            action => action,
         }
     }
 

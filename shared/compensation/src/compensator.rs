@@ -19,7 +19,7 @@
 //! Output is in order: each move that went in comes out once, after the moves around the corner at its beginning.
 
 use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
-use arcfeed_nc::motion::Plane;
+use arcfeed_nc::motion::{Plane, Pose};
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc::settings::{COMPENSATION_BLOCKS_MAX, CompensationSettings, StartUp};
 use arcfeed_units::Nm;
@@ -27,7 +27,7 @@ use arcfeed_units::Nm;
 use crate::corner::{CornerPoints, POINTS_MAX, corner, is_outside, is_small, one};
 use crate::element::Element;
 use crate::offset_path::{ROUNDING_MM, around_corner, beside, offset_segment, straight};
-use crate::vector::{Point, add, at, between, minus, subtract};
+use crate::vector::{Point, add, at, between, in_plane, minus, subtract, with_point};
 
 /// Most moves without travel in the plane that wait behind a held one.
 const WAITING_MAX: usize = COMPENSATION_BLOCKS_MAX as usize;
@@ -108,6 +108,11 @@ impl Compensator {
     /// Move that waits for the next one.
     pub fn held(&self) -> Option<&ContourMove> {
         self.held.as_ref().map(|held| &held.programmed)
+    }
+
+    /// The tool centre for a programmed position, with the present offset.
+    pub fn center(&self, position: Pose, plane: Plane) -> Pose {
+        with_point(position, plane, add(in_plane(&position, plane), self.vector))
     }
 
     /// Discards the held move and the offset.

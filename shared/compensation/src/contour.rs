@@ -5,14 +5,16 @@
 
 use arcfeed_nc::alarm::{Fault, NotModelled};
 use arcfeed_nc::block::Block;
-use arcfeed_nc::modal::{CompensationSide, Feed, Modal};
+use arcfeed_nc::modal::{CompensationSide, Feed, Modal, Step};
 use arcfeed_nc::motion::Plane;
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::Segment;
+use arcfeed_nc::series::Series;
 use arcfeed_nc::settings::Tables;
 use arcfeed_units::Nm;
 
 use crate::compensator::{CenterMoves, CompensationFault, Compensator, ContourMove};
+use crate::vector::in_plane;
 
 /// Compensation commanded by a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +115,9 @@ fn refusal(line: &InterpretedLine, modal: &Modal) -> Option<Fault> {
     let (step, block) = (&line.step, &line.parsed.block);
     let within = |code, column| Some(Fault::not_modelled(NotModelled::InContour(code), column));
     if let Some(NotModelled::GCode(code)) = step.beyond_plain {
-        return within(code, 0);
+        // After G40 the tool may go up beside the contour before it goes back.
+        let goes_up = modal.compensation.is_none() && stays_in_plane(step, modal.plane);
+        return if goes_up { None } else { within(code, 0) };
     }
     let is_timed = step.motion.is_some_and(|motion| matches!(motion.feed, Feed::InverseTime(_)));
     let vector = block.words.iter().find(|word| matches!(word.letter, b'I' | b'J' | b'K'));
@@ -124,6 +128,18 @@ fn refusal(line: &InterpretedLine, modal: &Modal) -> Option<Fault> {
             code_of(block, |code| matches!(code, 400 | 410 | 420)).and_then(|(code, _)| within(code, vector.column))
         }
         None => None,
+    }
+}
+
+/// Whether a return to a reference point, or a move in machine coordinates, does not travel in the plane.
+fn stays_in_plane(step: &Step, plane: Plane) -> bool {
+    match (&step.motion, &step.series) {
+        (Some(motion), _) => in_plane(&motion.start, plane) == in_plane(&motion.end, plane),
+        (None, Some(Series::Reference([start, between, end]))) => {
+            let point = in_plane(start, plane);
+            in_plane(between, plane) == point && in_plane(end, plane) == point
+        }
+        (None, _) => false,
     }
 }
 

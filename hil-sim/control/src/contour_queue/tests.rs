@@ -143,6 +143,14 @@ fn functions_and_other_axes_keep_their_place_between_the_moves() {
 }
 
 #[test]
+fn after_g40_the_tool_goes_up_beside_the_contour_and_back_with_the_next_move_in_the_plane() {
+    for up in ["G91G28Z0\nG90", "G53Z0", "G0Z0"] {
+        let found = ends(&format!("G0X-10.\nG41D1G1X0F6000\nX20.Z-5.\nG40\n{up}\nG0X30.\nM30\n"));
+        assert_eq!(found[2..], [[20.0, 2.0], [20.0, 2.0], [30.0, 0.0]], "{up}");
+    }
+}
+
+#[test]
 fn a_program_without_an_end_executes_its_last_move() {
     let mut control = control("G0X-10.\nG41D1G1X0F6000\nX20.\n", Switches::default());
     moves(&mut control);
