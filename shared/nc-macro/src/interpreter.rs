@@ -1,6 +1,7 @@
 //! Interpreter of macro programs: executes statements and returns the next action of the control.
 
 use alloc::boxed::Box;
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::arguments::{Letters, locals};
@@ -8,10 +9,10 @@ use super::calls::{Continuation, SEQUENCE_MAX, macro_call, split_call};
 use super::code::{CodeCursor, Head, MacroCode};
 use super::expression::{Evaluator, whole};
 use super::print;
-use super::program::{File, Library, ProgramLine};
+use super::program::{File, Library, ProgramLine, needs_interpreter};
 use super::stack::{Call, ModalCallTiming, SourceLine, Stack};
 use super::step::{Ending, MacroSettings, MacroStep, PlainBlock, ProgramFault};
-use super::variables::{Context, Effect, Variables};
+use super::variables::{Context, Effect, OutsideValues, Variables};
 use super::words::{self, MacroWord, spell_block};
 use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::macro_alarm::MacroAlarm;
@@ -38,10 +39,12 @@ impl Interpreter {
     /// An interpreter at the start of the first program in `text`. In DNC operation [`Interpreter::feed`] supplies the
     /// text.
     pub fn new(text: &[u8], library: Box<dyn Library>, settings: MacroSettings, context: &Context) -> Self {
+        let mut variables = Variables::new(*context);
+        variables.outside = settings.outside;
         Interpreter {
             settings,
             stack: Stack::new(File::new(text), library),
-            variables: Variables::new(*context),
+            variables,
             then: Continuation::GoOn,
             index: 0,
             place: SourceLine::default(),
@@ -93,10 +96,20 @@ impl Interpreter {
         &mut self.variables
     }
 
+    /// The line executed last, and the lines from which the running programs were called.
+    pub fn place(&self) -> (SourceLine, Vec<SourceLine>) {
+        (self.place, self.stack.calls())
+    }
+
+    /// Number of executions of each called program, by O number.
+    pub fn executions(&self) -> &BTreeMap<u32, u32> {
+        self.stack.executions()
+    }
+
     /// Ends the program with a fault of the line executed last.
     pub fn stop(&mut self, fault: Fault) -> ProgramFault {
         self.then = Continuation::End(Ending::Program);
-        let (place, calls) = (self.place, self.stack.calls());
+        let (place, calls) = self.place();
         ProgramFault { fault, place, calls, message: core::mem::take(&mut self.message) }
     }
 
@@ -167,6 +180,9 @@ impl Interpreter {
         let mut cursor = code.cursor();
         let head = Head::read(&mut cursor);
         let is_off = |switch: u32| self.settings.block_delete.checked_shr(switch).unwrap_or(0) & 1 == 0;
+        if head.delete.is_some() && self.settings.outside != OutsideValues::Assumed {
+            return Err(Fault::not_modelled(NotModelled::SwitchedStatement, 1));
+        }
         if line.text.is_empty() || !head.delete.is_none_or(is_off) {
             return Ok(None);
         }
@@ -228,7 +244,12 @@ impl Interpreter {
             Effect::Kept => Ok(None),
             Effect::Stop => Ok(Some(MacroStep::Message(code.comment.clone()))),
             Effect::Ignore => Ok(Some(MacroStep::Ignore(self.variables.ignored))),
-            Effect::Offset => Ok(Some(MacroStep::Offset)),
+            Effect::Offset if self.settings.outside == OutsideValues::Assumed => Ok(Some(MacroStep::Offset)),
+            Effect::Offset if needs_interpreter(code.bytes()) => {
+                Err(Fault::not_modelled(NotModelled::OffsetStatement(number), column))
+            }
+            // The external origin is zero anyhow; the statement remains a block.
+            Effect::Offset => Ok(Some(self.emit(code.bytes().to_vec(), Vec::new(), code))),
             Effect::Alarm(alarm) => {
                 self.message.clone_from(&code.comment);
                 Err(Fault::in_macro(MacroAlarm::User(alarm), column))

@@ -95,6 +95,12 @@ pub enum NotModelled {
     Macro,
     /// A system variable of the control whose value is not known here.
     Variable(u32),
+    /// A variable whose value at this place only the control knows.
+    OutsideValue(u32),
+    /// An offset set by a macro statement.
+    OffsetStatement(u32),
+    /// A `/` in a program with macro statements or calls.
+    SwitchedStatement,
     /// An arc that also turns a rotary axis.
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
@@ -154,6 +160,14 @@ impl fmt::Display for NotModelled {
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
             NotModelled::Variable(number) => write!(f, "#{number}"),
+            NotModelled::OutsideValue(number) => write!(
+                f,
+                "#{number}, whose value here only the control knows (assign it before it is read; offsets: give a settings file)"
+            ),
+            NotModelled::OffsetStatement(number) => write!(f, "an offset set by #{number} (write G10)"),
+            NotModelled::SwitchedStatement => {
+                f.write_str("a / in a program with macro statements or calls (remove it, or the block)")
+            }
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),

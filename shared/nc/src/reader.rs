@@ -91,6 +91,11 @@ impl Reader {
         self.modal.machine(&self.tables)
     }
 
+    /// Whether the lines read so far have stated where the tool is in X and Y, and none that could not be read has moved it.
+    pub fn is_position_known(&self) -> bool {
+        self.unstated == [false; 2] && self.lost == [false; 3]
+    }
+
     /// Resets the modal state to that of power-on; offsets and axis positions stay.
     pub fn restart(&mut self) {
         let position = self.modal.position;
