@@ -10,12 +10,22 @@ mod lines;
 
 mod summary;
 
+mod library;
+
+mod run_faults;
+
 mod expansion;
+
+mod executed_places;
 
 mod source;
 
+mod expanded;
+
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_nc::block::{LineKind, Notice, NoticeKind, Reading};
@@ -29,7 +39,9 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
-pub use expansion::{Expansion, Folder, RunBounds};
+pub use executed_places::ExecutedPlaces;
+pub use expansion::{Expansion, RunBounds};
+pub use library::Folder;
 use lines::LineReader;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
@@ -51,6 +63,10 @@ pub struct Program {
     pub macro_line: Option<usize>,
     /// State of the control before the first line.
     pub control: Reader,
+    /// Number of executions of each called program, by O number, if the program was run.
+    pub executions: BTreeMap<u32, u32>,
+    /// Places of the lines in the file, if they are its blocks as executed.
+    pub places: Option<Arc<ExecutedPlaces>>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
 }
@@ -183,6 +199,8 @@ impl Program {
             moves: MoveCounts::default(),
             macro_line,
             control,
+            executions: BTreeMap::new(),
+            places: None,
             run: Vec::new(),
         }
     }

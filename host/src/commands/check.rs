@@ -183,7 +183,7 @@ impl Check {
 
     /// Reads a program that is interpreted, or whose moves are checked together.
     fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(ProgramSummary, Program), Failure> {
-        let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
+        let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds), has_options: true };
         let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
         let mut program = run.map_err(Failure::Input)?;
         program.diagnostics.splice(0..0, program.missing_label());

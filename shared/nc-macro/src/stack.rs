@@ -10,7 +10,7 @@ use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
 /// A line of a program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.
     pub library: Option<u32>,
