@@ -313,7 +313,11 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
 
 fn library(place: &Spanned<String>, folder: &Path) -> Result<PathBuf, Complaint> {
     let path = folder.join(place.as_ref());
-    if path.is_dir() { Ok(path) } else { Err(at(place, "no such folder; name one with the called programs, as O9010.nc")) }
+    if path.is_dir() {
+        Ok(path)
+    } else {
+        Err(at(place, "no such folder; name one with the called programs, as O9010.nc"))
+    }
 }
 
 pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {

@@ -20,7 +20,7 @@ mod executed_places;
 
 mod source;
 
-mod expanded;
+mod expanded_source;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -208,6 +208,11 @@ impl Program {
     /// The program's bytes.
     pub fn bytes(&self) -> Vec<u8> {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
+    }
+
+    /// Content of the program's file, if these are its blocks as executed.
+    pub fn file(&self) -> Vec<u8> {
+        self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
     }
 
     /// A control would stop somewhere in the program.

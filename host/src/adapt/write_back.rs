@@ -39,18 +39,23 @@ struct Executions {
     /// The first one with another feed than the first.
     other: Option<Execution>,
     count: usize,
-    /// F word that an execution needs.
+    /// F word that an execution needs; meaningless for several blocks.
     word: Option<String>,
     /// An execution is several blocks.
     has_pieces: bool,
 }
 
-/// The program's file with the feeds of its adapted blocks. `source` are its blocks as executed, `sent` these blocks as
-/// adapted, line by line.
+/// The program's file with the feeds of its adapted blocks. `source` are its blocks as executed, `text` is what they are
+/// as adapted, with the end of each line.
 ///
 /// # Errors
 /// Lines that cannot get one feed, or a program that would not execute the same blocks: in words, each with its place.
-pub fn write_back<'a>(source: &Source, sent: impl Iterator<Item = &'a [u8]> + Clone) -> Result<Vec<u8>, String> {
+pub fn write_back(source: &Source, text: &[u8], line_ends: &[usize]) -> Result<Vec<u8>, String> {
+    let sent = line_ends.iter().scan(0, |start, end| {
+        let line = &text[std::mem::replace(start, *end)..*end];
+        let len = line.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
+        Some(&line[..len])
+    });
     let path = source.path.display().to_string();
     let Some(places) = &source.places else { return Err(format!("{path}: has no macro statements or calls")) };
     let lines = executions(source, places, sent.clone());
@@ -91,10 +96,8 @@ fn executions<'a>(
         if before.text != sent && line.word.is_none() {
             line.has_pieces = sent.contains(&b'\n');
             let word = read.as_ref().and_then(|read| read.parsed.block.word(b'F'));
-            line.word = word.map(|word| {
-                let at = usize::from(word.column) - 1;
-                String::from_utf8_lossy(&sent[at..at + usize::from(word.len)]).into_owned()
-            });
+            let word = word.map(|word| &sent[usize::from(word.column) - 1..][..usize::from(word.len)]);
+            line.word = Some(String::from_utf8_lossy(word.unwrap_or_default()).into_owned());
         }
     }
     lines
@@ -146,8 +149,7 @@ fn compare<'a>(
     sent: impl Iterator<Item = &'a [u8]>,
 ) -> Result<(), String> {
     let path = source.path.display();
-    let changed =
-        Source { bytes: written.to_vec(), macro_line: first_macro(written), places: None, ..source.clone() };
+    let changed = Source { bytes: written.to_vec(), macro_line: first_macro(written), places: None, ..source.clone() };
     let again = changed.expanded(places.library.as_deref(), RunBounds::default()).map_err(|found| {
         let first = found.first().map_or(String::new(), |found| format!(": {path}:{found}"));
         format!("{path}: with the feeds written back the program stops{first}: {REMEDY}; nothing is written")

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use arcfeed_model::cut::CutRule;
 
+use super::executed_blocks::Warnings;
 use super::outcome::{Failure, file_failure, load_source, load_unmapped};
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
@@ -66,9 +67,8 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
 /// matches them.
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
-    for warning in adapted.left_alone(program) {
-        note(format_args!("{}:{warning}", program.path.display()));
-    }
+    let (mut warnings, places) = (Warnings::default(), program.places.as_deref());
+    adapted.left_alone(program).into_iter().for_each(|warning| warnings.add(&program.path, places, warning));
     let mut unknown = UnknownMoves::default();
     adapted.blocks.iter().for_each(|block| unknown.add(block, file));
     unknown.warn(&program.path, file);

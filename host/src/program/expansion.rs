@@ -55,9 +55,7 @@ impl RunBounds {
             Err(trouble) if is_endless(trouble) => {
                 (format!("{} statements since the last move", self.blocks), "--max-blocks")
             }
-            Ok(MacroStep::Block(_)) if blocks >= self.blocks => {
-                (format!("at most {}", self.blocks), "--max-blocks")
-            }
+            Ok(MacroStep::Block(_)) if blocks >= self.blocks => (format!("at most {}", self.blocks), "--max-blocks"),
             Ok(_) if time > self.time => (format!("{} s", self.time.as_secs()), "--max-seconds"),
             _ => return None,
         };

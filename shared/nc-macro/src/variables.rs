@@ -67,7 +67,15 @@ impl Context {
     /// Context of this modal state and time, without machine offsets.
     pub fn new(modal: &Modal, now: Micros) -> Self {
         let Modal { unit, program, position, .. } = *modal;
-        Context { unit, end: program, machine: position, lengthened: program, now, is_position_known: true, date: 20_000_101 }
+        Context {
+            unit,
+            end: program,
+            machine: position,
+            lengthened: program,
+            now,
+            is_position_known: true,
+            date: 20_000_101,
+        }
     }
 
     /// Context before the next line of a [`Reader`](arcfeed_nc::reader::Reader), with its modal state and machine position.
