@@ -210,6 +210,11 @@ impl Program {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
     }
 
+    /// Line of the file to which a line belongs, both counted from 1.
+    pub fn line_in_file(&self, line: usize) -> usize {
+        self.places.as_ref().map_or(line, |places| places.line_in_file(line))
+    }
+
     /// Content of the program's file, if these are its blocks as executed.
     pub fn file(&self) -> Vec<u8> {
         self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())

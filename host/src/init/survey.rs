@@ -2,7 +2,7 @@
 
 use std::path::Path as FilePath;
 
-use arcfeed_nc::block::{Block, Reading};
+use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::{LengthUnit, Nm};
@@ -54,20 +54,22 @@ pub struct FoundArc {
     pub is_corner: bool,
 }
 
-/// Reads and surveys a program file.
+/// Reads and surveys a program file; one with macro statements or calls at its blocks as executed, with those of
+/// `library`.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
-pub fn load(path: &FilePath) -> Result<(Program, Survey), String> {
+pub fn load(path: &FilePath, library: Option<&FilePath>) -> Result<(Program, Survey), String> {
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
-    let read = |unit| Program::parse(path, &bytes, unit, Reading::Lenient);
+    let read = |unit| Program::executed(path, &bytes, unit, library);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
     if unit == Some(LengthUnit::Mm) {
         program = read(LengthUnit::Mm);
     }
-    let survey = survey(&program, unit);
+    let mut survey = survey(&program, unit);
+    survey.arcs.iter_mut().for_each(|arc| arc.line = program.line_in_file(arc.line));
     Ok((program, survey))
 }
 

@@ -6,18 +6,19 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use arcfeed_nc::block::LineKind;
+use arcfeed_nc::block::{LineKind, Reading};
 use arcfeed_nc::reader::InterpretedLine;
-use arcfeed_nc::settings::Tables;
+use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::interpreter::Interpreter;
 use arcfeed_nc_macro::stack::SourceLine;
 use arcfeed_nc_macro::step::PlainBlock;
 use arcfeed_nc_macro::variables::OutsideValues;
+use arcfeed_units::LengthUnit;
 
 use super::expansion::ExecutedStep;
 use super::source::{LINES_MAX, Source};
-use super::{Diagnostic, ExecutedPlaces, Expansion, RunBounds, Severity};
+use super::{Diagnostic, ExecutedPlaces, Expansion, Program, RunBounds, Severity};
 
 impl Source {
     /// The blocks of this program as executed; of a program without macro statements and calls the program itself.
@@ -48,6 +49,23 @@ impl Source {
         let (bytes, mut places) = text.end();
         (places.file, places.library) = (self.bytes, library.map(Path::to_owned));
         Ok(Source { bytes, macro_line: None, places: Some(Arc::new(places)), ..self })
+    }
+}
+
+impl Program {
+    /// Reads the blocks of a program as executed on a 16i in its standard settings; a program that cannot be executed as it
+    /// stands, with the faults of its run.
+    pub fn executed(path: &Path, bytes: &[u8], unit: LengthUnit, library: Option<&Path>) -> Self {
+        let parsed = Program::parse(path, bytes, unit, Reading::Lenient);
+        let Some(_) = parsed.macro_line else { return parsed };
+        let settings = Settings::preset(Preset::Fanuc16i, unit, Reading::Lenient);
+        let settings = Settings { scope: Scope::Everything, ..settings };
+        let (path, bytes, tables) = (path.to_owned(), bytes.to_vec(), Tables::default());
+        let source = Source { path, bytes, settings, tables, macro_line: parsed.macro_line, places: None };
+        match source.expanded(library, RunBounds::default()) {
+            Ok(source) => source.program(),
+            Err(diagnostics) => Program { diagnostics, ..parsed },
+        }
     }
 }
 

@@ -174,8 +174,13 @@ impl Source {
     /// It has more than 500 000 lines: in words, with its path.
     pub fn whole(&self) -> Result<Program, String> {
         check_line_count(&self.path, &self.bytes)?;
+        Ok(self.program())
+    }
+
+    /// The program as a whole, of any length.
+    pub(super) fn program(&self) -> Program {
         let program = Program::parse_with(&self.path, &self.bytes, self.settings, self.tables);
-        Ok(Program { places: self.places.clone(), ..program })
+        Program { places: self.places.clone(), ..program }
     }
 
     /// The program as a whole, run to its end (see [`Program::run`]).
