@@ -122,23 +122,24 @@ fn refusal(path: &str, places: &ExecutedPlaces, place: SourceLine, line: &Execut
     let text = Lines::new(&places.file).nth(in_file - 1).map(|line| line.text).unwrap_or_default();
     let column = if place.library.is_some() { 1 } else { put_feed(text, word).at + 1 };
     let said = if place.library.is_some() {
-        format!("{} needs {word}, and a file of the library is not changed", places.in_words(path, line.first.line))
+        let (name, calls) = (places.name(line.first.line), places.called_from(line.first.line));
+        format!("{name} needs {word}{calls}, and a file of the library is not changed")
     } else if line.has_pieces {
         "this move is sent in pieces, which are blocks of their own".to_owned()
     } else {
-        let words = [line.first, line.other?].map(|execution| in_words(path, places, execution));
+        let words = [line.first, line.other?].map(|execution| feed_of(places, execution));
         format!("its executions need different feeds: {}, but {}", words[0], words[1])
     };
     Some(format!("{path}:{in_file}:{column}: error: {said}: {REMEDY} (found `{}`)", text.escape_ascii()))
 }
 
-fn in_words(path: &str, places: &ExecutedPlaces, execution: Execution) -> String {
+fn feed_of(places: &ExecutedPlaces, execution: Execution) -> String {
     let feed = match execution.feed {
         Some(Feed::PerMinute(feed)) => feed_word(feed, execution.unit),
         Some(Feed::InverseTime(_)) => "the time of G93".to_owned(),
         Some(Feed::Missing) | None => "no feed".to_owned(),
     };
-    format!("{feed} in execution {} of {}", execution.count, places.in_words(path, execution.line))
+    format!("{feed} in execution {}{}", execution.count, places.called_from(execution.line))
 }
 
 /// Interprets the changed program, and compares its blocks with those as adapted.
@@ -155,9 +156,9 @@ fn compare<'a>(
         format!("{path}: with the feeds written back the program stops{first}: {REMEDY}; nothing is written")
     })?;
     let differs = |line: usize| {
-        let (line, place) = (places.line_in_file(line), places.in_words(&path.to_string(), line));
+        let (line, place, calls) = (places.line_in_file(line), places.name(line), places.called_from(line));
         Err(format!(
-            "{path}:{line}:1: error: with the feeds written back the program executes other blocks, from {place} on (a \
+            "{path}:{line}:1: error: with the feeds written back the program executes other blocks, from {place}{calls} on (a \
              macro may read F, #4109): {REMEDY}; nothing is written"
         ))
     };

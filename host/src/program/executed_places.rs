@@ -73,12 +73,15 @@ impl ExecutedPlaces {
         found.unwrap_or(1).max(1)
     }
 
-    /// Place of a line in words: the main program's file is `path`.
-    pub fn in_words(&self, path: &str, line: usize) -> String {
-        let Some(found) = self.line(line) else { return format!("{path}:1") };
-        let calls: Vec<String> = self.calls(found).iter().rev().map(|call| self.name(path, *call)).collect();
-        let place = self.name(path, found.place);
-        if calls.is_empty() { place } else { format!("{place}, called from {}", calls.join(", called from ")) }
+    /// Place of a line: `line 9` of the program's file, or file and line of the library.
+    pub fn name(&self, line: usize) -> String {
+        self.line(line).map_or("line 1".into(), |line| self.place_name(line.place))
+    }
+
+    /// Calls that led to a line, the innermost first, as a phrase that begins with a comma; empty without calls.
+    pub fn called_from(&self, line: usize) -> String {
+        let calls = self.line(line).map(|line| self.calls(line)).unwrap_or_default();
+        calls.iter().rev().map(|call| format!(", called from {}", self.place_name(*call))).collect()
     }
 
     /// A diagnostic of a line, at its place in the main program's file.
@@ -87,7 +90,7 @@ impl ExecutedPlaces {
         let line = self.line_in_file(found.line);
         match self.line(found.line) {
             Some(ExecutedLine { place, .. }) if place.library.is_some() => {
-                let message = format!("in {}: {}", self.name("", *place), found.message);
+                let message = format!("in {}: {}", self.place_name(*place), found.message);
                 Diagnostic { line, column: 1, end_column: 2, message, ..found }
             }
             Some(ExecutedLine { columns, .. }) => {
@@ -106,10 +109,11 @@ impl ExecutedPlaces {
         self.chains.get(line.chain as usize).map(Vec::as_slice).unwrap_or_default()
     }
 
-    /// `file:line` of a place.
-    fn name(&self, path: &str, place: SourceLine) -> String {
+    fn place_name(&self, place: SourceLine) -> String {
         let folder = self.library.as_ref().map(|folder| Folder(folder.clone()));
-        let file = if place.library.is_none() { path.to_owned() } else { file_of(folder.as_ref(), place) };
-        format!("{file}:{}", place.line)
+        match place.library {
+            None => format!("line {}", place.line),
+            Some(_) => format!("{}:{}", file_of(folder.as_ref(), place), place.line),
+        }
     }
 }
