@@ -162,11 +162,14 @@ impl fmt::Display for NotModelled {
             NotModelled::Variable(number) => write!(f, "#{number}"),
             NotModelled::OutsideValue(number) => write!(
                 f,
-                "#{number}, whose value here only the control knows (assign it before it is read; offsets: give a settings file)"
+                "the value of #{number} here is known to the control only; assign it before it is read (offsets: give a settings \
+                 file)"
             ),
-            NotModelled::OffsetStatement(number) => write!(f, "an offset set by #{number} (write G10)"),
+            NotModelled::OffsetStatement(number) => {
+                write!(f, "#{number} sets an offset, which the blocks as executed cannot; write G10")
+            }
             NotModelled::SwitchedStatement => {
-                f.write_str("a / in a program with macro statements or calls (remove it, or the block)")
+                f.write_str("a / in a program with macro statements or calls; remove it, or the block")
             }
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
@@ -190,6 +193,10 @@ impl fmt::Display for Cause {
                 Some(number) => write!(f, "PS{number:04} {}", alarm.explanation()),
                 None => f.write_str(alarm.explanation()),
             },
+            Cause::NotModelled(
+                what
+                @ (NotModelled::OutsideValue(_) | NotModelled::OffsetStatement(_) | NotModelled::SwitchedStatement),
+            ) => write!(f, "{what}"),
             Cause::NotModelled(what) => {
                 write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
             }

@@ -17,12 +17,12 @@ fn refusal(name: &str, body: &str, job: &str) -> String {
 #[test]
 fn what_only_the_control_knows_is_refused_at_its_place() {
     for (name, body, place, words) in [
-        ("common", "G1X#500F900.\nM30\n", "7:4", "#500, whose value here only the control knows"),
+        ("common", "G1X#500F900.\nM30\n", "7:4", "the value of #500 here is known to the control only"),
         ("timer", "WHILE[#3001LT9]DO1\nEND1\nM30\n", "7:7", "#3001"),
         ("offset", "G1X[#5221+1.]F900.\nM30\n", "7:5", "#5221"),
         ("switch", "/GOTO5\nN5M30\n", "7:1", "a / in a program with macro statements"),
         ("switched-block", "#2=#1\n/G1X5.F900.\nM30\n", "8:1", "a / in a program with macro statements"),
-        ("offset-set", "#5221=10.\nM30\n", "7:1", "an offset set by #5221 (write G10)"),
+        ("offset-set", "#5221=10.\nM30\n", "7:1", "#5221 sets an offset"),
         ("restart", "IF[#1EQ0]GOTO9\nN9M99\n", "8:1", "end it with M30"),
         ("unknown", "M98P77\nM30\n", "7:4", "PS0078"),
         ("end", "#2=#1\n", "7:1", "PS5010"),

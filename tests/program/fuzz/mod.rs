@@ -102,6 +102,11 @@ fn macro_programs_end_within_their_bounds() {
 }
 
 #[test]
+fn feeds_are_written_back_into_macro_programs_or_refused() {
+    feed("written-back", 21, SMOKE / 10, macros::written_back);
+}
+
+#[test]
 fn the_control_runs_or_refuses_macro_programs() {
     feed("memory", 9, SMOKE_OF_CONTROLS, macros::memory);
 }
