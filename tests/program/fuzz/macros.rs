@@ -2,10 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed::adapt::adapt;
-use arcfeed::adapt::write_back::write_back;
-use arcfeed::job::JobFile;
-use arcfeed::program::{RunBounds, Source};
 use arcfeed_control::search::Search;
 use arcfeed_control::{Control, Preset};
 use arcfeed_nc::alarm::{Cause, Fault, NotModelled};
@@ -14,19 +10,12 @@ use arcfeed_nc::reader::Reader;
 use arcfeed_nc::settings::{Preset as NcPreset, Scope, Settings as NcSettings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::interpreter::Interpreter;
-use arcfeed_nc_macro::program::first_macro;
 use arcfeed_nc_macro::stack::{Bounds, SourceLine};
 use arcfeed_nc_macro::step::{MacroSettings, MacroStep};
 use arcfeed_nc_macro::variables::Context;
 use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;
 
-/// A job for arcs of both senses.
-const JOB: &str = "units = \"mm\"\nprogram = \"p.nc\"\ntool = { kind = \"end-mill\", diameter = 1, teeth = 4 }\n\
-                   spindle = { rev_per_min = 8000, set_by = \"operator\" }\nlimits = { max_feed = 6000 }\n\
-                   law = { kind = \"contour\", inside_only = false, feed_per_tooth = 0.05 }\n\
-                   [[cut]]\nmoves = \"arcs\"\ndirection = \"ccw\"\nside = \"inside\"\nradial_depth = 0.5\n\
-                   [[cut]]\nmoves = \"arcs\"\ndirection = \"cw\"\nside = \"outside\"\nradial_depth = 0.5\n";
 const STEP: Micros = Micros::from_ms(1);
 /// Calls of the interpreter after which a program counts as one that goes on for ever with moves.
 const CALLS_MAX: usize = 150;
@@ -204,7 +193,7 @@ impl Writer<'_> {
 }
 
 /// A program, and the library it calls.
-fn programs(input: &[u8], seed: u64) -> (Vec<u8>, BTreeMap<u32, Vec<u8>>) {
+pub fn programs(input: &[u8], seed: u64) -> (Vec<u8>, BTreeMap<u32, Vec<u8>>) {
     let mut random = Rng::with_seed(seed);
     let mut write = |head: String, last: &str| {
         let mut writer = Writer { random: random.fork(), input, text: head.into_bytes(), sequence: 0 };
@@ -263,35 +252,6 @@ pub fn interpreter(input: &[u8], seed: u64) {
             Ok(_) => {}
         }
     }
-}
-
-/// The blocks as executed, adapted and written back: each is refused with a place in the text, or only F words change.
-pub fn written_back(input: &[u8], seed: u64) {
-    let (mut main, library) = programs(input, seed);
-    library.values().for_each(|text| main.extend(text));
-    // Most variables are set, so that more than the first statements are executed.
-    let set: String = [100, 199, 500, 999].iter().map(|number| format!("#{number}=1.\n")).collect();
-    let bytes = [b"%\nG21G17G90G94\nS8000M3\nG0X0.Y0.Z0.\n".as_slice(), set.as_bytes(), &main].concat();
-    let file = JobFile::parse("job.toml".as_ref(), JOB).expect("a job");
-    let (path, macro_line, lines) = ("p.nc".into(), first_macro(&bytes), Lines::new(&bytes).count());
-    let source =
-        Source { path, bytes: bytes.clone(), settings: file.nc, tables: file.tables, macro_line, places: None };
-    let bounds = RunBounds { blocks: 500, ..RunBounds::default() };
-    let source = match source.expanded(None, bounds) {
-        Ok(source) => source,
-        Err(found) => return assert!(found.iter().all(|found| (1..=lines).contains(&found.line)), "{found:?}"),
-    };
-    let program = source.whole().expect("a short program");
-    if program.has_errors() || program.places.is_none() {
-        return;
-    }
-    (1..=program.lines.len()).for_each(|line| assert!((1..=lines).contains(&program.line_in_file(line))));
-    let adapted = adapt(&program, &file.job);
-    let Ok(written) = write_back(&source, &adapted.text, &adapted.line_ends) else { return };
-    let code = |text: &[u8]| Lines::new(text).map(|line| line.text.len()).collect::<Vec<_>>();
-    let changed = code(&bytes).iter().zip(&code(&written)).filter(|(old, new)| old != new).count();
-    assert_eq!(Lines::new(&written).count(), lines);
-    assert!(changed == 0 || adapted.blocks.iter().any(|block| block.demand.is_some()), "{}", written.escape_ascii());
 }
 
 /// The control with the program in its memory: it moves, waits, ends or stops with an alarm in the program's text.

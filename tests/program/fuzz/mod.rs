@@ -5,6 +5,8 @@
 
 mod macros;
 
+mod written_back;
+
 mod mutate;
 
 mod targets;
@@ -103,7 +105,7 @@ fn macro_programs_end_within_their_bounds() {
 
 #[test]
 fn feeds_are_written_back_into_macro_programs_or_refused() {
-    feed("written-back", 21, SMOKE / 10, macros::written_back);
+    feed("written-back", 21, SMOKE / 10, written_back::written_back);
 }
 
 #[test]
