@@ -23,3 +23,5 @@ mod nc_text;
 mod planes;
 
 mod tutorials;
+
+mod without_job;

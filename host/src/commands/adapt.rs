@@ -10,8 +10,8 @@ use arcfeed_nc::text::Lines;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::executed_blocks::{Warnings, check_expanded};
-use super::job_input::{UnknownMoves, load_text};
+use super::executed_blocks::check_expanded;
+use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
@@ -28,8 +28,8 @@ use crate::program::Source;
 /// where all executions of a line have the same one; otherwise it is refused, and --expand writes the blocks instead.
 #[derive(Debug, clap::Args)]
 pub struct Adapt {
-    /// The job file
-    job: PathBuf,
+    #[command(flatten)]
+    input: JobInput,
     /// Write the adapted program here
     #[arg(short, long, value_name = "OUT.nc")]
     output: Option<PathBuf>,
@@ -84,8 +84,8 @@ impl Adapt {
     /// # Errors
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, source, may_leak) = load_text(&self.job)?;
-        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.job))?;
+        let (file, source, may_leak) = self.input.load_text()?;
+        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
         let places = source.places.as_deref();
         if self.expand {
             check_expanded(&source.path, places)?;
@@ -93,13 +93,13 @@ impl Adapt {
         let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
         let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
-        let (mut warnings, writes_back) = (Warnings::default(), places.is_some() && !self.expand);
+        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !self.expand);
         let keeps = self.output.is_some() || (self.diff && writes_back);
         let (mut text, mut line_ends) = (Vec::with_capacity(if keeps { source.bytes.len() } else { 0 }), Vec::new());
         let done = plan.each(|line, mut planned| {
             number += 1;
             if let Some(block) = &mut planned.block {
-                block.left_alone(line).into_iter().for_each(|warning| warnings.add(&source.path, places, warning));
+                kept.add(block, line);
                 block.line = source.line_in_file(block.line);
                 unknown.add(block, &file);
                 if self.json {
@@ -123,6 +123,7 @@ impl Adapt {
                 "{path}: a governed feed would stay in force for other blocks: a defect of arcfeed; nothing is written"
             ))
         })?;
+        kept.warn(&source.path);
         unknown.warn(&source.path, &file);
         table.iter().for_each(Table::end);
         if keeps && writes_back {

@@ -1,6 +1,5 @@
 //! Programs with macro statements or calls: what a command says about their blocks as executed, and what it runs.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use super::outcome::Failure;
@@ -8,24 +7,7 @@ use crate::adapt::Adapted;
 use crate::adapt::write_back::write_back;
 use crate::console::note;
 use crate::job::JobFile;
-use crate::program::{Diagnostic, ExecutedPlaces, Program, Source};
-
-/// Warnings about a program's lines; of blocks as executed each is printed once for its place in the file.
-#[derive(Debug, Default)]
-pub struct Warnings {
-    printed: BTreeSet<(usize, usize, String)>,
-}
-
-impl Warnings {
-    /// Prints a warning on stderr.
-    pub fn add(&mut self, path: &Path, places: Option<&ExecutedPlaces>, found: Diagnostic) {
-        let Some(places) = places else { return note(format_args!("{}:{found}", path.display())) };
-        let found = places.in_file(found);
-        if self.printed.insert((found.line, found.column, found.message.clone())) {
-            note(format_args!("{}:{found}", path.display()));
-        }
-    }
-}
+use crate::program::{ExecutedPlaces, Program, Source};
 
 /// Checks that the blocks as executed can stand for the program; reports output that they do not make.
 ///

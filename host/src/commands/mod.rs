@@ -4,6 +4,8 @@ pub mod outcome;
 
 mod executed_blocks;
 
+pub mod job_values;
+
 pub mod job_input;
 
 pub mod five_axis;

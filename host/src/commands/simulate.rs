@@ -38,7 +38,7 @@ use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::{LengthUnit, PERCENT};
 
 use super::executed_blocks::for_memory;
-use super::job_input::{adapted, load};
+use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, refuse_inputs};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
@@ -57,8 +57,8 @@ use setup::Setup;
 /// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The job file
-    job: PathBuf,
+    #[command(flatten)]
+    input: JobInput,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -76,9 +76,10 @@ impl Simulate {
     /// # Errors
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, program) = load(&self.job)?;
-        refuse_inputs(&[self.report.as_deref(), self.surface.as_deref()], &file.inputs(&self.job))?;
-        let setup = Setup::of(&self.job, &file)?;
+        let (file, program) = self.input.load()?;
+        let job = &self.input.job;
+        refuse_inputs(&[self.report.as_deref(), self.surface.as_deref()], &file.inputs(job))?;
+        let setup = Setup::of(job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
@@ -118,7 +119,9 @@ impl Simulate {
         let format = SurfaceFormat::of(path)?;
         match setup {
             Some(_) => Ok(Some((path, format))),
-            None => Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.job.display()))),
+            None => {
+                Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.input.job.display())))
+            }
         }
     }
 }
