@@ -76,6 +76,8 @@ pub struct JobFile {
     pub control: ControlKind,
     /// File with the settings of that control.
     pub settings: Option<PathBuf>,
+    /// Folder of subprograms that are not in the program's file.
+    pub library: Option<PathBuf>,
     /// Settings of the control; in effect at power-on.
     pub nc: Settings,
     /// Work offsets, tool lengths and reference points of the control.
@@ -210,6 +212,7 @@ impl JobFile {
             program: PathBuf::new(),
             control: ControlKind::Fanuc16i,
             settings: None,
+            library: None,
             nc,
             tables: Tables::default(),
             machine: None,
@@ -229,6 +232,8 @@ impl JobFile {
     pub fn inputs(&self, path: &Path) -> Vec<PathBuf> {
         let mut files = vec![path.to_owned(), self.program.clone()];
         files.extend([&self.settings, &self.machine_path, &self.map_file].into_iter().flatten().cloned());
+        let called = self.library.iter().flat_map(std::fs::read_dir).flatten().flatten();
+        files.extend(called.map(|entry| entry.path()).filter(|path| path.is_file()));
         files.extend(self.workpiece.iter().flat_map(|workpiece| workpiece.files()).map(|file| file.path.clone()));
         files
     }
@@ -283,6 +288,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let settings = place.map(|file| folder.join(file.as_ref()));
     let loaded = control.settings(unit, settings.as_deref());
     let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
+    let library = table.control.library.as_ref().map(|place| library(place, folder)).transpose()?;
     let program = folder.join(table.program.as_ref());
     let workpiece = workpiece::build(table, &job, folder)?;
     let height_mm = workpiece.as_ref().map(|workpiece| workpiece.body.height_mm);
@@ -296,6 +302,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         program,
         control,
         settings,
+        library,
         nc,
         tables,
         machine,
@@ -309,6 +316,15 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         dnc,
         rule_places,
     })
+}
+
+fn library(place: &Spanned<String>, folder: &Path) -> Result<PathBuf, Complaint> {
+    let path = folder.join(place.as_ref());
+    if path.is_dir() {
+        Ok(path)
+    } else {
+        Err(at(place, "no such folder; name one with the called programs, as O9010.nc"))
+    }
 }
 
 pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {

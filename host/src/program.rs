@@ -12,12 +12,22 @@ mod contour_check;
 
 mod summary;
 
+mod library;
+
+mod run_faults;
+
 mod expansion;
+
+mod executed_places;
 
 mod source;
 
+mod expanded_source;
+
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_nc::block::{LineKind, Notice, NoticeKind, Reading};
@@ -31,7 +41,9 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
-pub use expansion::{Expansion, Folder, RunBounds};
+pub use executed_places::ExecutedPlaces;
+pub use expansion::{Expansion, RunBounds};
+pub use library::Folder;
 use lines::LineReader;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
@@ -53,6 +65,10 @@ pub struct Program {
     pub macro_line: Option<usize>,
     /// State of the control before the first line.
     pub control: Reader,
+    /// Number of executions of each called program, by O number, if the program was run.
+    pub executions: BTreeMap<u32, u32>,
+    /// Places of the lines in the file, if they are its blocks as executed.
+    pub places: Option<Arc<ExecutedPlaces>>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
 }
@@ -185,6 +201,8 @@ impl Program {
             moves: MoveCounts::default(),
             macro_line,
             control,
+            executions: BTreeMap::new(),
+            places: None,
             run: Vec::new(),
         }
     }
@@ -192,6 +210,16 @@ impl Program {
     /// The program's bytes.
     pub fn bytes(&self) -> Vec<u8> {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
+    }
+
+    /// Line of the file to which a line belongs, both counted from 1.
+    pub fn line_in_file(&self, line: usize) -> usize {
+        self.places.as_ref().map_or(line, |places| places.line_in_file(line))
+    }
+
+    /// Content of the program's file, if these are its blocks as executed.
+    pub fn file(&self) -> Vec<u8> {
+        self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
     }
 
     /// A control would stop somewhere in the program.

@@ -18,6 +18,8 @@ mod law_suite;
 
 mod machine_limits;
 
+mod macros;
+
 mod main_job;
 
 mod pocket;

@@ -39,6 +39,10 @@ mod line_plan;
 
 mod end_override;
 
+mod feed_place;
+
+pub mod write_back;
+
 use arcfeed_model::job::{FeedPolicy, Job};
 
 use crate::program::{Program, ProgramLine};

@@ -173,7 +173,7 @@ pub fn round_down(feed_mm_per_min: f64, unit: LengthUnit) -> Nm {
 }
 
 /// `F74.59`, `F25.`: always with a point, without idle zeros.
-fn feed_word(feed: Nm, unit: LengthUnit) -> String {
+pub(super) fn feed_word(feed: Nm, unit: LengthUnit) -> String {
     let mut decimals = feed_decimals(unit);
     let scale = |decimals: u32| unit.nm() / 10_i64.pow(decimals);
     // A program's own feed may be finer than what we write.

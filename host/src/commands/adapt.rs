@@ -6,20 +6,26 @@ use arcfeed_model::cut::{ContourSide, Moves, RotationCircle, Work};
 use arcfeed_model::job::{FeedPolicy, Job, LawKind};
 use arcfeed_model::tool::{Edge, Tool};
 use arcfeed_nc::modal::Turn;
+use arcfeed_nc::text::Lines;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
+use super::executed_blocks::check_expanded;
 use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
+use crate::adapt::write_back::write_back;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
-use crate::program::ProgramLine;
+use crate::program::Source;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
 ///
 /// In the modes safe-base and override-only F words change, and the override does the rest. In the mode rewrite-only arcs
 /// are sent in pieces, each with an F of its own, and shown with the error that this leaves in the chip.
+///
+/// A program with macro statements or calls is adapted at its blocks as executed. Their feeds are written back into it
+/// where all executions of a line have the same one; otherwise it is refused, and --expand writes the blocks instead.
 #[derive(Debug, clap::Args)]
 pub struct Adapt {
     #[command(flatten)]
@@ -27,6 +33,9 @@ pub struct Adapt {
     /// Write the adapted program here
     #[arg(short, long, value_name = "OUT.nc")]
     output: Option<PathBuf>,
+    /// Write a program with macro statements or calls as its blocks as executed, each with its own feed
+    #[arg(long)]
+    expand: bool,
     /// Print the lines that change
     #[arg(long, conflicts_with = "json")]
     diff: bool,
@@ -77,27 +86,35 @@ impl Adapt {
     pub fn run(&self) -> Result<(), Failure> {
         let (file, source, may_leak) = self.input.load_text()?;
         refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
+        let places = source.places.as_deref();
+        if self.expand {
+            check_expanded(&source.path, places)?;
+        }
         let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
-        let (mut table, mut unknown, mut kept, mut number) = (table, UnknownMoves::default(), KeptMoves::default(), 0);
-        let mut text = Vec::with_capacity(if self.output.is_some() { source.bytes.len() } else { 0 });
-        let done = plan.each(|line, planned| {
+        let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
+        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !self.expand);
+        let keeps = self.output.is_some() || (self.diff && writes_back);
+        let (mut text, mut line_ends) = (Vec::with_capacity(if keeps { source.bytes.len() } else { 0 }), Vec::new());
+        let done = plan.each(|line, mut planned| {
             number += 1;
-            if let Some(block) = &planned.block {
-                unknown.add(block, &file);
+            if let Some(block) = &mut planned.block {
                 kept.add(block, line);
+                block.line = source.line_in_file(block.line);
+                unknown.add(block, &file);
                 if self.json {
                     let figures = BlockFigures::new(block, &file.job);
                     say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
                 }
                 table.iter_mut().for_each(|table| table.add(block));
             }
-            if self.diff {
-                print_diff(&source.path, number, line, &planned.text);
+            if self.diff && !writes_back {
+                print_diff(&source.path, source.line_in_file(number), &line.text, &planned.text);
             }
-            if self.output.is_some() {
+            if keeps {
                 text.extend_from_slice(&planned.text);
                 text.extend_from_slice(&line.ending);
+                line_ends.extend(writes_back.then_some(text.len()));
             }
         });
         done.map_err(|Leak| {
@@ -109,16 +126,28 @@ impl Adapt {
         kept.warn(&source.path);
         unknown.warn(&source.path, &file);
         table.iter().for_each(Table::end);
+        if keeps && writes_back {
+            text = write_back(&source, &text, &line_ends).map_err(Failure::Input)?;
+            self.print_changes(&source, &text);
+        }
         let Some(output) = &self.output else { return Ok(()) };
         write_whole(output, &text)
     }
+
+    /// Prints the lines of the file that differ from those written back, if that is requested.
+    fn print_changes(&self, source: &Source, text: &[u8]) {
+        let file = source.places.iter().filter(|_| self.diff).flat_map(|places| Lines::new(&places.file));
+        for (index, (old, new)) in file.zip(Lines::new(text)).enumerate() {
+            print_diff(&source.path, index + 1, old.text, new.text);
+        }
+    }
 }
 
-fn print_diff(path: &Path, number: usize, old: &ProgramLine, sent: &[u8]) {
-    if old.text != sent {
+fn print_diff(path: &Path, number: usize, old: &[u8], sent: &[u8]) {
+    if old != sent {
         let new = sent.split(|&byte| byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line));
         let new: Vec<String> = new.map(|line| format!("\n+ {}", line.escape_ascii())).collect();
-        say(format_args!("{}:{number}\n- {}{}", path.display(), old.text.escape_ascii(), new.concat()));
+        say(format_args!("{}:{number}\n- {}{}", path.display(), old.escape_ascii(), new.concat()));
     }
 }
 

@@ -1,5 +1,6 @@
 //! `arcfeed check`: the alarms that a control would raise for a program.
 
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -94,9 +95,17 @@ struct CheckReport<'a> {
     control: &'a str,
     strict: bool,
     counts: Counts,
+    calls: Vec<CallCount>,
     errors: Vec<Entry<'a>>,
     warnings: Vec<Entry<'a>>,
     not_listed: usize,
+}
+
+/// Executions of a called program.
+#[derive(Serialize)]
+struct CallCount {
+    program: u32,
+    executions: u32,
 }
 
 #[derive(Serialize)]
@@ -136,7 +145,8 @@ impl Check {
         let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {
             (source.survey(true, each_line, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
         } else {
-            let (summary, program) = self.run_whole(&source, &mut findings)?;
+            let library = self.library.as_deref().or(job.as_ref().and_then(|file| file.library.as_deref()));
+            let (summary, program) = self.run_whole(&source, library, &mut findings)?;
             program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
@@ -144,10 +154,14 @@ impl Check {
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
         let counts = Counts::new(&summary);
+        let calls = whole.as_ref().map(|program| &program.executions);
         match (&on, self.json) {
-            (None, true) => self.print_json(&findings, counts, control),
+            (None, true) => self.print_json(&findings, counts, call_counts(calls), control),
             (Some(_), true) => {}
-            (_, false) => print_counts(&findings, counts),
+            (_, false) => {
+                print_counts(&findings, counts);
+                print_calls(&findings, &call_counts(calls));
+            }
         }
         if findings.errors > 0 {
             let (path, errors) = (source.path.display(), findings.errors);
@@ -182,9 +196,15 @@ impl Check {
     }
 
     /// Reads a program that is interpreted, or whose moves are checked together.
-    fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(ProgramSummary, Program), Failure> {
-        let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
-        let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
+    fn run_whole(
+        &self,
+        source: &Source,
+        library: Option<&Path>,
+        findings: &mut Findings<'_>,
+    ) -> Result<(ProgramSummary, Program), Failure> {
+        let bounds =
+            RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds), has_options: true };
+        let run = source.run(library, self.machine.is_some(), bounds);
         let mut program = run.map_err(Failure::Input)?;
         program.diagnostics.splice(0..0, program.missing_label());
         for diagnostic in std::mem::take(&mut program.diagnostics) {
@@ -247,7 +267,7 @@ impl Check {
         path_report.verdict()
     }
 
-    fn print_json(&self, findings: &Findings<'_>, counts: Counts, control: ControlKind) {
+    fn print_json(&self, findings: &Findings<'_>, counts: Counts, calls: Vec<CallCount>, control: ControlKind) {
         let entries = |severity| {
             let of = findings.listed.iter().filter(move |diagnostic| diagnostic.severity == severity);
             of.map(Entry::new).collect::<Vec<_>>()
@@ -257,6 +277,7 @@ impl Check {
             control: control.name(),
             strict: self.strict,
             counts,
+            calls,
             errors: entries(Severity::Error),
             warnings: entries(Severity::Warning),
             not_listed: findings.errors + findings.warnings - findings.listed.len(),
@@ -313,6 +334,20 @@ fn print_counts(findings: &Findings<'_>, counts: Counts) {
         "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs ({helices} of them helices), \
          {linear} straight cutting moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
     ));
+}
+
+/// One line with the called programs, if there are any.
+fn print_calls(findings: &Findings<'_>, calls: &[CallCount]) {
+    let called: Vec<String> =
+        calls.iter().map(|CallCount { program, executions }| format!("O{program:04} {executions} times")).collect();
+    if !called.is_empty() {
+        say(format_args!("{}: called: {}", findings.path.display(), called.join(", ")));
+    }
+}
+
+fn call_counts(executions: Option<&BTreeMap<u32, u32>>) -> Vec<CallCount> {
+    let counts = executions.into_iter().flatten();
+    counts.map(|(program, executions)| CallCount { program: *program, executions: *executions }).collect()
 }
 
 impl Counts {

@@ -152,7 +152,8 @@ fn map(
         let own = table_of(found);
         let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
         let table = if positions_alike { own.or_else(|| known.clone()) } else { own };
-        MappedMove { line: block.line, sequence: block.segment.sequence, key: key(&block.segment), table }
+        let line = program.line_in_file(block.line);
+        MappedMove { line, sequence: block.segment.sequence, key: key(&block.segment), table }
     });
     Ok(EngagementMap { moves: moves.collect() })
 }

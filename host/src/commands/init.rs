@@ -26,6 +26,9 @@ const GROUPS_SHOWN: usize = 20;
 pub struct Init {
     /// The NC program
     program: PathBuf,
+    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
     #[command(flatten)]
     values: JobValues,
     /// Write the job here; without it, beside the program under its name with .toml
@@ -95,14 +98,15 @@ impl Init {
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let answers = self.values.answers();
-        let (program, survey) = survey::load(&self.program, answers.units).map_err(Failure::Input)?;
+        let (program, survey) =
+            survey::load(&self.program, answers.units, self.library.as_deref()).map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups, &survey, &answers);
         let name = program_from(&output, &self.program);
         let findings =
             Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal, answers: &answers };
-        let text = job(&findings);
+        let text = self.with_library(job(&findings));
         self.write(&output, &text)?;
         let questions = questions::open(&text);
         let errors = program.diagnostics.iter().filter(|found| found.severity == Severity::Error).count();
@@ -119,6 +123,14 @@ impl Init {
             print_text(&output, &findings, &questions);
         }
         Ok(())
+    }
+
+    /// The job with the folder of subprograms.
+    fn with_library(&self, job: String) -> String {
+        let Some(folder) = &self.library else { return job };
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+        let value = toml::Value::String(folder.display().to_string());
+        job.replacen("[control]\n", &format!("[control]\nlibrary = {value}\n"), 1)
     }
 
     fn write(&self, output: &Path, text: &str) -> Result<(), Failure> {

@@ -1,6 +1,8 @@
 //! Job with its program and the engagement map that its rules may name.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use arcfeed_model::cut::CutRule;
 use arcfeed_nc::alarm::NotModelled;
@@ -14,7 +16,7 @@ use crate::engagement::EngagementMap;
 use crate::job::JobFile;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
-use crate::program::{Diagnostic, Program, ProgramLine, Source};
+use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;
@@ -106,7 +108,7 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
 /// matches them.
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
-    let (mut kept, mut unknown) = (KeptMoves::default(), UnknownMoves::default());
+    let (mut kept, mut unknown) = (KeptMoves::new(program.places.clone()), UnknownMoves::default());
     for block in &adapted.blocks {
         unknown.add(block, file);
         program.lines.get(block.line - 1).iter().for_each(|line| kept.add(block, line));
@@ -120,6 +122,9 @@ pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
 #[derive(Debug, Default)]
 pub struct KeptMoves {
     reasons: Vec<KeptReason>,
+    /// Places of blocks as executed, and the lines of the file that are counted.
+    places: Option<Arc<ExecutedPlaces>>,
+    counted: BTreeSet<(usize, &'static str)>,
 }
 
 /// Moves with the same reason.
@@ -136,14 +141,26 @@ struct KeptReason {
 }
 
 impl KeptMoves {
-    /// Adds a block if it is one of these moves.
+    /// None so far, of a program with these places.
+    pub fn new(places: Option<Arc<ExecutedPlaces>>) -> Self {
+        KeptMoves { places, ..KeptMoves::default() }
+    }
+
+    /// Adds a block if it is one of these moves; of the executions of a line the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
         if block.rule.is_none() {
             return;
         }
+        let mut number = block.line;
+        if let Some(places) = &self.places {
+            number = places.line_in_file(number);
+            if !self.counted.insert((number, reason.label())) {
+                return;
+            }
+        }
         match self.reasons.iter_mut().find(|known| (known.reason, known.under) == (reason, under)) {
-            Some(known) if known.lines.len() < KEPT_LINES => known.lines.push(block.line),
+            Some(known) if known.lines.len() < KEPT_LINES => known.lines.push(number),
             Some(known) => known.count += 1,
             None => self.reasons.extend(block.left_alone(line).map(|first| KeptReason {
                 reason,
@@ -158,6 +175,7 @@ impl KeptMoves {
     /// Warns on stderr, once for each reason.
     pub fn warn(&self, program: &Path) {
         for KeptReason { first, lines, count, .. } in &self.reasons {
+            let first = self.places.as_ref().map_or_else(|| first.clone(), |places| places.in_file(first.clone()));
             let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
             let others = match (lines.as_slice(), count) {
                 ([], _) => String::new(),

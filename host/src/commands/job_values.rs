@@ -75,7 +75,7 @@ impl JobValues {
     /// The program cannot be read, or a value is missing: with the option that gives it.
     pub fn job_of(&self, path: &Path) -> Result<JobFile, Failure> {
         let answers = self.answers();
-        let (_, survey) = survey::load(path, answers.units).map_err(Failure::Input)?;
+        let (_, survey) = survey::load(path, answers.units, None).map_err(Failure::Input)?;
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));

@@ -2,6 +2,8 @@
 
 pub mod outcome;
 
+mod executed_blocks;
+
 pub mod job_values;
 
 pub mod job_input;

@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_nc::machining::ToolInSpindle;
-use arcfeed_nc::text::Lines;
 
 use crate::adapt::rewrite::may_leak;
 use crate::adapt::unused_rules::{RuleUse, unused_rules};
@@ -17,7 +16,7 @@ use crate::file_error::FileError;
 use crate::job::JobFile;
 use crate::output;
 use crate::port::PortError;
-use crate::program::{Program, ProgramLine, Severity, Source};
+use crate::program::{Program, ProgramLine, RunBounds, Severity, Source};
 
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
@@ -128,9 +127,7 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
 /// See [`load_source`].
 pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bool), Failure> {
     let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
-    if let Some(refusal) = macro_refusal(&source) {
-        return Err(Failure::Input(refusal));
-    }
+    let source = expanded(source, &file)?;
     let (mut errors, mut more) = (Vec::new(), 0);
     let (mut used, mut leaks) = (RuleUse::new(&file.job), false);
     let each_line = |line: &ProgramLine| {
@@ -138,12 +135,15 @@ pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bo
         leaks |= may_leak(line);
     };
     let summary = source.survey(false, each_line, |diagnostic, _| match diagnostic.severity {
-        Severity::Error if errors.len() < ERRORS_MAX => errors.push(format!("{}:{diagnostic}", source.path.display())),
+        Severity::Error if errors.len() < ERRORS_MAX => {
+            errors.push(format!("{}:{}", source.path.display(), source.in_file(diagnostic)));
+        }
         Severity::Error => more += 1,
         Severity::Warning => {}
     });
     errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
-    errors.extend(name_tool(&mut file.job, &source.path, &summary.tools));
+    let tools: Vec<_> = summary.tools.iter().map(|(number, line)| (*number, source.line_in_file(*line))).collect();
+    errors.extend(name_tool(&mut file.job, &source.path, &tools));
     if !errors.is_empty() {
         return Err(Failure::Input(errors.join("\n")));
     }
@@ -189,16 +189,13 @@ fn is_unnamed(job: &Job) -> bool {
     own.number.is_none() && own.law != LawKind::Programmed
 }
 
-/// An F in a macro's body or a subprogram would apply to every call, so such programs keep their feeds.
-fn macro_refusal(source: &Source) -> Option<String> {
-    let line = source.macro_line?;
-    let found =
-        Lines::new(&source.bytes).nth(line - 1).map(|line| line.text.escape_ascii().to_string()).unwrap_or_default();
-    let path = source.path.display();
-    Some(format!(
-        "{path}:{line}:1: error: macro statements and calls cannot be adapted: a feed written into a body would serve every \
-         call; write the program out without them (found `{found}`)"
-    ))
+/// The blocks of a job's program as executed: a feed belongs to a block each time it is executed.
+fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
+    source.expanded(file.library.as_deref(), RunBounds::default()).map_err(|found| {
+        let path = file.program.display();
+        let lines: Vec<String> = found.iter().map(|found| format!("{path}:{found}")).collect();
+        Failure::Input(lines.join("\n"))
+    })
 }
 
 /// Flag that Ctrl-C (or a request to terminate) sets: one for the process.

@@ -50,13 +50,14 @@ use arcfeed_model::job::Job;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::{LengthUnit, PERCENT};
 
+use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
 use crate::job::{JobFile, SpindleLimits};
-use crate::program::Program;
+use crate::program::{Folder, Program};
 use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
@@ -109,9 +110,9 @@ impl Simulate {
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
-        let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
+        let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
-        let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
+        let mut before = in_memory(&file, &program.file(), ControllerFault::LawOff)?;
         // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
@@ -291,8 +292,12 @@ pub(super) fn in_memory_of(
 ) -> Result<Simulation, Failure> {
     // A last line without its end would never be a block.
     let program = [program, b"\n"].concat();
-    Simulation::from_memory(settings, &program, &file.job, fault)
-        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
+    let mut simulation = Simulation::from_memory(settings, &program, &file.job, fault)
+        .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
+    if let Some(folder) = &file.library {
+        simulation.control_mut().set_library(Box::new(Folder(folder.clone())));
+    }
+    Ok(simulation)
 }
 
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
@@ -318,7 +323,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedC
 /// # Errors
 /// The run never ends.
 pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
-    let simulation = run_in_memory(file, &program.bytes(), ControllerFault::LawOff)?;
+    let simulation = run_in_memory(file, &program.file(), ControllerFault::LawOff)?;
     compare(report, measure(&simulation, &file.job));
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path as FilePath;
 
-use arcfeed_nc::block::{Block, Reading};
+use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::{LengthUnit, Nm};
@@ -75,14 +75,19 @@ pub struct FoundArc {
     pub is_corner: bool,
 }
 
-/// Reads and surveys a program file; `given` is the unit of a program without G20 and G21, if it is known.
+/// Reads and surveys a program file, one with macro statements or calls at its blocks as executed, with those of
+/// `library`; `given` is the unit of a program without G20 and G21, if it is known.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
-pub fn load(path: &FilePath, given: Option<LengthUnit>) -> Result<(Program, Survey), String> {
+pub fn load(
+    path: &FilePath,
+    given: Option<LengthUnit>,
+    library: Option<&FilePath>,
+) -> Result<(Program, Survey), String> {
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
-    let read = |unit| Program::parse(path, &bytes, unit, Reading::Lenient);
+    let read = |unit| Program::executed(path, &bytes, unit, library);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
     let likely_unit = if unit.or(given).is_none() { likely_unit(&program) } else { None };
@@ -90,7 +95,9 @@ pub fn load(path: &FilePath, given: Option<LengthUnit>) -> Result<(Program, Surv
     if counted != LengthUnit::Inch {
         program = read(counted);
     }
-    let survey = Survey { unit, likely_unit, ..survey(&program, counted) };
+    let mut survey = Survey { unit, likely_unit, ..survey(&program, counted) };
+    survey.arcs.iter_mut().for_each(|arc| arc.line = program.line_in_file(arc.line));
+    survey.notes.iter_mut().for_each(|note| note.line = program.line_in_file(note.line));
     Ok((program, survey))
 }
 

@@ -197,12 +197,13 @@ pub struct ControlTable {
     #[serde(default = "fanuc_16i")]
     pub preset: Spanned<String>,
     pub settings: Option<Spanned<String>>,
+    pub library: Option<Spanned<String>>,
     pub arc_clamp: Option<ArcClampTable>,
 }
 
 impl Default for ControlTable {
     fn default() -> Self {
-        ControlTable { preset: fanuc_16i(), settings: None, arc_clamp: None }
+        ControlTable { preset: fanuc_16i(), settings: None, library: None, arc_clamp: None }
     }
 }
 

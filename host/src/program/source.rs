@@ -3,16 +3,18 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
+use arcfeed_nc_macro::variables::OutsideValues;
 
 use super::contour_check::contour_diagnostics;
 use super::lines::LineReader;
 use super::summary::ProgramSummary;
-use super::{Diagnostic, Expansion, Program, ProgramLine, RunBounds};
+use super::{Diagnostic, ExecutedPlaces, Expansion, Program, ProgramLine, RunBounds};
 
 /// Most bytes of a file, program or CL data.
 pub const BYTES_MAX: u64 = 80 << 20;
@@ -32,6 +34,8 @@ pub struct Source {
     pub tables: Tables,
     /// First line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
+    /// Places of the lines in the file, if they are its blocks as executed.
+    pub places: Option<Arc<ExecutedPlaces>>,
 }
 
 /// Lines of a program, each in the memory of the one before.
@@ -108,7 +112,7 @@ impl Source {
     /// It cannot be read, or is larger than 80 MiB: in words, with its path.
     pub fn read(path: &Path, settings: Settings, tables: Tables) -> Result<Self, String> {
         let bytes = read_bounded(path)?;
-        Ok(Source { path: path.to_owned(), macro_line: first_macro(&bytes), bytes, settings, tables })
+        Ok(Source { path: path.to_owned(), macro_line: first_macro(&bytes), bytes, settings, tables, places: None })
     }
 
     /// The control before the first line, and the lines, of which only the text is known.
@@ -156,13 +160,33 @@ impl Source {
         summary
     }
 
+    /// A diagnostic of a line, at its place in the file.
+    #[must_use]
+    pub fn in_file(&self, found: Diagnostic) -> Diagnostic {
+        match &self.places {
+            Some(places) => places.in_file(found),
+            None => found,
+        }
+    }
+
+    /// Line of the file to which a line belongs, both counted from 1.
+    pub fn line_in_file(&self, line: usize) -> usize {
+        self.places.as_ref().map_or(line, |places| places.line_in_file(line))
+    }
+
     /// The program as a whole.
     ///
     /// # Errors
     /// It has more than 500 000 lines: in words, with its path.
     pub fn whole(&self) -> Result<Program, String> {
         check_line_count(&self.path, &self.bytes)?;
-        Ok(Program::parse_with(&self.path, &self.bytes, self.settings, self.tables))
+        Ok(self.program())
+    }
+
+    /// The program as a whole, of any length.
+    pub(super) fn program(&self) -> Program {
+        let program = Program::parse_with(&self.path, &self.bytes, self.settings, self.tables);
+        Program { places: self.places.clone(), ..program }
     }
 
     /// The program as a whole, run to its end (see [`Program::run`]).
@@ -172,6 +196,7 @@ impl Source {
     pub fn run(&self, library: Option<&Path>, keeps_moves: bool, bounds: RunBounds) -> Result<Program, String> {
         check_line_count(&self.path, &self.bytes)?;
         let (settings, tables) = (self.settings, self.tables);
-        Ok(Program::run(&self.path, &self.bytes, Expansion { settings, tables, library, keeps_moves, bounds }))
+        let outside = OutsideValues::Assumed;
+        Ok(Program::run(&self.path, &self.bytes, Expansion { settings, tables, library, keeps_moves, bounds, outside }))
     }
 }

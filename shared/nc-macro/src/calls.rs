@@ -1,4 +1,4 @@
-//! Calls and returns: G65, G66, G66.1, M98, M99.
+//! Calls and returns: G65, G66, G66.1, M98, M99, M198.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -61,19 +61,18 @@ pub fn macro_call(
         _ => Some(ModalCallTiming::EveryBlock),
     };
     let arguments = Some(Box::new(locals));
-    Ok(Some((when, Call { number, repeats, arguments, is_modal: when.is_some(), column: program.column })))
+    let (is_modal, column) = (when.is_some(), program.column);
+    Ok(Some((when, Call { number, repeats, arguments, is_modal, is_external: false, column })))
 }
 
-/// Removes M98 and M99 with their P and L from a block. Returns the other words and the action after them.
+/// Removes M98, M99 and M198 with their P and L from a block. Returns the other words and the action after them.
 ///
 /// # Errors
 /// PS0076, PS0078, or a call that is not modelled.
 pub fn split_call(words: Vec<MacroWord>) -> Result<(Vec<MacroWord>, Continuation), Fault> {
     let is_m = |word: &MacroWord, code: f64| word.letter == b'M' && word.value == code;
-    if let Some(word) = words.iter().find(|word| is_m(word, 198.0)) {
-        return Err(Fault::not_modelled(NotModelled::MCode(198), word.column));
-    }
-    let Some(code) = words.iter().find(|word| is_m(word, 98.0) || is_m(word, 99.0)).cloned() else {
+    let is_call = |word: &&MacroWord| [98.0, 99.0, 198.0].iter().any(|code| is_m(word, *code));
+    let Some(code) = words.iter().find(is_call).cloned() else {
         return Ok((words, Continuation::GoOn));
     };
     let (own, others): (Vec<MacroWord>, Vec<MacroWord>) =
@@ -85,7 +84,7 @@ pub fn split_call(words: Vec<MacroWord>) -> Result<(Vec<MacroWord>, Continuation
         return Ok((others, Continuation::Return(sequence)));
     }
     if let Some(word) = others.iter().find(|word| matches!(word.letter, b'H' | b'Q')) {
-        return Err(Fault::not_modelled(NotModelled::MCode(98), word.column));
+        return Err(Fault::not_modelled(NotModelled::MCode(code.value as u16), word.column));
     }
     let program = program.ok_or(Fault::in_macro(MacroAlarm::NoProgramNumber, code.column))?;
     let number = number_of(program, PROGRAM_MAX)?;
@@ -94,7 +93,8 @@ pub fn split_call(words: Vec<MacroWord>) -> Result<(Vec<MacroWord>, Continuation
         None if number >= REPEAT_DIGITS => (number % REPEAT_DIGITS, number / REPEAT_DIGITS),
         None => (number, 1),
     };
-    let call = Call { number, repeats, arguments: None, is_modal: false, column: program.column };
+    let (is_external, column) = (code.value == 198.0, program.column);
+    let call = Call { number, repeats, arguments: None, is_modal: false, is_external, column };
     Ok((others, Continuation::Call(Box::new(call))))
 }
 

@@ -1,18 +1,19 @@
 //! Interpreter of macro programs: executes statements and returns the next action of the control.
 
+mod blocks;
+
 use alloc::boxed::Box;
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-use super::arguments::{Letters, locals};
-use super::calls::{Continuation, SEQUENCE_MAX, macro_call, split_call};
+use super::calls::{Continuation, SEQUENCE_MAX};
 use super::code::{CodeCursor, Head, MacroCode};
 use super::expression::{Evaluator, whole};
 use super::print;
-use super::program::{File, Library, ProgramLine};
-use super::stack::{Call, ModalCallTiming, SourceLine, Stack};
-use super::step::{Ending, MacroSettings, MacroStep, PlainBlock, ProgramFault};
-use super::variables::{Context, Effect, Variables};
-use super::words::{self, MacroWord, spell_block};
+use super::program::{File, Library, ProgramLine, needs_interpreter};
+use super::stack::{ModalCallTiming, SourceLine, Stack};
+use super::step::{Ending, MacroSettings, MacroStep, ProgramFault};
+use super::variables::{Context, Effect, OutsideValues, Variables};
 use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::settings::Tables;
@@ -38,10 +39,12 @@ impl Interpreter {
     /// An interpreter at the start of the first program in `text`. In DNC operation [`Interpreter::feed`] supplies the
     /// text.
     pub fn new(text: &[u8], library: Box<dyn Library>, settings: MacroSettings, context: &Context) -> Self {
+        let mut variables = Variables::new(*context);
+        variables.outside = settings.outside;
         Interpreter {
             settings,
             stack: Stack::new(File::new(text), library),
-            variables: Variables::new(*context),
+            variables,
             then: Continuation::GoOn,
             index: 0,
             place: SourceLine::default(),
@@ -93,10 +96,20 @@ impl Interpreter {
         &mut self.variables
     }
 
+    /// The line executed last, and the lines from which the running programs were called.
+    pub fn place(&self) -> (SourceLine, Vec<SourceLine>) {
+        (self.place, self.stack.calls())
+    }
+
+    /// Number of executions of each called program, by O number.
+    pub fn executions(&self) -> &BTreeMap<u32, u32> {
+        self.stack.executions()
+    }
+
     /// Ends the program with a fault of the line executed last.
     pub fn stop(&mut self, fault: Fault) -> ProgramFault {
         self.then = Continuation::End(Ending::Program);
-        let (place, calls) = (self.place, self.stack.calls());
+        let (place, calls) = self.place();
         ProgramFault { fault, place, calls, message: core::mem::take(&mut self.message) }
     }
 
@@ -167,6 +180,9 @@ impl Interpreter {
         let mut cursor = code.cursor();
         let head = Head::read(&mut cursor);
         let is_off = |switch: u32| self.settings.block_delete.checked_shr(switch).unwrap_or(0) & 1 == 0;
+        if head.delete.is_some() && self.settings.outside != OutsideValues::Assumed {
+            return Err(Fault::not_modelled(NotModelled::SwitchedStatement, 1));
+        }
         if line.text.is_empty() || !head.delete.is_none_or(is_off) {
             return Ok(None);
         }
@@ -228,7 +244,12 @@ impl Interpreter {
             Effect::Kept => Ok(None),
             Effect::Stop => Ok(Some(MacroStep::Message(code.comment.clone()))),
             Effect::Ignore => Ok(Some(MacroStep::Ignore(self.variables.ignored))),
-            Effect::Offset => Ok(Some(MacroStep::Offset)),
+            Effect::Offset if self.settings.outside == OutsideValues::Assumed => Ok(Some(MacroStep::Offset)),
+            Effect::Offset if needs_interpreter(code.bytes()) => {
+                Err(Fault::not_modelled(NotModelled::OffsetStatement(number), column))
+            }
+            // The external origin is zero anyhow; the statement remains a block.
+            Effect::Offset => Ok(Some(self.emit(code.bytes().to_vec(), Vec::new(), code))),
             Effect::Alarm(alarm) => {
                 self.message.clone_from(&code.comment);
                 Err(Fault::in_macro(MacroAlarm::User(alarm), column))
@@ -286,67 +307,5 @@ impl Interpreter {
     fn refuse_in_dnc(&self, column: u16) -> Result<(), Fault> {
         let is_allowed = !(self.settings.is_dnc && self.stack.is_in_main());
         is_allowed.then_some(()).ok_or(Fault::in_macro(MacroAlarm::NotInDnc, column))
-    }
-
-    fn block(&mut self, head: &Head, mut cursor: CodeCursor<'_>) -> StepResult {
-        let unit = self.variables.context.unit;
-        let words = words::read(&mut cursor, self.evaluator(), unit)?;
-        let tenths = |word: &MacroWord| (word.letter == b'G').then(|| whole(Some(word.value * 10.0), 0..=9_999))?;
-        if let Some(at) = words.iter().position(|word| matches!(tenths(word), Some(650 | 660 | 661))) {
-            return self.call_macro(&words, at).map(|()| None);
-        }
-        let (cancels, words): (Vec<_>, Vec<_>) = words.into_iter().partition(|word| tenths(word) == Some(670));
-        if let Some(word) = cancels.first()
-            && !self.stack.cancel_modal()
-        {
-            return Err(Fault::not_modelled(NotModelled::GCode(670), word.column));
-        }
-        if let Some(call) = self.stack.modal_call(ModalCallTiming::EveryBlock).filter(|_| !words.is_empty()) {
-            let arguments = Some(Box::new(locals(words.iter(), Letters::Block, unit)?));
-            self.then = Continuation::Call(Box::new(Call { arguments, ..call }));
-            return Ok(None);
-        }
-        let (words, then) = split_call(words)?;
-        let step = (!words.is_empty() || matches!(then, Continuation::GoOn)).then(|| {
-            let (mut text, mut columns) = spell_block(words.iter());
-            if let Some(sequence) = head.sequence {
-                let number = alloc::format!("N{sequence}");
-                text.splice(..0, number.bytes());
-                columns.splice(..0, core::iter::repeat_n(1, number.len()));
-            }
-            let code = MacroCode::new(&text);
-            self.emit(text, columns, &code)
-        });
-        // A call of this block precedes a modal call; M99 in a block with M30 is not executed.
-        if !matches!(then, Continuation::GoOn) && !matches!(self.then, Continuation::End(_)) {
-            self.then = then;
-        }
-        Ok(step)
-    }
-
-    /// Emits a block and prepares the action after it.
-    fn emit(&mut self, text: Vec<u8>, columns: Vec<u16>, code: &MacroCode) -> MacroStep {
-        let kind = self.variables.codes.apply_block(code.cursor());
-        if kind.moves || kind.dwells {
-            self.steps = 0;
-        }
-        if kind.ends {
-            self.then = Continuation::End(Ending::Program);
-        } else if let Some(call) = self.stack.modal_call(ModalCallTiming::AfterMoves).filter(|_| kind.moves) {
-            self.then = Continuation::Call(Box::new(call));
-        }
-        MacroStep::Block(PlainBlock { text, place: self.place, calls: self.stack.calls(), columns })
-    }
-
-    /// Executes G65, G66 or G66.1 with the words after it.
-    fn call_macro(&mut self, words: &[MacroWord], at: usize) -> Result<(), Fault> {
-        let Some((when, call)) = macro_call(words, at, self.variables.context.unit)? else { return Ok(()) };
-        let Some(when) = when else {
-            self.then = Continuation::Call(Box::new(call));
-            return Ok(());
-        };
-        let column = call.column;
-        let is_set = self.stack.set_modal(when, call, &self.settings.bounds)?;
-        if is_set { Ok(()) } else { Err(Fault::not_modelled(NotModelled::GCode(660), column)) }
     }
 }

@@ -1,6 +1,7 @@
 //! Call stack: the programs in memory, the running ones, and the modal calls of G66.
 
 use alloc::boxed::Box;
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::program::{File, Library, LineRange};
@@ -9,7 +10,7 @@ use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
 /// A line of a program.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.
     pub library: Option<u32>,
@@ -50,6 +51,8 @@ pub struct Call {
     pub arguments: Option<Box<Locals>>,
     /// Whether it is a modal call (G66, G66.1).
     pub is_modal: bool,
+    /// Whether the program is searched only outside of the main program's file (M198).
+    pub is_external: bool,
     /// Column of the program's number.
     pub column: u16,
 }
@@ -70,6 +73,7 @@ pub struct CallFrame {
     span: LineRange,
     /// The line to execute next, counted from 0 in its file.
     pub line: u32,
+    number: u32,
     repeats_left: u32,
     arguments: Option<Box<Locals>>,
     callers: Option<Box<Locals>>,
@@ -90,6 +94,7 @@ pub struct Stack {
     masked: usize,
     /// Number of lines of a main program in DNC operation before the current one.
     lines_before: u32,
+    executions: BTreeMap<u32, u32>,
 }
 
 impl Stack {
@@ -104,11 +109,13 @@ impl Stack {
             modal: Vec::new(),
             masked: 0,
             lines_before: 0,
+            executions: BTreeMap::new(),
         };
         stack.frames.extend(span.map(|span| CallFrame {
             file: 0,
             span,
             line: span.first,
+            number: 0,
             repeats_left: 0,
             arguments: None,
             callers: None,
@@ -168,6 +175,16 @@ impl Stack {
         self.frames.iter().skip(1).map(|frame| frame.from).collect()
     }
 
+    /// Number of executions of each called program, by O number.
+    pub fn executions(&self) -> &BTreeMap<u32, u32> {
+        &self.executions
+    }
+
+    fn count(&mut self, number: u32) {
+        let count = self.executions.entry(number).or_default();
+        *count = count.saturating_add(1);
+    }
+
     /// Starts a called program.
     ///
     /// # Errors
@@ -181,18 +198,24 @@ impl Stack {
             None if subprograms >= bounds.subprograms => return Err(fault(MacroAlarm::SubprogramNesting)),
             _ => {}
         }
-        let (file, span) = self.find(call.number, bounds.memory).map_err(fault)?;
+        let (file, span) = self.find(&call, bounds.memory).map_err(fault)?;
         let Some(repeats_left) = call.repeats.checked_sub(1) else { return Ok(()) };
         let callers = call.arguments.as_ref().map(|arguments| Box::new(core::mem::replace(locals, **arguments)));
         self.masked += usize::from(call.is_modal);
-        let Call { arguments, is_modal, .. } = call;
-        self.frames.push(CallFrame { file, span, line: span.first, repeats_left, arguments, callers, is_modal, from });
+        let Call { number, arguments, is_modal, .. } = call;
+        self.count(number);
+        let line = span.first;
+        self.frames.push(CallFrame { file, span, line, number, repeats_left, arguments, callers, is_modal, from });
         Ok(())
     }
 
     /// Finds a program in the loaded files, then in the library.
-    fn find(&mut self, number: u32, memory: usize) -> Result<(usize, LineRange), MacroAlarm> {
+    fn find(&mut self, call: &Call, memory: usize) -> Result<(usize, LineRange), MacroAlarm> {
+        let Call { number, is_external, .. } = *call;
         let known = |(index, (name, file)): (usize, &(Option<u32>, File))| {
+            if is_external && name.is_none() {
+                return None;
+            }
             let named = file.main().filter(|_| *name == Some(number));
             Some((index, file.program(number).or(named)?))
         };
@@ -222,6 +245,8 @@ impl Stack {
             frame.repeats_left -= 1;
             frame.line = frame.span.first;
             frame.arguments.iter().for_each(|arguments| *locals = **arguments);
+            let number = frame.number;
+            self.count(number);
         } else {
             self.masked -= usize::from(frame.is_modal);
             frame.callers.iter().for_each(|callers| *locals = **callers);

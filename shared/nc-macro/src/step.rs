@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::function::AngleRange;
 use super::print::{Output, PrintStyle};
 use super::stack::{Bounds, SourceLine};
-use super::variables::Ignored;
+use super::variables::{Ignored, OutsideValues};
 use arcfeed_nc::alarm::Fault;
 
 /// Settings of the interpreter.
@@ -19,6 +19,9 @@ pub struct MacroSettings {
     pub block_delete: u16,
     /// Whether the main program arrives line by line over the DNC line.
     pub is_dnc: bool,
+    /// Treatment of values from outside the program. Where they are refused, a `/` and an offset set by a statement are,
+    /// too: the blocks are then the same on every control with these settings.
+    pub outside: OutsideValues,
     /// Limits.
     pub bounds: Bounds,
 }
@@ -69,6 +72,11 @@ pub struct PlainBlock {
 }
 
 impl PlainBlock {
+    /// Source column of each byte of the text; empty if the text is the line as written.
+    pub fn columns(&self) -> &[u16] {
+        &self.columns
+    }
+
     /// Converts the column of a fault from `text` to the source line.
     pub fn in_source(&self, fault: Fault) -> Fault {
         let at = usize::from(fault.column).checked_sub(1);

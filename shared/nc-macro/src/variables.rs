@@ -57,6 +57,8 @@ pub struct Context {
     pub lengthened: Pose,
     /// Time since power-on.
     pub now: Micros,
+    /// Whether the program has stated the position.
+    pub is_position_known: bool,
     /// Date at power-on as one number, year, month, day: 20040229. Power-on counts as midnight.
     pub date: u32,
 }
@@ -65,7 +67,15 @@ impl Context {
     /// Context of this modal state and time, without machine offsets.
     pub fn new(modal: &Modal, now: Micros) -> Self {
         let Modal { unit, program, position, .. } = *modal;
-        Context { unit, end: program, machine: position, lengthened: program, now, date: 20_000_101 }
+        Context {
+            unit,
+            end: program,
+            machine: position,
+            lengthened: program,
+            now,
+            is_position_known: true,
+            date: 20_000_101,
+        }
     }
 
     /// Context before the next line of a [`Reader`](arcfeed_nc::reader::Reader), with its modal state and machine position.
@@ -99,6 +109,19 @@ pub struct Ignored {
     pub feed: u8,
 }
 
+/// Treatment of values that the control has before the program, or that only its clock gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OutsideValues {
+    /// They are vacant, zero or those of the simulated control.
+    #[default]
+    Assumed,
+    /// Reading one is refused, so that the run follows from program and settings alone.
+    Refused {
+        /// The offsets are those of the control.
+        offsets_known: bool,
+    },
+}
+
 /// All variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
@@ -112,7 +135,11 @@ pub struct Variables {
     pub ignored: Ignored,
     /// Offsets.
     pub tables: Box<Tables>,
+    /// Treatment of values from outside the program.
+    pub outside: OutsideValues,
     common: Vec<Value>,
+    /// Common variables that the program has set.
+    assigned: Vec<bool>,
     /// Times at which #3001 and #3002 were zero, in their own units.
     timers: [f64; 2],
 }
@@ -126,7 +153,9 @@ impl Variables {
             codes: Codes::new(context.unit),
             ignored: Ignored::default(),
             tables: Box::default(),
+            outside: OutsideValues::Assumed,
             common: vec![None; COMMON],
+            assigned: vec![false; COMMON],
             timers: [0.0; 2],
         }
     }
@@ -135,8 +164,11 @@ impl Variables {
     ///
     /// # Errors
     /// PS0115 if there is no variable of this number; not modelled if the control has it but its value is unknown
-    /// here.
+    /// here, or comes from outside the program and that is refused.
     pub fn read(&self, number: u32) -> Result<Value, Cause> {
+        if self.is_outside(number) {
+            return Err(Cause::NotModelled(NotModelled::OutsideValue(number)));
+        }
         let known = match number {
             0 => return Ok(None),
             1..=33 => return Ok(self.locals.get(number as usize - 1).copied().flatten()),
@@ -177,9 +209,8 @@ impl Variables {
                 return Err(Cause::Macro(MacroAlarm::WriteProtected));
             }
             _ if let Some(place) = common(number) => {
-                if let Some(place) = self.common.get_mut(place) {
-                    *place = value;
-                }
+                self.common.iter_mut().skip(place).take(1).for_each(|common| *common = value);
+                self.assigned.iter_mut().skip(place).take(1).for_each(|assigned| *assigned = true);
             }
             _ => {
                 offsets::read(&self.tables, number, self.context.unit).ok_or(unknown(number))?;
@@ -191,6 +222,16 @@ impl Variables {
             }
         }
         Ok(Effect::Kept)
+    }
+
+    fn is_outside(&self, number: u32) -> bool {
+        let OutsideValues::Refused { offsets_known } = self.outside else { return false };
+        match number {
+            3_001 | 3_002 | 3_011 | 3_012 => true,
+            5_001..=5_046 => !self.context.is_position_known,
+            _ if let Some(place) = common(number) => self.assigned.get(place) == Some(&false),
+            _ => !offsets_known && offsets::is_offset(number),
+        }
     }
 
     fn ignore(&mut self, number: u32, value: f64) -> Result<Effect, Cause> {
@@ -292,6 +333,7 @@ mod tests {
             machine: end,
             lengthened: end,
             now: Micros(3_723_004_000),
+            is_position_known: true,
             date: 20_260_102,
         })
     }
@@ -342,6 +384,26 @@ mod tests {
         assert_eq!(variables.write(5221, Some(1e9)), Err(Cause::Macro(MacroAlarm::VariableNumber)));
         assert_eq!(variables.read(5221), Ok(Some(-1.234_6)));
         assert_eq!(variables.read(5061), Err(Cause::NotModelled(NotModelled::Variable(5061))));
+    }
+
+    #[test]
+    fn what_only_the_control_knows_is_refused_where_a_run_must_follow_from_the_program() {
+        let mut variables = variables();
+        variables.outside = OutsideValues::Refused { offsets_known: false };
+        let refused = |number| Err(Cause::NotModelled(NotModelled::OutsideValue(number)));
+        for number in [100, 500, 3001, 3012, 2001, 5221] {
+            assert_eq!(variables.read(number), refused(number), "#{number}");
+        }
+        for number in [0, 1, 3003, 4001, 5001, 5043] {
+            assert!(variables.read(number).is_ok(), "#{number}");
+        }
+        // A variable that the program has made vacant is known to be vacant.
+        variables.write(500, None).unwrap();
+        assert_eq!(variables.read(500), Ok(None));
+        variables.context.is_position_known = false;
+        assert_eq!(variables.read(5041), refused(5041));
+        variables.outside = OutsideValues::Refused { offsets_known: true };
+        assert_eq!(variables.read(5221), Ok(Some(0.0)));
     }
 
     #[test]

@@ -100,6 +100,12 @@ pub enum NotModelled {
     Macro,
     /// A system variable of the control whose value is not known here.
     Variable(u32),
+    /// A variable whose value at this place only the control knows.
+    OutsideValue(u32),
+    /// An offset set by a macro statement.
+    OffsetStatement(u32),
+    /// A `/` in a program with macro statements or calls.
+    SwitchedStatement,
     /// An arc that also turns a rotary axis.
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
@@ -169,6 +175,17 @@ impl fmt::Display for NotModelled {
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
             NotModelled::Variable(number) => write!(f, "#{number}"),
+            NotModelled::OutsideValue(number) => write!(
+                f,
+                "the value of #{number} here is known to the control only; assign it before it is read (offsets: give a settings \
+                 file)"
+            ),
+            NotModelled::OffsetStatement(number) => {
+                write!(f, "#{number} sets an offset, which the blocks as executed cannot; write G10")
+            }
+            NotModelled::SwitchedStatement => {
+                f.write_str("a / in a program with macro statements or calls; remove it, or the block")
+            }
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::ChangeOfSide => f.write_str("a change of side under G41 or G42 without G40 before it"),
@@ -202,6 +219,10 @@ impl fmt::Display for Cause {
                 Some(number) => write!(f, "PS{number:04} {}", alarm.explanation()),
                 None => f.write_str(alarm.explanation()),
             },
+            Cause::NotModelled(
+                what
+                @ (NotModelled::OutsideValue(_) | NotModelled::OffsetStatement(_) | NotModelled::SwitchedStatement),
+            ) => write!(f, "{what}"),
             Cause::NotModelled(what) => {
                 write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
             }

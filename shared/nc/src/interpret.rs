@@ -59,13 +59,16 @@ impl Modal {
                 self.execute_one_shot(one_shot, block, (settings, tables), step)?;
             }
         }
+        // The tool begins this move beside its programmed start.
+        let is_cancel = self.starts_up && self.compensation.is_none();
         if self.starts_up
             && let Some(motion) = &step.motion
         {
             self.check_start_up(motion)?;
         }
         if step.motion.is_some() || step.series.is_some() {
-            step.beyond_plain = self.beyond_plain(step, one_shot);
+            let cancel = is_cancel.then_some(NotModelled::MoveUnder(400));
+            step.beyond_plain = cancel.or_else(|| self.beyond_plain(step, one_shot));
         }
         Ok(())
     }
@@ -188,11 +191,11 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
 
 impl Step {
     /// Whether its move is a plain path of the tool centre, in any coordinates: no canned cycle, and not under G41,
-    /// G42, G43.4 or G95. Only such a move can be evaluated on its own.
+    /// G42, G43.4 or G95, nor the first one after G40. Only such a move can be evaluated on its own.
     pub fn is_plain(&self) -> bool {
         match self.beyond_plain {
             None => true,
-            Some(NotModelled::MoveUnder(code)) => !matches!(code, 410 | 420 | 434 | 950),
+            Some(NotModelled::MoveUnder(code)) => !matches!(code, 400 | 410 | 420 | 434 | 950),
             Some(_) => false,
         }
     }

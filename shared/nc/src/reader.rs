@@ -91,6 +91,11 @@ impl Reader {
         self.modal.machine(&self.tables)
     }
 
+    /// Whether the lines read so far have stated where the tool is in X and Y, and none that could not be read has moved it.
+    pub fn is_position_known(&self) -> bool {
+        self.unstated == [false; 2] && self.lost == [false; 3]
+    }
+
     /// Resets the modal state to that of power-on; offsets and axis positions stay.
     pub fn restart(&mut self) {
         let position = self.modal.position;
@@ -260,6 +265,15 @@ mod tests {
         assert_eq!(bad, Err(Fault::alarm(Alarm::RadiusTolerance, 0)));
         let next = reader.read(b"G1Y0.").unwrap().segment.unwrap();
         assert!((next.length_mm() - 11.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_move_that_cancels_an_offset_is_not_plain() {
+        let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
+        let mut reader = Reader::with(Settings { scope: Scope::Everything, ..settings }, Tables::default());
+        let mut is_plain = |line: &str| reader.read(line.as_bytes()).unwrap().step.is_plain();
+        assert!(is_plain("G40G1X0Y0F100."));
+        assert_eq!(["G41D1X10.", "Y10.", "G40X20.", "X30."].map(&mut is_plain), [false, false, false, true]);
     }
 
     #[test]

@@ -34,6 +34,26 @@ fn what_check_prints_is_documented() {
 }
 
 #[test]
+fn what_check_and_adapt_print_of_a_program_with_calls_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-macros");
+    let program = "%\nO1\nG21G17G90G94\nS9000M3\nG0X0.Y0.Z0.\nM98P2L3\nM30\nO2\nG1X8.F900.\nG3I-8.\nG1X0.\nM99\n%\n";
+    scratch.write("program.nc", program);
+    let job = "units = \"mm\"\nprogram = \"program.nc\"\ntool = { kind = \"end-mill\", diameter = 10, teeth = 4 }\n\
+               spindle = { rev_per_min = 9000 }\nlaw = { kind = \"contour\", feed_per_tooth = 0.05 }\n\
+               limits = { max_feed = 6000 }\n[[cut]]\nmoves = \"arcs\"\ndirection = \"ccw\"\nside = \"inside\"\n\
+               radial_depth = 0.5\n";
+    let job = scratch.write("job.toml", job);
+    let report = object(&["check", &job], 0);
+    documented.assert_fits("check", &report);
+    assert_eq!(report["calls"], json!([{ "program": 2, "executions": 3 }]));
+    let (code, blocks) = objects(&["adapt", &job]);
+    blocks.iter().for_each(|block| documented.assert_fits("adapt", block));
+    let lines: Vec<_> = blocks.iter().map(|block| block["line"].as_u64()).collect();
+    assert_eq!((code, lines.len(), &lines[1..4]), (Some(0), 10, &[Some(9), Some(10), Some(11)][..]));
+}
+
+#[test]
 fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
     let documented = Documented::read();
     let machine = |name: &str| format!("examples/machines/{name}.toml");

@@ -193,7 +193,7 @@ impl Writer<'_> {
 }
 
 /// A program, and the library it calls.
-fn programs(input: &[u8], seed: u64) -> (Vec<u8>, BTreeMap<u32, Vec<u8>>) {
+pub fn programs(input: &[u8], seed: u64) -> (Vec<u8>, BTreeMap<u32, Vec<u8>>) {
     let mut random = Rng::with_seed(seed);
     let mut write = |head: String, last: &str| {
         let mut writer = Writer { random: random.fork(), input, text: head.into_bytes(), sequence: 0 };

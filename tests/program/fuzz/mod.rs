@@ -5,6 +5,8 @@
 
 mod macros;
 
+mod written_back;
+
 mod mutate;
 
 mod targets;
@@ -99,6 +101,11 @@ fn both_ends_of_rfc2217_take_whatever_the_other_says() {
 #[test]
 fn macro_programs_end_within_their_bounds() {
     feed("macros", 8, SMOKE / 10, macros::interpreter);
+}
+
+#[test]
+fn feeds_are_written_back_into_macro_programs_or_refused() {
+    feed("written-back", 21, SMOKE / 10, written_back::written_back);
 }
 
 #[test]

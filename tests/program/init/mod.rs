@@ -211,7 +211,7 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
 /// Result of `init` for a text: the tool, and the written job.
 fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
     let path = scratch.write("p.nc", text);
-    let (program, survey) = survey::load(path.as_ref(), None).expect("just written");
+    let (program, survey) = survey::load(path.as_ref(), None, None).expect("just written");
     assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
     let groups = group(&survey.arcs);
     let answers = &Answers::default();

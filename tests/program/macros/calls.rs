@@ -25,6 +25,26 @@ fn words_beside_a_call_are_executed_before_it() {
 }
 
 #[test]
+fn m198_calls_a_program_of_the_library_only() {
+    let library = [(2, "O2\nX9.\nM99\n"), (3, "O3\nX8.\nM98P2\nM99\n")];
+    let ends = |text: &str| {
+        let run = run_with(text, &library, MacroSettings::default());
+        (run.ended.is_ok(), run.ends_mm().iter().map(|end| end[0]).collect::<Vec<_>>())
+    };
+    let own = "M30\nO2\nX7.\nM99\n";
+    assert_eq!(ends(&format!("O1\nG0\nM98P2\nM198P2L2\n{own}")), (true, vec![7.0, 9.0, 9.0]));
+    assert_eq!(ends(&format!("O1\nG0\nM198P3\n{own}")), (true, vec![8.0, 7.0]));
+    assert_eq!(ends(&format!("O1\nG0\nM198P4\n{own}")), (false, vec![]));
+}
+
+#[test]
+fn executions_of_called_programs_are_counted_with_their_repetitions() {
+    let run = run("O1\nM98P2L3\nG65P3\nM98P4L0\nM30\nO2\nM98P3L2\nM99\nO3\nM99\nO4\nM99\n");
+    let executions: Vec<_> = run.interpreter.executions().iter().map(|(number, count)| (*number, *count)).collect();
+    assert_eq!(executions, [(2, 3), (3, 7)]);
+}
+
+#[test]
 fn m99_with_p_returns_to_a_block() {
     assert_eq!(xs("O1\nM98P2\nG0X1.\nN50X2.\nM30\nO2\nG0X9.\nM99P50\n"), [9.0, 2.0]);
 }

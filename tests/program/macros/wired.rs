@@ -135,21 +135,37 @@ fn an_error_in_a_loop_is_reported_once() {
     assert!(places[0].contains(":4:1: error PS0022") && places[1].contains(":6:5: error PS0112"), "{stderr}");
 }
 
-#[test]
-fn programs_with_macros_are_not_adapted_nor_streamed() {
-    let scratch = Scratch::new("macro-adapt");
+/// The example, with these statements before N144.
+fn example_with(scratch: &Scratch, statements: &str) -> String {
     let example =
         |file: &str| std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("the example");
-    scratch.write("job.toml", example("job.toml"));
-    scratch.write("ibr-slot.nc", example("ibr-slot.nc").replacen("N144", "#100=#100+1\nN144", 1));
-    let program = scratch.path("ibr-slot.nc");
+    scratch.write("ibr-slot.nc", example("ibr-slot.nc").replacen("N144", &format!("{statements}N144"), 1));
+    scratch.write("job.toml", example("job.toml"))
+}
+
+#[test]
+fn a_counter_that_only_the_control_knows_is_refused_by_every_command_with_a_job() {
+    let scratch = Scratch::new("macro-unset");
+    let job = example_with(&scratch, "#100=#100+1\n");
     for command in ["adapt", "stream", "simulate"] {
-        let output = run(&[command, &scratch.path("job.toml")]);
+        let output = run(&[command, &job]);
         let stderr = String::from_utf8(output.stderr).expect("UTF-8");
         assert_eq!(output.status.code(), Some(1), "{command}: {stderr}");
-        assert!(
-            stderr.starts_with(&format!("{program}:")) && stderr.contains("macro statements"),
-            "{command}: {stderr}"
-        );
+        let place = format!("{}:19:6: error: the value of #100 here", scratch.path("ibr-slot.nc"));
+        assert!(stderr.starts_with(&place), "{command}: {stderr}");
     }
+}
+
+#[test]
+fn statements_change_nothing_in_how_the_example_is_adapted() {
+    let scratch = Scratch::new("macro-adapt");
+    let statements = "#100=1\n#100=#100+1\n";
+    let adapted = |statements: &str| {
+        let (job, out) = (example_with(&scratch, statements), scratch.path("out.nc"));
+        let output = run(&["adapt", &job, "-o", &out]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read_to_string(out).expect("the adapted program")
+    };
+    let plain = adapted("");
+    assert_eq!(adapted(statements), plain.replacen("N144", &format!("{statements}N144"), 1));
 }

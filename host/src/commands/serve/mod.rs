@@ -258,7 +258,7 @@ impl Serve {
         let fault = if self.job.is_some() { ControllerFault::None } else { ControllerFault::LawOff };
         let mut simulation = Simulation::on_line(settings, &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
-        match &self.library {
+        match self.library.as_ref().or(file.library.as_ref()) {
             Some(folder) if !folder.is_dir() => {
                 let message = format!("{}: no folder; --library wants one with subprograms", folder.display());
                 return Err(Failure::Input(message));

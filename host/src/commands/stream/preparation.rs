@@ -8,6 +8,7 @@ use arcfeed_hil_sim::simulation::PlannedConditions;
 use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_units::{Micros, S_PER_MIN};
 
+use super::super::executed_blocks::check_expanded;
 use super::super::job_input::{adapted, load};
 use super::super::outcome::Failure;
 use super::super::simulate::control::{control_settings, tape_code};
@@ -58,6 +59,15 @@ impl PreparedProgram {
         file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
         if let Some(warning) = program.missing_label() {
             note(format_args!("{}:{warning}", program.path.display()));
+        }
+        check_expanded(&program.path, program.places.as_deref())?;
+        if let Some(places) = &program.places {
+            note(format_args!(
+                "{}: a control on a line cannot jump or loop: sent are the {} lines of `arcfeed adapt --expand`, and line \
+                 numbers are theirs",
+                program.path.display(),
+                places.len()
+            ));
         }
         let adapted = adapted(&program, &file);
         let wire = Wire { encode: encode(&file), filters, tv_check: file.dnc.tv_check };
