@@ -231,8 +231,8 @@ fn has_plain_bytes(line: &[u8]) -> bool {
             },
             b'0' => before = before.to_ascii_lowercase(),
             b' ' | b'\t' | b'\r' => {}
-            b'A'..=b'Z' if before.is_ascii_uppercase() => return false,
-            b'A'..=b'Z' => before = byte,
+            b'A'..=b'Z' | b'a'..=b'z' if before.is_ascii_uppercase() => return false,
+            b'A'..=b'Z' | b'a'..=b'z' => before = byte.to_ascii_uppercase(),
             b'(' if before != 0 => return false,
             b'(' => before = byte,
             b'#' | b'[' | b']' | b'=' => return false,
@@ -294,11 +294,16 @@ mod tests {
 
     #[test]
     fn only_what_a_plain_reader_cannot_read_needs_the_interpreter() {
-        for line in ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165"] {
+        for line in ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165", "g1x1.", "m9"] {
             assert!(!needs_interpreter(line.as_bytes()), "{line}");
         }
         for line in [
             "X#1",
+            "x#1",
+            "g65p1",
+            "m 98 p1",
+            "while[1eq1]do1",
+            "goto5",
             "#1=#2",
             "IF[1EQ1]GOTO1",
             "M98P1",

@@ -99,6 +99,10 @@ pub enum NotModelled {
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
     ArcWithoutAngle,
+    /// G10 for an additional work coordinate system that has no place in the tables.
+    FarSystem,
+    /// A chamfer or rounded corner (`,C` and `,R`).
+    Corner,
     /// More words in a block than [`crate::block::WORDS_MAX`].
     LongBlock,
 }
@@ -156,6 +160,8 @@ impl fmt::Display for NotModelled {
             NotModelled::Variable(number) => write!(f, "#{number}"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
+            NotModelled::FarSystem => f.write_str("G10 L20 for a system after G54.1 P48"),
+            NotModelled::Corner => f.write_str("a chamfer or rounded corner (`,C` or `,R`)"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }

@@ -4,6 +4,7 @@ use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::frame::CoordinateRotation;
 use super::modal::{CompensationSide, Cycle, FeedMode, Modal, MotionKind, Plane, Polar};
+use super::settings::ArcCenters;
 use super::word::Word;
 use arcfeed_units::{LengthUnit, MicroDeg, Nm};
 
@@ -35,6 +36,8 @@ pub(super) enum OneShot {
     Machine,
     /// G54.1.
     AdditionalSystem,
+    /// G5.
+    HighSpeed,
     /// G5.1.
     Smoothing,
     /// G68.
@@ -79,6 +82,7 @@ impl Modal {
         let mut one_shot = OneShot::No;
         match tenths {
             40 => one_shot = OneShot::Dwell,
+            50 => one_shot = OneShot::HighSpeed,
             51 => one_shot = OneShot::Smoothing,
             80 => one_shot = OneShot::LookAhead,
             100 => one_shot = OneShot::Data,
@@ -111,6 +115,9 @@ impl Modal {
             690 => {
                 self.unmodelled = 0;
                 self.rotate(None::<CoordinateRotation>);
+            }
+            901 | 911 if self.arc_centers != ArcCenters::FromStart => {
+                self.arc_centers = if tenths == 901 { ArcCenters::Absolute } else { ArcCenters::Incremental };
             }
             920 => one_shot = OneShot::Preset,
             921 => one_shot = OneShot::PresetBack,
@@ -176,7 +183,8 @@ fn is_fanuc_g(tenths: i64) -> bool {
         0 => matches!(whole, 0..=5 | 7..=13 | 15..=23 | 25..=33 | 37..=69 | 73..=76 | 80..=99),
         _ => matches!(
             tenths,
-            51 | 61 | 71 | 121 | 131 | 401 | 411 | 421 | 434 | 435 | 501 | 511 | 541 | 682..=684 | 691 | 921
+            51 | 54 | 61 | 62 | 71 | 121 | 131 | 401..=406 | 411..=416 | 421..=426 | 431 | 434 | 435 | 501 | 511 | 531 | 536
+                | 541 | 542 | 544 | 682..=684 | 691 | 921
         ),
     }
 }
