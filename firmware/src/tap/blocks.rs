@@ -5,8 +5,8 @@
 //! next plain move, or of a cycle. The offsets of the control are unknown here; positions are relative to the
 //! workpiece's origin, where offsets have no effect.
 
-use arcfeed_nc::alarm::{Fault, NotModelled};
-use arcfeed_nc::block::Block;
+use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
+use arcfeed_nc::block::{Block, NoticeKind};
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::{Feed, FeedMode, Pose, ProgramStop};
 use arcfeed_nc::reader::{InterpretedLine, Reader};

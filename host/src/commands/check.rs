@@ -1,14 +1,16 @@
 //! `arcfeed check`: the alarms that a control would raise for a program.
 
-use std::io::IsTerminal;
+mod findings;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use annotate_snippets::Renderer;
 use arcfeed_kinematics::deviation::Mode;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::settings::Scope;
 use serde::Serialize;
+
+use findings::Findings;
 
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
@@ -23,12 +25,9 @@ use crate::post::cl_from_nc;
 use crate::post::finding::FindingKind;
 use crate::post::plan::AxisPlan;
 use crate::program::{
-    Diagnostic, MoveCounts, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source, read_bounded,
+    DecimalSurvey, Diagnostic, MoveCounts, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source,
+    fitting_convention, read_bounded,
 };
-use crate::snippet;
-
-/// Errors and warnings that the JSON object lists; the others are counted.
-const LISTED_MAX: usize = 10_000;
 
 /// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that
 /// the machine cannot follow, in CL data too
@@ -126,9 +125,11 @@ impl Check {
             }
         }
         let (job, source, control) = self.read()?;
-        let mut findings = Findings::new(self, &source.path);
+        let mut findings = Findings::new(&self.program, &source.path, self.json);
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
+        let mut decimals = DecimalSurvey::new(&source.settings);
         let each_line = |line: &ProgramLine| {
+            decimals.add(line);
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
                 used.add(line, &file.job, tool_at(line, &file.job));
             }
@@ -140,6 +141,10 @@ impl Check {
             program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
+        for (warning, text) in decimals.warnings() {
+            findings.add(warning, Some(text));
+        }
+        findings.print_warnings();
         // The axis positions of a faulty program are unknown.
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
@@ -150,6 +155,11 @@ impl Check {
             (_, false) => print_counts(&findings, counts),
         }
         if findings.errors > 0 {
+            if source.macro_line.is_none()
+                && let Some(advice) = fitting_convention(&source, findings.errors)
+            {
+                note(format_args!("{advice}"));
+            }
             let (path, errors) = (source.path.display(), findings.errors);
             return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
         }
@@ -262,47 +272,6 @@ impl Check {
             not_listed: findings.errors + findings.warnings - findings.listed.len(),
         };
         say(format_args!("{}", serde_json::json!(report)));
-    }
-}
-
-/// Findings: printed at once, or kept for the JSON object.
-struct Findings<'a> {
-    path: &'a Path,
-    /// Path as given on the command line.
-    given: &'a Path,
-    is_json: bool,
-    errors: usize,
-    warnings: usize,
-    listed: Vec<Diagnostic>,
-}
-
-impl<'a> Findings<'a> {
-    fn new(check: &'a Check, path: &'a Path) -> Self {
-        let (given, is_json) = (&check.program, check.json);
-        Findings { path, given, is_json, errors: 0, warnings: 0, listed: Vec::new() }
-    }
-
-    fn add(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
-        match diagnostic.severity {
-            Severity::Error => self.errors += 1,
-            Severity::Warning => self.warnings += 1,
-        }
-        if !self.is_json {
-            self.print(&diagnostic, text);
-        } else if self.listed.len() < LISTED_MAX {
-            self.listed.push(diagnostic);
-        }
-    }
-
-    fn print(&self, diagnostic: &Diagnostic, text: Option<&[u8]>) {
-        let in_words = |is_terminal: bool| match text {
-            Some(text) if is_terminal => snippet::render(self.given, text, diagnostic, &Renderer::styled()),
-            _ => format!("{}:{diagnostic}", self.path.display()),
-        };
-        match diagnostic.severity {
-            Severity::Error => note(format_args!("{}", in_words(std::io::stderr().is_terminal()))),
-            Severity::Warning => say(format_args!("{}", in_words(std::io::stdout().is_terminal()))),
-        }
     }
 }
 

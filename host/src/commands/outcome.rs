@@ -17,7 +17,7 @@ use crate::file_error::FileError;
 use crate::job::JobFile;
 use crate::output;
 use crate::port::PortError;
-use crate::program::{Program, ProgramLine, Severity, Source};
+use crate::program::{Program, ProgramLine, Severity, Source, fitting_convention};
 
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
@@ -135,7 +135,9 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
         Severity::Error => more += 1,
         Severity::Warning => {}
     });
+    let advice = if errors.is_empty() { None } else { fitting_convention(&source, errors.len() + more) };
     errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
+    errors.extend(advice);
     errors.extend(name_tool(&mut file.job, &source.path, &summary.tools));
     if !errors.is_empty() {
         return Err(Failure::Input(errors.join("\n")));

@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use arcfeed_nc::alarm::{Alarm, Cause, Fault};
-use arcfeed_nc::block::{Parsed, Reading, parse_line};
+use arcfeed_nc::block::{Notice, NoticeKind, Parsed, Reading, is_title, parse_line};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::{Lines, RawLine};
+use arcfeed_nc::word::{column, is_mark, small_letter};
 use arcfeed_nc_macro::interpreter::Interpreter;
 use arcfeed_nc_macro::program::{Library, first_macro};
 use arcfeed_nc_macro::stack::{Bounds, SourceLine};
@@ -125,6 +126,22 @@ impl Program {
         let numbers = |parsed: &Parsed| parsed.block.check_numbers(text, settings).ok().flatten();
         for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(parsed))) {
             self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
+        }
+        let is_code = !is_title(text) && !is_mark(text);
+        if let Some(offset) = small_letter(text).filter(|_| is_code) {
+            let (line, column) = (self.lines.len() + 1, column(offset));
+            match settings.reading {
+                Reading::Strict => {
+                    let fault = Fault::alarm(Alarm::Character, column);
+                    self.diagnostics.push(Diagnostic::of_fault(line, text, fault));
+                }
+                // The reader of plain lines has noticed those that it can read.
+                Reading::Lenient if parsed.is_none() => {
+                    let notice = Notice { kind: NoticeKind::SmallLetter, column };
+                    self.diagnostics.push(Diagnostic::of_notice(line, text, notice));
+                }
+                Reading::Lenient => {}
+            }
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
         let meaning = without_code.map(|parsed| InterpretedLine { parsed, ..InterpretedLine::default() });

@@ -4,9 +4,11 @@ use arcfeed_nc::block::{LineKind, Parsed, Reading};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::RawLine;
+use arcfeed_nc::word::is_mark;
 
 use super::block_delete::BlockDeleteReader;
-use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
+use super::diagnostic::{BEHIND_THE_END, START_UNKNOWN, is_blank};
+use super::{Diagnostic, ProgramLine};
 
 /// State of the control after the lines read so far.
 pub struct LineReader {
@@ -55,7 +57,7 @@ impl LineReader {
             return self.pass_over(line, found);
         }
         let is_blank = is_blank(text);
-        self.has_ended = self.has_begun && text.first() == Some(&b'%');
+        self.has_ended = self.has_begun && is_mark(text);
         self.has_begun |= !is_blank;
         self.skipping.fork(text, &self.reader);
         match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
@@ -72,7 +74,7 @@ impl LineReader {
     /// Keeps a line after the closing `%`, which no control reads.
     fn pass_over(&mut self, line: &mut ProgramLine, found: &mut Vec<Diagnostic>) {
         let text = std::mem::take(&mut line.text);
-        if !self.has_trailer && !is_blank(&text) && text.first() != Some(&b'%') {
+        if !self.has_trailer && !is_blank(&text) && !is_mark(&text) {
             self.has_trailer = true;
             found.push(Diagnostic::of_line(self.count, &text, BEHIND_THE_END));
         }

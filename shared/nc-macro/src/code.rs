@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::number::{self, Number};
-use arcfeed_nc::word::column;
+use arcfeed_nc::word::{BYTE_ORDER_MARK, column};
 
 /// The code of one line.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,8 @@ impl MacroCode {
     pub fn new(line: &[u8]) -> Self {
         let mut code = MacroCode { end: column(line.len()), ..MacroCode::default() };
         let (mut in_comment, mut comments) = (false, 0);
-        for (at, &byte) in line.iter().enumerate() {
+        let begin = if line.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        for (at, &byte) in line.iter().enumerate().skip(begin) {
             match byte {
                 b'(' if !in_comment => {
                     in_comment = true;

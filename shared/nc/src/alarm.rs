@@ -144,6 +144,42 @@ impl Fault {
     }
 }
 
+impl NotModelled {
+    /// Remedy.
+    pub const fn remedy(self) -> &'static str {
+        match self {
+            NotModelled::GCode(tenths) | NotModelled::MoveUnder(tenths) => g_remedy(tenths),
+            NotModelled::AfterRotation => "name both axes of the plane in this block, under G90",
+            NotModelled::MCode(96) => "write the program without interrupts",
+            NotModelled::MCode(_) | NotModelled::Macro => "write the program out without calls and macro statements",
+            NotModelled::Variable(_) => "write the value in place of the variable",
+            NotModelled::RotaryArc => "turn the rotary axis in a block of its own, or post the arc as lines",
+            NotModelled::ArcWithoutAngle => "give the centre with I, J, K",
+            NotModelled::FarSystem => "enter the offset at the control, or use G54.1 P1 to P48",
+            NotModelled::Corner => "write the corner as a block of its own",
+            NotModelled::LongBlock => "divide the block",
+        }
+    }
+}
+
+/// Remedy for a G code, in tenths, that is not interpreted.
+const fn g_remedy(tenths: u16) -> &'static str {
+    match tenths {
+        50 => "G5 P0 and G5 P10000 are read; write the moves that another P calls",
+        51 => "G5.1 Q0 and G5.1 Q1 are read; write one of them",
+        100 => "enter tool life and parameters at the control, not by G10",
+        270 => "remove the check of the reference point; G28 goes there",
+        310 => "measure in a program of its own",
+        330 => "cut the thread with G84, or with helices G2 or G3",
+        434 | 435 => "post the program for the rotary axes, or check it with --machine",
+        500 | 510 | 511 | 680 => "post the moves in the coordinates that they have after it",
+        531 | 682 | 683 | 684 => "post the program without a tilted plane, in the machine's axes",
+        660 | 661 | 670 => "call the macro with G65 at each place",
+        880 => "use G82, G85 or G86: in G88 the operator retracts the tool by hand",
+        _ => "post the program without it",
+    }
+}
+
 impl fmt::Display for NotModelled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -183,7 +219,7 @@ impl fmt::Display for Cause {
                 None => f.write_str(alarm.explanation()),
             },
             Cause::NotModelled(what) => {
-                write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
+                write!(f, "{what} is not interpreted by arcfeed; {}", what.remedy())
             }
         }
     }
