@@ -7,16 +7,15 @@ use std::time::Duration;
 
 use arcfeed_kinematics::deviation::Mode;
 use arcfeed_nc::block::Reading;
-use arcfeed_nc::settings::Scope;
 use serde::Serialize;
 
 use findings::Findings;
 
+use super::control_args::ControlArgs;
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
 use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
-use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
 use crate::post::check::check_program;
@@ -43,15 +42,8 @@ pub struct Check {
     /// Report exactly what the control would reject, also in titles and comments
     #[arg(long)]
     strict: bool,
-    /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
-    #[arg(long, value_parser = ControlKind::named)]
-    control: Option<ControlKind>,
-    /// Settings of this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
-    #[arg(long, value_name = "SETTINGS.toml")]
-    settings: Option<PathBuf>,
-    /// Meaning of numbers without a decimal point
-    #[arg(long)]
-    decimals: Option<Convention>,
+    #[command(flatten)]
+    of_control: ControlArgs,
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
@@ -144,6 +136,7 @@ impl Check {
         for (warning, text) in decimals.warnings() {
             findings.add(warning, Some(text));
         }
+        findings.sort();
         findings.print_warnings();
         // The axis positions of a faulty program are unknown.
         let on =
@@ -179,14 +172,7 @@ impl Check {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
-        let of_job = job.as_ref().map_or(ControlKind::Fanuc16i, |file| file.control);
-        let control = self.control.unwrap_or(of_job);
-        let file = self.settings.as_ref().or(job.as_ref().and_then(|file| file.settings.as_ref()));
-        let (mut settings, tables) =
-            control::load(control.preset(), reading, file.map(PathBuf::as_path)).map_err(Failure::Input)?;
-        settings.scope = Scope::Everything;
-        settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
-        settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
+        let (control, settings, tables) = self.of_control.read(job.as_ref(), reading)?;
         let source = Source::read(path, settings, tables).map_err(Failure::Input)?;
         Ok((job, source, control))
     }
@@ -215,8 +201,7 @@ impl Check {
 
     /// Checks CL data on a machine.
     fn run_cl(&self, file: &MachineFile) -> Result<(), Failure> {
-        let is_of_program = self.strict || self.control.is_some() || self.settings.is_some();
-        if is_of_program || self.decimals.is_some() || self.library.is_some() {
+        if self.strict || self.of_control.is_given() || self.library.is_some() {
             let advice =
                 "--strict, --control, --settings, --decimals and --library are for NC programs, not for CL data";
             return Err(Failure::Usage(advice.into()));

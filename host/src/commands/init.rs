@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use arcfeed_nc::block::Reading;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
+use super::control_args::ControlArgs;
 use super::outcome::{Failure, file_failure, refuse_inputs, say};
 use crate::console::note;
 use crate::init::groups::{Group, group};
@@ -12,6 +14,7 @@ use crate::init::job_writer::{Findings, job};
 use crate::init::proposal::{LikelyTool, Proposal, propose};
 use crate::init::survey::{self, Survey};
 use crate::init::wording;
+use crate::job::ControlKind;
 use crate::job::questions::{self, Question};
 use crate::output;
 use crate::program::{Program, Severity};
@@ -24,6 +27,8 @@ pub struct Init {
     /// Write the job here; without it, beside the program under its name with .toml
     #[arg(short, long, value_name = "JOB.toml")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    of_control: ControlArgs,
     /// Write over a file that is there already
     #[arg(long)]
     force: bool,
@@ -84,12 +89,15 @@ impl Init {
     /// # Errors
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (program, survey) = survey::load(&self.program).map_err(Failure::Input)?;
+        let (control, settings, tables) = self.of_control.read(None, Reading::Lenient)?;
+        let (program, survey) = survey::load(&self.program, settings, tables).map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups);
-        let name = program_from(&output, &self.program);
-        let findings = Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal };
+        let name = name_from(&output, &self.program);
+        let control = self.control_keys(control, &output);
+        let findings =
+            Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal, control: &control };
         let text = job(&findings);
         self.write(&output, &text)?;
         let questions = questions::open(&text);
@@ -109,6 +117,15 @@ impl Init {
         Ok(())
     }
 
+    /// Keys of the job's control.
+    fn control_keys(&self, control: ControlKind, output: &Path) -> Vec<(&'static str, String)> {
+        let mut keys = vec![("preset", control.name().to_owned())];
+        keys.extend(self.of_control.decimals.map(|decimals| ("decimals", decimals.name().to_owned())));
+        let settings = self.of_control.settings.as_ref();
+        keys.extend(settings.map(|settings| ("settings", name_from(output, settings))));
+        keys
+    }
+
     fn write(&self, output: &Path, text: &str) -> Result<(), Failure> {
         refuse_inputs(&[Some(output)], std::slice::from_ref(&self.program))?;
         let write = if self.force { output::write_whole } else { output::write_new };
@@ -122,8 +139,8 @@ impl Init {
     }
 }
 
-/// The program's name as seen from the job file: jobs name programs relative to themselves.
-fn program_from(job: &Path, program: &Path) -> String {
+/// A file's name as seen from the job file: jobs name files relative to themselves.
+fn name_from(job: &Path, program: &Path) -> String {
     let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_owned));
     let name = match program.file_name() {
         Some(name) if folder(job) == folder(program) => PathBuf::from(name),

@@ -4,6 +4,8 @@ pub mod outcome;
 
 pub mod job_input;
 
+pub mod control_args;
+
 pub mod five_axis;
 
 pub mod check;

@@ -22,6 +22,8 @@ pub struct Findings<'a> {
     pub groups: &'a [Group],
     /// Proposed tool and cut rules.
     pub proposal: &'a Proposal,
+    /// Keys and values of `[control]`.
+    pub control: &'a [(&'static str, String)],
 }
 
 const UNITS_QUESTION: &str = "
@@ -57,7 +59,7 @@ const SIDE_FORMS: &str = "
 
 /// Text of the job file.
 pub fn job(findings: &Findings<'_>) -> String {
-    let Findings { program, survey, groups, proposal } = *findings;
+    let Findings { program, survey, groups, proposal, control } = *findings;
     let unit = survey.unit.unwrap_or(LengthUnit::Inch);
     let mut text = String::from(
         "# A first job, made from its program by `arcfeed init`. Each \"?\" is a question still open; `arcfeed check` on this file
@@ -86,8 +88,9 @@ pub fn job(findings: &Findings<'_>) -> String {
 mode = \"safe-base\"
 
 [control]
-preset = \"fanuc-16i\"
-
+";
+    text.extend(control.iter().map(|(key, value)| format!("{key} = {}\n", quoted(value))));
+    text += "
 # The line of `arcfeed stream`, where it is not 9600 8N1 with XON/XOFF; many controls of that kind take:
 # [serial]
 # baudrate = 9600

@@ -2,7 +2,8 @@
 
 use std::path::Path as FilePath;
 
-use arcfeed_nc::block::{Block, Reading};
+use arcfeed_nc::block::Block;
+use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::{LengthUnit, Nm};
@@ -54,14 +55,14 @@ pub struct FoundArc {
     pub is_corner: bool,
 }
 
-/// Reads and surveys a program file.
+/// Reads and surveys a program file, for a control with these settings.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
-pub fn load(path: &FilePath) -> Result<(Program, Survey), String> {
+pub fn load(path: &FilePath, settings: Settings, tables: Tables) -> Result<(Program, Survey), String> {
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
-    let read = |unit| Program::parse(path, &bytes, unit, Reading::Lenient);
+    let read = |unit| Program::parse_with(path, &bytes, Settings { unit, ..settings }, tables);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
     if unit == Some(LengthUnit::Mm) {

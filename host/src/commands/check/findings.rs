@@ -77,6 +77,11 @@ impl<'a> Findings<'a> {
         }
     }
 
+    /// Sorts the findings for the JSON object by their places.
+    pub fn sort(&mut self) {
+        self.listed.sort_by_key(|found| (found.line, found.column));
+    }
+
     fn add_warning(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
         let known = self.by_message.get(&diagnostic.message).and_then(|index| self.kinds.get_mut(*index));
         if let Some(kind) = known {

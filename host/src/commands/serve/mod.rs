@@ -210,8 +210,8 @@ impl Serve {
         file.settings = self.settings.clone().or(file.settings);
         let inputs = self.job.as_ref().map_or(Vec::from_iter(file.settings.clone()), |job| file.inputs(job));
         refuse_inputs(&[self.executed.as_deref()], &inputs)?;
-        (file.nc, file.tables) =
-            file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
+        let of_control = file.control.settings(file.job.unit, file.settings.as_deref(), file.conventions);
+        (file.nc, file.tables) = of_control.map_err(Failure::Input)?;
         let interrupted = on_interrupt();
         let mut line = match (&self.place.tcp, &self.place.rfc2217) {
             (Some(address), _) => ControlLine::tcp(address, None, self.clients.limits())?,
