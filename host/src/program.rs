@@ -10,6 +10,8 @@ mod move_counts;
 
 mod move_trace;
 
+mod path_summary;
+
 mod lines;
 
 mod summary;
@@ -37,8 +39,10 @@ pub use conventions::{DecimalSurvey, fitting_convention};
 pub use diagnostic::{Diagnostic, FeedKept, Severity};
 pub use expansion::{Expansion, Folder, RunBounds};
 use lines::LineReader;
+pub use lines::in_capitals;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
+pub use path_summary::{PathSummary, ToolUse};
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;
 
@@ -57,6 +61,8 @@ pub struct Program {
     pub macro_line: Option<usize>,
     /// State of the control before the first line.
     pub control: Reader,
+    /// Path of a run, for a program with macro statements.
+    pub run_summary: Option<PathSummary>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
 }
@@ -152,6 +158,7 @@ impl Program {
             moves: MoveCounts::default(),
             macro_line,
             control,
+            run_summary: None,
             run: Vec::new(),
         }
     }

@@ -2,6 +2,8 @@
 
 mod findings;
 
+mod path_report;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -10,6 +12,7 @@ use arcfeed_nc::block::Reading;
 use serde::Serialize;
 
 use findings::Findings;
+use path_report::PathFigures;
 
 use super::control_args::ControlArgs;
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
@@ -24,7 +27,7 @@ use crate::post::cl_from_nc;
 use crate::post::finding::FindingKind;
 use crate::post::plan::AxisPlan;
 use crate::program::{
-    DecimalSurvey, Diagnostic, MoveCounts, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source,
+    DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source,
     fitting_convention, read_bounded,
 };
 
@@ -85,6 +88,7 @@ struct CheckReport<'a> {
     control: &'a str,
     strict: bool,
     counts: Counts,
+    summary: PathFigures,
     errors: Vec<Entry<'a>>,
     warnings: Vec<Entry<'a>>,
     not_listed: usize,
@@ -120,8 +124,10 @@ impl Check {
         let mut findings = Findings::new(&self.program, &source.path, self.json);
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
         let mut decimals = DecimalSurvey::new(&source.settings);
+        let mut path = PathSummary::new(source.settings.unit);
         let each_line = |line: &ProgramLine| {
             decimals.add(line);
+            path.add_line(line);
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
                 used.add(line, &file.job, tool_at(line, &file.job));
             }
@@ -133,6 +139,8 @@ impl Check {
             program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
+        let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
+        let path = PathFigures::new(&of_run.unwrap_or(path));
         for (warning, text) in decimals.warnings() {
             findings.add(warning, Some(text));
         }
@@ -143,13 +151,16 @@ impl Check {
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
         let counts = Counts::new(&summary);
         match (&on, self.json) {
-            (None, true) => self.print_json(&findings, counts, control),
+            (None, true) => self.print_json(&findings, (counts, path), control),
             (Some(_), true) => {}
-            (_, false) => print_counts(&findings, counts),
+            (_, false) => {
+                path.print();
+                print_counts(&findings, counts);
+            }
         }
         if findings.errors > 0 {
             if source.macro_line.is_none()
-                && let Some(advice) = fitting_convention(&source, findings.errors)
+                && let Some(advice) = fitting_convention(&source)
             {
                 note(format_args!("{advice}"));
             }
@@ -242,7 +253,7 @@ impl Check {
         path_report.verdict()
     }
 
-    fn print_json(&self, findings: &Findings<'_>, counts: Counts, control: ControlKind) {
+    fn print_json(&self, findings: &Findings<'_>, (counts, summary): (Counts, PathFigures), control: ControlKind) {
         let entries = |severity| {
             let of = findings.listed.iter().filter(move |diagnostic| diagnostic.severity == severity);
             of.map(Entry::new).collect::<Vec<_>>()
@@ -252,6 +263,7 @@ impl Check {
             control: control.name(),
             strict: self.strict,
             counts,
+            summary,
             errors: entries(Severity::Error),
             warnings: entries(Severity::Warning),
             not_listed: findings.errors + findings.warnings - findings.listed.len(),

@@ -135,7 +135,7 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
         Severity::Error => more += 1,
         Severity::Warning => {}
     });
-    let advice = if errors.is_empty() { None } else { fitting_convention(&source, errors.len() + more) };
+    let advice = if errors.is_empty() { None } else { fitting_convention(&source) };
     errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
     errors.extend(advice);
     errors.extend(name_tool(&mut file.job, &source.path, &summary.tools));

@@ -43,7 +43,7 @@ use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
 use crate::job::JobFile;
-use crate::program::Program;
+use crate::program::{Program, in_capitals};
 use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
@@ -212,7 +212,7 @@ pub(super) fn in_memory_of(
     fault: ControllerFault,
 ) -> Result<Simulation, Failure> {
     // A last line without its end would never be a block.
-    let program = [program, b"\n"].concat();
+    let program = [&in_capitals(program), b"\n".as_slice()].concat();
     Simulation::from_memory(settings, &program, &file.job, fault)
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))
 }

@@ -59,6 +59,7 @@ const FOREIGN_TEXT: [(&[u8], &str); 8] = [
 const EQUALS: &str = "an address with = is the spelling of a Siemens: write the number behind the letter";
 const NESTED: &str = "the first ) ends a comment, so comments cannot be nested: remove the inner brackets";
 const COMMENT: &str = "a comment is written in ( ) on a Fanuc";
+const FAR_SYSTEM: &str = "a 16i and a 0i have G54.1 P1 to P48, a 31i P1 to P300 (--control fanuc-31i)";
 const CAPITALS: &str = "write capitals";
 
 /// The remedy for a fault at its place in a line, if it is known better than by the fault alone.
@@ -77,14 +78,20 @@ pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
             _ => None,
         },
         Alarm::NoDataAfterAddress | Alarm::IllegalAddress | Alarm::AddressNotFound => {
-            let closes_again = before.contains(&b')') && !rest.contains(&b'(') && rest.contains(&b')');
-            if closes_again {
+            if is_behind_nested_comment(before) {
                 return Some(NESTED);
             }
             foreign_text(text).or((rest.first() == Some(&b'=')).then_some(EQUALS))
         }
+        Alarm::OffsetNumber => (rest.first() == Some(&b'P')).then_some(FAR_SYSTEM),
         _ => None,
     }
+}
+
+/// Whether a comment with a bracket in it stands before the place.
+fn is_behind_nested_comment(before: &[u8]) -> bool {
+    let mut parts = before.split(|byte| *byte == b'(').skip(1);
+    parts.next().is_some_and(|first| !first.contains(&b')')) && parts.next().is_some_and(|second| second.contains(&b')'))
 }
 
 fn is_in(fault: Fault, what: NotModelled) -> bool {
@@ -135,6 +142,8 @@ mod tests {
             ("G0X=10", "Siemens", "behind the letter"),
             ("G0X1.;SAFE", "Fanuc", "( )"),
             ("(TOOL (10MM) FLAT)", "nested", "remove"),
+            ("(TOOL (10MM) FLAT", "nested", "remove"),
+            ("G54.1P300", "31i", "--control"),
         ] {
             let said = message(line);
             assert!(said.contains(whose) && said.contains(remedy), "{line}: {said}");

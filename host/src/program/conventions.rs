@@ -1,5 +1,6 @@
 //! Conventions that the text of a program betrays: decimal points, and the reference of arc centres.
 
+use arcfeed_nc::alarm::Alarm;
 use arcfeed_nc::modal::MotionKind;
 use arcfeed_nc::settings::{ArcCenters, Decimals, Settings};
 use arcfeed_nc::word::Word;
@@ -113,11 +114,6 @@ impl DecimalSurvey {
         }
     }
 
-    /// Words without a decimal point, but for zero.
-    pub fn plain_words(&self) -> usize {
-        self.plain
-    }
-
     /// Warnings of words whose size shows that a point is missing, each with the text of its line.
     pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
         let pointed: usize = self.pointed.iter().flatten().sum();
@@ -153,32 +149,37 @@ fn median(powers: &[usize; 64]) -> Option<usize> {
     })
 }
 
-/// Advice for a program with errors: a convention with which it has fewer, if there is one. It is read again with that.
-pub fn fitting_convention(source: &Source, errors: usize) -> Option<String> {
+/// Advice for a program with arcs that do not close: a convention with which more of them do, if there is one. The program is
+/// read again with it.
+pub fn fitting_convention(source: &Source) -> Option<String> {
     let settings = source.settings;
-    let with = |settings: Settings| {
-        let (mut errors, mut survey) = (0, DecimalSurvey::new(&source.settings));
+    let open_arcs = |settings: Settings| {
+        let (mut open, mut survey) = (0, DecimalSurvey::new(&source.settings));
         let other = Source { settings, ..source.clone() };
-        other.survey(false, |line| survey.add(line), |found, _| errors += usize::from(found.severity == Severity::Error));
-        (errors, survey.plain_words())
+        let is_open = |found: &Diagnostic| found.alarm == Some(Alarm::RadiusTolerance.number());
+        other.survey(false, |line| survey.add(line), |found, _| open += usize::from(is_open(&found)));
+        (open, survey.plain)
     };
-    let path = source.path.display();
+    let (path, (open, _)) = (source.path.display(), open_arcs(settings));
+    if open == 0 {
+        return None;
+    }
     if settings.decimals == Decimals::LeastIncrement {
-        let (fewer, plain) = with(Settings { decimals: Decimals::Calculator, ..settings });
-        if fewer < errors {
+        let (still_open, plain) = open_arcs(Settings { decimals: Decimals::Calculator, ..settings });
+        if still_open < open && plain > 0 {
             return Some(format!(
-                "{path}: {plain} words have no decimal point, and with calculator decimals there are {fewer} errors in place of \
-                 {errors}: `--decimals calculator`, or `decimals = \"calculator\"` under [control] of the job"
+                "{path}: {plain} words without a decimal point fit only with calculator decimals: {still_open} arcs do not close then, \
+                 in place of {open}; give `--decimals calculator`, or write `decimals = \"calculator\"` under [control] of the job"
             ));
         }
     }
     if settings.arc_centers != ArcCenters::Absolute {
-        let (fewer, _) = with(Settings { arc_centers: ArcCenters::Absolute, ..settings });
-        if fewer < errors {
+        let (still_open, _) = open_arcs(Settings { arc_centers: ArcCenters::Absolute, ..settings });
+        if still_open < open {
             return Some(format!(
-                "{path}: with I, J, K as coordinates of the centre there are {fewer} errors in place of {errors}: post them as \
-                 distances from the arc's start; if the control reads them so, `arc_centers = \"absolute\"` under [control] of \
-                 the job or in the settings file"
+                "{path}: I, J, K fit only as coordinates of the centre: {still_open} arcs do not close then, in place of {open}; post \
+                 them as distances from the arc's start, or, if the control reads coordinates, write `arc_centers = \"absolute\"` \
+                 under [control] of the job or in the settings file"
             ));
         }
     }
@@ -225,15 +226,14 @@ mod tests {
 
     #[test]
     fn a_convention_that_fits_better_is_named_after_a_reading_with_it() {
-        let calculator = source("G0X100Y0\nG2X110.5Y10I0J10.25F5\nM30\n");
-        let said = fitting_convention(&calculator, 1);
-        assert!(said.is_none(), "{said:?}");
         let calculator = source("G0X100Y0\nG1F5X100\nG2X110.25Y10.25I0J10.25\nM30\n");
-        let said = fitting_convention(&calculator, 1).unwrap();
-        assert!(said.contains("2 words") && said.contains("0 errors in place of 1"), "{said}");
+        let said = fitting_convention(&calculator).unwrap();
+        assert!(said.contains("2 words") && said.contains("0 arcs do not close then, in place of 1"), "{said}");
         let absolute = source("G0X10.Y10.\nG2X20.Y20.I20.J10.F5.\nM30\n");
-        let said = fitting_convention(&absolute, 1).unwrap();
+        let said = fitting_convention(&absolute).unwrap();
         assert!(said.contains("arc_centers"), "{said}");
-        assert!(fitting_convention(&source("G14\nM30\n"), 1).is_none());
+        for other in ["G14\nX100\nM30\n", "G91.1\nG0X10.\nG2X20.Y10.I0J10.F5.\nM30\n", "G0X1.\nG2X2.Y2.I9.J9.F5.\nM30\n"] {
+            assert_eq!(fitting_convention(&source(other)), None, "{other}");
+        }
     }
 }

@@ -80,7 +80,7 @@ impl Diagnostic {
         if reading == Reading::Lenient {
             diagnostic.severity = Severity::Warning;
             diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
-                                  one that remembers a feed moves with that"
+                                  one that remembers a feed moves with that; write F here or before"
                 .into();
         }
         diagnostic
@@ -122,7 +122,8 @@ impl Diagnostic {
         let (alarm, message, place) = match notice.kind {
             NoticeKind::Title => (
                 Some(Alarm::NoDataAfterAddress),
-                "a title where a program number belongs: a control that takes this line as a block refuses it",
+                "a title where a program number belongs: a control that takes this line as a block refuses it; write \
+                 O and a number before the title, and the title in ( )",
                 text,
             ),
             NoticeKind::CommentCharacter(_) => (
@@ -147,14 +148,15 @@ impl Diagnostic {
                 "; is how the control's screen shows the end of a block: in a file some controls refuse it; `stream` leaves it out",
                 text.get(column - 1..column).unwrap_or_default(),
             ),
-            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line", text),
+            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line; close it", text),
             NoticeKind::LongNumber => (
                 Some(Alarm::TooManyDigits),
-                "more digits than this control has for N or O: it refuses the line",
+                "more digits than this control has for N or O: it refuses the line; shorten it, or read the program as one for a 31i \
+                 (--control fanuc-31i)",
                 word_at(text, column),
             ),
             NoticeKind::Zero => {
-                (Some(Alarm::ProgramNumber), "numbers count from 1: some controls refuse 0", word_at(text, column))
+                (Some(Alarm::ProgramNumber), "numbers count from 1, and some controls refuse 0; write another", word_at(text, column))
             }
         };
         let end_column = if place.len() == text.len() { text.len() + 1 } else { column + place.len() };

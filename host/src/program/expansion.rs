@@ -22,7 +22,7 @@ use arcfeed_nc_macro::step::{self as macros, Ending, PlainBlock, ProgramFault};
 use arcfeed_nc_macro::variables::Context;
 use arcfeed_units::Micros;
 
-use super::{Diagnostic, MoveCounts, MoveTrace, Program, ProgramLine, ProgramSummary};
+use super::{Diagnostic, MoveCounts, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
 
 /// Most places for which faults are reported.
 const FAULTS_MAX: usize = 200;
@@ -113,8 +113,10 @@ impl Program {
         for RawLine { text, ending } in Lines::new(bytes) {
             program.keep(text, ending, &expansion.settings);
         }
-        let (found, moves, run) = expansion.run(bytes, &program.lines);
-        (program.moves, program.run) = (moves, run);
+        let mut path = PathSummary::new(expansion.settings.unit);
+        path.add_tool_list(program.lines.iter().map(|line| line.text.as_slice()));
+        let (found, moves, run) = expansion.run(bytes, &program.lines, &mut path);
+        (program.moves, program.run, program.run_summary) = (moves, run, Some(path));
         program.diagnostics.extend(found);
         program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
         program
@@ -152,7 +154,12 @@ impl Program {
 
 impl Expansion<'_> {
     /// Interprets a program. Returns its faults in the order found, and its moves: counted, and kept if requested.
-    fn run(self, bytes: &[u8], lines: &[ProgramLine]) -> (Vec<Diagnostic>, MoveCounts, Vec<MoveTrace>) {
+    fn run(
+        self,
+        bytes: &[u8],
+        lines: &[ProgramLine],
+        path: &mut PathSummary,
+    ) -> (Vec<Diagnostic>, MoveCounts, Vec<MoveTrace>) {
         let folder = self.library.map(|path| Folder(path.to_owned()));
         let library: Box<dyn Library> = match &folder {
             Some(folder) => Box::new(folder.clone()),
@@ -182,9 +189,13 @@ impl Expansion<'_> {
                 Ok(macros::MacroStep::Block(block)) => {
                     blocks += 1;
                     let understood = found.read(&mut reader, &block, self.settings.reading);
-                    understood.iter().for_each(|block| moves.add(block));
+                    let line = in_main(block.place, &block.calls).line as usize;
+                    if let Some(understood) = &understood {
+                        moves.add(understood);
+                        let (modal, tables) = (reader.modal(), reader.tables());
+                        path.add_block(line, understood, modal.machining(), modal.work_origin(tables));
+                    }
                     if let Some(understood) = understood.as_ref().filter(|_| self.keeps_moves) {
-                        let line = in_main(block.place, &block.calls).line as usize;
                         run.extend(MoveTrace::of_block(line, understood, &reader));
                     }
                     if understood.is_some_and(|block| block.step.sets_data) {

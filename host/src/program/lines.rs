@@ -1,9 +1,9 @@
 //! Reads a program line by line, as a control does: only the control's state is kept after a line.
 
-use arcfeed_nc::block::{LineKind, Parsed, Reading};
+use arcfeed_nc::block::{LineKind, Parsed, Reading, is_title};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::settings::{Settings, Tables};
-use arcfeed_nc::text::RawLine;
+use arcfeed_nc::text::{Lines, RawLine};
 use arcfeed_nc::word::is_mark;
 
 use super::block_delete::BlockDeleteReader;
@@ -20,6 +20,20 @@ pub struct LineReader {
     has_ended: bool,
     /// Lines after the closing `%` have been reported.
     has_trailer: bool,
+}
+
+/// The program with capitals in its code, as it is sent to a control.
+pub fn in_capitals(program: &[u8]) -> Vec<u8> {
+    let mut capitals = Vec::with_capacity(program.len());
+    for RawLine { text, ending } in Lines::new(program) {
+        let mut in_comment = is_title(text) || is_mark(text);
+        capitals.extend(text.iter().map(|&byte| {
+            in_comment = (in_comment || byte == b'(') && byte != b')';
+            if in_comment { byte } else { byte.to_ascii_uppercase() }
+        }));
+        capitals.extend_from_slice(ending);
+    }
+    capitals
 }
 
 impl LineReader {
@@ -95,5 +109,16 @@ impl LineReader {
         if understood.lacks_feed() {
             found.push(Diagnostic::of_missing_feed(line, text, self.reading));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_code_becomes_capital() {
+        let program = b"%leader\r\noTitle\r\no1 (Part)g1x1.f5 (a\r\nm30";
+        assert_eq!(in_capitals(program), b"%leader\r\noTitle\r\nO1 (Part)G1X1.F5 (a\r\nM30");
     }
 }

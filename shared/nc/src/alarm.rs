@@ -48,34 +48,34 @@ alarms! {
         "use capitals, digits and ( ) * + , - . / = only";
     BlockParity = 2: "TV alarm: a block with an odd number of characters",
         "let the sender add a blank, or switch the TV check off";
-    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number";
-    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its letter";
-    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number";
+    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number: 8 digits in all, fewer for S";
+    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its address letter before it";
+    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number behind the letter, or remove the letter";
     MinusSign = 6: "a minus sign where none is allowed", "remove it";
     DecimalPoint = 7: "a decimal point where none is allowed, or a second one", "remove it";
     IllegalAddress = 9: "this address is not allowed here", "remove it or write the letter that is meant";
-    ImproperGCode = 10: "this control has no such G code", "correct it";
+    ImproperGCode = 10: "this control has no such G code", "correct it, or look up which code of this control does the same";
     NoFeed = 11: "a cutting move without a feed", "give F in this block or before it (G93: in every block)";
     RadiusTolerance = 20:
         "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R",
         "correct the end point, R or I, J, K";
     NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
-    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
-    DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
+    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P (H and D to 400)";
+    DataTarget = 31: "G10 without a P or L that says where the data belong", "write L2 P0 to P6, L20 P1 to P48, or L10 to L13 with P and R";
     ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
     PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
-    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "correct P";
-    SequenceNotFound = 60: "no block has the sequence number that was searched for", "give one that is there";
+    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "write P2, P3 or P4";
+    SequenceNotFound = 60: "no block has the sequence number that was searched for", "search for one that the program has";
     ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
         "count from 1";
     LineError = 85: "communication error: a character without its stop bits, or lost in the receiver",
         "check baud rate, stop bits and cable";
     NotReady = 86: "the sender's data set ready line is off: it was switched off or closed its port",
         "keep it open to the end";
-    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner";
-    LookAheadFormat = 109: "G08 with anything but P0 and P1", "correct P";
+    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner: use RTS/CTS or a lower baud rate";
+    LookAheadFormat = 109: "G08 with anything but P0 and P1", "write P1 to switch it on, P0 to switch it off";
     RotationPlane = 144: "an arc outside the plane in which G68 turns", "select the plane of G68 or cancel it with G69";
     EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
@@ -174,7 +174,7 @@ const fn g_remedy(tenths: u16) -> &'static str {
         434 | 435 => "post the program for the rotary axes, or check it with --machine",
         500 | 510 | 511 | 680 => "post the moves in the coordinates that they have after it",
         531 | 682 | 683 | 684 => "post the program without a tilted plane, in the machine's axes",
-        660 | 661 | 670 => "call the macro with G65 at each place",
+        660 | 661 => "call the macro with G65 at each place",
         880 => "use G82, G85 or G86: in G88 the operator retracts the tool by hand",
         _ => "post the program without it",
     }

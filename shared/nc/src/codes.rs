@@ -22,7 +22,7 @@ pub(super) enum OneShot {
     Data,
     /// G28, G30.
     Reference(u8),
-    /// G68.2 to G68.4: recorded, not modelled.
+    /// G68.2 to G68.4: recorded, not modelled; G22 and G23: without effect.
     Tracked,
     /// G50.1.
     MirrorOff,
@@ -70,8 +70,10 @@ impl Modal {
             980 => self.returns_to_r = false,
             990 => self.returns_to_r = true,
             540..=590 if tenths % 10 == 0 => self.system = ((tenths - 540) / 10) as u16,
-            // Exact stop, corner override, tapping and cutting mode, end of data input do not change the path.
-            110 | 610..=640 if tenths % 10 == 0 => {}
+            // Exact stop, corner override, tapping and cutting mode, end of data input, the end of polar interpolation
+            // and of a modal call, which begin nowhere here, and S in rev/min do not change the path.
+            90 | 110 | 131 | 670 | 970 => {}
+            610..=640 if tenths % 10 == 0 => {}
             _ => return self.apply_rarer_g(tenths, word).ok_or(improper)?,
         }
         Ok(OneShot::No)
@@ -88,6 +90,8 @@ impl Modal {
             100 => one_shot = OneShot::Data,
             150 => self.polar = None,
             160 => self.polar = Some(self.polar_position()),
+            // The axis words of stored stroke limits are no move.
+            220 | 230 => one_shot = OneShot::Tracked,
             280 | 300 => one_shot = OneShot::Reference((tenths / 10) as u8),
             400 => self.compensate(None),
             410 => self.compensate(Some(CompensationSide::Left)),
