@@ -22,4 +22,6 @@ mod nc_text;
 
 mod planes;
 
+mod styles;
+
 mod tutorials;

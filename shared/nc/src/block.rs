@@ -211,6 +211,9 @@ impl Parsed {
                 words.skip_to(end);
                 block.code_len = end;
             }
+            if words.is_at_end() {
+                return Ok(());
+            }
             let Some(piece) = words.next() else { return Ok(()) };
             let Piece { token, start, end } = piece?;
             match token {
@@ -414,7 +417,7 @@ mod tests {
                 assert_eq!(words(spaced), words(packed), "{spaced}");
             }
         }
-        assert_eq!(notices(b"G1X1 0.").as_slice(), [Notice { kind: NoticeKind::Blank, column: 4 }]);
+        assert_eq!(notices(b"G1X1 0.").as_slice(), [Notice { kind: NoticeKind::Blank, column: 3 }]);
         assert!(notices(b"G 1 X 10.").is_empty());
         let word = block("X1 0.5F 3").words[0];
         assert_eq!((word.column, word.len), (1, 6));

@@ -119,12 +119,25 @@ impl<'a> Words<'a> {
         self.line.get(self.at).copied()
     }
 
-    /// The next token if it is a word without blanks, and the offset after it; the caller skips it. Nearly every token
-    /// is one, and this path needs half the instructions of [`Words::next`], which reads all tokens. A tolerant reading
-    /// does not have it.
+    /// The next token if it is a word without blanks. Nearly every token is one, and this path needs half the
+    /// instructions of [`Words::next`], which reads all tokens. A tolerant reading does not have it.
+    #[inline]
+    pub fn next_word(&mut self) -> Option<Word> {
+        let (word, end) = self.plain_word()?;
+        self.at = end;
+        Some(word)
+    }
+
+    /// The next word as in [`Words::next_word`], and the offset after it; the caller skips it.
     #[inline]
     pub(super) fn plain_word(&self) -> Option<(Word, usize)> {
         if self.tolerance == Tolerance::None { plain_word(self.line, self.at) } else { None }
+    }
+
+    /// Whether nothing is left of the line.
+    #[inline]
+    pub(super) fn is_at_end(&self) -> bool {
+        self.at == self.line.len()
     }
 
     /// Continues at this offset.
@@ -162,7 +175,7 @@ impl<'a> Words<'a> {
         let (number, end, has_blank) = number::read_spaced(self.line, self.at)?;
         self.at = end;
         if has_blank {
-            note(&mut self.tolerated.blank, before);
+            note(&mut self.tolerated.blank, before.saturating_sub(1));
         }
         Some(number)
     }

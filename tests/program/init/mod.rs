@@ -8,8 +8,10 @@ use arcfeed::init::proposal::{LikelyTool, propose};
 use arcfeed::init::survey;
 use arcfeed::job::{JobFile, questions};
 use arcfeed_model::tool::Tool;
+use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_tests::{Scratch, root, run};
 use fastrand::Rng;
+use arcfeed_units::LengthUnit;
 use generated::{cup_mill, end_mill};
 use serde_json::Value;
 
@@ -196,11 +198,16 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
 /// Result of `init` for a text: the tool, and the written job.
 fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
     let path = scratch.write("p.nc", text);
-    let (program, survey) = survey::load(path.as_ref()).expect("just written");
+    let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Inch, Reading::Lenient);
+    let settings = Settings { scope: Scope::Everything, ..settings };
+    let (program, survey) = survey::load(path.as_ref(), settings, Tables::default()).expect("just written");
     assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
     let groups = group(&survey.arcs);
     let proposal = propose(&groups);
-    let job = job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal });
+    let control = [("preset", "fanuc-16i".to_owned())];
+    let findings =
+        Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal, control: &control };
+    let job = job(&findings);
     (proposal.tool, job)
 }
 

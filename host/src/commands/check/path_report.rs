@@ -8,7 +8,7 @@ use arcfeed_units::{LengthUnit, Nm, S_PER_MIN};
 
 const AXES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// Longest comment in the table.
-const COMMENT_MAX: usize = 40;
+const COMMENT_MAX: usize = 48;
 
 /// JSON object of a path.
 #[derive(Debug, Serialize)]
@@ -76,13 +76,13 @@ impl PathFigures {
         }
         let decimals = if *unit == LengthUnit::Inch.label() { 4 } else { 3 };
         if !extents.is_empty() {
-            say(format_args!("extents of the cutting moves from the workpiece's origin, {unit} and degrees:"));
+            say(format_args!("extents of the cutting moves from the workpiece's origin ({unit}; A, B, C in degrees):"));
         }
         for ExtentFigures { axis, min, max } in extents {
             say(format_args!("  {axis} {min:>12.decimals$} .. {max:>12.decimals$}"));
         }
         say(format_args!(
-            "tools, in {unit}; times at the programmed feeds only, without rapids, acceleration and tool changes:\n  \
+            "tools ({unit}); times at the programmed feeds only, without rapids, acceleration and tool changes:\n  \
              {:>4} {:>6} {:>6} {:>13} {:>17} {:>11} {:>11} {:>9}  comment",
             "T", "H", "D", "S", "F", "cutting", "rapid", "time"
         ));
@@ -126,7 +126,7 @@ impl ToolUseFigures {
     fn print(&self) {
         let number = |number: Option<i64>| number.map_or("-".into(), |number| number.to_string());
         let comment: String = self.comment.chars().take(COMMENT_MAX).map(|c| if c.is_control() { ' ' } else { c }).collect();
-        say(format_args!(
+        let row = format!(
             "  {:>4} {:>6} {:>6} {:>13} {:>17} {:>11.1} {:>11.1} {:>9}  {comment}",
             number(self.tool),
             list(&self.h),
@@ -136,7 +136,8 @@ impl ToolUseFigures {
             self.cutting_distance,
             self.rapid_distance,
             clock(self.cutting_time_s)
-        ));
+        );
+        say(format_args!("{}", row.trim_end()));
     }
 }
 

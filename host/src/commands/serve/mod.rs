@@ -43,7 +43,7 @@ use tcp_line::ClientLimits;
 /// Wall time between two polls of the line.
 const PERIOD: Duration = Duration::from_millis(1);
 
-/// Simulate the control (and its machine) for any sender
+/// Emulate a Fanuc-like control and its machine for any sender
 #[derive(Debug, clap::Args)]
 pub struct Serve {
     /// Job file: tool, law and cut rules of the controller; without one, a plain control at 100 %
