@@ -16,10 +16,10 @@ use arcfeed_units::LengthUnit;
 use serde_json::Value;
 
 const CORPUS: &str = "tests/corpus/styles";
-/// Programs that only the control's memory runs, or whose comments do not fit its buffer.
-const NOT_STREAMED: [&str; 4] = ["macros", "lower_macro", "m98", "longcomment"];
+/// Programs that only the control's memory runs, whose comments do not fit its buffer, or whose title is no comment.
+const NOT_STREAMED: [&str; 6] = ["macros", "lower_macro", "m98", "lastnoend", "longcomment", "title3"];
 const JOB: &str = "units = \"mm\"\nprogram = \"part.nc\"\n[tool]\nkind = \"end-mill\"\ndiameter = 10.0\nteeth = 2\n\
-                   [law]\nkind = \"programmed\"\n";
+                   [law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n[spindle]\nrev_per_min = 5000\n[limits]\nmax_feed = 5000\n";
 
 /// A row of the table.
 struct Row {
@@ -50,7 +50,12 @@ fn rows() -> Vec<Row> {
     let row = |line: &str| {
         let [call, errors, warnings] = line.split('|').collect::<Vec<_>>().try_into().expect("three columns");
         let mut call = words(call).into_iter();
-        Row { name: call.next().expect("a name"), options: call.collect(), errors: words(errors), warnings: words(warnings) }
+        Row {
+            name: call.next().expect("a name"),
+            options: call.collect(),
+            errors: words(errors),
+            warnings: words(warnings),
+        }
     };
     table.lines().map(row).collect()
 }
@@ -87,7 +92,8 @@ fn each_program_is_read_or_refused_where_a_control_would() {
         let path = row.path();
         let options: Vec<&str> = row.options.iter().map(String::as_str).collect();
         let output = run(&[&["check", "--json", &path], options.as_slice()].concat());
-        let report: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{}: {error}", row.name));
+        let report: Value =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{}: {error}", row.name));
         let found = (places(&report["errors"]), places(&report["warnings"]));
         assert_eq!(found, (sorted(row.errors), sorted(row.warnings)), "{} {options:?}: {report:#}", row.name);
         let remedies = report["errors"].as_array().expect("a list").iter().map(|entry| entry["message"].to_string());
@@ -99,11 +105,15 @@ fn each_program_is_read_or_refused_where_a_control_would() {
 fn with_code(bytes: &[u8], change: impl Fn(u8, &mut Vec<u8>)) -> Vec<u8> {
     let mut changed = Vec::new();
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
-        let is_code = !line.starts_with(b"%") && !line.starts_with(b"<");
+        let is_code = !line.starts_with(b"%") && !line.starts_with(b"<") && !line.starts_with(b"\xef");
         let mut in_comment = !is_code;
         for &byte in line {
             in_comment |= byte == b'(';
-            if in_comment || byte == b'\n' || byte == b'\r' { changed.push(byte) } else { change(byte, &mut changed) }
+            if in_comment || byte == b'\n' || byte == b'\r' {
+                changed.push(byte)
+            } else {
+                change(byte, &mut changed)
+            }
             in_comment = !is_code || (in_comment && byte != b')');
         }
     }
@@ -113,7 +123,7 @@ fn with_code(bytes: &[u8], change: impl Fn(u8, &mut Vec<u8>)) -> Vec<u8> {
 #[test]
 fn small_letters_blanks_and_marks_of_editors_change_no_move() {
     let mut compared = 0;
-    for row in rows().into_iter().filter(Row::is_plain) {
+    for row in rows().into_iter().filter(|row| row.is_plain() && !row.name.starts_with("bom")) {
         let bytes = row.bytes();
         let wanted = moves(&read(&bytes));
         let small = with_code(&bytes, |byte, text| text.push(byte.to_ascii_lowercase()));
@@ -133,7 +143,7 @@ fn small_letters_blanks_and_marks_of_editors_change_no_move() {
 fn what_is_sent_has_the_moves_of_the_program_in_the_codes_own_characters() {
     let wire = Wire { encode: |byte| byte.is_ascii().then_some(byte), filters: true, tv_check: true };
     let mut sent_programs = 0;
-    for row in rows().into_iter().filter(|row| row.is_plain() && row.name != "lastnoend") {
+    for row in rows().into_iter().filter(Row::is_plain) {
         let bytes = row.bytes();
         let sent = Transmission::new(&bytes, |_| 1, &wire).unwrap_or_else(|faults| panic!("{}: {faults:?}", row.name));
         let text = sent.text();
@@ -179,7 +189,8 @@ fn a_job_carries_the_conventions_that_init_was_given() {
     scratch.write("part.nc", row.bytes());
     let settings = scratch.write("machine.toml", "unit = \"mm\"\n[length]\n1 = 100.0\n");
     let (program, job) = (scratch.path("part.nc"), scratch.path("job.toml"));
-    let call = ["init", &program, "-o", &job, "--control", "fanuc-31i", "--decimals", "calculator", "--settings", &settings];
+    let call =
+        ["init", &program, "-o", &job, "--control", "fanuc-31i", "--decimals", "calculator", "--settings", &settings];
     assert_eq!(run(&call).status.code(), Some(0));
     let text = std::fs::read_to_string(&job).expect("a job");
     let control = "[control]\npreset = \"fanuc-31i\"\ndecimals = \"calculator\"\nsettings = \"machine.toml\"\n";

@@ -200,7 +200,8 @@ mod tests {
 
     #[test]
     fn small_letters_in_code_are_an_alarm_and_in_titles_and_comments_none() {
-        let read = |text: &str| blocks(TapeSettings::default(), &encoded(TapeCode::Iso, &format!("%\n{text}\n")))[1].clone();
+        let read =
+            |text: &str| blocks(TapeSettings::default(), &encoded(TapeCode::Iso, &format!("%\n{text}\n")))[1].clone();
         let fault = Fault::alarm(Alarm::Character, 5);
         assert_eq!(read("G1X1f5"), ReceivedBlock::Refused { text: b"G1X1f5".into(), fault });
         for text in ["G1X1(note)", "OPart 1", "%end"] {

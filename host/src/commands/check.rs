@@ -27,8 +27,8 @@ use crate::post::cl_from_nc;
 use crate::post::finding::FindingKind;
 use crate::post::plan::AxisPlan;
 use crate::program::{
-    DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source,
-    fitting_convention, read_bounded,
+    DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds, Severity,
+    Source, fitting_convention, read_bounded,
 };
 
 /// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that

@@ -59,11 +59,15 @@ pub struct Change {
 impl Changes {
     /// Every change in words.
     pub fn in_words(&self) -> Vec<String> {
-        let mark = self.has_mark.then(|| "% is sent before the first block, which the control would skip otherwise".into());
+        let mark =
+            self.has_mark.then(|| "% is sent before the first block, which the control would skip otherwise".into());
         let lines = [
             (self.capitals, "with small letters in code are sent in capitals"),
             (self.comments, "have comments with characters that the code lacks: sent as capitals or blanks"),
-            (self.left_out, "have marks that are not sent: a byte order mark, `;` behind the code, or the end mark of DOS"),
+            (
+                self.left_out,
+                "have marks that are not sent: a byte order mark, `;` behind the code, or the end mark of DOS",
+            ),
         ];
         let found = lines.into_iter().filter(|(change, _)| change.lines > 0);
         let said = found.map(|(change, what)| format!("{} lines {what} (first: line {})", change.lines, change.first));
@@ -342,7 +346,9 @@ fn is_line_code(byte: u8) -> bool {
 fn refused_character(line: usize, column: usize, byte: u8) -> TransmissionFault {
     let found = byte.escape_ascii();
     let message = match byte {
-        _ if is_line_code(byte) => format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it"),
+        _ if is_line_code(byte) => {
+            format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it")
+        }
         _ => format!(
             "`{found}` is not in the control's code: it raises PS0001 or reads something else; write it otherwise (in comments \
              stream does so itself without --keep-comments)"

@@ -3,9 +3,9 @@
 use std::path::Path as FilePath;
 
 use arcfeed_nc::block::Block;
-use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_units::{LengthUnit, Nm};
 
 use crate::program::{Program, check_line_count, read_bounded};

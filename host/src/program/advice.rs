@@ -91,7 +91,8 @@ pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
 /// Whether a comment with a bracket in it stands before the place.
 fn is_behind_nested_comment(before: &[u8]) -> bool {
     let mut parts = before.split(|byte| *byte == b'(').skip(1);
-    parts.next().is_some_and(|first| !first.contains(&b')')) && parts.next().is_some_and(|second| second.contains(&b')'))
+    parts.next().is_some_and(|first| !first.contains(&b')'))
+        && parts.next().is_some_and(|second| second.contains(&b')'))
 }
 
 fn is_in(fault: Fault, what: NotModelled) -> bool {

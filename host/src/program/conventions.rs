@@ -33,6 +33,8 @@ pub struct DecimalSurvey {
     count: usize,
     /// Words with a point, by group and power of two of their value in least increments; zero does not count.
     pointed: [[usize; 64]; GROUPS.len()],
+    /// A line that could not be read has a point.
+    has_unread_points: bool,
     /// Words without a point, but for zero.
     plain: usize,
     /// The first of them.
@@ -56,6 +58,7 @@ impl DecimalSurvey {
             is_asked: settings.decimals == Decimals::LeastIncrement,
             count: 0,
             pointed: [[0; 64]; GROUPS.len()],
+            has_unread_points: false,
             plain: 0,
             kept: Vec::new(),
             largest: 0,
@@ -65,7 +68,13 @@ impl DecimalSurvey {
     /// Adds the next line.
     pub fn add(&mut self, line: &ProgramLine) {
         self.count += 1;
-        let Some(meaning) = line.meaning.as_ref().filter(|_| self.is_asked) else { return };
+        if !self.is_asked {
+            return;
+        }
+        let Some(meaning) = &line.meaning else {
+            self.has_unread_points |= line.text.contains(&b'.');
+            return;
+        };
         let step = &meaning.step;
         if step.dwell.is_some() || step.sets_data {
             return;
@@ -97,7 +106,8 @@ impl DecimalSurvey {
     }
 
     fn add_word(&mut self, word: &Word, group: usize, text: &[u8]) {
-        let increments_per_unit = if self.unit == LengthUnit::Inch && group < GROUPS.len() - 1 { 10_000 } else { 1_000 };
+        let increments_per_unit =
+            if self.unit == LengthUnit::Inch && group < GROUPS.len() - 1 { 10_000 } else { 1_000 };
         let has_point = word.number.has_point();
         let increments = word.number.scaled(if has_point { increments_per_unit } else { 1 }).saturating_abs();
         let Some(power) = increments.checked_ilog2().map(|power| power as usize) else { return };
@@ -118,14 +128,15 @@ impl DecimalSurvey {
     pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
         let pointed: usize = self.pointed.iter().flatten().sum();
         if pointed == 0 {
-            let all_tiny = self.plain >= HABIT_MIN && self.largest < TINY;
+            let all_tiny = !self.has_unread_points && self.plain >= HABIT_MIN && self.largest < TINY;
             return self.kept.first().filter(|_| all_tiny).map(|word| word.warning(ALL_TINY)).into_iter().collect();
         }
         if pointed < HABIT_MIN.max(self.plain) {
             return Vec::new();
         }
         let medians = self.pointed.map(|powers| median(&powers));
-        let is_far_smaller = |word: &&PlainWord| medians[word.group].is_some_and(|usual| word.power + FAR_SMALLER <= usual);
+        let is_far_smaller =
+            |word: &&PlainWord| medians[word.group].is_some_and(|usual| word.power + FAR_SMALLER <= usual);
         self.kept.iter().filter(is_far_smaller).map(|word| word.warning(SMALL)).collect()
     }
 }
@@ -197,7 +208,13 @@ mod tests {
     fn source(text: &str) -> Source {
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
         let settings = Settings { scope: Scope::Everything, ..settings };
-        Source { path: PathBuf::from("t.nc"), bytes: text.into(), settings, tables: Tables::default(), macro_line: None }
+        Source {
+            path: PathBuf::from("t.nc"),
+            bytes: text.into(),
+            settings,
+            tables: Tables::default(),
+            macro_line: None,
+        }
     }
 
     fn warned(text: &str) -> Vec<(usize, usize)> {
@@ -232,7 +249,9 @@ mod tests {
         let absolute = source("G0X10.Y10.\nG2X20.Y20.I20.J10.F5.\nM30\n");
         let said = fitting_convention(&absolute).unwrap();
         assert!(said.contains("arc_centers"), "{said}");
-        for other in ["G14\nX100\nM30\n", "G91.1\nG0X10.\nG2X20.Y10.I0J10.F5.\nM30\n", "G0X1.\nG2X2.Y2.I9.J9.F5.\nM30\n"] {
+        for other in
+            ["G14\nX100\nM30\n", "G91.1\nG0X10.\nG2X20.Y10.I0J10.F5.\nM30\n", "G0X1.\nG2X2.Y2.I9.J9.F5.\nM30\n"]
+        {
             assert_eq!(fitting_convention(&source(other)), None, "{other}");
         }
     }

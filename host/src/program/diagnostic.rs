@@ -155,9 +155,11 @@ impl Diagnostic {
                  (--control fanuc-31i)",
                 word_at(text, column),
             ),
-            NoticeKind::Zero => {
-                (Some(Alarm::ProgramNumber), "numbers count from 1, and some controls refuse 0; write another", word_at(text, column))
-            }
+            NoticeKind::Zero => (
+                Some(Alarm::ProgramNumber),
+                "numbers count from 1, and some controls refuse 0; write another",
+                word_at(text, column),
+            ),
         };
         let end_column = if place.len() == text.len() { text.len() + 1 } else { column + place.len() };
         Diagnostic {

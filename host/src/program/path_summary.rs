@@ -157,7 +157,7 @@ impl PathSummary {
         let index = self.tools.len();
         if index < TOOLS_MAX {
             let comment = self.comments.of(number);
-            self.comments.next = comment.is_empty().then_some(index);
+            self.comments.next = (comment.is_empty() && number.is_some()).then_some(index);
             self.tools.push(ToolUse { number, line, comment, ..ToolUse::default() });
         }
         index
@@ -213,8 +213,10 @@ impl ToolUse {
                 let [low, high] = self.feed.unwrap_or([feed; 2]);
                 self.feed = Some([low.min(feed), high.max(feed)]);
                 // F of a move of rotary axes alone is in degrees per minute.
-                let turned: i64 =
-                    (0..3).map(|axis| (segment.end.rotary[axis].0 - segment.start.rotary[axis].0).abs()).max().unwrap_or(0);
+                let turned: i64 = (0..3)
+                    .map(|axis| (segment.end.rotary[axis].0 - segment.start.rotary[axis].0).abs())
+                    .max()
+                    .unwrap_or(0);
                 let minutes = if length_mm > 0.0 {
                     segment.feed_length_mm() / feed.to_mm()
                 } else {
@@ -317,7 +319,10 @@ mod tests {
                     T2M6\nG0X0\nG81Z-5.R5.F50.\nM30\n";
         let found = summary(text);
         let [_, first, second] = found.tools.as_slice() else { panic!("{:?}", found.tools) };
-        assert_eq!((first.number, first.comment.as_str(), first.line, first.lengths.as_slice()), (Some(1), "CUTTER", 2, &[1][..]));
+        assert_eq!(
+            (first.number, first.comment.as_str(), first.line, first.lengths.as_slice()),
+            (Some(1), "CUTTER", 2, &[1][..])
+        );
         assert_eq!((first.cutting_mm, first.rapid_mm), (315.0, 5.0));
         // 5 mm at 100, 300 mm at 600 mm/min, half a minute.
         assert!((first.cutting_s - (3.0 + 30.0 + 30.0)).abs() < 1e-9, "{first:?}");

@@ -307,7 +307,9 @@ mod tests {
 
     #[test]
     fn only_what_a_plain_reader_cannot_read_needs_the_interpreter() {
-        for line in ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165", "g1x1.", "m9"] {
+        for line in
+            ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165", "g1x1.", "m9"]
+        {
             assert!(!needs_interpreter(line.as_bytes()), "{line}");
         }
         for line in [

@@ -11,9 +11,7 @@ pub use super::settings::Reading;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{POWERS_OF_TEN, is_ignored};
 use super::settings::Settings;
-use super::word::{
-    LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark,
-};
+use super::word::{LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark};
 
 /// Maximum number of words in a block.
 pub const WORDS_MAX: usize = 32;
@@ -186,7 +184,8 @@ impl Parsed {
         let again = self.read_words(text, reading, &mut words);
         again.map_err(|again| if again.column > fault.column { again } else { fault })?;
         let Tolerated { small_letter, blank, end_sign } = words.tolerated();
-        let found = [(small_letter, NoticeKind::SmallLetter), (blank, NoticeKind::Blank), (end_sign, NoticeKind::EndSign)];
+        let found =
+            [(small_letter, NoticeKind::SmallLetter), (blank, NoticeKind::Blank), (end_sign, NoticeKind::EndSign)];
         for (column, kind) in found.into_iter().filter(|(column, _)| *column > 0) {
             push(&mut self.notices, kind, column);
         }

@@ -92,7 +92,9 @@ impl MacroAlarm {
             MacroAlarm::DivisionByZero => "division by zero; test the divisor before",
             MacroAlarm::ImproperFunction => "no such function or statement; correct its name",
             MacroAlarm::ExpressionFormat => "this is no expression; check operators, brackets and variables",
-            MacroAlarm::VariableNumber => "no variable has this number, or it cannot take this value; correct number or value",
+            MacroAlarm::VariableNumber => {
+                "no variable has this number, or it cannot take this value; correct number or value"
+            }
             MacroAlarm::WriteProtected => "this variable can only be read; use another one",
             MacroAlarm::BracketNesting => "more than five levels of brackets; split the expression",
             MacroAlarm::IllegalArgument => "the function has no result for this argument; test the argument before",
@@ -112,7 +114,9 @@ impl MacroAlarm {
             MacroAlarm::Endless => {
                 "the program does not come to its end: the bound of statements without a move, of blocks or of time is reached; look for a loop without an end"
             }
-            MacroAlarm::TooLarge => "the called programs are larger than the limit for programs in memory; shorten them",
+            MacroAlarm::TooLarge => {
+                "the called programs are larger than the limit for programs in memory; shorten them"
+            }
         }
     }
 }

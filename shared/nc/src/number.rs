@@ -205,7 +205,8 @@ mod tests {
 
     #[test]
     fn blanks_among_the_digits_do_not_count() {
-        let spaced = |text: &str| read_spaced(text.as_bytes(), 0).map(|(number, end, blank)| (number.to_f64(), end, blank));
+        let spaced =
+            |text: &str| read_spaced(text.as_bytes(), 0).map(|(number, end, blank)| (number.to_f64(), end, blank));
         assert_eq!(spaced(" 10 G"), Some((10.0, 3, false)));
         assert_eq!(spaced("1 0.5Y"), Some((10.5, 5, true)));
         assert_eq!(spaced("- 3 . 2 5"), Some((-3.25, 9, true)));

@@ -194,9 +194,8 @@ impl<'a> Words<'a> {
     #[cold]
     fn is_end_sign(&mut self, byte: u8) -> bool {
         let mut rest = self.line.iter().skip(self.at).filter(|byte| !is_ignored(**byte) && **byte != b';');
-        let is_accepted = self.tolerance == Tolerance::Everything
-            && byte == b';'
-            && rest.next().is_none_or(|next| *next == b'(');
+        let is_accepted =
+            self.tolerance == Tolerance::Everything && byte == b';' && rest.next().is_none_or(|next| *next == b'(');
         if is_accepted {
             note(&mut self.tolerated.end_sign, self.at - 1);
         }

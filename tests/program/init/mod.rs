@@ -10,8 +10,8 @@ use arcfeed::job::{JobFile, questions};
 use arcfeed_model::tool::Tool;
 use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_tests::{Scratch, root, run};
-use fastrand::Rng;
 use arcfeed_units::LengthUnit;
+use fastrand::Rng;
 use generated::{cup_mill, end_mill};
 use serde_json::Value;
 

@@ -110,7 +110,9 @@ impl<'a> Findings<'a> {
     fn in_words(&self, of: &Diagnostic, text: Option<&[u8]>, is_terminal: bool, others: Option<&str>) -> String {
         match text {
             Some(text) if is_terminal => snippet::render(self.given, text, of, others, &Renderer::styled()),
-            _ => format!("{}:{of}{}", self.path.display(), others.map_or(String::new(), |others| format!("; {others}"))),
+            _ => {
+                format!("{}:{of}{}", self.path.display(), others.map_or(String::new(), |others| format!("; {others}")))
+            }
         }
     }
 }
@@ -122,6 +124,10 @@ impl WarningKind {
         let more = self.count - 1 - places.len();
         places.extend((more > 0).then(|| format!("{more} more")));
         let last = places.pop()?;
-        Some(if places.is_empty() { format!("also at {last}") } else { format!("also at {} and {last}", places.join(", ")) })
+        Some(if places.is_empty() {
+            format!("also at {last}")
+        } else {
+            format!("also at {} and {last}", places.join(", "))
+        })
     }
 }

@@ -125,7 +125,8 @@ impl ToolUseFigures {
 
     fn print(&self) {
         let number = |number: Option<i64>| number.map_or("-".into(), |number| number.to_string());
-        let comment: String = self.comment.chars().take(COMMENT_MAX).map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let comment: String =
+            self.comment.chars().take(COMMENT_MAX).map(|c| if c.is_control() { ' ' } else { c }).collect();
         let row = format!(
             "  {:>4} {:>6} {:>6} {:>13} {:>17} {:>11.1} {:>11.1} {:>9}  {comment}",
             number(self.tool),
