@@ -11,7 +11,7 @@ use arcfeed_kinematics::deviation::Mode;
 use arcfeed_nc::block::Reading;
 use serde::Serialize;
 
-use findings::Findings;
+use findings::CheckFindings;
 use path_report::PathFigures;
 
 use super::control_args::ControlArgs;
@@ -121,7 +121,7 @@ impl Check {
             }
         }
         let (job, source, control) = self.read()?;
-        let mut findings = Findings::new(&self.program, &source.path, self.json);
+        let mut findings = CheckFindings::new(&self.program, &source.path, self.json);
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
         let mut decimals = DecimalSurvey::new(&source.settings);
         let mut path = PathSummary::new(source.settings.unit);
@@ -189,7 +189,11 @@ impl Check {
     }
 
     /// Reads a program that is interpreted, or whose moves are checked together.
-    fn run_whole(&self, source: &Source, findings: &mut Findings<'_>) -> Result<(ProgramSummary, Program), Failure> {
+    fn run_whole(
+        &self,
+        source: &Source,
+        findings: &mut CheckFindings<'_>,
+    ) -> Result<(ProgramSummary, Program), Failure> {
         let bounds = RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds) };
         let run = source.run(self.library.as_deref(), self.machine.is_some(), bounds);
         let mut program = run.map_err(Failure::Input)?;
@@ -253,7 +257,7 @@ impl Check {
         path_report.verdict()
     }
 
-    fn print_json(&self, findings: &Findings<'_>, (counts, summary): (Counts, PathFigures), control: ControlKind) {
+    fn print_json(&self, findings: &CheckFindings<'_>, (counts, summary): (Counts, PathFigures), control: ControlKind) {
         let entries = |severity| {
             let of = findings.listed.iter().filter(move |diagnostic| diagnostic.severity == severity);
             of.map(Entry::new).collect::<Vec<_>>()
@@ -272,7 +276,7 @@ impl Check {
     }
 }
 
-fn print_counts(findings: &Findings<'_>, counts: Counts) {
+fn print_counts(findings: &CheckFindings<'_>, counts: Counts) {
     let (path, warnings) = (findings.path.display(), findings.warnings);
     let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
     say(format_args!(

@@ -34,7 +34,7 @@ pub struct Transmission {
     changes: Changes,
 }
 
-/// What is sent otherwise than written, each with the first line of the program's file, counted from 1.
+/// Lines that are sent otherwise than written, each kind with the first line of the program's file, counted from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Lines with small letters in code, sent as capitals.
@@ -258,7 +258,7 @@ impl Transmission {
         (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
     }
 
-    /// What is sent otherwise than written.
+    /// Lines that are sent otherwise than written.
     pub fn changes(&self) -> &Changes {
         &self.changes
     }

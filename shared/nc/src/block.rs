@@ -11,7 +11,7 @@ pub use super::settings::Reading;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{POWERS_OF_TEN, is_ignored};
 use super::settings::Settings;
-use super::word::{LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark};
+use super::word::{LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark, plain_word};
 
 /// Maximum number of words in a block.
 pub const WORDS_MAX: usize = 32;
@@ -203,15 +203,18 @@ impl Parsed {
         }
         *line = LineKind::Block;
         loop {
-            while let Some((word, end)) = words.plain_word() {
-                if !block.push(word) && !block.begin(word) {
-                    break;
+            if !words.is_tolerant() {
+                let mut at = words.offset();
+                while let Some((word, end)) = plain_word(text, at) {
+                    if !block.push(word) && !block.begin(word) {
+                        break;
+                    }
+                    (at, block.code_len) = (end, end);
                 }
-                words.skip_to(end);
-                block.code_len = end;
-            }
-            if words.is_at_end() {
-                return Ok(());
+                if at == text.len() {
+                    return Ok(());
+                }
+                words.skip_to(at);
             }
             let Some(piece) = words.next() else { return Ok(()) };
             let Piece { token, start, end } = piece?;

@@ -120,24 +120,22 @@ impl<'a> Words<'a> {
     }
 
     /// The next token if it is a word without blanks. Nearly every token is one, and this path needs half the
-    /// instructions of [`Words::next`], which reads all tokens. A tolerant reading does not have it.
+    /// instructions of [`Words::next`], which reads all tokens. A tolerant reading does not have it: there, a number may
+    /// go on behind a blank.
     #[inline]
     pub fn next_word(&mut self) -> Option<Word> {
-        let (word, end) = self.plain_word()?;
+        if self.is_tolerant() {
+            return None;
+        }
+        let (word, end) = plain_word(self.line, self.at)?;
         self.at = end;
         Some(word)
     }
 
-    /// The next word as in [`Words::next_word`], and the offset after it; the caller skips it.
+    /// Whether deviations are accepted.
     #[inline]
-    pub(super) fn plain_word(&self) -> Option<(Word, usize)> {
-        if self.tolerance == Tolerance::None { plain_word(self.line, self.at) } else { None }
-    }
-
-    /// Whether nothing is left of the line.
-    #[inline]
-    pub(super) fn is_at_end(&self) -> bool {
-        self.at == self.line.len()
+    pub(super) fn is_tolerant(&self) -> bool {
+        self.tolerance != Tolerance::None
     }
 
     /// Continues at this offset.
@@ -161,7 +159,7 @@ impl<'a> Words<'a> {
     }
 
     fn number(&mut self) -> Option<Number> {
-        if self.tolerance != Tolerance::None {
+        if self.is_tolerant() {
             return self.spaced_number();
         }
         let (number, end) = number::read(self.line, self.at)?;
@@ -230,7 +228,7 @@ impl<'a> Words<'a> {
 
     /// Reads a block delete after its slash.
     fn block_delete(&mut self) -> Token<'a> {
-        while self.tolerance != Tolerance::None && self.peek().is_some_and(is_ignored) {
+        while self.is_tolerant() && self.peek().is_some_and(is_ignored) {
             self.at += 1;
         }
         let Some(digit @ b'1'..=b'9') = self.peek() else { return Token::BlockDelete(1) };
@@ -296,7 +294,7 @@ impl<'a> Iterator for Words<'a> {
 /// The word at byte `start` of a line of at most [`LINE_MAX`] bytes, and the offset after it; `None` unless a word
 /// without blanks is there.
 #[inline]
-fn plain_word(line: &[u8], start: usize) -> Option<(Word, usize)> {
+pub(super) fn plain_word(line: &[u8], start: usize) -> Option<(Word, usize)> {
     let letter = line.get(start).copied().filter(u8::is_ascii_uppercase)?;
     let (number, end) = number::read(line, start + 1)?;
     // Both casts fit: the caller limits the column, and the digits of a number limit the length.

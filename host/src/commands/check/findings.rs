@@ -16,8 +16,8 @@ const LISTED_MAX: usize = 10_000;
 /// Places of a kind of warning that are named; the others are counted.
 const PLACES_MAX: usize = 3;
 
-/// Findings of one check.
-pub struct Findings<'a> {
+/// CheckFindings of one check.
+pub struct CheckFindings<'a> {
     /// Path of the program.
     pub path: &'a Path,
     /// Path as given on the command line.
@@ -27,7 +27,7 @@ pub struct Findings<'a> {
     pub errors: usize,
     /// Number of warnings.
     pub warnings: usize,
-    /// Findings for the JSON object.
+    /// CheckFindings for the JSON object.
     pub listed: Vec<Diagnostic>,
     /// Kinds of warnings, in the order of their first places.
     kinds: Vec<WarningKind>,
@@ -44,10 +44,10 @@ struct WarningKind {
     count: usize,
 }
 
-impl<'a> Findings<'a> {
+impl<'a> CheckFindings<'a> {
     /// None yet.
     pub fn new(given: &'a Path, path: &'a Path, is_json: bool) -> Self {
-        Findings {
+        CheckFindings {
             path,
             given,
             is_json,
