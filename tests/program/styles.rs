@@ -110,9 +110,9 @@ fn with_code(bytes: &[u8], change: impl Fn(u8, &mut Vec<u8>)) -> Vec<u8> {
         for &byte in line {
             in_comment |= byte == b'(';
             if in_comment || byte == b'\n' || byte == b'\r' {
-                changed.push(byte)
+                changed.push(byte);
             } else {
-                change(byte, &mut changed)
+                change(byte, &mut changed);
             }
             in_comment = !is_code || (in_comment && byte != b')');
         }

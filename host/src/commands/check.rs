@@ -141,9 +141,7 @@ impl Check {
         };
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
         let path = PathFigures::new(&of_run.unwrap_or(path));
-        for (warning, text) in decimals.warnings() {
-            findings.add(warning, Some(text));
-        }
+        decimals.warnings().into_iter().for_each(|(warning, text)| findings.add(warning, Some(text)));
         findings.sort();
         findings.print_warnings();
         // The axis positions of a faulty program are unknown.
@@ -159,13 +157,7 @@ impl Check {
             }
         }
         if findings.errors > 0 {
-            if source.macro_line.is_none()
-                && let Some(advice) = fitting_convention(&source)
-            {
-                note(format_args!("{advice}"));
-            }
-            let (path, errors) = (source.path.display(), findings.errors);
-            return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
+            return Err(refusal(&source, findings.errors));
         }
         if let Some(file) = &job {
             // The moves of macros are only known while they run.
@@ -274,6 +266,15 @@ impl Check {
         };
         say(format_args!("{}", serde_json::json!(report)));
     }
+}
+
+/// Failure of a program with errors, after advice about a convention with which it has fewer.
+fn refusal(source: &Source, errors: usize) -> Failure {
+    let is_plain = source.macro_line.is_none();
+    if let Some(advice) = is_plain.then(|| fitting_convention(source)).flatten() {
+        note(format_args!("{advice}"));
+    }
+    Failure::Input(format!("{}: {errors} errors: the control would stop", source.path.display()))
 }
 
 fn print_counts(findings: &CheckFindings<'_>, counts: Counts) {
