@@ -374,6 +374,18 @@ mod tests {
     }
 
     #[test]
+    fn a_return_without_an_intermediate_point_needs_no_second_axis_after_a_rotation() {
+        let turned = ["G0X1.Y1.", "G68X0Y0R30.", "X2.Y2.", "G69"];
+        let (state, step) = run(&[&turned[..], &["G91G28Y0"]].concat()).unwrap();
+        let (before, _) = run(&turned).unwrap();
+        let Some(Series::Reference([start, between, end])) = step.series else { panic!("{step:?}") };
+        assert_eq!((start, between), (before.position, before.position));
+        assert_eq!((end.linear[0], end.linear[1]), (before.position.linear[0], Nm(0)));
+        assert!(state.rotation_pending);
+        assert!(run(&[&turned[..], &["G91G28Y1."]].concat()).is_err());
+    }
+
+    #[test]
     fn high_precision_control_changes_no_path_and_other_p_are_refused() {
         for block in ["G5P10000", "G05P0"] {
             assert!(run(&[block]).is_ok(), "{block}");

@@ -139,8 +139,14 @@ impl Modal {
             (_, Some((_, column))) => return Err(Fault::alarm(Alarm::ReferencePoint, column)),
         };
         let target = self.target(block, settings.decimals);
-        self.check_move(&target)?;
-        let between = self.keep_unnamed(self.frame.to_path(target.end), target.named);
+        // G91 G28 Z0 Y0 has no intermediate point: rotated coordinates make no difference to it.
+        let stays = !self.absolute && target.end == self.program && self.unmodelled == 0;
+        let between = if stays {
+            self.position
+        } else {
+            self.check_move(&target)?;
+            self.keep_unnamed(self.frame.to_path(target.end), target.named)
+        };
         let reference = settings.reference.get(point).copied().unwrap_or_default();
         let reference = self.on_path(reference, tables);
         let mut end = between;
