@@ -3,6 +3,7 @@
 //! ```toml
 //! unit = "mm"                          # of all lengths here, and in effect at power-on; "inch" or "mm"
 //! decimals = "calculator"              # or "least-increment": X1000 is 1000 mm, or 1 mm
+//! arc_centers = "absolute"             # G90.1 at power-on; "incremental": G91.1; without it the control has neither
 //! delete = [1]                         # block-delete switches that are on
 //! peck_return = 1.0                    # parameter 5114, G73
 //! peck_clearance = 1.0                 # parameter 5115, G83
@@ -27,8 +28,8 @@ use std::path::Path;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::motion::Pose;
 use arcfeed_nc::settings::{
-    COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, Decimals, OFFSETS, Preset, SYSTEMS,
-    Settings, StartUp, Tables,
+    ArcCenters, COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, Decimals, OFFSETS, Preset,
+    SYSTEMS, Settings, StartUp, Tables,
 };
 use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
@@ -42,6 +43,7 @@ use crate::toml_values::{refuse_numbers, with_key};
 struct SettingsFile {
     unit: Option<Unit>,
     decimals: Option<Convention>,
+    arc_centers: Option<CenterConvention>,
     #[serde(default = "no_switches")]
     delete: Spanned<Vec<u8>>,
     peck_return: Option<f64>,
@@ -86,6 +88,52 @@ pub enum Convention {
     LeastIncrement,
     /// X1000 is 1000 mm
     Calculator,
+}
+
+/// Reference of I, J, K on a control with G90.1 and G91.1.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CenterConvention {
+    /// The arc's start.
+    Incremental,
+    /// The program's origin.
+    Absolute,
+}
+
+/// Conventions that a job or an option sets, whatever the settings file says.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Conventions {
+    /// Meaning of numbers without a decimal point.
+    pub decimals: Option<Convention>,
+    /// Reference of I, J, K.
+    pub arc_centers: Option<CenterConvention>,
+}
+
+impl Conventions {
+    /// Changes the settings of a control.
+    pub fn apply(self, settings: &mut Settings) {
+        settings.decimals = self.decimals.map_or(settings.decimals, Decimals::from);
+        settings.arc_centers = self.arc_centers.map_or(settings.arc_centers, ArcCenters::from);
+    }
+}
+
+impl From<CenterConvention> for ArcCenters {
+    fn from(convention: CenterConvention) -> Self {
+        match convention {
+            CenterConvention::Incremental => ArcCenters::Incremental,
+            CenterConvention::Absolute => ArcCenters::Absolute,
+        }
+    }
+}
+
+impl Convention {
+    /// Name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Convention::LeastIncrement => "least-increment",
+            Convention::Calculator => "calculator",
+        }
+    }
 }
 
 impl From<Convention> for Decimals {
@@ -140,7 +188,7 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tabl
     };
     let mut settings = Settings::preset(preset, unit, reading);
     let mut tables = Tables::default();
-    settings.decimals = file.decimals.map_or(settings.decimals, Decimals::from);
+    Conventions { decimals: file.decimals, arc_centers: file.arc_centers }.apply(&mut settings);
     settings.peck_return = file.peck_return.map_or(settings.peck_return, length);
     settings.peck_clearance = file.peck_clearance.map_or(settings.peck_clearance, length);
     for &switch in file.delete.as_ref() {
@@ -208,11 +256,11 @@ mod tests {
 
     #[test]
     fn a_file_gives_offsets_lengths_and_conventions() {
-        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ndecimals = 'calculator'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
+        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
                     'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[radius]\n7 = 5.0\n[radius_wear]\n7 = -0.02\n[reference]\n2 = { Z = 5.0 }\n";
         let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
         assert_eq!((settings.unit, settings.decimals), (LengthUnit::Mm, Decimals::Calculator));
-        assert_eq!(settings.delete_switches, 0b1010);
+        assert_eq!((settings.delete_switches, settings.arc_centers), (0b1010, ArcCenters::Absolute));
         assert_eq!(tables.systems[0].linear[0], Nm::from_mm(-300.0));
         assert_eq!(tables.systems[53].rotary[1], MicroDeg(90_000_000));
         assert_eq!((tables.length(1), tables.radius(7)), (Nm::from_mm(120.5), Nm::from_mm(4.98)));

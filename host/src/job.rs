@@ -42,7 +42,7 @@ use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
-use crate::control;
+use crate::control::{self, Conventions};
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
@@ -78,6 +78,8 @@ pub struct JobFile {
     pub settings: Option<PathBuf>,
     /// Folder of subprograms that are not in the program's file.
     pub library: Option<PathBuf>,
+    /// Conventions of the control that the job sets itself.
+    pub conventions: Conventions,
     /// Settings of the control; in effect at power-on.
     pub nc: Settings,
     /// Work offsets, tool lengths and reference points of the control.
@@ -134,12 +136,19 @@ impl ControlKind {
         }
     }
 
-    /// Settings and offsets of this control at power-on in `unit`, with the changes of a settings file.
+    /// Settings and offsets of this control at power-on in `unit`, with the changes of a settings file and of these
+    /// conventions.
     ///
     /// # Errors
     /// Describes the fault in the settings file.
-    pub fn settings(self, unit: LengthUnit, file: Option<&Path>) -> Result<(Settings, Tables), String> {
-        let (settings, tables) = control::load(self.preset(), Reading::Lenient, file)?;
+    pub fn settings(
+        self,
+        unit: LengthUnit,
+        file: Option<&Path>,
+        conventions: Conventions,
+    ) -> Result<(Settings, Tables), String> {
+        let (mut settings, tables) = control::load(self.preset(), Reading::Lenient, file)?;
+        conventions.apply(&mut settings);
         Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
     }
 
@@ -213,6 +222,7 @@ impl JobFile {
             control: ControlKind::Fanuc16i,
             settings: None,
             library: None,
+            conventions: Conventions::default(),
             nc,
             tables: Tables::default(),
             machine: None,
@@ -286,7 +296,8 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let control = ControlKind::named(preset.as_ref()).map_err(|message| at(preset, message))?;
     let place = table.control.settings.as_ref();
     let settings = place.map(|file| folder.join(file.as_ref()));
-    let loaded = control.settings(unit, settings.as_deref());
+    let conventions = Conventions { decimals: table.control.decimals, arc_centers: table.control.arc_centers };
+    let loaded = control.settings(unit, settings.as_deref(), conventions);
     let (nc, tables) = loaded.map_err(|message| at(place.unwrap_or(preset), &message))?;
     let library = table.control.library.as_ref().map(|place| library(place, folder)).transpose()?;
     let program = folder.join(table.program.as_ref());
@@ -303,6 +314,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         control,
         settings,
         library,
+        conventions,
         nc,
         tables,
         machine,

@@ -1,10 +1,16 @@
 //! NC program as a file: each line with its bytes, meaning and place.
 
+mod advice;
+
+mod diagnostic;
+
 mod block_delete;
 
 mod move_counts;
 
 mod move_trace;
+
+mod path_summary;
 
 mod lines;
 
@@ -22,15 +28,15 @@ mod executed_places;
 
 mod source;
 
+mod conventions;
+
 mod expanded_source;
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_nc::block::{LineKind, Notice, NoticeKind, Reading};
+use arcfeed_nc::block::{LineKind, Reading};
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
@@ -41,12 +47,16 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
+pub use conventions::{DecimalSurvey, fitting_convention};
+pub use diagnostic::{Diagnostic, FeedKept, Severity};
 pub use executed_places::ExecutedPlaces;
 pub use expansion::{Expansion, RunBounds};
 pub use library::Folder;
 use lines::LineReader;
+pub use lines::in_capitals;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
+pub use path_summary::{PathSummary, ToolUse};
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;
 
@@ -69,6 +79,8 @@ pub struct Program {
     pub executions: BTreeMap<u32, u32>,
     /// Places of the lines in the file, if they are its blocks as executed.
     pub places: Option<Arc<ExecutedPlaces>>,
+    /// Path of a run, for a program with macro statements.
+    pub run_summary: Option<PathSummary>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
 }
@@ -94,43 +106,6 @@ pub struct ProgramLine {
     pub skipping: Option<BlockDeleteEffect>,
 }
 
-/// Message about a place in the program.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Diagnostic {
-    /// Severity: whether the program can run in spite of it.
-    pub severity: Severity,
-    /// Line, counted from 1.
-    pub line: usize,
-    /// Column, counted from 1.
-    pub column: usize,
-    /// Column after the last character that it is about.
-    pub end_column: usize,
-    /// Alarm number of the control, if there is one.
-    pub alarm: Option<u16>,
-    /// Description, and what to do.
-    pub message: String,
-    /// Text at that place.
-    pub found: String,
-}
-
-/// Most bytes of a line that a message shows.
-const FOUND_MAX: usize = 400;
-const BEHIND_THE_END: &str = "behind the closing %: no control reads this or what follows; remove it";
-const START_UNKNOWN: &str = "this arc begins where no block before it has put the tool (no X and Y so far): its shape is unknown, \
-                             and it keeps its feed";
-const NO_LABEL: &str = "no % before the first block: a control that reads it over a line takes this block for the label \
-                        and loses it, without an alarm; begin the program with a line %";
-
-/// Severity of a [`Diagnostic`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Severity {
-    /// The program cannot run.
-    Error,
-    /// The program can run; a stricter control might reject it.
-    Warning,
-}
-
 impl ProgramLine {
     /// Sets the state of a control that has executed the line, from `reader`.
     fn set_state(&mut self, reader: &Reader) {
@@ -148,7 +123,7 @@ impl ProgramLine {
     /// Diagnostic for the first line of a program, if a control on a line takes it for the label.
     fn missing_label(&self) -> Option<Diagnostic> {
         let has_code = self.meaning.as_ref().is_none_or(|meaning| !meaning.parsed.block.is_empty());
-        has_code.then(|| Diagnostic::of_line(1, &self.text, NO_LABEL))
+        has_code.then(|| Diagnostic::of_line(1, &self.text, diagnostic::NO_LABEL))
     }
 
     /// The control counts the line as a block: anything but `%` and an empty line.
@@ -203,6 +178,7 @@ impl Program {
             control,
             executions: BTreeMap::new(),
             places: None,
+            run_summary: None,
             run: Vec::new(),
         }
     }
@@ -226,145 +202,6 @@ impl Program {
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
-}
-
-/// Reason for which a move that a cut rule matches keeps its programmed feed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FeedKept {
-    /// A function in force there that no law covers.
-    Under(NotModelled),
-    /// Other reason, in words.
-    Because(&'static str),
-}
-
-impl Diagnostic {
-    fn of_fault(line: usize, text: &[u8], fault: Fault) -> Self {
-        let alarm = match fault.cause {
-            Cause::Alarm(alarm) => Some(alarm.number()),
-            Cause::Macro(alarm) => alarm.number(),
-            Cause::NotModelled(_) => None,
-        };
-        let message = match fault.cause {
-            Cause::Alarm(alarm) => alarm.explanation().to_string(),
-            Cause::Macro(alarm) => alarm.explanation().to_string(),
-            cause @ Cause::NotModelled(_) => cause.to_string(),
-        };
-        let column = usize::from(fault.column).max(1);
-        let place = if fault.column == 0 { text } else { word_at(text, column) };
-        let end_column = column + place.len().max(1);
-        Diagnostic { severity: Severity::Error, line, column, end_column, alarm, message, found: printable(place) }
-    }
-
-    /// Diagnostic for a cutting move without an F so far.
-    fn of_missing_feed(line: usize, text: &[u8], reading: Reading) -> Self {
-        let mut diagnostic = Diagnostic::of_fault(line, text, Fault::alarm(Alarm::NoFeed, 0));
-        if reading == Reading::Lenient {
-            diagnostic.severity = Severity::Warning;
-            diagnostic.message = "no F before this cutting move: a control fresh from power-on raises PS0011; \
-                                  one that remembers a feed moves with that"
-                .into();
-        }
-        diagnostic
-    }
-
-    /// Diagnostic for a move that a law should govern but cannot, for the reason `why`.
-    pub fn of_feed_kept(line: usize, of: &ProgramLine, why: FeedKept) -> Self {
-        let words = of.meaning.iter().flat_map(|meaning| &meaning.parsed.block.words);
-        let axis = words.into_iter().find(|word| b"XYZABC".contains(&word.letter));
-        let cause = if let FeedKept::Under(under) = why { under } else { NotModelled::MoveUnder(0) };
-        let fault = Fault::not_modelled(cause, axis.map_or(0, |word| word.column));
-        let mut diagnostic = Diagnostic::of_fault(line, &of.text, fault);
-        diagnostic.severity = Severity::Warning;
-        diagnostic.message = match why {
-            FeedKept::Under(under) => {
-                format!("a cut rule matches {under}, but no law describes it: it keeps its programmed feed")
-            }
-            FeedKept::Because(why) => format!("a cut rule matches this move, but it keeps its programmed feed: {why}"),
-        };
-        diagnostic
-    }
-
-    /// Warning about a line as a whole.
-    fn of_line(line: usize, text: &[u8], message: &str) -> Self {
-        let (severity, message) = (Severity::Warning, message.into());
-        Diagnostic {
-            severity,
-            line,
-            column: 1,
-            end_column: text.len() + 1,
-            alarm: None,
-            message,
-            found: printable(text),
-        }
-    }
-
-    fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {
-        let column = usize::from(notice.column);
-        let (alarm, message, place) = match notice.kind {
-            NoticeKind::Title => (
-                Some(Alarm::NoDataAfterAddress),
-                "a title where a program number belongs: a control that takes this line as a block refuses it",
-                text,
-            ),
-            NoticeKind::CommentCharacter(_) => (
-                Some(Alarm::Character),
-                "a character in a comment that the control's code does not have: some controls refuse it",
-                text.get(column - 1..column).unwrap_or_default(),
-            ),
-            NoticeKind::UnclosedComment => (None, "a comment without ')': it ends with its line", text),
-            NoticeKind::LongNumber => (
-                Some(Alarm::TooManyDigits),
-                "more digits than this control has for N or O: it refuses the line",
-                word_at(text, column),
-            ),
-            NoticeKind::Zero => {
-                (Some(Alarm::ProgramNumber), "numbers count from 1: some controls refuse 0", word_at(text, column))
-            }
-        };
-        let end_column = if place.len() == text.len() { text.len() + 1 } else { column + place.len() };
-        Diagnostic {
-            severity: Severity::Warning,
-            line,
-            column,
-            end_column: end_column.max(column + 1),
-            alarm: alarm.map(Alarm::number),
-            message: message.into(),
-            found: printable(place),
-        }
-    }
-}
-
-impl fmt::Display for Diagnostic {
-    /// `line:column: error PS0020: message (found `X1.`)`
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        };
-        write!(f, "{}:{}: {severity}", self.line, self.column)?;
-        if let Some(alarm) = self.alarm {
-            write!(f, " PS{alarm:04}")?;
-        }
-        write!(f, ": {} (found `{}`)", self.message, self.found)
-    }
-}
-
-/// The line has nothing but blanks and control characters, such as the end mark of DOS.
-fn is_blank(text: &[u8]) -> bool {
-    text.iter().all(|byte| *byte <= b' ')
-}
-
-/// Text from `column` (counted from 1) to before the next address letter; at most a few bytes.
-fn word_at(text: &[u8], column: usize) -> &[u8] {
-    let rest = text.get(column - 1..).unwrap_or_default();
-    let end = rest.iter().skip(1).position(u8::is_ascii_uppercase).map_or(rest.len(), |at| at + 1);
-    &rest[..end.min(16)]
-}
-
-fn printable(text: &[u8]) -> String {
-    let shown = text.get(..FOUND_MAX).unwrap_or(text);
-    let end = if shown.len() < text.len() { "..." } else { "" };
-    shown.escape_ascii().to_string().replace("\\'", "'").replace("\\\"", "\"") + end
 }
 
 #[cfg(test)]

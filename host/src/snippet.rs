@@ -6,8 +6,8 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 
 use crate::program::{Diagnostic, Severity};
 
-/// Renders one diagnostic with its line of the program, which may hold any bytes.
-pub fn render(path: &Path, text: &[u8], diagnostic: &Diagnostic, renderer: &Renderer) -> String {
+/// Renders one diagnostic with its line of the program, which may hold any bytes, and a note below it.
+pub fn render(path: &Path, text: &[u8], diagnostic: &Diagnostic, below: Option<&str>, renderer: &Renderer) -> String {
     // Each byte becomes one character, so that columns stay where they are.
     let shown: String =
         text.iter().map(|byte| if (32..127).contains(byte) { char::from(*byte) } else { '?' }).collect();
@@ -25,7 +25,9 @@ pub fn render(path: &Path, text: &[u8], diagnostic: &Diagnostic, renderer: &Rend
     let mark = AnnotationKind::Primary.span(start..end).label(remedy);
     let origin = path.display().to_string();
     let snippet = Snippet::source(shown.as_str()).line_start(diagnostic.line).path(origin.as_str()).annotation(mark);
-    renderer.render(&[level.primary_title(title.as_str()).element(snippet)])
+    let group = level.primary_title(title.as_str()).element(snippet);
+    let notes = below.into_iter().map(|below| Level::NOTE.message(below));
+    renderer.render(&[group.elements(notes)])
 }
 
 #[cfg(test)]
@@ -39,7 +41,7 @@ mod tests {
         let path = Path::new("part.nc");
         let program = Program::parse(path, text, LengthUnit::Inch, Reading::Lenient);
         let found = &program.diagnostics[0];
-        render(path, &program.lines[found.line - 1].text, found, &Renderer::plain())
+        render(path, &program.lines[found.line - 1].text, found, None, &Renderer::plain())
     }
 
     #[test]

@@ -8,6 +8,7 @@ use arcfeed::program::{Expansion, Program, RunBounds, Severity};
 use arcfeed_nc::alarm::Alarm;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
+use arcfeed_nc_macro::variables::OutsideValues;
 use arcfeed_tests::root;
 use arcfeed_units::LengthUnit;
 
@@ -42,8 +43,15 @@ fn read(name: &str) -> Program {
     let path = format!("{CORPUS}/{name}.nc");
     let mut settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Strict);
     settings.scope = Scope::Everything;
-    let bounds = RunBounds { blocks: 1_000, time: Duration::from_secs(60) };
-    let expansion = Expansion { settings, tables: Tables::default(), library: None, keeps_moves: false, bounds };
+    let bounds = RunBounds { blocks: 1_000, time: Duration::from_secs(60), has_options: true };
+    let expansion = Expansion {
+        settings,
+        tables: Tables::default(),
+        library: None,
+        keeps_moves: false,
+        bounds,
+        outside: OutsideValues::Assumed,
+    };
     Program::run(Path::new(&path), text(&path).as_bytes(), expansion)
 }
 

@@ -24,6 +24,8 @@ mod nc_text;
 
 mod planes;
 
+mod styles;
+
 mod tutorials;
 
 mod without_job;

@@ -56,8 +56,9 @@ fn the_words_of_a_block_are_its_text_each_in_its_place() {
             for word in &block.words {
                 let (start, len) = (usize::from(word.column) - 1, usize::from(word.len));
                 let text = &line[start..start + len];
-                assert_eq!(text.as_bytes()[0], word.letter, "{line}");
-                assert_eq!(text[1..].parse::<f64>().ok(), Some(word.number.to_f64()), "{line}");
+                assert_eq!(text.as_bytes()[0].to_ascii_uppercase(), word.letter, "{line}");
+                let digits = text[1..].replace([' ', '\t'], "");
+                assert_eq!(digits.parse::<f64>().ok(), Some(word.number.to_f64()), "{line}");
                 rest[start..start + len].fill(b' ');
                 words += 1;
             }

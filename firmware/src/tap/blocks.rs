@@ -5,8 +5,8 @@
 //! next plain move, or of a cycle. The offsets of the control are unknown here; positions are relative to the
 //! workpiece's origin, where offsets have no effect.
 
-use arcfeed_nc::alarm::{Fault, NotModelled};
-use arcfeed_nc::block::Block;
+use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
+use arcfeed_nc::block::{Block, NoticeKind};
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::{Feed, FeedMode, Pose, ProgramStop};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
@@ -94,6 +94,10 @@ impl Blocks {
     /// The behaviour of the control is unknown from here on.
     pub fn read(&mut self, text: &[u8]) -> Result<(BlockMotion, bool), TapLossReason> {
         self.reader.read_into(text, &mut self.line).map_err(TapLossReason::NotUnderstood)?;
+        // Controls skip or refuse small letters: what this one has read is not known.
+        if let Some(notice) = self.line.parsed.notices.iter().find(|notice| notice.kind == NoticeKind::SmallLetter) {
+            return Err(TapLossReason::NotUnderstood(Fault::alarm(Alarm::Character, notice.column)));
+        }
         let block = &self.line.parsed.block;
         let is_other_program = block.program.is_some() && self.has_moved;
         if is_other_program || self.line.lacks_feed() || (block.assigns && changes_behaviour(text)) {

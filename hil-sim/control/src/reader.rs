@@ -3,6 +3,7 @@
 use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::modal::{Modal, Pose};
 use arcfeed_nc::settings::Tables;
+use arcfeed_nc::word::is_mark;
 
 use super::action::{Action, ReadBlock};
 use super::plain::{Plain, PlainReader};
@@ -93,7 +94,7 @@ impl BlockReader {
         let has_begun = self.has_begun;
         self.has_begun |= !text.is_empty() || refused.is_some();
         // The first mark begins the program, the next one ends it: a program that reaches it has no end of its own.
-        let is_mark = text.first() == Some(&b'%');
+        let is_mark = is_mark(&text);
         let at_end = Fault::alarm(Alarm::EndOfRecord, 1);
         match refused.or((is_mark && has_begun).then_some(at_end)) {
             Some(fault) => Some(OpenedBlock::Refused(Box::new(ReadBlock::new(self.line, text, Action::Fault(fault))))),
@@ -109,7 +110,7 @@ impl BlockReader {
             ReceivedBlock::Label { has_mark } => self.has_begun |= has_mark,
             ReceivedBlock::Block(text) | ReceivedBlock::Refused { text, .. } => {
                 self.has_begun |= !text.is_empty();
-                return has_begun && text.first() == Some(&b'%');
+                return has_begun && is_mark(text);
             }
         }
         false

@@ -7,7 +7,8 @@
 //! skipped label does not); label skip as the Mitsubishi M700 describes it (p. 7), Fanuc's manuals only name it.
 
 use arcfeed_nc::alarm::{Alarm, Fault};
-use arcfeed_nc::word::{column, is_control_character};
+use arcfeed_nc::block::is_title;
+use arcfeed_nc::word::{column, is_control_character, is_mark, small_letter};
 
 use super::code::{Symbol, TapeCode};
 
@@ -119,6 +120,9 @@ impl Tape {
         if self.settings.tv_check && frames.len() % 2 == 1 && !text.contains(&b'%') {
             fault = fault.or(Some(Fault::alarm(Alarm::BlockParity, 0)));
         }
+        // Some controls skip small letters in code and read another block; this one stops.
+        let small = small_letter(&text).filter(|_| !is_title(&text) && !is_mark(&text));
+        fault = fault.or(small.map(|offset| Fault::alarm(Alarm::Character, column(offset))));
         match fault {
             None => ReceivedBlock::Block(text),
             Some(fault) => ReceivedBlock::Refused { text, fault },
@@ -191,6 +195,17 @@ mod tests {
             let fault = Fault::alarm(Alarm::Character, column);
             assert_eq!(blocks(settings, &frames)[1], ReceivedBlock::Refused { text: text.into(), fault });
             assert_eq!(blocks(TapeSettings::default(), &frames)[1], block(text));
+        }
+    }
+
+    #[test]
+    fn small_letters_in_code_are_an_alarm_and_in_titles_and_comments_none() {
+        let read =
+            |text: &str| blocks(TapeSettings::default(), &encoded(TapeCode::Iso, &format!("%\n{text}\n")))[1].clone();
+        let fault = Fault::alarm(Alarm::Character, 5);
+        assert_eq!(read("G1X1f5"), ReceivedBlock::Refused { text: b"G1X1f5".into(), fault });
+        for text in ["G1X1(note)", "OPart 1", "%end"] {
+            assert_eq!(read(text), block(text));
         }
     }
 

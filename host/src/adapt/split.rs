@@ -9,6 +9,7 @@ use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::reader::Reader;
 use arcfeed_nc::segment::{Arc, Segment};
+use arcfeed_nc::settings::ArcCenters;
 use arcfeed_units::Nm;
 
 use super::asked_cells::CELLS;
@@ -30,7 +31,7 @@ pub enum Whole {
     Line,
     /// The block has words that pieces cannot share: M, T, a variable, another G.
     Words,
-    /// G51, G52 or G68 lays the program's coordinates elsewhere than the workpiece's.
+    /// G51, G52 or G68 lays the program's coordinates elsewhere than the workpiece's, or G90.1 the centres.
     Coordinates,
     /// No points on it, or no centre, that the control's increments and digits can express.
     Digits,
@@ -170,12 +171,13 @@ impl Governed<'_> {
         Ok(Split { pieces, texts, whole: None })
     }
 
-    /// Whether the program's coordinates are the workpiece's.
+    /// Whether the program's coordinates are the workpiece's, and I, J, K count from the arc's start.
     fn is_in_program(&self) -> bool {
         let mut reader = self.before.clone();
         let _understood = reader.read(&self.line.text);
         let frame = &reader.modal().frame;
-        frame.is_shift() && frame.shift() == self.line.origin
+        let is_from_start = reader.modal().arc_centers != ArcCenters::Absolute;
+        is_from_start && frame.is_shift() && frame.shift() == self.line.origin
     }
 
     fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {

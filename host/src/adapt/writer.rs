@@ -238,6 +238,6 @@ fn has_feed(text: &[u8]) -> bool {
     let mut in_comment = false;
     text.iter().any(|&byte| {
         in_comment = (in_comment || byte == b'(') && byte != b')';
-        !in_comment && byte == b'F'
+        !in_comment && byte.eq_ignore_ascii_case(&b'F')
     })
 }

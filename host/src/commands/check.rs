@@ -1,21 +1,25 @@
 //! `arcfeed check`: the alarms that a control would raise for a program.
 
+mod findings;
+
+mod path_report;
+
 use std::collections::BTreeMap;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use annotate_snippets::Renderer;
 use arcfeed_kinematics::deviation::Mode;
 use arcfeed_nc::block::Reading;
-use arcfeed_nc::settings::Scope;
 use serde::Serialize;
 
+use findings::CheckFindings;
+use path_report::PathFigures;
+
+use super::control_args::ControlArgs;
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
 use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
 use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
-use crate::control::{self, Convention};
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
 use crate::post::check::check_program;
@@ -24,12 +28,9 @@ use crate::post::cl_from_nc;
 use crate::post::finding::FindingKind;
 use crate::post::plan::AxisPlan;
 use crate::program::{
-    Diagnostic, MoveCounts, Program, ProgramLine, ProgramSummary, RunBounds, Severity, Source, read_bounded,
+    DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds, Severity,
+    Source, fitting_convention, read_bounded,
 };
-use crate::snippet;
-
-/// Errors and warnings that the JSON object lists; the others are counted.
-const LISTED_MAX: usize = 10_000;
 
 /// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that
 /// the machine cannot follow, in CL data too
@@ -45,15 +46,8 @@ pub struct Check {
     /// Report exactly what the control would reject, also in titles and comments
     #[arg(long)]
     strict: bool,
-    /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
-    #[arg(long, value_parser = ControlKind::named)]
-    control: Option<ControlKind>,
-    /// Settings of this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
-    #[arg(long, value_name = "SETTINGS.toml")]
-    settings: Option<PathBuf>,
-    /// Meaning of numbers without a decimal point
-    #[arg(long)]
-    decimals: Option<Convention>,
+    #[command(flatten)]
+    of_control: ControlArgs,
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
@@ -96,6 +90,7 @@ struct CheckReport<'a> {
     strict: bool,
     counts: Counts,
     calls: Vec<CallCount>,
+    summary: PathFigures,
     errors: Vec<Entry<'a>>,
     warnings: Vec<Entry<'a>>,
     not_listed: usize,
@@ -135,9 +130,13 @@ impl Check {
             }
         }
         let (job, source, control) = self.read()?;
-        let mut findings = Findings::new(self, &source.path);
+        let mut findings = CheckFindings::new(&self.program, &source.path, self.json);
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
+        let mut decimals = DecimalSurvey::new(&source.settings);
+        let mut path = PathSummary::new(source.settings.unit);
         let each_line = |line: &ProgramLine| {
+            decimals.add(line);
+            path.add_line(line);
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
                 used.add(line, &file.job, tool_at(line, &file.job));
             }
@@ -150,22 +149,27 @@ impl Check {
             program.lines.iter().for_each(each_line);
             (summary, Some(program))
         };
+        let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
+        let path = PathFigures::new(&of_run.unwrap_or(path));
+        decimals.warnings().into_iter().for_each(|(warning, text)| findings.add(warning, Some(text)));
+        findings.sort();
+        findings.print_warnings();
         // The axis positions of a faulty program are unknown.
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
         let counts = Counts::new(&summary);
         let calls = whole.as_ref().map(|program| &program.executions);
         match (&on, self.json) {
-            (None, true) => self.print_json(&findings, counts, call_counts(calls), control),
+            (None, true) => self.print_json(&findings, (counts, path, call_counts(calls)), control),
             (Some(_), true) => {}
             (_, false) => {
+                path.print();
                 print_counts(&findings, counts);
                 print_calls(&findings, &call_counts(calls));
             }
         }
         if findings.errors > 0 {
-            let (path, errors) = (source.path.display(), findings.errors);
-            return Err(Failure::Input(format!("{path}: {errors} errors: the control would stop")));
+            return Err(refusal(&source, findings.errors));
         }
         if let Some(file) = &job {
             // The moves of macros are only known while they run.
@@ -183,14 +187,7 @@ impl Check {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
-        let of_job = job.as_ref().map_or(ControlKind::Fanuc16i, |file| file.control);
-        let control = self.control.unwrap_or(of_job);
-        let file = self.settings.as_ref().or(job.as_ref().and_then(|file| file.settings.as_ref()));
-        let (mut settings, tables) =
-            control::load(control.preset(), reading, file.map(PathBuf::as_path)).map_err(Failure::Input)?;
-        settings.scope = Scope::Everything;
-        settings.decimals = self.decimals.map_or(settings.decimals, Into::into);
-        settings.unit = job.as_ref().map_or(settings.unit, |file| file.job.unit);
+        let (control, settings, tables) = self.of_control.read(job.as_ref(), reading)?;
         let source = Source::read(path, settings, tables).map_err(Failure::Input)?;
         Ok((job, source, control))
     }
@@ -200,7 +197,7 @@ impl Check {
         &self,
         source: &Source,
         library: Option<&Path>,
-        findings: &mut Findings<'_>,
+        findings: &mut CheckFindings<'_>,
     ) -> Result<(ProgramSummary, Program), Failure> {
         let bounds =
             RunBounds { blocks: self.max_blocks, time: Duration::from_secs(self.max_seconds), has_options: true };
@@ -225,8 +222,7 @@ impl Check {
 
     /// Checks CL data on a machine.
     fn run_cl(&self, file: &MachineFile) -> Result<(), Failure> {
-        let is_of_program = self.strict || self.control.is_some() || self.settings.is_some();
-        if is_of_program || self.decimals.is_some() || self.library.is_some() {
+        if self.strict || self.of_control.is_given() || self.library.is_some() {
             let advice =
                 "--strict, --control, --settings, --decimals and --library are for NC programs, not for CL data";
             return Err(Failure::Usage(advice.into()));
@@ -267,7 +263,12 @@ impl Check {
         path_report.verdict()
     }
 
-    fn print_json(&self, findings: &Findings<'_>, counts: Counts, calls: Vec<CallCount>, control: ControlKind) {
+    fn print_json(
+        &self,
+        findings: &CheckFindings<'_>,
+        (counts, summary, calls): (Counts, PathFigures, Vec<CallCount>),
+        control: ControlKind,
+    ) {
         let entries = |severity| {
             let of = findings.listed.iter().filter(move |diagnostic| diagnostic.severity == severity);
             of.map(Entry::new).collect::<Vec<_>>()
@@ -278,6 +279,7 @@ impl Check {
             strict: self.strict,
             counts,
             calls,
+            summary,
             errors: entries(Severity::Error),
             warnings: entries(Severity::Warning),
             not_listed: findings.errors + findings.warnings - findings.listed.len(),
@@ -286,48 +288,16 @@ impl Check {
     }
 }
 
-/// Findings: printed at once, or kept for the JSON object.
-struct Findings<'a> {
-    path: &'a Path,
-    /// Path as given on the command line.
-    given: &'a Path,
-    is_json: bool,
-    errors: usize,
-    warnings: usize,
-    listed: Vec<Diagnostic>,
+/// Failure of a program with errors, after advice about a convention with which it has fewer.
+fn refusal(source: &Source, errors: usize) -> Failure {
+    let is_plain = source.macro_line.is_none();
+    if let Some(advice) = is_plain.then(|| fitting_convention(source)).flatten() {
+        note(format_args!("{advice}"));
+    }
+    Failure::Input(format!("{}: {errors} errors: the control would stop", source.path.display()))
 }
 
-impl<'a> Findings<'a> {
-    fn new(check: &'a Check, path: &'a Path) -> Self {
-        let (given, is_json) = (&check.program, check.json);
-        Findings { path, given, is_json, errors: 0, warnings: 0, listed: Vec::new() }
-    }
-
-    fn add(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
-        match diagnostic.severity {
-            Severity::Error => self.errors += 1,
-            Severity::Warning => self.warnings += 1,
-        }
-        if !self.is_json {
-            self.print(&diagnostic, text);
-        } else if self.listed.len() < LISTED_MAX {
-            self.listed.push(diagnostic);
-        }
-    }
-
-    fn print(&self, diagnostic: &Diagnostic, text: Option<&[u8]>) {
-        let in_words = |is_terminal: bool| match text {
-            Some(text) if is_terminal => snippet::render(self.given, text, diagnostic, &Renderer::styled()),
-            _ => format!("{}:{diagnostic}", self.path.display()),
-        };
-        match diagnostic.severity {
-            Severity::Error => note(format_args!("{}", in_words(std::io::stderr().is_terminal()))),
-            Severity::Warning => say(format_args!("{}", in_words(std::io::stdout().is_terminal()))),
-        }
-    }
-}
-
-fn print_counts(findings: &Findings<'_>, counts: Counts) {
+fn print_counts(findings: &CheckFindings<'_>, counts: Counts) {
     let (path, warnings) = (findings.path.display(), findings.warnings);
     let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
     say(format_args!(
@@ -337,7 +307,7 @@ fn print_counts(findings: &Findings<'_>, counts: Counts) {
 }
 
 /// One line with the called programs, if there are any.
-fn print_calls(findings: &Findings<'_>, calls: &[CallCount]) {
+fn print_calls(findings: &CheckFindings<'_>, calls: &[CallCount]) {
     let called: Vec<String> =
         calls.iter().map(|CallCount { program, executions }| format!("O{program:04} {executions} times")).collect();
     if !called.is_empty() {

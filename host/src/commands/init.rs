@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use arcfeed_nc::block::Reading;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
+use super::control_args::name_from;
 use super::job_values::JobValues;
 use super::outcome::{Failure, file_failure, refuse_inputs, say};
 use crate::console::note;
@@ -97,16 +99,25 @@ impl Init {
     /// # Errors
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
+        let (control, settings, tables) = self.values.of_control.read(None, Reading::Lenient)?;
         let answers = self.values.answers();
-        let (program, survey) =
-            survey::load(&self.program, answers.units, self.library.as_deref()).map_err(Failure::Input)?;
+        let loaded = survey::load(&self.program, (settings, tables), answers.units, self.library.as_deref());
+        let (program, survey) = loaded.map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups, &survey, &answers);
-        let name = program_from(&output, &self.program);
-        let findings =
-            Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal, answers: &answers };
-        let text = self.with_library(job(&findings));
+        let name = name_from(&output, &self.program);
+        let mut control = self.values.of_control.keys(control, &output);
+        control.extend(self.library.as_ref().map(|folder| ("library", name_from(&output, folder))));
+        let findings = Findings {
+            program: &name,
+            survey: &survey,
+            groups: &groups,
+            proposal: &proposal,
+            answers: &answers,
+            control: &control,
+        };
+        let text = job(&findings);
         self.write(&output, &text)?;
         let questions = questions::open(&text);
         let errors = program.diagnostics.iter().filter(|found| found.severity == Severity::Error).count();
@@ -125,14 +136,6 @@ impl Init {
         Ok(())
     }
 
-    /// The job with the folder of subprograms.
-    fn with_library(&self, job: String) -> String {
-        let Some(folder) = &self.library else { return job };
-        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
-        let value = toml::Value::String(folder.display().to_string());
-        job.replacen("[control]\n", &format!("[control]\nlibrary = {value}\n"), 1)
-    }
-
     fn write(&self, output: &Path, text: &str) -> Result<(), Failure> {
         refuse_inputs(&[Some(output)], std::slice::from_ref(&self.program))?;
         let write = if self.force { output::write_whole } else { output::write_new };
@@ -144,16 +147,6 @@ impl Init {
             Err(error) => Err(file_failure(output, &error)),
         }
     }
-}
-
-/// The program's name as seen from the job file: jobs name programs relative to themselves.
-fn program_from(job: &Path, program: &Path) -> String {
-    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_owned));
-    let name = match program.file_name() {
-        Some(name) if folder(job) == folder(program) => PathBuf::from(name),
-        _ => std::path::absolute(program).unwrap_or_else(|_| program.to_owned()),
-    };
-    name.display().to_string()
 }
 
 fn print_text(output: &Path, findings: &Findings<'_>, questions: &[Question]) {

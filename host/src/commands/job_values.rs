@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use arcfeed_nc::block::Reading;
 use arcfeed_units::LengthUnit;
 
+use super::control_args::ControlArgs;
 use super::outcome::Failure;
 use crate::console::note;
 use crate::file_error::FileError;
@@ -45,14 +47,23 @@ pub struct JobValues {
     /// Unit of a program without G20 and G21
     #[arg(long, value_parser = ["mm", "inch"])]
     units: Option<String>,
+    /// Control that runs the program.
+    #[command(flatten)]
+    pub of_control: ControlArgs,
 }
 
 impl JobValues {
     /// Whether one of them is given.
     pub fn is_any(&self) -> bool {
-        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units } = self;
+        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
-        is_listed || spindle.is_some() || max.is_some() || mode.is_some() || milling.is_some() || units.is_some()
+        is_listed
+            || spindle.is_some()
+            || max.is_some()
+            || mode.is_some()
+            || milling.is_some()
+            || units.is_some()
+            || of_control.is_given()
     }
 
     /// The values as answers.
@@ -75,14 +86,22 @@ impl JobValues {
     /// The program cannot be read, or a value is missing: with the option that gives it.
     pub fn job_of(&self, path: &Path) -> Result<JobFile, Failure> {
         let answers = self.answers();
-        let (_, survey) = survey::load(path, answers.units, None).map_err(Failure::Input)?;
+        let (control, settings, tables) = self.of_control.read(None, Reading::Lenient)?;
+        let loaded = survey::load(path, (settings, tables), answers.units, None);
+        let (_, survey) = loaded.map_err(Failure::Input)?;
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         keep_known(&mut proposal, &answers).map_err(failed)?;
         let program = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let findings =
-            Findings { program: &program, survey: &survey, groups: &groups, proposal: &proposal, answers: &answers };
+        let findings = Findings {
+            program: &program,
+            survey: &survey,
+            groups: &groups,
+            proposal: &proposal,
+            answers: &answers,
+            control: &self.of_control.keys(control, path),
+        };
         let text = job(&findings);
         let open: Vec<String> = questions::open(&text).into_iter().map(|question| option_of(&question.key)).collect();
         if !open.is_empty() {

@@ -8,6 +8,8 @@ pub mod job_values;
 
 pub mod job_input;
 
+pub mod control_args;
+
 pub mod five_axis;
 
 pub mod check;

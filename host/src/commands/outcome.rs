@@ -16,7 +16,7 @@ use crate::file_error::FileError;
 use crate::job::JobFile;
 use crate::output;
 use crate::port::PortError;
-use crate::program::{Program, ProgramLine, RunBounds, Severity, Source};
+use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_convention};
 
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
@@ -141,7 +141,9 @@ pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bo
         Severity::Error => more += 1,
         Severity::Warning => {}
     });
+    let advice = if errors.is_empty() { None } else { fitting_convention(&source) };
     errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
+    errors.extend(advice);
     let tools: Vec<_> = summary.tools.iter().map(|(number, line)| (*number, source.line_in_file(*line))).collect();
     errors.extend(name_tool(&mut file.job, &source.path, &tools));
     if !errors.is_empty() {

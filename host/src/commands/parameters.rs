@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use arcfeed_link::message::page::{self, TappedLine};
 use arcfeed_link::message::parameters::ParametersError;
 use arcfeed_link::message::staging::Staging;
+use arcfeed_nc::settings::ArcCenters;
 use arcfeed_nc::tape_code::TapeCode as LineCode;
 
 use super::outcome::{Failure, refuse_inputs, say, warn_of_rules, write_whole};
@@ -36,6 +37,12 @@ impl Parameters {
             // The receiver removes the parity of the line.
             Some(TapeCode::Ascii) | None => LineCode::Ascii,
         };
+        if file.nc.arc_centers != ArcCenters::FromStart {
+            return Err(Failure::Input(format!(
+                "{job}: a board at a tapped line reads I, J, K as distances from the arc's start only: post them so and remove \
+                 arc_centers, or send with arcfeed stream --board"
+            )));
+        }
         let tapped = TappedLine { code: Some(code), decimals: file.nc.decimals };
         let page = page::write(&file.job, tapped).map_err(|error| {
             Failure::Input(match error {

@@ -57,7 +57,7 @@ use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
 use crate::job::{JobFile, SpindleLimits};
-use crate::program::{Folder, Program};
+use crate::program::{Folder, Program, in_capitals};
 use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
@@ -291,7 +291,7 @@ pub(super) fn in_memory_of(
     fault: ControllerFault,
 ) -> Result<Simulation, Failure> {
     // A last line without its end would never be a block.
-    let program = [program, b"\n"].concat();
+    let program = [&in_capitals(program), b"\n".as_slice()].concat();
     let mut simulation = Simulation::from_memory(settings, &program, &file.job, fault)
         .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
     if let Some(folder) = &file.library {

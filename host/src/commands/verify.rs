@@ -31,9 +31,9 @@ pub struct Verify {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
-    /// Compare with the transmission of `stream --filter`
+    /// Compare with the transmission of `stream --keep-comments`
     #[arg(long)]
-    filter: bool,
+    keep_comments: bool,
     /// Write the text that the control has sent here
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -68,7 +68,7 @@ impl Verify {
             let message = "--port sim: has no program in its memory; `arcfeed serve --store` is a control that has one";
             return Err(Failure::Usage(message.into()));
         }
-        let ready = PreparedProgram::load(&self.job, self.baudrate, self.filter)?;
+        let ready = PreparedProgram::load(&self.job, self.baudrate, !self.keep_comments)?;
         refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.job))?;
         let mut port = open(&self.port, &ready.file.serial)?;
         let mut back = ReadBack::new(ready.wire.encode);

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::modal::{Cycle, FeedMode, Modal, MotionKind, Plane, Pose, Turn};
 use arcfeed_nc::reader::Reader;
-use arcfeed_nc::settings::{Scope, Settings, Tables};
+use arcfeed_nc::settings::{ArcCenters, Scope, Settings, Tables};
 use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Micros, Nm};
 
 use super::functions::Functions;
@@ -69,7 +69,7 @@ impl StateBefore {
             before.take(&mut reader, sent, line)?;
         }
         before.modal = *reader.modal();
-        before.refuse(reader.tables() != &control.tables)?;
+        before.refuse(reader.tables() != &control.tables, control.settings.arc_centers)?;
         Ok(before)
     }
 
@@ -107,7 +107,7 @@ impl StateBefore {
     }
 
     /// Rejects a state that blocks cannot bring about.
-    fn refuse(&self, has_data: bool) -> Result<(), String> {
+    fn refuse(&self, has_data: bool, arc_centers: ArcCenters) -> Result<(), String> {
         let modal = &self.modal;
         let found = [
             (modal.compensation.is_some(), "G41 or G42 is in force: the tool meets the contour only where it began"),
@@ -117,6 +117,7 @@ impl StateBefore {
             (modal.follows_tool_center, "G43.4 is in force"),
             (modal.preset != Pose::ORIGIN, "G92 has set coordinates: what they refer to is gone"),
             (modal.rotation_pending, "G68 or G69 stands before it and no move since has named both axes"),
+            (modal.arc_centers != arc_centers, "G90.1 or G91.1 has changed what I, J, K refer to"),
             (has_data, "G10 has written offsets: whether the control still has them is not known"),
         ];
         match found.into_iter().find(|(holds, _)| *holds) {

@@ -3,12 +3,14 @@
 
 use std::fmt;
 
-use arcfeed_nc::block::{Reading, parse_line};
+use arcfeed_nc::block::{Parsed, Reading, parse_line};
 use arcfeed_nc::text::Lines;
-use arcfeed_nc::word::is_control_character;
+use arcfeed_nc::word::{BYTE_ORDER_MARK, is_control_character};
 
 /// Longest block: one that does not fit the control's buffer is never complete there, and the transmission stops.
 const BLOCK_MAX: usize = 256;
+/// End mark of DOS.
+const END_MARK: u8 = 0x1a;
 /// Starts of the lines of a report; programs with macro statements of their own are not sent.
 const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
@@ -17,18 +19,67 @@ const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 pub struct Wire {
     /// Character in the control's code; `None` if the code does not have it.
     pub encode: fn(u8) -> Option<u8>,
-    /// Characters in comments are made upper case or left out instead of rejected.
+    /// Characters in comments that the control's code does not have become capitals or blanks instead of faults.
     pub filters: bool,
     /// Blocks are filled up to an even number of characters, for a control with its TV check on.
     pub tv_check: bool,
 }
 
 /// Transmission of a program, complete or from some line on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Transmission {
     text: Vec<u8>,
     frames: Vec<u8>,
     lines: Vec<SentLine>,
+    changes: Changes,
+}
+
+/// Lines that are sent otherwise than written, each kind with the first line of the program's file, counted from 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Lines with small letters in code, sent as capitals.
+    pub capitals: Change,
+    /// Comments with characters that the code lacks, sent as capitals or blanks.
+    pub comments: Change,
+    /// Marks that are not sent: of an editor before the program, `;` of a screen behind blocks, the end mark of DOS.
+    pub left_out: Change,
+    /// A `%` is sent before the first block.
+    pub has_mark: bool,
+}
+
+/// Number of lines with a change, and the first of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Change {
+    /// Number of lines.
+    pub lines: usize,
+    /// First line.
+    pub first: usize,
+}
+
+impl Changes {
+    /// Every change in words.
+    pub fn in_words(&self) -> Vec<String> {
+        let mark =
+            self.has_mark.then(|| "% is sent before the first block, which the control would skip otherwise".into());
+        let lines = [
+            (self.capitals, "with small letters in code are sent in capitals"),
+            (self.comments, "have comments with characters that the code lacks: sent as capitals or blanks"),
+            (
+                self.left_out,
+                "have marks that are not sent: a byte order mark, `;` behind the code, or the end mark of DOS",
+            ),
+        ];
+        let found = lines.into_iter().filter(|(change, _)| change.lines > 0);
+        let said = found.map(|(change, what)| format!("{} lines {what} (first: line {})", change.lines, change.first));
+        mark.into_iter().chain(said).collect()
+    }
+}
+
+impl Change {
+    fn add(&mut self, line: usize) {
+        self.first = if self.lines == 0 { line } else { self.first };
+        self.lines += 1;
+    }
 }
 
 /// Line of a transmission.
@@ -63,14 +114,17 @@ impl Transmission {
     /// # Errors
     /// Describes every fault for which a control would not get the program, or would get another one.
     pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
-        let mut sent = Transmission { text: Vec::with_capacity(text.len() + 1), frames: Vec::new(), lines: Vec::new() };
+        let mut sent = Transmission { text: Vec::with_capacity(text.len() + 3), ..Transmission::default() };
         let (mut refusals, mut at) = (Vec::new(), 0);
+        if lacks_label(text) {
+            sent.changes.has_mark = true;
+            sent.add(b"%", b"\n", 0, (wire, &mut refusals));
+        }
         for raw in Lines::new(text) {
             let line = source(at);
             at += raw.text.len() + raw.ending.len();
             sent.add(raw.text, raw.ending, line, (wire, &mut refusals));
         }
-        refusals.extend(sent.missing_label());
         refusals.extend(sent.without_end());
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
@@ -80,7 +134,7 @@ impl Transmission {
     /// # Errors
     /// The control's code lacks a character of ours.
     pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
-        let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
+        let mut sent = Transmission { changes: self.changes, ..Transmission::default() };
         let mut refusals = Vec::new();
         for line in preamble.lines() {
             sent.add(line.as_bytes(), b"\n", 0, (wire, &mut refusals));
@@ -101,7 +155,7 @@ impl Transmission {
     /// # Errors
     /// The control's code lacks a character of ours.
     pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
-        let mut sent = Transmission { text: Vec::new(), frames: Vec::new(), lines: Vec::new() };
+        let mut sent = Transmission { changes: self.changes, ..Transmission::default() };
         let (mut refusals, mut added) = (Vec::new(), added.iter().peekable());
         for (index, line) in self.lines.iter().enumerate() {
             let range = self.start_of(index)..line.end;
@@ -129,16 +183,30 @@ impl Transmission {
         (wire, refusals): (&Wire, &mut Vec<TransmissionFault>),
     ) {
         let start = self.text.len();
-        let mut in_comment = false;
+        let before = refusals.len();
+        let mark = if text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        let (mut in_comment, mut has_small, mut has_other, mut has_marks) = (false, false, false, false);
         for (index, &byte) in text.iter().enumerate() {
             in_comment |= byte == b'(';
             let kept = match byte {
                 _ if fits(byte, wire) => Some(byte),
                 b'\r' | 0 => None,
-                _ if in_comment && wire.filters => Some(byte.to_ascii_uppercase()).filter(|upper| fits(*upper, wire)),
+                _ if index < mark || is_mark_behind_code(&text[index..], in_comment) => {
+                    has_marks = true;
+                    None
+                }
+                _ if in_comment && wire.filters && !is_line_code(byte) => {
+                    has_other = true;
+                    let upper = byte.to_ascii_uppercase();
+                    Some(if fits(upper, wire) { upper } else { b' ' })
+                }
+                _ if !in_comment && byte.is_ascii_lowercase() => {
+                    has_small = true;
+                    Some(byte.to_ascii_uppercase())
+                }
                 // One message per line is enough.
                 _ => {
-                    if refusals.last().is_none_or(|last| last.line != source) {
+                    if refusals.len() == before {
                         refusals.push(refused_character(source, index + 1, byte));
                     }
                     None
@@ -146,6 +214,15 @@ impl Transmission {
             };
             self.text.extend(kept);
             in_comment &= byte != b')';
+        }
+        for (is_changed, change) in [
+            (has_small, &mut self.changes.capitals),
+            (has_other, &mut self.changes.comments),
+            (has_marks, &mut self.changes.left_out),
+        ] {
+            if is_changed {
+                change.add(source);
+            }
         }
         if self.text.len() - start > BLOCK_MAX {
             let message = format!(
@@ -168,15 +245,6 @@ impl Transmission {
         self.lines.push(SentLine { end: self.text.len(), source });
     }
 
-    /// Fault of a first block without an end of block before it: a control skips everything up to that.
-    fn missing_label(&self) -> Option<TransmissionFault> {
-        let first = self.line_text(0)?;
-        let Ok(parsed) = parse_line(first.trim_ascii_end(), Reading::Lenient) else { return None };
-        let message = "a control skips everything up to the first end of block: this block would be lost; begin the program \
-                       with a line `%`";
-        (!parsed.block.is_empty()).then(|| TransmissionFault { line: 1, column: 1, message: message.into() })
-    }
-
     fn without_end(&self) -> Option<TransmissionFault> {
         let ends = |index: &usize| {
             let text = self.line_text(*index).unwrap_or_default().trim_ascii_end();
@@ -188,6 +256,11 @@ impl Transmission {
         let last = self.lines.last().map_or(1, |line| line.source);
         let refusal = TransmissionFault { line: last, column: 1, message: message.into() };
         (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
+    }
+
+    /// Lines that are sent otherwise than written.
+    pub fn changes(&self) -> &Changes {
+        &self.changes
     }
 
     /// The text, character for character that of [`Transmission::frames`].
@@ -249,13 +322,36 @@ fn fits(byte: u8, wire: &Wire) -> bool {
     is_known && (wire.encode)(byte).is_some()
 }
 
+/// The control would skip the first block as a label: everything up to the first end of block.
+fn lacks_label(text: &[u8]) -> bool {
+    let first = Lines::new(text).next().map(|line| line.text).unwrap_or_default();
+    let is_nothing = |parsed: Parsed| parsed.block.is_empty() && parsed.block.program.is_none();
+    !parse_line(first.trim_ascii_end(), Reading::Lenient).is_ok_and(is_nothing)
+}
+
+/// Whether the text begins with the end mark of DOS, or with a `;` that no code follows, as a control's screen shows it.
+fn is_mark_behind_code(text: &[u8], in_comment: bool) -> bool {
+    match text {
+        [END_MARK, ..] => true,
+        [b';', rest @ ..] if !in_comment => matches!(rest.trim_ascii_start().first(), None | Some(b'(' | b';')),
+        _ => false,
+    }
+}
+
+/// DC1 to DC4, which the control would take as commands.
+fn is_line_code(byte: u8) -> bool {
+    matches!(byte, 0x11..=0x14)
+}
+
 fn refused_character(line: usize, column: usize, byte: u8) -> TransmissionFault {
     let found = byte.escape_ascii();
     let message = match byte {
-        0x11..=0x14 => format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it"),
+        _ if is_line_code(byte) => {
+            format!("`{found}` is DC1 to DC4 to the control: it would start or stop the line; remove it")
+        }
         _ => format!(
-            "`{found}` is not in the control's code: it raises PS0001 or reads something else; write it otherwise, or give \
-             --filter, which makes comments upper case and leaves out what is left"
+            "`{found}` is not in the control's code: it raises PS0001 or reads something else; write it otherwise (in comments \
+             stream does so itself without --keep-comments)"
         ),
     };
     TransmissionFault { line, column, message }
@@ -291,7 +387,7 @@ mod tests {
         for (text, place) in [
             ("%\nG0X1.(Tool)\nM30\n%\n", (2, 8)),
             ("%\n(\u{11})\nM30\n%\n", (2, 2)),
-            ("G0X1.\nM30\n%\n", (1, 1)),
+            ("%\nG0X1.;Y2.\nM30\n%\n", (2, 6)),
             ("%\nG0X1.\n%\n", (3, 1)),
         ] {
             let refusals = transmission(text, &PLAIN).unwrap_err();
@@ -305,8 +401,28 @@ mod tests {
     fn a_filter_corrupts_comments_only() {
         let wire = Wire { filters: true, ..PLAIN };
         let sent = transmission("%\n(tool \"4\")G0X1.\nM30\n%\n", &wire).unwrap();
-        assert_eq!(sent.line_text(1), Some(b"(TOOL 4)G0X1.\n".as_slice()));
-        assert_eq!(refusal("%\ng0X1.\nM30\n%\n", &wire), (2, 1));
+        assert_eq!(sent.line_text(1), Some(b"(TOOL  4 )G0X1.\n".as_slice()));
+        assert_eq!(sent.changes().comments, Change { lines: 1, first: 2 });
+        assert_eq!(refusal("%\nG0?X1.\nM30\n%\n", &wire), (2, 3));
+    }
+
+    #[test]
+    fn small_letters_in_code_are_sent_as_capitals() {
+        let sent = transmission("%\no1 (A)\nn5g0x1.y-2.5\nm30\n%\n", &PLAIN).unwrap();
+        assert_eq!(sent.frames(), b"%\nO1 (A)\nN5G0X1.Y-2.5\nM30\n%\n");
+        assert_eq!(sent.changes().capitals, Change { lines: 3, first: 2 });
+        assert_eq!(sent.changes().comments, Change::default());
+    }
+
+    #[test]
+    fn a_program_without_a_mark_gets_one_and_marks_of_editors_stay_behind() {
+        let sent = transmission("G0X1.\nM30\n", &PLAIN).unwrap();
+        assert_eq!(sent.frames(), b"%\nG0X1.\nM30\n");
+        assert_eq!(sent.lines().iter().map(|line| line.source).collect::<Vec<_>>(), [0, 1, 2]);
+        assert!(sent.changes().has_mark);
+        let sent = transmission("\u{feff}%\nG0X1.;\nY2. ; (A)\nM30\n%\n\u{1a}", &PLAIN).unwrap();
+        assert_eq!(sent.frames(), b"%\nG0X1.\nY2.  (A)\nM30\n%\n\n");
+        assert_eq!((sent.changes().left_out, sent.changes().has_mark), (Change { lines: 4, first: 1 }, false));
     }
 
     #[test]

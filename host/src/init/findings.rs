@@ -20,6 +20,8 @@ pub struct Findings<'a> {
     pub proposal: &'a Proposal,
     /// Values from the command line.
     pub answers: &'a Answers,
+    /// Keys and values of `[control]`.
+    pub control: &'a [(&'static str, String)],
 }
 
 impl Findings<'_> {

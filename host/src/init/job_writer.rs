@@ -45,7 +45,7 @@ const SIDE_FORMS: &str = "
 
 /// Text of the job file.
 pub fn job(findings: &Findings<'_>) -> String {
-    let Findings { program, survey, groups, proposal, answers } = *findings;
+    let Findings { program, survey, groups, proposal, answers, control } = *findings;
     let unit = findings.unit();
     let mut text = String::from(HEAD);
     let word = |unit| if unit == LengthUnit::Inch { "inch" } else { "mm" };
@@ -81,8 +81,11 @@ pub fn job(findings: &Findings<'_>) -> String {
 mode = {}
 
 [control]
-preset = \"fanuc-16i\"
-
+",
+        quoted(mode)
+    );
+    text.extend(control.iter().map(|(key, value)| format!("{key} = {}\n", quoted(value))));
+    text += "
 # The line of `arcfeed stream`, where it is not 9600 8N1 with XON/XOFF; many controls of that kind take:
 # [serial]
 # baudrate = 9600
@@ -90,9 +93,7 @@ preset = \"fanuc-16i\"
 # parity = \"E\"
 # stopbits = 2
 # xonxoff = true
-",
-        quoted(mode)
-    );
+";
     text
 }
 

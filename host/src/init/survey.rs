@@ -5,6 +5,7 @@ use std::path::Path as FilePath;
 use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
+use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::tool_notes::{ToolNote, ToolNotes};
@@ -75,19 +76,20 @@ pub struct FoundArc {
     pub is_corner: bool,
 }
 
-/// Reads and surveys a program file, one with macro statements or calls at its blocks as executed, with those of
-/// `library`; `given` is the unit of a program without G20 and G21, if it is known.
+/// Reads and surveys a program file, for a control with these settings; one with macro statements or calls at its blocks as
+/// executed, with those of `library`. `given` is the unit of a program without G20 and G21, if it is known.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
 pub fn load(
     path: &FilePath,
+    (settings, tables): (Settings, Tables),
     given: Option<LengthUnit>,
     library: Option<&FilePath>,
 ) -> Result<(Program, Survey), String> {
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
-    let read = |unit| Program::executed(path, &bytes, unit, library);
+    let read = |unit| Program::executed(path, &bytes, (Settings { unit, ..settings }, tables), library);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
     let likely_unit = if unit.or(given).is_none() { likely_unit(&program) } else { None };

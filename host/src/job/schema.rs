@@ -8,6 +8,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use toml::Spanned;
 
+use crate::control::{CenterConvention, Convention};
+
 pub use super::cut_table::{CutTable, DirectionWord, MovesWord, RotationWord, SideWord, StockTable};
 pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
@@ -198,12 +200,21 @@ pub struct ControlTable {
     pub preset: Spanned<String>,
     pub settings: Option<Spanned<String>>,
     pub library: Option<Spanned<String>>,
+    pub decimals: Option<Convention>,
+    pub arc_centers: Option<CenterConvention>,
     pub arc_clamp: Option<ArcClampTable>,
 }
 
 impl Default for ControlTable {
     fn default() -> Self {
-        ControlTable { preset: fanuc_16i(), settings: None, library: None, arc_clamp: None }
+        ControlTable {
+            preset: fanuc_16i(),
+            settings: None,
+            library: None,
+            decimals: None,
+            arc_centers: None,
+            arc_clamp: None,
+        }
     }
 }
 

@@ -34,7 +34,7 @@ struct State {
 /// A program gives the tool's direction by I, J, K (G43.5).
 pub fn is_by_direction(bytes: &[u8]) -> bool {
     let is_code = |token: Token<'_>| matches!(token, Token::Word(word) if word.letter == b'G' && word.number.as_tenths() == Some(435));
-    let mut words = Lines::new(bytes).flat_map(|line| Words::new(line.text)).flatten();
+    let mut words = Lines::new(bytes).flat_map(|line| Words::tolerant(line.text, true)).flatten();
     words.any(|piece| is_code(piece.token))
 }
 
@@ -63,7 +63,7 @@ impl State {
     /// Reads one block; returns true if it moves.
     fn take(&mut self, text: &[u8], machine: &Machine, cl: &mut Cl) -> Result<bool, String> {
         let mut moves = false;
-        for piece in Words::new(text) {
+        for piece in Words::tolerant(text, true) {
             let word = match piece.map_err(|fault| format!("no word at column {}", fault.column))?.token {
                 Token::Word(word) => word,
                 Token::Comment { text, .. } => {

@@ -8,7 +8,8 @@ use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_units::Nm;
 
-use super::{Diagnostic, is_blank};
+use super::Diagnostic;
+use super::diagnostic::is_blank;
 
 /// Message about a contour without a radius.
 pub(super) const NO_RADIUS: &str = "G41 or G42 with a D of no radius: the contour is checked and simulated as written, without \

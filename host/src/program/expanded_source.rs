@@ -6,15 +6,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use arcfeed_nc::block::{LineKind, Reading};
+use arcfeed_nc::block::LineKind;
 use arcfeed_nc::reader::InterpretedLine;
-use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
+use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::interpreter::Interpreter;
 use arcfeed_nc_macro::stack::SourceLine;
 use arcfeed_nc_macro::step::PlainBlock;
 use arcfeed_nc_macro::variables::OutsideValues;
-use arcfeed_units::LengthUnit;
 
 use super::expansion::ExecutedStep;
 use super::source::{LINES_MAX, Source};
@@ -53,14 +52,12 @@ impl Source {
 }
 
 impl Program {
-    /// Reads the blocks of a program as executed on a 16i in its standard settings; a program that cannot be executed as it
+    /// Reads the blocks of a program as executed on a control with these settings; a program that cannot be executed as it
     /// stands, with the faults of its run.
-    pub fn executed(path: &Path, bytes: &[u8], unit: LengthUnit, library: Option<&Path>) -> Self {
-        let parsed = Program::parse(path, bytes, unit, Reading::Lenient);
+    pub fn executed(path: &Path, bytes: &[u8], (settings, tables): (Settings, Tables), library: Option<&Path>) -> Self {
+        let parsed = Program::parse_with(path, bytes, settings, tables);
         let Some(_) = parsed.macro_line else { return parsed };
-        let settings = Settings::preset(Preset::Fanuc16i, unit, Reading::Lenient);
-        let settings = Settings { scope: Scope::Everything, ..settings };
-        let (path, bytes, tables) = (path.to_owned(), bytes.to_vec(), Tables::default());
+        let (path, bytes) = (path.to_owned(), bytes.to_vec());
         let source = Source { path, bytes, settings, tables, macro_line: parsed.macro_line, places: None };
         match source.expanded(library, RunBounds::default()) {
             Ok(source) => source.program(),

@@ -8,11 +8,12 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
-use arcfeed_nc::block::{Parsed, parse_line};
+use arcfeed_nc::block::{Notice, NoticeKind, Parsed, Reading, is_title, parse_line};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::{Lines, RawLine};
+use arcfeed_nc::word::{column, is_mark, small_letter};
 use arcfeed_nc_macro::interpreter::Interpreter;
 use arcfeed_nc_macro::program::{Library, first_macro};
 use arcfeed_nc_macro::stack::{Bounds, SourceLine};
@@ -23,7 +24,7 @@ use arcfeed_units::Micros;
 use super::contour_check::contour_diagnostics;
 use super::library::Folder;
 use super::run_faults::{RunFaults, in_main};
-use super::{Diagnostic, MoveTrace, Program, ProgramLine, ProgramSummary};
+use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
 
 /// Reason for which an adapted program must not start again by itself.
 const RESTARTS: &str = "it would start the program again with the last feed in force; end it with M30";
@@ -123,15 +124,20 @@ impl Program {
             program.keep(text, ending, &expansion.settings);
         }
         let keeps_moves = expansion.keeps_moves;
+        let mut path = PathSummary::new(expansion.settings.unit);
+        path.add_tool_list(program.lines.iter().map(|line| line.text.as_slice()));
         let (moves, run) = (&mut program.moves, &mut program.run);
         let end = expansion.run(bytes, |step, _| {
             let ExecutedStep::Block(block, Some(understood), reader) = step else { return };
             moves.add(understood);
+            let line = in_main(block.place, &block.calls).line as usize;
+            let (modal, tables) = (reader.modal(), reader.tables());
+            path.add_block(line, understood, modal.machining(), modal.work_origin(tables));
             if keeps_moves {
-                let line = in_main(block.place, &block.calls).line as usize;
                 run.extend(MoveTrace::of_block(line, understood, reader));
             }
         });
+        program.run_summary = Some(path);
         program.executions = end.executions;
         program.diagnostics.extend(end.found);
         program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
@@ -144,6 +150,22 @@ impl Program {
         let numbers = |parsed: &Parsed| parsed.block.check_numbers(text, settings).ok().flatten();
         for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(parsed))) {
             self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
+        }
+        let is_code = !is_title(text) && !is_mark(text);
+        if let Some(offset) = small_letter(text).filter(|_| is_code) {
+            let (line, column) = (self.lines.len() + 1, column(offset));
+            match settings.reading {
+                Reading::Strict => {
+                    let fault = Fault::alarm(Alarm::Character, column);
+                    self.diagnostics.push(Diagnostic::of_fault(line, text, fault));
+                }
+                // The reader of plain lines has noticed those that it can read.
+                Reading::Lenient if parsed.is_none() => {
+                    let notice = Notice { kind: NoticeKind::SmallLetter, column };
+                    self.diagnostics.push(Diagnostic::of_notice(line, text, notice));
+                }
+                Reading::Lenient => {}
+            }
         }
         let without_code = parsed.filter(|parsed| parsed.block.is_empty());
         let meaning = without_code.map(|parsed| InterpretedLine { parsed, ..InterpretedLine::default() });

@@ -1,12 +1,14 @@
 //! Reads a program line by line, as a control does: only the control's state is kept after a line.
 
-use arcfeed_nc::block::{LineKind, Parsed, Reading};
+use arcfeed_nc::block::{LineKind, Parsed, Reading, is_title};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::settings::{Settings, Tables};
-use arcfeed_nc::text::RawLine;
+use arcfeed_nc::text::{Lines, RawLine};
+use arcfeed_nc::word::is_mark;
 
 use super::block_delete::BlockDeleteReader;
-use super::{BEHIND_THE_END, Diagnostic, ProgramLine, START_UNKNOWN, is_blank};
+use super::diagnostic::{BEHIND_THE_END, START_UNKNOWN, is_blank};
+use super::{Diagnostic, ProgramLine};
 
 /// State of the control after the lines read so far.
 pub struct LineReader {
@@ -18,6 +20,20 @@ pub struct LineReader {
     has_ended: bool,
     /// Lines after the closing `%` have been reported.
     has_trailer: bool,
+}
+
+/// The program with capitals in its code, as it is sent to a control.
+pub fn in_capitals(program: &[u8]) -> Vec<u8> {
+    let mut capitals = Vec::with_capacity(program.len());
+    for RawLine { text, ending } in Lines::new(program) {
+        let mut in_comment = is_title(text) || is_mark(text);
+        capitals.extend(text.iter().map(|&byte| {
+            in_comment = (in_comment || byte == b'(') && byte != b')';
+            if in_comment { byte } else { byte.to_ascii_uppercase() }
+        }));
+        capitals.extend_from_slice(ending);
+    }
+    capitals
 }
 
 impl LineReader {
@@ -55,7 +71,7 @@ impl LineReader {
             return self.pass_over(line, found);
         }
         let is_blank = is_blank(text);
-        self.has_ended = self.has_begun && text.first() == Some(&b'%');
+        self.has_ended = self.has_begun && is_mark(text);
         self.has_begun |= !is_blank;
         self.skipping.fork(text, &self.reader);
         match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
@@ -72,7 +88,7 @@ impl LineReader {
     /// Keeps a line after the closing `%`, which no control reads.
     fn pass_over(&mut self, line: &mut ProgramLine, found: &mut Vec<Diagnostic>) {
         let text = std::mem::take(&mut line.text);
-        if !self.has_trailer && !is_blank(&text) && text.first() != Some(&b'%') {
+        if !self.has_trailer && !is_blank(&text) && !is_mark(&text) {
             self.has_trailer = true;
             found.push(Diagnostic::of_line(self.count, &text, BEHIND_THE_END));
         }
@@ -93,5 +109,16 @@ impl LineReader {
         if understood.lacks_feed() {
             found.push(Diagnostic::of_missing_feed(line, text, self.reading));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_code_becomes_capital() {
+        let program = b"%leader\r\noTitle\r\no1 (Part)g1x1.f5 (a\r\nm30";
+        assert_eq!(in_capitals(program), b"%leader\r\noTitle\r\nO1 (Part)G1X1.F5 (a\r\nM30");
     }
 }

@@ -51,7 +51,8 @@ pub(super) fn tool_of(reader: &Reader) -> (Nm, bool) {
     (modal.tool_length(reader.tables()), modal.follows_tool_center)
 }
 
-fn segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
+/// Moves of a block on the path, those of cycles and reference returns one by one.
+pub(super) fn segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
     let sequence = block.parsed.block.sequence;
     let segment = move |motion: Motion| Segment::from_motion(&motion, sequence).ok();
     let of_series = block.step.series.iter().flat_map(|series| series.actions()).filter_map(move |act| match act {

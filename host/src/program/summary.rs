@@ -62,6 +62,9 @@ fn is_comment(line: &ProgramLine) -> bool {
 fn may_end(line: &ProgramLine) -> bool {
     match &line.meaning {
         Some(understood) => understood.step.stop == Some(ProgramStop::End),
-        None => [&b"M30"[..], b"M02", b"M2"].iter().any(|code| line.text.windows(code.len()).any(|text| text == *code)),
+        None => {
+            let has = |code: &[u8]| line.text.windows(code.len()).any(|text| text.eq_ignore_ascii_case(code));
+            [&b"M30"[..], b"M02", b"M2"].into_iter().any(has)
+        }
     }
 }

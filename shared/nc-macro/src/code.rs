@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::number::{self, Number};
-use arcfeed_nc::word::column;
+use arcfeed_nc::word::{BYTE_ORDER_MARK, column};
 
 /// The code of one line.
 #[derive(Clone, Debug, Default)]
@@ -18,11 +18,13 @@ pub struct MacroCode {
 }
 
 impl MacroCode {
-    /// Removes blanks and comments from a line.
+    /// Removes blanks and comments from a line; small letters of the code become capitals. Who must refuse them does so
+    /// before.
     pub fn new(line: &[u8]) -> Self {
         let mut code = MacroCode { end: column(line.len()), ..MacroCode::default() };
         let (mut in_comment, mut comments) = (false, 0);
-        for (at, &byte) in line.iter().enumerate() {
+        let begin = if line.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+        for (at, &byte) in line.iter().enumerate().skip(begin) {
             match byte {
                 b'(' if !in_comment => {
                     in_comment = true;
@@ -31,9 +33,10 @@ impl MacroCode {
                 b')' if in_comment => in_comment = false,
                 _ if in_comment && comments == 1 => code.comment.push(byte),
                 _ if in_comment => {}
-                b' ' | b'\t' | b'\r' => {}
+                b' ' | b'\t' | b'\r' | 0x1a => {}
+                b';' if is_end(line.get(at + 1..).unwrap_or_default()) => {}
                 _ => {
-                    code.bytes.push(byte);
+                    code.bytes.push(byte.to_ascii_uppercase());
                     code.columns.push(column(at));
                 }
             }
@@ -161,6 +164,11 @@ impl<'a> CodeCursor<'a> {
     pub fn fault(&self, alarm: MacroAlarm) -> Fault {
         Fault::in_macro(alarm, self.column())
     }
+}
+
+/// Whether no code follows a `;`, with which the control's screen ends a block.
+fn is_end(rest: &[u8]) -> bool {
+    matches!(rest.trim_ascii_start().first(), None | Some(b'(' | b';'))
 }
 
 /// Whether these letters are a keyword of a macro statement.

@@ -172,6 +172,10 @@ fn loop_word(rest: &[u8]) -> Option<LoopWord> {
 
 /// Whether a block, without its head, has only words with plain numbers and no call.
 fn is_plain(rest: &[u8]) -> bool {
+    is_plain_but(rest, is_call)
+}
+
+fn is_plain_but(rest: &[u8], is_call: impl Fn(u8, &[u8]) -> bool) -> bool {
     let has_macro = rest.iter().any(|byte| matches!(byte, b'#' | b'[' | b']' | b'='));
     let mut runs = rest.split(|byte| !byte.is_ascii_uppercase());
     let is_statement = runs.clone().next().is_some_and(is_short_keyword);
@@ -206,9 +210,18 @@ fn is_call(letter: u8, value: &[u8]) -> bool {
     }
 }
 
-/// Line of a program's first macro statement or call, counted from 1.
+/// Line of a program's first macro statement or call, counted from 1. A G67 before any call does nothing.
 pub fn first_macro(text: &[u8]) -> Option<usize> {
-    Lines::new(text).position(|line| needs_interpreter(line.text)).map(|index| index + 1)
+    let is_macro = |line: &[u8]| needs_interpreter(line) && !only_cancels(line);
+    Lines::new(text).position(|line| is_macro(line.text)).map(|index| index + 1)
+}
+
+/// Whether G67 is all that the macro interpreter would execute of a line.
+fn only_cancels(line: &[u8]) -> bool {
+    let code = MacroCode::new(line);
+    let mut cursor = code.cursor();
+    Head::read(&mut cursor);
+    is_plain_but(cursor.rest(), |letter, value| is_call(letter, value) && !(letter == b'G' && value == b"67"))
 }
 
 /// Whether a line needs the macro interpreter: any line except words with plain numbers, and `#variable=number`
@@ -231,8 +244,8 @@ fn has_plain_bytes(line: &[u8]) -> bool {
             },
             b'0' => before = before.to_ascii_lowercase(),
             b' ' | b'\t' | b'\r' => {}
-            b'A'..=b'Z' if before.is_ascii_uppercase() => return false,
-            b'A'..=b'Z' => before = byte,
+            b'A'..=b'Z' | b'a'..=b'z' if before.is_ascii_uppercase() => return false,
+            b'A'..=b'Z' | b'a'..=b'z' => before = byte.to_ascii_uppercase(),
             b'(' if before != 0 => return false,
             b'(' => before = byte,
             b'#' | b'[' | b']' | b'=' => return false,
@@ -294,11 +307,18 @@ mod tests {
 
     #[test]
     fn only_what_a_plain_reader_cannot_read_needs_the_interpreter() {
-        for line in ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165"] {
+        for line in
+            ["N1G1X1.F5.", "#5204=0", "(#1=#2)", "OTITLE #1=2", "%", "", "M30", "G98", "M9", "G165", "g1x1.", "m9"]
+        {
             assert!(!needs_interpreter(line.as_bytes()), "{line}");
         }
         for line in [
             "X#1",
+            "x#1",
+            "g65p1",
+            "m 98 p1",
+            "while[1eq1]do1",
+            "goto5",
             "#1=#2",
             "IF[1EQ1]GOTO1",
             "M98P1",
@@ -315,6 +335,13 @@ mod tests {
         ] {
             assert!(needs_interpreter(line.as_bytes()), "{line}");
         }
+    }
+
+    #[test]
+    fn a_cancelled_call_that_never_began_makes_no_macro_program() {
+        assert_eq!(first_macro(b"%\nG17G40G67G80\nG0X1.\nM30"), None);
+        assert_eq!(first_macro(b"G67\nG66P1\nG67"), Some(2));
+        assert_eq!(first_macro(b"G67X#1"), Some(1));
     }
 
     #[test]

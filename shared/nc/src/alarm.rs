@@ -48,20 +48,20 @@ alarms! {
         "use capitals, digits and ( ) * + , - . / = only";
     BlockParity = 2: "TV alarm: a block with an odd number of characters",
         "let the sender add a blank, or switch the TV check off";
-    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number";
-    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its letter";
-    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number";
+    TooManyDigits = 3: "more digits than a control accepts here", "shorten the number: 8 digits in all, fewer for S";
+    AddressNotFound = 4: "a number or a sign at the beginning of a block without an address", "write its address letter before it";
+    NoDataAfterAddress = 5: "an address letter without a number after it", "write the number behind the letter, or remove the letter";
     MinusSign = 6: "a minus sign where none is allowed", "remove it";
     DecimalPoint = 7: "a decimal point where none is allowed, or a second one", "remove it";
     IllegalAddress = 9: "this address is not allowed here", "remove it or write the letter that is meant";
-    ImproperGCode = 10: "this control has no such G code", "correct it";
+    ImproperGCode = 10: "this control has no such G code", "correct it, or look up which code of this control does the same";
     NoFeed = 11: "a cutting move without a feed", "give F in this block or before it (G93: in every block)";
     RadiusTolerance = 20:
         "no such arc within parameter 3410: its ends differ in radius, or lie farther apart than 2 R",
         "correct the end point, R or I, J, K";
     NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
-    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
-    DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
+    OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P (H and D to 400)";
+    DataTarget = 31: "G10 without a P or L that says where the data belong", "write L2 P0 to P6, L20 P1 to P48, or L10 to L13 with P and R";
     NoIntersection = 33: "no intersection of the offset paths of this move and the next one under G41 or G42",
         "use a smaller tool, or give the corner an arc";
     ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
@@ -71,16 +71,16 @@ alarms! {
         "use a smaller tool, or a contour that the tool can follow: arcs not below its radius, no narrower step or slot";
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
-    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "correct P";
-    SequenceNotFound = 60: "no block has the sequence number that was searched for", "give one that is there";
+    ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "write P2, P3 or P4";
+    SequenceNotFound = 60: "no block has the sequence number that was searched for", "search for one that the program has";
     ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
         "count from 1";
     LineError = 85: "communication error: a character without its stop bits, or lost in the receiver",
         "check baud rate, stop bits and cable";
     NotReady = 86: "the sender's data set ready line is off: it was switched off or closed its port",
         "keep it open to the end";
-    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner";
-    LookAheadFormat = 109: "G08 with anything but P0 and P1", "correct P";
+    BufferOverflow = 87: "buffer overflow: more than 10 characters arrived after DC3", "the sender must stop sooner: use RTS/CTS or a lower baud rate";
+    LookAheadFormat = 109: "G08 with anything but P0 and P1", "write P1 to switch it on, P0 to switch it off";
     RotationPlane = 144: "an arc outside the plane in which G68 turns", "select the plane of G68 or cancel it with G69";
     EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
@@ -120,6 +120,10 @@ pub enum NotModelled {
     UnreadCorner,
     /// A restart at a block within a contour.
     RestartInContour,
+    /// G10 for an additional work coordinate system that has no place in the tables.
+    FarSystem,
+    /// A chamfer or rounded corner (`,C` and `,R`).
+    Corner,
     /// More words in a block than [`crate::block::WORDS_MAX`].
     LongBlock,
 }
@@ -161,6 +165,50 @@ impl Fault {
     }
 }
 
+impl NotModelled {
+    /// Remedy.
+    pub const fn remedy(self) -> &'static str {
+        match self {
+            NotModelled::GCode(tenths) | NotModelled::MoveUnder(tenths) => g_remedy(tenths),
+            NotModelled::AfterRotation => "name both axes of the plane in this block, under G90",
+            NotModelled::MCode(96) => "write the program without interrupts",
+            NotModelled::MCode(_) | NotModelled::Macro => "write the program out without calls and macro statements",
+            NotModelled::Variable(_) => "write the value in place of the variable",
+            NotModelled::OutsideValue(_) => "assign it before it is read (offsets: give a settings file)",
+            NotModelled::OffsetStatement(_) => "write G10",
+            NotModelled::SwitchedStatement => "remove it, or the block",
+            NotModelled::ChangeOfSide => "write G40 and a line between the two sides",
+            NotModelled::RadiusInArc => "write D or G10 in a line before the arc",
+            NotModelled::InContour(_) => "write it before G41 or G42, or after G40 and its line",
+            NotModelled::UnreadCorner => "put these blocks before the contour or behind it",
+            NotModelled::RestartInContour => "restart at a block before G41 or G42",
+            NotModelled::RotaryArc => "turn the rotary axis in a block of its own, or post the arc as lines",
+            NotModelled::ArcWithoutAngle => "give the centre with I, J, K",
+            NotModelled::FarSystem => "enter the offset at the control, or use G54.1 P1 to P48",
+            NotModelled::Corner => "write the corner as a block of its own",
+            NotModelled::LongBlock => "divide the block",
+        }
+    }
+}
+
+/// Remedy for a G code, in tenths, that is not interpreted.
+const fn g_remedy(tenths: u16) -> &'static str {
+    match tenths {
+        50 => "G5 P0 and G5 P10000 are read; write the moves that another P calls",
+        51 => "G5.1 Q0 and G5.1 Q1 are read; write one of them",
+        100 => "enter tool life and parameters at the control, not by G10",
+        270 => "remove the check of the reference point; G28 goes there",
+        310 => "measure in a program of its own",
+        330 => "cut the thread with G84, or with helices G2 or G3",
+        434 | 435 => "post the program for the rotary axes, or check it with --machine",
+        500 | 510 | 511 | 680 => "post the moves in the coordinates that they have after it",
+        531 | 682 | 683 | 684 => "post the program without a tilted plane, in the machine's axes",
+        660 | 661 => "call the macro with G65 at each place",
+        880 => "use G82, G85 or G86: in G88 the operator retracts the tool by hand",
+        _ => "post the program without it",
+    }
+}
+
 impl fmt::Display for NotModelled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
@@ -175,17 +223,13 @@ impl fmt::Display for NotModelled {
             NotModelled::MCode(code) => write!(f, "M{code}"),
             NotModelled::Macro => f.write_str("this macro statement"),
             NotModelled::Variable(number) => write!(f, "#{number}"),
-            NotModelled::OutsideValue(number) => write!(
-                f,
-                "the value of #{number} here is known to the control only; assign it before it is read (offsets: give a settings \
-                 file)"
-            ),
+            NotModelled::OutsideValue(number) => {
+                write!(f, "the value of #{number} here is known to the control only")
+            }
             NotModelled::OffsetStatement(number) => {
-                write!(f, "#{number} sets an offset, which the blocks as executed cannot; write G10")
+                write!(f, "#{number} sets an offset, which the blocks as executed cannot")
             }
-            NotModelled::SwitchedStatement => {
-                f.write_str("a / in a program with macro statements or calls; remove it, or the block")
-            }
+            NotModelled::SwitchedStatement => f.write_str("a / in a program with macro statements or calls"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::ChangeOfSide => f.write_str("a change of side under G41 or G42 without G40 before it"),
@@ -199,6 +243,8 @@ impl fmt::Display for NotModelled {
                  reads across (it would cut too much or too little there)",
             ),
             NotModelled::RestartInContour => f.write_str("a restart within a contour under G41 or G42"),
+            NotModelled::FarSystem => f.write_str("G10 L20 for a system after G54.1 P48"),
+            NotModelled::Corner => f.write_str("a chamfer or rounded corner (`,C` or `,R`)"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }
@@ -222,9 +268,9 @@ impl fmt::Display for Cause {
             Cause::NotModelled(
                 what
                 @ (NotModelled::OutsideValue(_) | NotModelled::OffsetStatement(_) | NotModelled::SwitchedStatement),
-            ) => write!(f, "{what}"),
+            ) => write!(f, "{what}; {}", what.remedy()),
             Cause::NotModelled(what) => {
-                write!(f, "{what} is not interpreted by this version; the program is refused rather than guessed at")
+                write!(f, "{what} is not interpreted by arcfeed; {}", what.remedy())
             }
         }
     }

@@ -1,16 +1,17 @@
 //! Parser of a line of NC text into a block: its words and their columns.
 //!
-//! Lenient reading accepts common deviations that a control may reject: a CAM title after `O`, and characters outside
-//! the control's code in a comment. It reports them as [`Notice`]s. Strict reading raises the alarm instead.
+//! Lenient reading accepts common deviations that a control may reject: a CAM title after `O`, characters outside the
+//! control's code in a comment, small letters, and `;` after the code. It reports them as [`Notice`]s. Strict reading
+//! raises the alarm instead.
 
 use heapless::Vec;
 
 pub use super::settings::Reading;
 
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::number::POWERS_OF_TEN;
+use super::number::{POWERS_OF_TEN, is_ignored};
 use super::settings::Settings;
-use super::word::{LINE_MAX, Piece, Token, Word, Words, column, is_control_character, plain_word};
+use super::word::{LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark, plain_word};
 
 /// Maximum number of words in a block.
 pub const WORDS_MAX: usize = 32;
@@ -64,8 +65,14 @@ pub struct Notice {
 pub enum NoticeKind {
     /// A title in place of a program number: the control raises PS0005.
     Title,
-    /// A character in a comment that the control's code does not have: the control raises PS0001.
+    /// The first character of a comment that the control's code does not have: the control raises PS0001.
     CommentCharacter(u8),
+    /// Small letters in code, read as capitals: some controls skip them and read another block, others raise PS0001.
+    SmallLetter,
+    /// A blank among the digits of a number, which the control ignores.
+    Blank,
+    /// A `;` after the code, as the control's screen shows the end of a block: the control raises PS0001.
+    EndSign,
     /// A comment without `)`; the control ends it with the block, without an alarm.
     UnclosedComment,
     /// N or O with more digits than the control allows: it raises PS0003.
@@ -161,6 +168,31 @@ impl Parsed {
         if text.len() > LINE_MAX {
             return Err(Fault::not_modelled(NotModelled::LongBlock, u16::MAX));
         }
+        let mut words = Words::new(text);
+        let result = self.read_words(text, reading, &mut words);
+        match result {
+            Err(fault) => self.read_again(text, reading, fault),
+            Ok(()) => Ok(()),
+        }
+    }
+
+    /// Reads a line again that has a fault: as one with blanks inside words, and in lenient reading with small letters.
+    /// Of both faults the one farther on is the line's.
+    #[cold]
+    fn read_again(&mut self, text: &[u8], reading: Reading, fault: Fault) -> Result<(), Fault> {
+        let mut words = Words::tolerant(text, reading == Reading::Lenient);
+        let again = self.read_words(text, reading, &mut words);
+        again.map_err(|again| if again.column > fault.column { again } else { fault })?;
+        let Tolerated { small_letter, blank, end_sign } = words.tolerated();
+        let found =
+            [(small_letter, NoticeKind::SmallLetter), (blank, NoticeKind::Blank), (end_sign, NoticeKind::EndSign)];
+        for (column, kind) in found.into_iter().filter(|(column, _)| *column > 0) {
+            push(&mut self.notices, kind, column);
+        }
+        Ok(())
+    }
+
+    fn read_words(&mut self, text: &[u8], reading: Reading, words: &mut Words<'_>) -> Result<(), Fault> {
         let Parsed { line, block, notices } = self;
         notices.clear();
         block.clear();
@@ -170,22 +202,24 @@ impl Parsed {
             return Ok(());
         }
         *line = LineKind::Block;
-        let mut at = 0;
         loop {
-            while let Some((word, end)) = plain_word(text, at) {
-                if !block.push(word) && !block.begin(word) {
-                    break;
+            if !words.is_tolerant() {
+                let mut at = words.offset();
+                while let Some((word, end)) = plain_word(text, at) {
+                    if !block.push(word) && !block.begin(word) {
+                        break;
+                    }
+                    (at, block.code_len) = (end, end);
                 }
-                (at, block.code_len) = (end, end);
+                if at == text.len() {
+                    return Ok(());
+                }
+                words.skip_to(at);
             }
-            if at == text.len() {
-                return Ok(());
-            }
-            let Some(piece) = Words::from(text, at).next() else { return Ok(()) };
+            let Some(piece) = words.next() else { return Ok(()) };
             let Piece { token, start, end } = piece?;
-            at = end;
             match token {
-                Token::ProgramMark if start == 0 => {
+                Token::ProgramMark if is_mark(text) && block.is_empty() => {
                     *line = LineKind::ProgramMark;
                     return Ok(());
                 }
@@ -269,9 +303,15 @@ pub(super) const fn letters(of: &[u8]) -> u32 {
     }
 }
 
-/// Whether the line is a title: `O` (or `:`) that is not followed by a digit.
+/// Whether the line is a title: `O` (or `:`) that is not followed by a digit, or a name in `<` and `>`.
 pub fn is_title(text: &[u8]) -> bool {
-    matches!(text, [b'O' | b':', next, ..] if !next.is_ascii_digit())
+    match text {
+        [b'O' | b'o' | b':', rest @ ..] => {
+            rest.iter().find(|byte| !is_ignored(**byte)).is_some_and(|next| !next.is_ascii_digit())
+        }
+        [b'<', ..] => true,
+        _ => false,
+    }
 }
 
 /// Checks a comment for characters outside the control's code; its text starts at byte `start` of the line.
@@ -288,7 +328,10 @@ fn check_comment(
         let column = column(start + offset);
         match reading {
             Reading::Strict => return Err(Fault::alarm(Alarm::Character, column)),
-            Reading::Lenient => push(notices, NoticeKind::CommentCharacter(byte), column),
+            Reading::Lenient => {
+                push(notices, NoticeKind::CommentCharacter(byte), column);
+                return Ok(());
+            }
         }
     }
     Ok(())
@@ -345,6 +388,51 @@ mod tests {
         assert_eq!(notices(comment).as_slice(), [notice]);
         let fault = parse_line(comment, Reading::Strict).unwrap_err();
         assert_eq!(fault, Fault::alarm(Alarm::Character, 16));
+    }
+
+    #[test]
+    fn small_letters_are_read_as_capitals_and_noticed_once() {
+        let text = b"n10 g01x-1.5y2f100. (note)";
+        let small = block("n10 g01x-1.5y2f100. (note)");
+        let capital = block("N10 G01X-1.5Y2F100. (NOTE)");
+        assert_eq!(small, capital);
+        let kinds: Vec<_, 4> = notices(text).iter().map(|notice| (notice.kind, notice.column)).collect();
+        assert_eq!(kinds.as_slice(), [(NoticeKind::CommentCharacter(b'n'), 22), (NoticeKind::SmallLetter, 1)]);
+        assert_eq!(parse_line(b"g1", Reading::Strict), Err(Fault::alarm(Alarm::Character, 1)));
+        assert_eq!(block("g0 X1. (Y").words, block("G0 X1. (Y").words);
+    }
+
+    #[test]
+    fn blanks_inside_words_change_nothing() {
+        for (spaced, packed) in [
+            ("N 10 G 0 1 X 1 0.5 Y - 3 .", "N10G01X10.5Y-3."),
+            ("O 1000", "O1000"),
+            ("G1X- 3.Y .5", "G1X-3.Y.5"),
+            ("/ 2 M 8", "/2M8"),
+        ] {
+            for reading in [Reading::Lenient, Reading::Strict] {
+                let words = |text: &str| -> Option<Vec<(u8, super::super::number::Number), 9>> {
+                    let block = parse_line(text.as_bytes(), reading).ok()?.block;
+                    Some(block.words.iter().map(|word| (word.letter, word.number)).collect())
+                };
+                assert!(words(spaced).is_some(), "{spaced}");
+                assert_eq!(words(spaced), words(packed), "{spaced}");
+            }
+        }
+        assert_eq!(notices(b"G1X1 0.").as_slice(), [Notice { kind: NoticeKind::Blank, column: 3 }]);
+        assert!(notices(b"G 1 X 10.").is_empty());
+        let word = block("X1 0.5F 3").words[0];
+        assert_eq!((word.column, word.len), (1, 6));
+    }
+
+    #[test]
+    fn marks_of_editors_and_screens_are_no_code() {
+        assert_eq!(parse_line(b"\xef\xbb\xbf%", Reading::Strict).unwrap().line, LineKind::ProgramMark);
+        assert_eq!(parse_line(b" %", Reading::Strict).unwrap().line, LineKind::ProgramMark);
+        assert_eq!(parse_line(b"\x1a", Reading::Strict).unwrap().block, Block::default());
+        assert_eq!(notices(b"G0X1. ; (A)")[0], Notice { kind: NoticeKind::EndSign, column: 7 });
+        assert_eq!(parse_line(b"G0X1.;", Reading::Strict), Err(Fault::alarm(Alarm::Character, 6)));
+        assert_eq!(parse_line(b"G0X1.;Y2.", Reading::Lenient), Err(Fault::alarm(Alarm::Character, 6)));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::address::check_sign;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::frame::CoordinateRotation;
 use super::modal::{CompensationSide, Cycle, FeedMode, Modal, MotionKind, Plane, Polar};
+use super::settings::ArcCenters;
 use super::word::Word;
 use arcfeed_units::{LengthUnit, MicroDeg, Nm};
 
@@ -21,7 +22,7 @@ pub(super) enum OneShot {
     Data,
     /// G28, G30.
     Reference(u8),
-    /// G68.2 to G68.4: recorded, not modelled.
+    /// G68.2 to G68.4: recorded, not modelled; G22 and G23: without effect.
     Tracked,
     /// G50.1.
     MirrorOff,
@@ -35,6 +36,8 @@ pub(super) enum OneShot {
     Machine,
     /// G54.1.
     AdditionalSystem,
+    /// G5.
+    HighSpeed,
     /// G5.1.
     Smoothing,
     /// G68.
@@ -67,8 +70,10 @@ impl Modal {
             980 => self.returns_to_r = false,
             990 => self.returns_to_r = true,
             540..=590 if tenths % 10 == 0 => self.system = ((tenths - 540) / 10) as u16,
-            // Exact stop, corner override, tapping and cutting mode, end of data input do not change the path.
-            110 | 610..=640 if tenths % 10 == 0 => {}
+            // Exact stop, corner override, tapping and cutting mode, end of data input, the end of polar interpolation
+            // and of a modal call, which begin nowhere here, and S in rev/min do not change the path.
+            90 | 110 | 131 | 670 | 970 => {}
+            610..=640 if tenths % 10 == 0 => {}
             _ => return self.apply_rarer_g(tenths, word).ok_or(improper)?,
         }
         Ok(OneShot::No)
@@ -79,11 +84,14 @@ impl Modal {
         let mut one_shot = OneShot::No;
         match tenths {
             40 => one_shot = OneShot::Dwell,
+            50 => one_shot = OneShot::HighSpeed,
             51 => one_shot = OneShot::Smoothing,
             80 => one_shot = OneShot::LookAhead,
             100 => one_shot = OneShot::Data,
             150 => self.polar = None,
             160 => self.polar = Some(self.polar_position()),
+            // The axis words of stored stroke limits are no move.
+            220 | 230 => one_shot = OneShot::Tracked,
             280 | 300 => one_shot = OneShot::Reference((tenths / 10) as u8),
             400 => self.compensate(None),
             410 => self.compensate(Some(CompensationSide::Left)),
@@ -111,6 +119,9 @@ impl Modal {
             690 => {
                 self.unmodelled = 0;
                 self.rotate(None::<CoordinateRotation>);
+            }
+            901 | 911 if self.arc_centers != ArcCenters::FromStart => {
+                self.arc_centers = if tenths == 901 { ArcCenters::Absolute } else { ArcCenters::Incremental };
             }
             920 => one_shot = OneShot::Preset,
             921 => one_shot = OneShot::PresetBack,
@@ -173,10 +184,11 @@ impl Modal {
 fn is_fanuc_g(tenths: i64) -> bool {
     let whole = tenths / 10;
     match tenths % 10 {
-        0 => matches!(whole, 0..=5 | 7..=13 | 15..=23 | 25..=33 | 37..=69 | 73..=76 | 80..=99),
+        0 => matches!(whole, 0..=5 | 7..=11 | 15..=23 | 25..=33 | 37..=69 | 73..=76 | 80..=99),
         _ => matches!(
             tenths,
-            51 | 61 | 71 | 121 | 131 | 401 | 411 | 421 | 434 | 435 | 501 | 511 | 541 | 682..=684 | 691 | 921
+            51 | 54 | 61 | 62 | 71 | 121 | 131 | 401..=406 | 411..=416 | 421..=426 | 431 | 434 | 435 | 501 | 511 | 531 | 536
+                | 541 | 542 | 544 | 682..=684 | 691 | 921
         ),
     }
 }

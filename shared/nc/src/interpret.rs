@@ -49,7 +49,7 @@ impl Modal {
         match one_shot {
             OneShot::No => self.interpret_motion(block, settings, step)?,
             OneShot::AdditionalSystem => {
-                self.select_additional(block, tables)?;
+                self.select_additional(block, (settings, tables))?;
                 self.interpret_motion(block, settings, step)?;
             }
             _ => {
@@ -87,7 +87,16 @@ impl Modal {
                 found => one_shot = found,
             }
         }
+        if one_shot == OneShot::No && self.names_additional_system(block) {
+            return Ok(OneShot::AdditionalSystem);
+        }
         Ok(one_shot)
+    }
+
+    /// Whether P belongs to a G54 of the block: G54 P is G54.1 P. In a canned cycle P is a dwell.
+    fn names_additional_system(&self, block: &Block) -> bool {
+        let is_g54 = |word: &Word| word.letter == b'G' && word.number.as_tenths() == Some(540);
+        self.cycle.is_none() && block.may_have(letters(b"P")) && block.words.iter().any(is_g54)
     }
 
     /// Applies D, H, M, S and T.
@@ -330,6 +339,64 @@ mod tests {
         let (_, step) = run(&["G4X1.5"]).unwrap();
         assert_eq!((step.dwell, step.motion), (Some(Micros(1_500_000)), None));
         assert_eq!(run(&["G4P250"]).unwrap().1.dwell, Some(Micros(250_000)));
+    }
+
+    #[test]
+    fn g54_with_a_p_is_an_additional_system() {
+        let system = |lines: &[&str]| run(lines).map(|(state, _)| state.system);
+        for (block, wanted) in [("G54P1", 6), ("G54P48X1.", 53), ("G54X1.", 0), ("G54.1P3", 8), ("G54G4P100", 0)] {
+            assert_eq!(system(&[block]), Ok(wanted), "{block}");
+        }
+        assert_eq!(system(&["G81X1.R1.Z-1.F1.", "G54P2X2."]), Ok(0));
+        assert_eq!(system(&["G54P49"]), Err(Fault::alarm(Alarm::OffsetNumber, 4)));
+        let settings = Settings::preset(Preset::Fanuc31i, LengthUnit::Inch, Reading::Lenient);
+        let block = parse_line(b"G54.1P300", Reading::Lenient).unwrap().block;
+        let read = Modal::at_power_on(LengthUnit::Inch).interpret(&block, &settings, &Tables::default());
+        assert_eq!(read.unwrap().0.system, 305);
+    }
+
+    #[test]
+    fn an_absolute_centre_is_the_same_arc_as_its_distance_from_the_start() {
+        use super::super::settings::ArcCenters;
+        let arc = |centers: ArcCenters, lines: &[&str]| {
+            let mut state = Modal { arc_centers: centers, ..Modal::at_power_on(LengthUnit::Inch) };
+            let mut found = Err(Fault::alarm(Alarm::NoRadius, 0));
+            for line in lines {
+                found = interpret(&state, &parse_line(line.as_bytes(), Reading::Lenient).unwrap().block);
+                state = found.as_ref().map_or(state, |(next, _)| *next);
+            }
+            found.map(|(_, step)| step.motion)
+        };
+        let start = "G1X3.Y1.F1.";
+        let wanted = arc(ArcCenters::FromStart, &[start, "G2X4.Y2.I0J1."]);
+        assert!(wanted.is_ok());
+        assert_eq!(arc(ArcCenters::Absolute, &[start, "G2X4.Y2.I3.J2."]), wanted);
+        assert_eq!(arc(ArcCenters::Incremental, &[start, "G90.1", "G2X4.Y2.I3.J2."]), wanted);
+        assert_eq!(arc(ArcCenters::Absolute, &[start, "G91.1", "G2X4.Y2.I0J1."]), wanted);
+        assert_eq!(arc(ArcCenters::Absolute, &[start, "G2X4.Y2.I3."]), Err(Fault::alarm(Alarm::NoRadius, 0)));
+        assert_eq!(arc(ArcCenters::FromStart, &["G90.1"]), Err(Fault::alarm(Alarm::ImproperGCode, 1)));
+    }
+
+    #[test]
+    fn a_return_without_an_intermediate_point_needs_no_second_axis_after_a_rotation() {
+        let turned = ["G0X1.Y1.", "G68X0Y0R30.", "X2.Y2.", "G69"];
+        let (state, step) = run(&[&turned[..], &["G91G28Y0"]].concat()).unwrap();
+        let (before, _) = run(&turned).unwrap();
+        let Some(Series::Reference([start, between, end])) = step.series else { panic!("{step:?}") };
+        assert_eq!((start, between), (before.position, before.position));
+        assert_eq!((end.linear[0], end.linear[1]), (before.position.linear[0], Nm(0)));
+        assert!(state.rotation_pending);
+        assert!(run(&[&turned[..], &["G91G28Y1."]].concat()).is_err());
+    }
+
+    #[test]
+    fn high_precision_control_changes_no_path_and_other_p_are_refused() {
+        for block in ["G5P10000", "G05P0"] {
+            assert!(run(&[block]).is_ok(), "{block}");
+        }
+        for block in ["G5P2", "G5P10001", "G5"] {
+            assert_eq!(run(&[block]), Err(Fault::not_modelled(NotModelled::GCode(50), 0)), "{block}");
+        }
     }
 
     #[test]

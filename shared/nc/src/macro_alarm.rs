@@ -86,19 +86,21 @@ impl MacroAlarm {
             MacroAlarm::NoProgramNumber => "M98, G65 or G66 without P; give the program's number",
             MacroAlarm::SubprogramNesting => "subprogram calls nested too deep; a program that calls itself never ends",
             MacroAlarm::ProgramNotFound => {
-                "no program, or no block N to return to, of this number; correct P or add it"
+                "no program, or no block N to return to, of this number; correct P, or give the folder of the subprograms (--library)"
             }
             MacroAlarm::Overflow => "the result is beyond what a variable holds (10^47); check the formula",
             MacroAlarm::DivisionByZero => "division by zero; test the divisor before",
             MacroAlarm::ImproperFunction => "no such function or statement; correct its name",
             MacroAlarm::ExpressionFormat => "this is no expression; check operators, brackets and variables",
-            MacroAlarm::VariableNumber => "no variable has this number, or it cannot take this value",
-            MacroAlarm::WriteProtected => "this variable can only be read",
+            MacroAlarm::VariableNumber => {
+                "no variable has this number, or it cannot take this value; correct number or value"
+            }
+            MacroAlarm::WriteProtected => "this variable can only be read; use another one",
             MacroAlarm::BracketNesting => "more than five levels of brackets; split the expression",
             MacroAlarm::IllegalArgument => "the function has no result for this argument; test the argument before",
-            MacroAlarm::MacroNesting => "macro calls nested more than four deep",
+            MacroAlarm::MacroNesting => "macro calls nested more than four deep; call with fewer levels",
             MacroAlarm::NotInDnc => {
-                "GOTO, WHILE and DO cannot be used in a main program in DNC operation: only subprograms are in memory"
+                "GOTO, WHILE and DO cannot be used in a main program in DNC operation: only subprograms are in memory; run the program from memory, or write it out"
             }
             MacroAlarm::EndMissing => {
                 "DO and END do not belong together one to one; write END with the number of its DO"
@@ -106,13 +108,15 @@ impl MacroAlarm {
             MacroAlarm::StatementFormat => "this is no macro statement; correct its form",
             MacroAlarm::LoopNumber => "the number behind DO and END must be 1, 2 or 3",
             MacroAlarm::MixedStatements => "NC words and a macro statement in one block; write two blocks",
-            MacroAlarm::SequenceNumber => "no block with this sequence number in the program",
-            MacroAlarm::ArgumentAddress => "this address cannot be an argument of a macro call",
-            MacroAlarm::User(_) => "the program stopped itself with #3000",
+            MacroAlarm::SequenceNumber => "no block with this sequence number in the program; correct the number",
+            MacroAlarm::ArgumentAddress => "this address cannot be an argument of a macro call; use another letter",
+            MacroAlarm::User(_) => "the program stopped itself with #3000; its comment gives the reason",
             MacroAlarm::Endless => {
-                "the program does not come to its end: the bound of statements without a move, of blocks or of time is reached"
+                "the program does not come to its end: the bound of statements without a move, of blocks or of time is reached; look for a loop without an end"
             }
-            MacroAlarm::TooLarge => "the called programs are larger than the limit for programs in memory",
+            MacroAlarm::TooLarge => {
+                "the called programs are larger than the limit for programs in memory; shorten them"
+            }
         }
     }
 }

@@ -11,7 +11,7 @@ use super::alarm::NotModelled;
 use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::machining::{Machining, MachiningState};
 use super::series::Series;
-use super::settings::Tables;
+use super::settings::{ArcCenters, Tables};
 use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm};
 
 /// The modal state that a block inherits.
@@ -23,6 +23,8 @@ pub struct Modal {
     pub plane: Plane,
     /// G90 / G91.
     pub absolute: bool,
+    /// G90.1 / G91.1, on a control that has them.
+    pub arc_centers: ArcCenters,
     /// G0 / G1 / G2 / G3.
     pub motion: MotionKind,
     /// G93 / G94 / G95.
@@ -122,6 +124,7 @@ impl Modal {
             unit,
             plane: Plane::Xy,
             absolute: true,
+            arc_centers: ArcCenters::FromStart,
             motion: MotionKind::Rapid,
             feed_mode: FeedMode::PerMinute,
             feed: None,

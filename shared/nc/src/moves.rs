@@ -5,7 +5,7 @@ use super::block::Block;
 use super::modal::{Center, Feed, FeedMode, Modal, Motion, MotionKind, PER_MIN_SCALE, Pose, Step};
 use super::number::Number;
 use super::scale::Scale;
-use super::settings::Decimals;
+use super::settings::{ArcCenters, Decimals};
 use arcfeed_units::{LengthUnit, MicroDeg, Nm};
 
 /// Increments per unit of length for a feed per revolution without a decimal point: 0.01 mm, 0.0001 in.
@@ -90,7 +90,25 @@ impl Modal {
                 _ => {}
             }
         }
+        if target.has_offset && self.arc_centers == ArcCenters::Absolute {
+            self.measure_center_from_start(&mut target.offset);
+        }
         target
+    }
+
+    /// G90.1: converts the centre's coordinates into distances from the start.
+    #[cold]
+    fn measure_center_from_start(&self, center: &mut [Nm; 3]) {
+        for (center, start) in center.iter_mut().zip(&self.program.linear) {
+            center.0 = center.0.saturating_sub(start.0);
+        }
+    }
+
+    /// Whether G90.1 lacks a coordinate of the centre: there is none that it could stand for.
+    fn lacks_center(&self, block: &Block) -> bool {
+        let (first, second, _) = self.plane.axes();
+        let is_missing = |index: usize| block.word(b'I' + index as u8).is_none();
+        self.arc_centers == ArcCenters::Absolute && (is_missing(first) || is_missing(second))
     }
 
     /// Resolves polar coordinates (G16): the plane's first axis is a radius and its second an angle, relative to the
@@ -132,7 +150,8 @@ impl Modal {
         let (moves, has_offset) = (target.named != 0, target.has_offset);
         let is_arc = matches!(self.motion, MotionKind::Arc(_));
         let radius = block.word(b'R').filter(|_| is_arc).map(|word| Nm(self.length(word.number, decimals)));
-        if is_arc && moves && !has_offset && radius.is_none() {
+        let has_center = has_offset && !(is_arc && self.lacks_center(block));
+        if is_arc && (moves || has_offset) && !has_center && radius.is_none() {
             return Err(Fault::alarm(Alarm::NoRadius, 0));
         }
         let is_move = match radius {

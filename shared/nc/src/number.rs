@@ -10,6 +10,9 @@ pub const DIGITS_MAX: usize = 8;
 /// Powers of ten up to the maximum number of digits.
 pub(super) const POWERS_OF_TEN: [i32; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
 
+/// Most characters of a number with blanks: sign, digits, decimal point, and one more.
+const SPACED_MAX: usize = DIGITS_MAX + 3;
+
 /// Number of possible positions of the decimal point, including none.
 pub(super) const PLACES_MAX: usize = DIGITS_MAX + 2;
 
@@ -115,6 +118,33 @@ pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
     Some((Number { mantissa, point: point as u8 }, end))
 }
 
+/// Whether the character is ignored between words: blank, in ISO code NUL, BS, HT, CR and DEL, and the end mark of DOS
+/// files, which no sender transmits.
+#[inline]
+pub(super) const fn is_ignored(byte: u8) -> bool {
+    matches!(byte, b' ' | 0 | 8 | b'\t' | b'\r' | 0x1a | 0x7f)
+}
+
+/// [`read`] with blanks before and among the characters of the number, which the control ignores. Returns the number, the
+/// offset after it, and whether blanks are among its characters.
+#[cold]
+pub(super) fn read_spaced(line: &[u8], from: usize) -> Option<(Number, usize, bool)> {
+    let (mut packed, mut len, mut start, mut end) = ([0; SPACED_MAX], 0, from, from);
+    for (at, &byte) in line.iter().enumerate().skip(from) {
+        match byte {
+            b'0'..=b'9' | b'.' => {}
+            b'+' | b'-' if len == 0 => {}
+            _ if is_ignored(byte) => continue,
+            _ => break,
+        }
+        *packed.get_mut(len)? = byte;
+        start = if len == 0 { at } else { start };
+        (len, end) = (len + 1, at + 1);
+    }
+    let (number, used) = read(packed.get(..len)?, 0)?;
+    (used == len).then_some((number, end, end - start > len))
+}
+
 /// Reason why there is no number at byte `from`, and the offset of the fault: PS0003 more than [`DIGITS_MAX`] digits,
 /// PS0005 no digit at all, PS0007 a second decimal point.
 #[cold]
@@ -171,6 +201,18 @@ mod tests {
         assert_eq!(number_fault(b"-X", 0), (Alarm::NoDataAfterAddress, 1));
         assert_eq!(number_fault(b".", 0), (Alarm::NoDataAfterAddress, 1));
         assert_eq!(number_fault(b"1.2.3", 0), (Alarm::DecimalPoint, 3));
+    }
+
+    #[test]
+    fn blanks_among_the_digits_do_not_count() {
+        let spaced =
+            |text: &str| read_spaced(text.as_bytes(), 0).map(|(number, end, blank)| (number.to_f64(), end, blank));
+        assert_eq!(spaced(" 10 G"), Some((10.0, 3, false)));
+        assert_eq!(spaced("1 0.5Y"), Some((10.5, 5, true)));
+        assert_eq!(spaced("- 3 . 2 5"), Some((-3.25, 9, true)));
+        assert_eq!(spaced("1. 10."), None);
+        assert_eq!(spaced("1 2 3 4 5 6 7 8 9"), None);
+        assert_eq!(spaced(" - Y"), None);
     }
 
     #[test]

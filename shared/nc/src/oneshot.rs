@@ -1,4 +1,4 @@
-//! One-shot blocks, whose axis words are not a target on the path: G4, G8, G10, G28, G30, G51, G52, G53, G68, G92; and
+//! One-shot blocks, whose axis words are not a target on the path: G4, G5, G8, G10, G28, G30, G51, G52, G53, G68, G92; and
 //! G54.1, whose P is not a dwell.
 
 use super::address::whole;
@@ -33,6 +33,11 @@ impl Modal {
                     return Err(Fault::alarm(Alarm::LookAheadFormat, 0));
                 }
             }
+            OneShot::HighSpeed => match block.word(b'P').map(|word| word.number.as_whole()) {
+                // High-precision contour control on and off. Other P call a machining cycle or read binary data.
+                Some(Some(0 | 10_000)) => {}
+                _ => return Err(Fault::not_modelled(NotModelled::GCode(50), 0)),
+            },
             OneShot::Smoothing => match block.word(b'Q').map(|word| word.number.as_whole()) {
                 Some(Some(0 | 1)) => {}
                 // Under Q2 the path differs from that of the blocks.
@@ -83,9 +88,13 @@ impl Modal {
     }
 
     /// G54.1 P: applies to the moves of its own block already.
-    pub(super) fn select_additional(&mut self, block: &Block, tables: &Tables) -> Result<(), Fault> {
+    pub(super) fn select_additional(
+        &mut self,
+        block: &Block,
+        (settings, tables): (&Settings, &Tables),
+    ) -> Result<(), Fault> {
         let (number, column) = whole(block, b'P').unwrap_or((1, 0));
-        if !(1..=ADDITIONAL_SYSTEMS as i64).contains(&number) {
+        if !(1..=i64::from(settings.additional_systems)).contains(&number) {
             return Err(Fault::alarm(Alarm::OffsetNumber, column));
         }
         self.system = 5 + number as u16;
@@ -130,8 +139,14 @@ impl Modal {
             (_, Some((_, column))) => return Err(Fault::alarm(Alarm::ReferencePoint, column)),
         };
         let target = self.target(block, settings.decimals);
-        self.check_move(&target)?;
-        let between = self.keep_unnamed(self.frame.to_path(target.end), target.named);
+        // G91 G28 Z0 Y0 has no intermediate point: rotated coordinates make no difference to it.
+        let stays = !self.absolute && target.end == self.program && self.unmodelled == 0;
+        let between = if stays {
+            self.position
+        } else {
+            self.check_move(&target)?;
+            self.keep_unnamed(self.frame.to_path(target.end), target.named)
+        };
         let reference = settings.reference.get(point).copied().unwrap_or_default();
         let reference = self.on_path(reference, tables);
         let mut end = between;
@@ -214,6 +229,9 @@ pub fn set_data(modal: &Modal, block: &Block, settings: &Settings, tables: &mut 
     let (kind, column) = whole(block, b'L').unwrap_or((1, 0));
     let (number, at) = whole(block, b'P').ok_or(target_fault(0))?;
     match (kind, number) {
+        (20, number) if number > ADDITIONAL_SYSTEMS as i64 && number <= i64::from(settings.additional_systems) => {
+            return Err(Fault::not_modelled(NotModelled::FarSystem, at));
+        }
         (2, 0) => write_system(modal, block, settings, &mut tables.external),
         (2, 1..=6) | (20, 1..=48) => {
             let index = number as usize - 1 + if kind == 20 { 6 } else { 0 };

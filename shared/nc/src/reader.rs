@@ -43,7 +43,7 @@ impl Reader {
 
     /// A reader at power-on with these settings.
     pub fn with(settings: Settings, tables: Tables) -> Self {
-        let mut modal = Modal::at_power_on(settings.unit);
+        let mut modal = Modal { arc_centers: settings.arc_centers, ..Modal::at_power_on(settings.unit) };
         modal.update_frame(&tables);
         Reader { modal, settings, tables, lost: [false; 3], unstated: [false; 2] }
     }
@@ -99,7 +99,7 @@ impl Reader {
     /// Resets the modal state to that of power-on; offsets and axis positions stay.
     pub fn restart(&mut self) {
         let position = self.modal.position;
-        self.modal = Modal::at_power_on(self.settings.unit);
+        self.modal = Modal { arc_centers: self.settings.arc_centers, ..Modal::at_power_on(self.settings.unit) };
         self.modal.update_frame(&self.tables);
         self.set_position(position);
     }
@@ -227,7 +227,7 @@ impl Reader {
     /// if it names Z.
     fn mark_unknown(&mut self, text: &[u8]) {
         let code = text.split(|&byte| byte == b'(').next().unwrap_or_default();
-        let has = |axis| code.contains(&axis);
+        let has = |axis: u8| code.contains(&axis) || code.contains(&axis.to_ascii_lowercase());
         let [x, y, z] = self.lost;
         let moves = has(b'X') || has(b'Y') || has(b'Z');
         self.lost = [x || moves, y || moves, z || has(b'Z')];

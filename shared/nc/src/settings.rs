@@ -6,7 +6,7 @@
 use super::motion::Pose;
 use arcfeed_units::{LengthUnit, Nm};
 
-/// Additional work coordinate systems (G54.1 P1 to P48).
+/// Additional work coordinate systems with an origin in the tables (G54.1 P1 to P48).
 pub const ADDITIONAL_SYSTEMS: usize = 48;
 /// Work coordinate systems: G54 to G59, then the additional ones.
 pub const SYSTEMS: usize = 6 + ADDITIONAL_SYSTEMS;
@@ -57,6 +57,18 @@ pub struct CompensationSettings {
     pub blocks: u8,
 }
 
+/// Reference of I, J and K.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ArcCenters {
+    /// The start of the arc, as on every control of the presets; they do not have G90.1 and G91.1.
+    #[default]
+    FromStart,
+    /// The start of the arc (G91.1), until a G90.1.
+    Incremental,
+    /// The program's origin (G90.1), until a G91.1.
+    Absolute,
+}
+
 /// Set of blocks that the user of the reader can execute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
@@ -77,12 +89,17 @@ pub struct Settings {
     pub reading: Reading,
     /// Unit of axis words without a decimal point.
     pub decimals: Decimals,
+    /// Reference of I, J and K at power-on.
+    pub arc_centers: ArcCenters,
     /// Set of accepted blocks.
     pub scope: Scope,
     /// Maximum number of digits of N.
     pub sequence_digits: u8,
     /// Maximum number of digits of O.
     pub program_digits: u8,
+    /// Number of additional work coordinate systems. Those after [`ADDITIONAL_SYSTEMS`] have no origin of their own here:
+    /// it is zero, and G10 for them is refused.
+    pub additional_systems: u16,
     /// Block-delete switches that are on: bit n for `/n`.
     pub delete_switches: u16,
     /// G73: retraction after each peck (parameter 5114).
@@ -123,18 +140,20 @@ pub enum Preset {
 impl Settings {
     /// Standard settings of a control.
     pub const fn preset(preset: Preset, unit: LengthUnit, reading: Reading) -> Self {
-        let (sequence_digits, program_digits) = match preset {
-            Preset::Fanuc16i | Preset::Fanuc0i => (5, 4),
-            Preset::Fanuc31i => (8, 8),
+        let (sequence_digits, program_digits, additional_systems) = match preset {
+            Preset::Fanuc16i | Preset::Fanuc0i => (5, 4, ADDITIONAL_SYSTEMS as u16),
+            Preset::Fanuc31i => (8, 8, 300),
         };
         let nowhere = Pose::ORIGIN;
         Settings {
             unit,
             reading,
             decimals: Decimals::LeastIncrement,
+            arc_centers: ArcCenters::FromStart,
             scope: Scope::PlainMoves,
             sequence_digits,
             program_digits,
+            additional_systems,
             delete_switches: 0,
             peck_return: Nm(1_000_000),
             peck_clearance: Nm(1_000_000),

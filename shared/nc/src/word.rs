@@ -1,13 +1,17 @@
 //! Lexer of a line of NC text, without allocation.
 //!
-//! The control ignores blanks between and inside words; this lexer accepts none inside a number. An unclosed comment
-//! ends with its line: the end-of-block code cannot be part of a comment.
+//! The control ignores blanks between and inside words. The first reading of a line accepts none inside a word; a line
+//! that it rejects is read again by [`Words::tolerant`]. An unclosed comment ends with its line: the end-of-block code
+//! cannot be part of a comment.
 
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::number::{self, Number};
+use super::number::{self, Number, is_ignored};
 
 /// Maximum length of a line in bytes: columns are 16 bits wide.
 pub const LINE_MAX: usize = u16::MAX as usize - 1;
+
+/// Mark with which some editors begin a file in UTF-8; no part of the program.
+pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A token and its bytes in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,22 +62,50 @@ pub struct Word {
     pub len: u8,
 }
 
+/// Columns of the first deviation of each kind that a tolerant reading has accepted; 0 for none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tolerated {
+    /// A small letter in code.
+    pub small_letter: u16,
+    /// A word with a blank among its digits.
+    pub blank: u16,
+    /// A `;` after the code, as the screen shows the end of a block.
+    pub end_sign: u16,
+}
+
+/// Deviations that a reading accepts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tolerance {
+    None,
+    Blanks,
+    Everything,
+}
+
 /// The tokens of one line, which must not contain its line end.
 #[derive(Clone, Debug)]
 pub struct Words<'a> {
     line: &'a [u8],
     at: usize,
+    tolerance: Tolerance,
+    tolerated: Tolerated,
 }
 
 impl<'a> Words<'a> {
     /// Starts at the line's first byte; bytes after [`LINE_MAX`] are ignored.
     pub fn new(line: &'a [u8]) -> Self {
-        Words { line: line.get(..LINE_MAX).unwrap_or(line), at: 0 }
+        let line = line.get(..LINE_MAX).unwrap_or(line);
+        Words { line, at: 0, tolerance: Tolerance::None, tolerated: Tolerated::default() }
     }
 
-    /// Starts at byte `at` of the line.
-    pub(super) fn from(line: &'a [u8], at: usize) -> Self {
-        Words { at, ..Words::new(line) }
+    /// Also accepts blanks inside words and, if `is_lenient`, small letters and a `;` at the end of the code.
+    pub fn tolerant(line: &'a [u8], is_lenient: bool) -> Self {
+        let tolerance = if is_lenient { Tolerance::Everything } else { Tolerance::Blanks };
+        Words { tolerance, ..Words::new(line) }
+    }
+
+    /// Deviations accepted so far.
+    pub fn tolerated(&self) -> Tolerated {
+        self.tolerated
     }
 
     /// Offset of the next byte.
@@ -87,13 +119,29 @@ impl<'a> Words<'a> {
         self.line.get(self.at).copied()
     }
 
-    /// The next token if it is a word without blanks. Nearly every token is, and this path needs half the instructions
-    /// of [`Words::next`], which reads all tokens.
+    /// The next token if it is a word without blanks. Nearly every token is one, and this path needs half the
+    /// instructions of [`Words::next`], which reads all tokens. A tolerant reading does not have it: there, a number may
+    /// go on behind a blank.
     #[inline]
     pub fn next_word(&mut self) -> Option<Word> {
+        if self.is_tolerant() {
+            return None;
+        }
         let (word, end) = plain_word(self.line, self.at)?;
         self.at = end;
         Some(word)
+    }
+
+    /// Whether deviations are accepted.
+    #[inline]
+    pub(super) fn is_tolerant(&self) -> bool {
+        self.tolerance != Tolerance::None
+    }
+
+    /// Continues at this offset.
+    #[inline]
+    pub(super) fn skip_to(&mut self, offset: usize) {
+        self.at = offset;
     }
 
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
@@ -105,13 +153,51 @@ impl<'a> Words<'a> {
             let (alarm, offset) = number::number_fault(self.line, self.at);
             return Err(Fault::alarm(alarm, column(offset)));
         };
-        Ok(Token::Word(Word { letter, number, column: (start + 1) as u16, len: (self.at - start) as u8 }))
+        let column = (start + 1) as u16;
+        let len = u8::try_from(self.at - start).map_err(|_| Fault::not_modelled(NotModelled::LongBlock, column))?;
+        Ok(Token::Word(Word { letter, number, column, len }))
     }
 
     fn number(&mut self) -> Option<Number> {
+        if self.is_tolerant() {
+            return self.spaced_number();
+        }
         let (number, end) = number::read(self.line, self.at)?;
         self.at = end;
         Some(number)
+    }
+
+    #[cold]
+    fn spaced_number(&mut self) -> Option<Number> {
+        let before = self.at;
+        let (number, end, has_blank) = number::read_spaced(self.line, self.at)?;
+        self.at = end;
+        if has_blank {
+            note(&mut self.tolerated.blank, before.saturating_sub(1));
+        }
+        Some(number)
+    }
+
+    /// The letter of a word that begins with this byte, if the reading accepts small letters.
+    #[cold]
+    fn small_letter(&mut self, byte: u8) -> Option<u8> {
+        let is_accepted = self.tolerance == Tolerance::Everything && byte.is_ascii_lowercase();
+        if is_accepted {
+            note(&mut self.tolerated.small_letter, self.at - 1);
+        }
+        is_accepted.then(|| byte.to_ascii_uppercase())
+    }
+
+    /// Whether this byte is a `;` with no code after it, and the reading accepts that.
+    #[cold]
+    fn is_end_sign(&mut self, byte: u8) -> bool {
+        let mut rest = self.line.iter().skip(self.at).filter(|byte| !is_ignored(**byte) && **byte != b';');
+        let is_accepted =
+            self.tolerance == Tolerance::Everything && byte == b';' && rest.next().is_none_or(|next| *next == b'(');
+        if is_accepted {
+            note(&mut self.tolerated.end_sign, self.at - 1);
+        }
+        is_accepted
     }
 
     /// Reads a comment after its opening bracket.
@@ -142,9 +228,22 @@ impl<'a> Words<'a> {
 
     /// Reads a block delete after its slash.
     fn block_delete(&mut self) -> Token<'a> {
+        while self.is_tolerant() && self.peek().is_some_and(is_ignored) {
+            self.at += 1;
+        }
         let Some(digit @ b'1'..=b'9') = self.peek() else { return Token::BlockDelete(1) };
         self.at += 1;
         Token::BlockDelete(digit - b'0')
+    }
+
+    /// Fault of a comma: a chamfer or rounded corner (`,C` and `,R`), or no address.
+    #[cold]
+    fn comma_fault(&self, start: usize) -> Fault {
+        let mut rest = self.line.iter().skip(self.at).filter(|byte| !is_ignored(**byte));
+        match rest.next() {
+            Some(b'C' | b'R') => Fault::not_modelled(NotModelled::Corner, column(start)),
+            _ => Fault::alarm(Alarm::IllegalAddress, column(start)),
+        }
     }
 
     #[cold]
@@ -152,7 +251,7 @@ impl<'a> Words<'a> {
         let is_at_beginning = || self.line.iter().take(start).all(|byte| is_ignored(*byte));
         match byte {
             b'0'..=b'9' | b'+' | b'-' | b'.' if is_at_beginning() => Alarm::AddressNotFound,
-            b'0'..=b'9' | b'+' | b'-' | b'.' => Alarm::IllegalAddress,
+            b'0'..=b'9' | b'+' | b'-' | b'.' | b')' | b'*' | b'=' | b'[' | b']' => Alarm::IllegalAddress,
             _ => Alarm::Character,
         }
     }
@@ -163,6 +262,9 @@ impl<'a> Iterator for Words<'a> {
     type Item = Result<Piece<'a>, Fault>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if self.at == 0 && self.line.starts_with(BYTE_ORDER_MARK) {
+            self.at = BYTE_ORDER_MARK.len();
+        }
         while self.peek().is_some_and(is_ignored) {
             self.at += 1;
         }
@@ -175,7 +277,12 @@ impl<'a> Iterator for Words<'a> {
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
             b'%' => Ok(Token::ProgramMark),
-            _ => Err(Fault::alarm(self.character_alarm(byte, start), column(start))),
+            b',' => Err(self.comma_fault(start)),
+            _ => match self.small_letter(byte) {
+                Some(letter) => self.word(letter),
+                None if self.is_end_sign(byte) => return self.next(),
+                None => Err(Fault::alarm(self.character_alarm(byte, start), column(start))),
+            },
         };
         if token.is_err() {
             self.at = self.line.len();
@@ -200,10 +307,26 @@ pub fn column(offset: usize) -> u16 {
     u16::try_from(offset + 1).unwrap_or(u16::MAX)
 }
 
-/// Whether the character is ignored between words: blank, and in ISO code NUL, BS, HT, CR and DEL.
-#[inline]
-const fn is_ignored(byte: u8) -> bool {
-    matches!(byte, b' ' | 0 | 8 | b'\t' | b'\r' | 0x7f)
+/// Whether the line is a `%` mark: nothing before the `%` but ignored characters.
+pub fn is_mark(line: &[u8]) -> bool {
+    let code = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
+    code.iter().find(|byte| !is_ignored(**byte)) == Some(&b'%')
+}
+
+/// Offset of the first small letter in the code of a line, outside comments.
+pub fn small_letter(line: &[u8]) -> Option<usize> {
+    let mut in_comment = false;
+    line.iter().position(|&byte| {
+        in_comment = (in_comment || byte == b'(') && byte != b')';
+        !in_comment && byte.is_ascii_lowercase()
+    })
+}
+
+/// Keeps the column of the first deviation.
+fn note(column_of: &mut u16, offset: usize) {
+    if *column_of == 0 {
+        *column_of = column(offset);
+    }
 }
 
 /// Whether the control's code (ISO, upper case) has this character. It is the only check of comments.

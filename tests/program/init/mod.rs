@@ -10,7 +10,9 @@ use arcfeed::init::proposal::{LikelyTool, propose};
 use arcfeed::init::survey;
 use arcfeed::job::{JobFile, questions};
 use arcfeed_model::tool::Tool;
+use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_tests::{Scratch, root, run};
+use arcfeed_units::LengthUnit;
 use fastrand::Rng;
 use generated::{cup_mill, end_mill};
 use serde_json::Value;
@@ -211,12 +213,17 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
 /// Result of `init` for a text: the tool, and the written job.
 fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
     let path = scratch.write("p.nc", text);
-    let (program, survey) = survey::load(path.as_ref(), None, None).expect("just written");
+    let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Inch, Reading::Lenient);
+    let settings = Settings { scope: Scope::Everything, ..settings };
+    let loaded = survey::load(path.as_ref(), (settings, Tables::default()), None, None);
+    let (program, survey) = loaded.expect("just written");
     assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
     let groups = group(&survey.arcs);
     let answers = &Answers::default();
     let proposal = propose(&groups, &survey, answers);
-    let job = job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal, answers });
+    let control = &[("preset", "fanuc-16i".to_owned())];
+    let job =
+        job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal, answers, control });
     (proposal.tools[0].kind, job)
 }
 

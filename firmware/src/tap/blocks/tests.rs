@@ -119,3 +119,10 @@ fn the_block_of_the_end_is_reported() {
         assert_eq!(last(line).map(|(_, ends)| ends), Ok(ends), "{line}");
     }
 }
+
+#[test]
+fn a_block_with_small_letters_is_lost_because_a_control_may_skip_them() {
+    let lost = Err(TapLossReason::NotUnderstood(Fault::alarm(Alarm::Character, 7)));
+    assert_eq!(last("G1X1.\nG1X10.f100."), lost);
+    assert!(last("G1X10.F100.(note)").is_ok());
+}

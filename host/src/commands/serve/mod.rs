@@ -43,7 +43,7 @@ use tcp_line::ClientLimits;
 /// Wall time between two polls of the line.
 const PERIOD: Duration = Duration::from_millis(1);
 
-/// Simulate the control (and its machine) for any sender
+/// Emulate a Fanuc-like control and its machine for any sender
 #[derive(Debug, clap::Args)]
 pub struct Serve {
     /// Job file: tool, law and cut rules of the controller; without one, a plain control at 100 %
@@ -210,8 +210,8 @@ impl Serve {
         file.settings = self.settings.clone().or(file.settings);
         let inputs = self.job.as_ref().map_or(Vec::from_iter(file.settings.clone()), |job| file.inputs(job));
         refuse_inputs(&[self.executed.as_deref()], &inputs)?;
-        (file.nc, file.tables) =
-            file.control.settings(file.job.unit, file.settings.as_deref()).map_err(Failure::Input)?;
+        let of_control = file.control.settings(file.job.unit, file.settings.as_deref(), file.conventions);
+        (file.nc, file.tables) = of_control.map_err(Failure::Input)?;
         let interrupted = on_interrupt();
         let mut line = match (&self.place.tcp, &self.place.rfc2217) {
             (Some(address), _) => ControlLine::tcp(address, None, self.clients.limits())?,

@@ -59,10 +59,9 @@ pub struct Stream {
     /// Line rate, in place of the job's
     #[arg(long)]
     baudrate: Option<u32>,
-    /// Make comments upper case and remove characters from them that the control's code does not have, instead of
-    /// rejecting
+    /// Refuse comments with characters that the control's code does not have, instead of sending capitals and blanks
     #[arg(long)]
-    filter: bool,
+    keep_comments: bool,
     /// Journal that --resume reads (docs/dnc.md); without it JOB.journal beside the job, and none for sim:
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
@@ -94,7 +93,7 @@ impl Stream {
         if self.tui {
             need_terminal()?;
         }
-        let mut ready = PreparedProgram::load(&self.job, self.baudrate, self.filter)?;
+        let mut ready = PreparedProgram::load(&self.job, self.baudrate, !self.keep_comments)?;
         let is_sim = self.port.base == Base::Sim;
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
         let mut outputs = vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref()];

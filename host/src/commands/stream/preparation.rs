@@ -57,9 +57,6 @@ impl PreparedProgram {
     pub fn load(job: &Path, baudrate: Option<u32>, filters: bool) -> Result<Self, Failure> {
         let (mut file, program) = load(job)?;
         file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
-        if let Some(warning) = program.missing_label() {
-            note(format_args!("{}:{warning}", program.path.display()));
-        }
         check_expanded(&program.path, program.places.as_deref())?;
         if let Some(places) = &program.places {
             note(format_args!(
@@ -78,6 +75,7 @@ impl PreparedProgram {
             Failure::Input(lines.join("\n"))
         };
         let mut whole = Transmission::new(&adapted.text, line, &wire).map_err(&refused)?;
+        whole.changes().in_words().iter().for_each(|change| note(format_args!("{path}: note: {change}")));
         let mut reports = Reports::default();
         if let Some(every) = file.dnc.report_every {
             let control = PowerOn { settings: file.nc, tables: file.tables };

@@ -1,0 +1,133 @@
+//! Errors and warnings of a check: errors are printed at once, warnings of one kind together.
+
+use std::collections::HashMap;
+use std::io::IsTerminal;
+use std::path::Path;
+
+use annotate_snippets::Renderer;
+
+use crate::commands::outcome::say;
+use crate::console::note;
+use crate::program::{Diagnostic, Severity};
+use crate::snippet;
+
+/// Errors and warnings that the JSON object lists; the others are counted.
+const LISTED_MAX: usize = 10_000;
+/// Places of a kind of warning that are named; the others are counted.
+const PLACES_MAX: usize = 3;
+
+/// CheckFindings of one check.
+pub struct CheckFindings<'a> {
+    /// Path of the program.
+    pub path: &'a Path,
+    /// Path as given on the command line.
+    given: &'a Path,
+    is_json: bool,
+    /// Number of errors.
+    pub errors: usize,
+    /// Number of warnings.
+    pub warnings: usize,
+    /// CheckFindings for the JSON object.
+    pub listed: Vec<Diagnostic>,
+    /// Kinds of warnings, in the order of their first places.
+    kinds: Vec<WarningKind>,
+    /// Index of the kind with a message.
+    by_message: HashMap<String, usize>,
+}
+
+/// Warnings with the same message.
+struct WarningKind {
+    first: Diagnostic,
+    text: Option<Vec<u8>>,
+    /// Lines and columns of the next ones.
+    next: Vec<[usize; 2]>,
+    count: usize,
+}
+
+impl<'a> CheckFindings<'a> {
+    /// None yet.
+    pub fn new(given: &'a Path, path: &'a Path, is_json: bool) -> Self {
+        CheckFindings {
+            path,
+            given,
+            is_json,
+            errors: 0,
+            warnings: 0,
+            listed: Vec::new(),
+            kinds: Vec::new(),
+            by_message: HashMap::new(),
+        }
+    }
+
+    /// Adds a finding with the text of its line.
+    pub fn add(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
+        match diagnostic.severity {
+            Severity::Error => self.errors += 1,
+            Severity::Warning => self.warnings += 1,
+        }
+        if self.is_json {
+            if self.listed.len() < LISTED_MAX {
+                self.listed.push(diagnostic);
+            }
+        } else if diagnostic.severity == Severity::Error {
+            let is_terminal = std::io::stderr().is_terminal();
+            note(format_args!("{}", self.in_words(&diagnostic, text, is_terminal, None)));
+        } else {
+            self.add_warning(diagnostic, text);
+        }
+    }
+
+    /// Sorts the findings for the JSON object by their places.
+    pub fn sort(&mut self) {
+        self.listed.sort_by_key(|found| (found.line, found.column));
+    }
+
+    fn add_warning(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
+        let known = self.by_message.get(&diagnostic.message).and_then(|index| self.kinds.get_mut(*index));
+        if let Some(kind) = known {
+            kind.count += 1;
+            if kind.next.len() + 1 < PLACES_MAX {
+                kind.next.push([diagnostic.line, diagnostic.column]);
+            }
+            return;
+        }
+        self.by_message.insert(diagnostic.message.clone(), self.kinds.len());
+        let text = text.map(<[u8]>::to_vec);
+        self.kinds.push(WarningKind { first: diagnostic, text, next: Vec::new(), count: 1 });
+    }
+
+    /// Prints the warnings: those of one kind as one, with their first places.
+    pub fn print_warnings(&mut self) {
+        let is_terminal = std::io::stdout().is_terminal();
+        let mut kinds = std::mem::take(&mut self.kinds);
+        kinds.sort_by_key(|kind| (kind.first.line, kind.first.column));
+        for kind in kinds {
+            let others = kind.others();
+            say(format_args!("{}", self.in_words(&kind.first, kind.text.as_deref(), is_terminal, others.as_deref())));
+        }
+    }
+
+    fn in_words(&self, of: &Diagnostic, text: Option<&[u8]>, is_terminal: bool, others: Option<&str>) -> String {
+        match text {
+            Some(text) if is_terminal => snippet::render(self.given, text, of, others, &Renderer::styled()),
+            _ => {
+                format!("{}:{of}{}", self.path.display(), others.map_or(String::new(), |others| format!("; {others}")))
+            }
+        }
+    }
+}
+
+impl WarningKind {
+    /// Places of the warnings after the first, in words.
+    fn others(&self) -> Option<String> {
+        let mut places: Vec<String> = self.next.iter().map(|[line, column]| format!("{line}:{column}")).collect();
+        let more = self.count - 1 - places.len();
+        places.extend((more > 0).then(|| format!("{more} more")));
+        let last = places.pop()?;
+        Some(if places.is_empty() {
+            format!("also at {last}")
+        } else {
+            format!("also at {} and {last}", places.join(", "))
+        })
+    }
+}

@@ -1,0 +1,67 @@
+//! Options that say which control reads a program.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_nc::block::Reading;
+use arcfeed_nc::settings::{Scope, Settings, Tables};
+
+use super::outcome::Failure;
+use crate::control::{self, Convention, Conventions};
+use crate::job::{ControlKind, JobFile};
+
+/// Control, settings file and decimals.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct ControlArgs {
+    /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
+    #[arg(long, value_parser = ControlKind::named)]
+    pub control: Option<ControlKind>,
+    /// Settings of this machine, in place of the job's: offsets, lengths, switches (docs/dialect.md)
+    #[arg(long, value_name = "SETTINGS.toml")]
+    pub settings: Option<PathBuf>,
+    /// Meaning of numbers without a decimal point
+    #[arg(long)]
+    pub decimals: Option<Convention>,
+}
+
+impl ControlArgs {
+    /// Whether any of the options is given.
+    pub fn is_given(&self) -> bool {
+        self.control.is_some() || self.settings.is_some() || self.decimals.is_some()
+    }
+
+    /// The control with its settings and offsets, as the options say, otherwise the job.
+    ///
+    /// # Errors
+    /// The settings file is at fault.
+    pub fn read(&self, job: Option<&JobFile>, reading: Reading) -> Result<(ControlKind, Settings, Tables), Failure> {
+        let control = self.control.or(job.map(|file| file.control)).unwrap_or(ControlKind::Fanuc16i);
+        let file = self.settings.as_ref().or(job.and_then(|file| file.settings.as_ref()));
+        let loaded = control::load(control.preset(), reading, file.map(PathBuf::as_path));
+        let (mut settings, tables) = loaded.map_err(Failure::Input)?;
+        if let Some(file) = job {
+            file.conventions.apply(&mut settings);
+            settings.unit = file.job.unit;
+        }
+        Conventions { decimals: self.decimals, arc_centers: None }.apply(&mut settings);
+        settings.scope = Scope::Everything;
+        Ok((control, settings, tables))
+    }
+
+    /// Keys and values of `[control]` in the job file `job`.
+    pub fn keys(&self, control: ControlKind, job: &Path) -> Vec<(&'static str, String)> {
+        let mut keys = vec![("preset", control.name().to_owned())];
+        keys.extend(self.decimals.map(|decimals| ("decimals", decimals.name().to_owned())));
+        keys.extend(self.settings.as_ref().map(|settings| ("settings", name_from(job, settings))));
+        keys
+    }
+}
+
+/// A file's name as seen from the job file: jobs name files relative to themselves.
+pub fn name_from(job: &Path, file: &Path) -> String {
+    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_owned));
+    let name = match file.file_name() {
+        Some(name) if folder(job) == folder(file) => PathBuf::from(name),
+        _ => std::path::absolute(file).unwrap_or_else(|_| file.to_owned()),
+    };
+    name.display().to_string()
+}

@@ -1,0 +1,162 @@
+//! Remedies for what programs of other controls contain: whose it is, and what a Fanuc has in its place.
+
+use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
+use arcfeed_nc::number;
+
+/// G codes of other controls, in tenths, from first to last of a row.
+const FOREIGN_G: [(u16, u16, &str); 29] = [
+    (52, 53, "G5.2 and G5.3 are splines of LinuxCNC: post lines and arcs"),
+    (120, 130, "G12 and G13 are circular pockets of a Haas or a Mazak: write the circles with G2 or G3"),
+    (331, 331, "G33.1 is the rigid tapping of LinuxCNC: write M29 S and then G84"),
+    (350, 360, "G35 and G36 are probing cycles of a Haas: call the probe's macro with G65 P"),
+    (382, 385, "G38 with a decimal is the probing of LinuxCNC: write G31, or call the probe's macro with G65 P"),
+    (591, 593, "G59.1 to G59.3 are work offsets of LinuxCNC: write G54.1 P1 to P3"),
+    (611, 611, "G61.1 is LinuxCNC's exact path, or high accuracy on a Mazak or a Mitsubishi: write G61, or G5.1 Q1"),
+    (700, 710, "G70 and G71 select inches and millimetres on other controls: write G20 or G21"),
+    (720, 720, "G72 is a bolt hole pattern of a Haas: write the holes"),
+    (842, 842, "G84.2 is rigid tapping in the FS10/11 format (parameter 0001 bit 1): write M29 S and then G84"),
+    (843, 843, "G84.3 is rigid tapping in the FS10/11 format (parameter 0001 bit 1): write M29 S and then G74"),
+    (
+        901,
+        901,
+        "G90.1 makes I, J, K coordinates on LinuxCNC and Mach3: post them as distances from the arc's start, or say in the \
+         settings that the control has it: arc_centers = \"absolute\"",
+    ),
+    (
+        911,
+        911,
+        "G91.1 makes I, J, K distances from the start on LinuxCNC and Mach3, which they always are on a Fanuc: remove it, or \
+         say in the settings that the control has it: arc_centers = \"incremental\"",
+    ),
+    (922, 923, "G92.2 and G92.3 switch offsets of LinuxCNC: write G92.1, or G92 with the coordinates"),
+    (1000, 1010, "G100 and G101 are the mirror image of a Haas: write G50.1 and G51.1"),
+    (1030, 1030, "G103 limits the look-ahead of a Haas: remove it"),
+    (1070, 1070, "G107 is the cylinder of a Haas: post the moves of the rotary axis"),
+    (1100, 1290, "G110 to G129 are work offsets of a Haas: write G54.1 P1 to P20"),
+    (1360, 1370, "G136 is a probing cycle of a Haas: call the probe's macro with G65 P"),
+    (1410, 1410, "G141 is the 3D cutter compensation of a Haas: post the tool centre's path"),
+    (1430, 1430, "G143 is the five-axis tool length compensation of a Haas: write G43.4 H"),
+    (1500, 1500, "G150 is a pocket of a Haas: post its moves"),
+    (1530, 1530, "G153 is the machine's coordinates on other controls: write G53"),
+    (1540, 1540, "G154 P is a work offset of a Haas: write G54.1 P"),
+    (1870, 1880, "G187 is the smoothness of a Haas: remove it, or write G5.1 Q1"),
+    (2340, 2340, "G234 is the tool centre point control of a Haas: write G43.4 H"),
+    (2530, 2530, "G253 turns the tool to the plane on a Haas: write G53.1"),
+    (2540, 2550, "G254 and G255 are the dynamic work offset of a Haas: write G54.2 P"),
+    (2680, 2690, "G268 and G269 are the tilted plane of a Haas: write G68.2 and G69"),
+];
+/// Words of programs that are no NC blocks.
+const FOREIGN_TEXT: [(&[u8], &str); 8] = [
+    (b" PGM ", "this is a conversational program of a Heidenhain: post it for a Fanuc"),
+    (b"TOOL CALL", "TOOL CALL is conversational text of a Heidenhain: write T and M6"),
+    (b"BLK FORM", "BLK FORM is conversational text of a Heidenhain: remove it"),
+    (b"FMAX", "this is conversational text of a Heidenhain: post the program for a Fanuc"),
+    (b"CYCLE", "CYCLE is a cycle of a Siemens: write G81 to G89"),
+    (b"MSG(", "MSG is a message of a Siemens: write a comment in ( )"),
+    (b"DEF ", "DEF is a declaration of a Siemens: post the program for a Fanuc"),
+    (b"CR=", "CR= is the arc's radius on a Siemens: write R"),
+];
+const EQUALS: &str = "an address with = is the spelling of a Siemens: write the number behind the letter";
+const NESTED: &str = "the first ) ends a comment, so comments cannot be nested: remove the inner brackets";
+const COMMENT: &str = "a comment is written in ( ) on a Fanuc";
+const FAR_SYSTEM: &str = "a 16i and a 0i have G54.1 P1 to P48, a 31i P1 to P300 (--control fanuc-31i)";
+const CAPITALS: &str = "write capitals";
+
+/// The remedy for a fault at its place in a line, if it is known better than by the fault alone.
+pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
+    let Cause::Alarm(alarm) = fault.cause else {
+        return is_in(fault, NotModelled::Macro).then(|| foreign_text(text)).flatten();
+    };
+    let offset = usize::from(fault.column).saturating_sub(1);
+    let (before, rest) = text.split_at(offset.min(text.len()));
+    match alarm {
+        Alarm::ImproperGCode => foreign_g(number::read(rest, 1)?.0.as_tenths()?),
+        Alarm::Character => match rest.first()? {
+            _ if foreign_text(text).is_some() => foreign_text(text),
+            b';' | b'\'' | b'"' => Some(COMMENT),
+            byte if byte.is_ascii_lowercase() => Some(CAPITALS),
+            _ => None,
+        },
+        Alarm::NoDataAfterAddress | Alarm::IllegalAddress | Alarm::AddressNotFound => {
+            if is_behind_nested_comment(before) {
+                return Some(NESTED);
+            }
+            foreign_text(text).or((rest.first() == Some(&b'=')).then_some(EQUALS))
+        }
+        Alarm::OffsetNumber => (rest.first() == Some(&b'P')).then_some(FAR_SYSTEM),
+        _ => None,
+    }
+}
+
+/// Whether a comment with a bracket in it stands before the place.
+fn is_behind_nested_comment(before: &[u8]) -> bool {
+    let mut parts = before.split(|byte| *byte == b'(').skip(1);
+    parts.next().is_some_and(|first| !first.contains(&b')'))
+        && parts.next().is_some_and(|second| second.contains(&b')'))
+}
+
+fn is_in(fault: Fault, what: NotModelled) -> bool {
+    fault.cause == Cause::NotModelled(what)
+}
+
+fn foreign_g(tenths: i64) -> Option<&'static str> {
+    let of = |(first, last, _): &&(u16, u16, &str)| (i64::from(*first)..=i64::from(*last)).contains(&tenths);
+    FOREIGN_G.iter().find(of).map(|(.., remedy)| *remedy)
+}
+
+fn foreign_text(text: &[u8]) -> Option<&'static str> {
+    let has = |word: &[u8]| text.windows(word.len()).any(|part| part == word);
+    FOREIGN_TEXT.iter().find(|(word, _)| has(word)).map(|(_, remedy)| *remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use arcfeed_nc::block::Reading;
+    use arcfeed_units::LengthUnit;
+
+    use super::super::Program;
+    use super::*;
+
+    fn message(line: &str) -> String {
+        let text = format!("%\n{line}\nM30\n%\n");
+        let program = Program::parse(Path::new("t.nc"), text.as_bytes(), LengthUnit::Mm, Reading::Lenient);
+        assert_eq!(program.diagnostics.len(), 1, "{line}: {:?}", program.diagnostics);
+        program.diagnostics[0].message.clone()
+    }
+
+    #[test]
+    fn what_another_control_has_is_named_with_the_words_of_a_fanuc() {
+        for (line, whose, remedy) in [
+            ("G154P3", "Haas", "G54.1 P"),
+            ("G112", "Haas", "G54.1 P"),
+            ("G187P2", "Haas", "G5.1 Q1"),
+            ("G0X1.G234", "Haas", "G43.4"),
+            ("G59.1", "LinuxCNC", "G54.1 P1"),
+            ("G91.1", "LinuxCNC", "arc_centers"),
+            ("N10G71", "other controls", "G21"),
+            ("G84.2X1.Z-1.R1.F1.", "FS10/11", "M29"),
+            ("1 TOOL CALL 1 Z S2000", "Heidenhain", "M6"),
+            ("2 L Z+50 R0 FMAX", "Heidenhain", "post"),
+            ("CYCLE81(5,0,1,-10)", "Siemens", "G81"),
+            ("G0X=10", "Siemens", "behind the letter"),
+            ("G0X1.;SAFE", "Fanuc", "( )"),
+            ("(TOOL (10MM) FLAT)", "nested", "remove"),
+            ("(TOOL (10MM) FLAT", "nested", "remove"),
+            ("G54.1P300", "31i", "--control"),
+        ] {
+            let said = message(line);
+            assert!(said.contains(whose) && said.contains(remedy), "{line}: {said}");
+        }
+    }
+
+    #[test]
+    fn the_rows_are_in_order_and_none_is_a_code_of_the_control() {
+        assert!(FOREIGN_G.windows(2).all(|rows| rows[0].1 < rows[1].0));
+        for (first, ..) in FOREIGN_G {
+            let line = format!("G{}.{}", first / 10, first % 10);
+            assert!(message(&line).starts_with(Alarm::ImproperGCode.when()), "{line}");
+        }
+    }
+}

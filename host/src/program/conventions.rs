@@ -1,0 +1,259 @@
+//! Conventions that the text of a program betrays: decimal points, and the reference of arc centres.
+
+use arcfeed_nc::alarm::Alarm;
+use arcfeed_nc::modal::MotionKind;
+use arcfeed_nc::settings::{ArcCenters, Decimals, Settings};
+use arcfeed_nc::word::Word;
+use arcfeed_units::LengthUnit;
+
+use super::{Diagnostic, ProgramLine, Severity, Source};
+
+/// Letters of lengths and angles, in groups of words that are compared with one another.
+const GROUPS: [&[u8]; 5] = [b"X", b"Y", b"Z", b"IJK", b"ABC"];
+const ARCS: usize = 3;
+const DEPTHS: usize = 2;
+/// Most words without a point that are kept.
+const KEPT_MAX: usize = 10_000;
+/// Fewest words with a point that make a habit.
+const HABIT_MIN: usize = 4;
+/// A word is far smaller than the others if the median is this many powers of two above it.
+const FAR_SMALLER: usize = 5;
+/// Least increments below which a coordinate is tiny.
+const TINY: i64 = 1_000;
+const SMALL: &str = "a word without a decimal point in a program that writes points: as least increments it is far smaller than the \
+                     other words of its axis; write the point, or read whole units with `--decimals calculator`";
+const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
+                        0.1 in; read whole units with `--decimals calculator`";
+
+/// Words with and without decimal points, line by line, for a control that counts words without one in least increments.
+#[derive(Debug)]
+pub struct DecimalSurvey {
+    unit: LengthUnit,
+    is_asked: bool,
+    count: usize,
+    /// Words with a point, by group and power of two of their value in least increments; zero does not count.
+    pointed: [[usize; 64]; GROUPS.len()],
+    /// A line that could not be read has a point.
+    has_unread_points: bool,
+    /// Words without a point, but for zero.
+    plain: usize,
+    /// The first of them.
+    kept: Vec<PlainWord>,
+    largest: i64,
+}
+
+#[derive(Debug)]
+struct PlainWord {
+    group: usize,
+    power: usize,
+    place: [usize; 3],
+    text: Vec<u8>,
+}
+
+impl DecimalSurvey {
+    /// No line so far.
+    pub fn new(settings: &Settings) -> Self {
+        DecimalSurvey {
+            unit: settings.unit,
+            is_asked: settings.decimals == Decimals::LeastIncrement,
+            count: 0,
+            pointed: [[0; 64]; GROUPS.len()],
+            has_unread_points: false,
+            plain: 0,
+            kept: Vec::new(),
+            largest: 0,
+        }
+    }
+
+    /// Adds the next line.
+    pub fn add(&mut self, line: &ProgramLine) {
+        self.count += 1;
+        if !self.is_asked {
+            return;
+        }
+        let Some(meaning) = &line.meaning else {
+            self.has_unread_points |= line.text.contains(&b'.');
+            return;
+        };
+        let step = &meaning.step;
+        if step.dwell.is_some() || step.sets_data {
+            return;
+        }
+        let is_arc = step.motion.is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
+        for word in &meaning.parsed.block.words {
+            let group = match word.letter {
+                b'G' => {
+                    self.set_unit(word);
+                    continue;
+                }
+                b'R' if is_arc => ARCS,
+                b'R' if step.series.is_some() => DEPTHS,
+                letter => match GROUPS.iter().position(|letters| letters.contains(&letter)) {
+                    Some(group) => group,
+                    None => continue,
+                },
+            };
+            self.add_word(word, group, &line.text);
+        }
+    }
+
+    fn set_unit(&mut self, word: &Word) {
+        match word.number.as_whole() {
+            Some(20) => self.unit = LengthUnit::Inch,
+            Some(21) => self.unit = LengthUnit::Mm,
+            _ => {}
+        }
+    }
+
+    fn add_word(&mut self, word: &Word, group: usize, text: &[u8]) {
+        let increments_per_unit =
+            if self.unit == LengthUnit::Inch && group < GROUPS.len() - 1 { 10_000 } else { 1_000 };
+        let has_point = word.number.has_point();
+        let increments = word.number.scaled(if has_point { increments_per_unit } else { 1 }).saturating_abs();
+        let Some(power) = increments.checked_ilog2().map(|power| power as usize) else { return };
+        if has_point {
+            self.pointed[group][power] += 1;
+            return;
+        }
+        self.plain += 1;
+        self.largest = self.largest.max(increments);
+        if self.kept.len() < KEPT_MAX {
+            let column = usize::from(word.column);
+            let place = [self.count, column, column + usize::from(word.len)];
+            self.kept.push(PlainWord { group, power, place, text: text.to_vec() });
+        }
+    }
+
+    /// Warnings of words whose size shows that a point is missing, each with the text of its line.
+    pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
+        let pointed: usize = self.pointed.iter().flatten().sum();
+        if pointed == 0 {
+            let all_tiny = !self.has_unread_points && self.plain >= HABIT_MIN && self.largest < TINY;
+            return self.kept.first().filter(|_| all_tiny).map(|word| word.warning(ALL_TINY)).into_iter().collect();
+        }
+        if pointed < HABIT_MIN.max(self.plain) {
+            return Vec::new();
+        }
+        let medians = self.pointed.map(|powers| median(&powers));
+        let is_far_smaller =
+            |word: &&PlainWord| medians[word.group].is_some_and(|usual| word.power + FAR_SMALLER <= usual);
+        self.kept.iter().filter(is_far_smaller).map(|word| word.warning(SMALL)).collect()
+    }
+}
+
+impl PlainWord {
+    fn warning(&self, message: &str) -> (Diagnostic, &[u8]) {
+        let [line, column, end_column] = self.place;
+        let found = self.text.get(column - 1..end_column - 1).unwrap_or_default().escape_ascii().to_string();
+        let (severity, message) = (Severity::Warning, message.into());
+        (Diagnostic { severity, line, column, end_column, alarm: None, message, found }, &self.text)
+    }
+}
+
+/// Power of two of the median.
+fn median(powers: &[usize; 64]) -> Option<usize> {
+    let total: usize = powers.iter().sum();
+    let mut below = 0;
+    powers.iter().position(|count| {
+        below += count;
+        total > 0 && 2 * below >= total
+    })
+}
+
+/// Advice for a program with arcs that do not close: a convention with which more of them do, if there is one. The program is
+/// read again with it.
+pub fn fitting_convention(source: &Source) -> Option<String> {
+    let settings = source.settings;
+    let open_arcs = |settings: Settings| {
+        let (mut open, mut survey) = (0, DecimalSurvey::new(&source.settings));
+        let other = Source { settings, ..source.clone() };
+        let is_open = |found: &Diagnostic| found.alarm == Some(Alarm::RadiusTolerance.number());
+        other.survey(false, |line| survey.add(line), |found, _| open += usize::from(is_open(&found)));
+        (open, survey.plain)
+    };
+    let (path, (open, _)) = (source.path.display(), open_arcs(settings));
+    if open == 0 {
+        return None;
+    }
+    if settings.decimals == Decimals::LeastIncrement {
+        let (still_open, plain) = open_arcs(Settings { decimals: Decimals::Calculator, ..settings });
+        if still_open < open && plain > 0 {
+            return Some(format!(
+                "{path}: {plain} words without a decimal point fit only with calculator decimals: {still_open} arcs do not close then, \
+                 in place of {open}; give `--decimals calculator`, or write `decimals = \"calculator\"` under [control] of the job"
+            ));
+        }
+    }
+    if settings.arc_centers != ArcCenters::Absolute {
+        let (still_open, _) = open_arcs(Settings { arc_centers: ArcCenters::Absolute, ..settings });
+        if still_open < open {
+            return Some(format!(
+                "{path}: I, J, K fit only as coordinates of the centre: {still_open} arcs do not close then, in place of {open}; post \
+                 them as distances from the arc's start, or, if the control reads coordinates, write `arc_centers = \"absolute\"` \
+                 under [control] of the job or in the settings file"
+            ));
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use arcfeed_nc::settings::{Preset, Reading, Scope, Tables};
+
+    use super::*;
+
+    fn source(text: &str) -> Source {
+        let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
+        let settings = Settings { scope: Scope::Everything, ..settings };
+        Source {
+            path: PathBuf::from("t.nc"),
+            bytes: text.into(),
+            settings,
+            tables: Tables::default(),
+            macro_line: None,
+            places: None,
+        }
+    }
+
+    fn warned(text: &str) -> Vec<(usize, usize)> {
+        let source = source(text);
+        let mut survey = DecimalSurvey::new(&source.settings);
+        source.survey(true, |line| survey.add(line), |_, _| {});
+        survey.warnings().iter().map(|(found, _)| (found.line, found.column)).collect()
+    }
+
+    #[test]
+    fn a_word_without_a_point_among_words_with_one_is_found_by_its_size() {
+        let text = "G90\nG0X0.Y0.Z5.\nG1Z-2.F100\nX100\nY50.5\nX20.25Y3\nG4X1000\nG2X0Y0I10\nX10000\nM30\n";
+        assert_eq!(warned(text), [(4, 1), (6, 7)]);
+    }
+
+    #[test]
+    fn a_program_in_least_increments_is_left_in_peace() {
+        assert!(warned("G0X10000Y5000\nG1Z-2000F100\nX0Y0\nX100\nX12000\nM30\n").is_empty());
+        assert!(warned("G0X10.5Y5.25Z3.\nX12.Y0\nX0Y0\nM30\n").is_empty());
+    }
+
+    #[test]
+    fn a_program_of_tiny_coordinates_is_found_as_a_whole() {
+        assert_eq!(warned("G0X-30Y0\nZ2\nG1Z-1F150\nX130\nM30\n"), [(1, 3)]);
+    }
+
+    #[test]
+    fn a_convention_that_fits_better_is_named_after_a_reading_with_it() {
+        let calculator = source("G0X100Y0\nG1F5X100\nG2X110.25Y10.25I0J10.25\nM30\n");
+        let said = fitting_convention(&calculator).unwrap();
+        assert!(said.contains("2 words") && said.contains("0 arcs do not close then, in place of 1"), "{said}");
+        let absolute = source("G0X10.Y10.\nG2X20.Y20.I20.J10.F5.\nM30\n");
+        let said = fitting_convention(&absolute).unwrap();
+        assert!(said.contains("arc_centers"), "{said}");
+        for other in
+            ["G14\nX100\nM30\n", "G91.1\nG0X10.\nG2X20.Y10.I0J10.F5.\nM30\n", "G0X1.\nG2X2.Y2.I9.J9.F5.\nM30\n"]
+        {
+            assert_eq!(fitting_convention(&source(other)), None, "{other}");
+        }
+    }
+}

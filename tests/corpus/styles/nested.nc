@@ -1,0 +1,7 @@
+%
+O1000
+(A (B) C)
+(TOOL (10MM) FLAT
+G90 (X) G0 X1. (Y
+M30
+%
