@@ -6,13 +6,13 @@ use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::job::{FeedPolicy, Job, ToolSetup};
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_model::telemetry::Sample;
 use arcfeed_nc::machining::SpindleCommand;
-use arcfeed_nc::modal::Pose;
+use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::{RADIUS_TOLERANCE, Segment};
-use arcfeed_units::{Micros, Nm, PERCENT, RevPerMin, US_PER_S};
+use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
 use crate::override_source::controller::InProcessController;
@@ -60,6 +60,8 @@ pub struct PlannedConditions {
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
     pub end_percent: u8,
+    /// Target chip load, for a tool whose target is the programmed feed.
+    pub target: Option<MmPerTooth>,
 }
 
 impl PlannedConditions {
@@ -242,7 +244,12 @@ impl<D: OverrideSource> Simulation<D> {
             None => plain,
         };
         let along = known.as_ref().and_then(|known| known.along.as_ref());
-        let governing = found.map(|(index, rule)| GoverningRule { index, rule, setup: self.job.tool_of(rule), along });
+        let planned_target = known.as_ref().and_then(|known| known.target);
+        let governing = found.map(|(index, rule)| {
+            let setup = self.job.tool_of(rule);
+            let target = planned_target.or_else(|| programmed_target(segment, setup, self.context.machining.spindle));
+            GoverningRule { index, rule, setup, along, target }
+        });
         match continued {
             Some(_) => self.meter.continue_move(count, segment, governing.as_ref()),
             None => {
@@ -326,4 +333,11 @@ fn continues(last: &Segment, next: &Segment) -> bool {
         && next.start == last.end
         && (arc.plane, arc.turn) == (before.plane, before.turn)
         && centers.into_iter().all(|(a, b)| is_near(*a, *b))
+}
+
+/// Target chip load on a move of the original program, for a tool whose target is the programmed feed.
+fn programmed_target(segment: &Segment, setup: &ToolSetup, command: SpindleCommand) -> Option<MmPerTooth> {
+    let Feed::PerMinute(feed) = segment.feed else { return None };
+    let spindle = setup.speed(command).filter(|_| setup.follows_program)?;
+    setup.target_of(feed, spindle)
 }

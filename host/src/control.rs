@@ -8,18 +8,28 @@
 //! peck_clearance = 1.0                 # parameter 5115, G83
 //! [work]                               # origins in machine coordinates; EXT, G54 to G59, G54.1P1 to G54.1P48
 //! "G54" = { X = -300.0, Y = -200.0, Z = -400.0 }
+//! start_up = "A"                       # parameter 5003, SUP: start-up and cancel of G41 and G42, or "B"
+//! compensation_blocks = 3              # parameter 19625, 3 to 8: blocks read together under G41 and G42
 //! [length]                             # H number to length
 //! 1 = 120.5
+//! [radius]                             # D number to radius
+//! 1 = 5.0
+//! [radius_wear]                        # D number to what is added to the radius
+//! 1 = -0.02
 //! [reference]                          # machine coordinates of the first to fourth reference point
 //! 1 = { Z = 0.0 }
 //! ```
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::motion::Pose;
-use arcfeed_nc::settings::{Decimals, OFFSETS, Preset, SYSTEMS, Settings, Tables};
+use arcfeed_nc::settings::{
+    COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, Decimals, OFFSETS, Preset, SYSTEMS,
+    Settings, StartUp, Tables,
+};
 use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
 use toml::Spanned;
@@ -36,10 +46,16 @@ struct SettingsFile {
     delete: Spanned<Vec<u8>>,
     peck_return: Option<f64>,
     peck_clearance: Option<f64>,
+    start_up: Option<StartUpType>,
+    compensation_blocks: Option<Spanned<u8>>,
     #[serde(default)]
     work: BTreeMap<Spanned<String>, Axes>,
     #[serde(default)]
     length: BTreeMap<Spanned<String>, f64>,
+    #[serde(default)]
+    radius: BTreeMap<Spanned<String>, f64>,
+    #[serde(default)]
+    radius_wear: BTreeMap<Spanned<String>, f64>,
     #[serde(default)]
     reference: BTreeMap<Spanned<String>, Axes>,
 }
@@ -53,6 +69,13 @@ fn no_switches() -> Spanned<Vec<u8>> {
 enum Unit {
     Inch,
     Mm,
+}
+
+/// Start-up of cutter compensation, by its letter in the manuals.
+#[derive(Clone, Copy, Debug, Deserialize)]
+enum StartUpType {
+    A,
+    B,
 }
 
 /// Meaning of numbers without a decimal point.
@@ -129,11 +152,14 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tabl
         let wrong = || (name.span().start, "no such coordinate system: EXT, G54 to G59, G54.1P1 to G54.1P48".into());
         *system(&mut tables, name.as_ref()).ok_or_else(wrong)? = pose(axes);
     }
+    settings.compensation = compensation(&file, settings.compensation)?;
     for (name, value) in &file.length {
-        let slot = name.as_ref().parse().ok().filter(|number| (1..=OFFSETS).contains(number));
-        let wrong = || (name.span().start, format!("no such offset number: they are 1 to {OFFSETS}"));
-        let slot: usize = slot.ok_or_else(wrong)?;
-        tables.lengths[slot - 1] = [length(*value), Nm(0)];
+        tables.lengths[offset_index(name)?][0] = length(*value);
+    }
+    for (place, values) in [&file.radius, &file.radius_wear].into_iter().enumerate() {
+        for (name, value) in values {
+            tables.radii[offset_index(name)?][place] = length(*value);
+        }
     }
     for (name, axes) in &file.reference {
         let slot: Option<usize> = name.as_ref().parse().ok().filter(|number| (1..=4).contains(number));
@@ -141,6 +167,28 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tabl
         settings.reference[slot.ok_or_else(wrong)? - 1] = pose(axes);
     }
     Ok((settings, tables))
+}
+
+fn compensation(file: &SettingsFile, preset: CompensationSettings) -> Result<CompensationSettings, (usize, String)> {
+    const BLOCKS: RangeInclusive<u8> = COMPENSATION_BLOCKS_MIN..=COMPENSATION_BLOCKS_MAX;
+    let start_up = match file.start_up {
+        Some(StartUpType::A) => StartUp::A,
+        Some(StartUpType::B) => StartUp::B,
+        None => preset.start_up,
+    };
+    let blocks = file.compensation_blocks.as_ref();
+    if let Some(wrong) = blocks.filter(|blocks| !BLOCKS.contains(blocks.as_ref())) {
+        let found = wrong.as_ref();
+        return Err((wrong.span().start, format!("{found} blocks: a control reads 3 to 8 of them together")));
+    }
+    Ok(CompensationSettings { start_up, blocks: blocks.map_or(preset.blocks, |blocks| *blocks.as_ref()) })
+}
+
+/// Index of an offset number.
+fn offset_index(name: &Spanned<String>) -> Result<usize, (usize, String)> {
+    let number = name.as_ref().parse().ok().filter(|number: &usize| (1..=OFFSETS).contains(number));
+    let wrong = || (name.span().start, format!("no such offset number: they are 1 to {OFFSETS}"));
+    Ok(number.ok_or_else(wrong)? - 1)
 }
 
 fn system<'a>(tables: &'a mut Tables, name: &str) -> Option<&'a mut Pose> {
@@ -160,14 +208,15 @@ mod tests {
 
     #[test]
     fn a_file_gives_offsets_lengths_and_conventions() {
-        let text = "unit = 'mm'\ndecimals = 'calculator'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
-                    'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[reference]\n2 = { Z = 5.0 }\n";
+        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ndecimals = 'calculator'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
+                    'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[radius]\n7 = 5.0\n[radius_wear]\n7 = -0.02\n[reference]\n2 = { Z = 5.0 }\n";
         let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
         assert_eq!((settings.unit, settings.decimals), (LengthUnit::Mm, Decimals::Calculator));
         assert_eq!(settings.delete_switches, 0b1010);
         assert_eq!(tables.systems[0].linear[0], Nm::from_mm(-300.0));
         assert_eq!(tables.systems[53].rotary[1], MicroDeg(90_000_000));
-        assert_eq!(tables.length(1), Nm::from_mm(120.5));
+        assert_eq!((tables.length(1), tables.radius(7)), (Nm::from_mm(120.5), Nm::from_mm(4.98)));
+        assert_eq!(settings.compensation, CompensationSettings { start_up: StartUp::B, blocks: 5 });
         assert_eq!(settings.reference[1].linear[2], Nm::from_mm(5.0));
     }
 
@@ -177,6 +226,10 @@ mod tests {
             ("[work]\nG60 = { X = 1.0 }", "G60"),
             ("[work]\n'G54.1P49' = { X = 1.0 }", "P49"),
             ("[length]\n401 = 1.0", "401"),
+            ("[radius]\n0 = 1.0", "0"),
+            ("[radius_wear]\nD1 = 1.0", "D1"),
+            ("compensation_blocks = 9", "9"),
+            ("start_up = 'C'", "C"),
             ("delete = [0]", "0"),
             ("[reference]\n5 = { X = 1.0 }", "5"),
             ("colour = 1", "colour"),

@@ -8,6 +8,8 @@ mod move_trace;
 
 mod lines;
 
+mod contour_check;
+
 mod summary;
 
 mod expansion;
@@ -247,7 +249,7 @@ impl Diagnostic {
         diagnostic.severity = Severity::Warning;
         diagnostic.message = match why {
             FeedKept::Under(under) => {
-                format!("a cut rule speaks of {under}, but no law can look at it by itself: it keeps its own feed")
+                format!("a cut rule matches {under}, but no law describes it: it keeps its programmed feed")
             }
             FeedKept::Because(why) => format!("a cut rule matches this move, but it keeps its programmed feed: {why}"),
         };

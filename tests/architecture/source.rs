@@ -47,10 +47,11 @@ pub fn read(path: &str) -> String {
 }
 
 /// Folders of sources of the crates that run on the chip too.
-pub const CHIP: [&str; 8] = [
+pub const CHIP: [&str; 9] = [
     "shared/units/src",
     "shared/nc/src",
     "shared/nc-macro/src",
+    "shared/compensation/src",
     "shared/kinematics/src",
     "shared/model/src",
     "shared/link/src",

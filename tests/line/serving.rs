@@ -83,6 +83,28 @@ fn the_switches_are_flags() {
 }
 
 #[test]
+fn a_contour_is_offset_by_the_radius_of_the_settings_and_stops_where_the_tool_does_not_fit() {
+    let run = |radius: &str, moves: &str| {
+        let scratch = Scratch::new(&format!("contour-{radius}-{}", moves.len()));
+        let settings = scratch.write("machine.toml", format!("unit = 'mm'\n[radius]\n1 = {radius}\n"));
+        let (server, mut line) = serve(&scratch, &["--settings", &settings]);
+        send(&mut line, format!("%\nG0X-10.Y0\n{moves}M30\n%\n").as_bytes());
+        (server.end(), executed(&scratch).len())
+    };
+    let contour = "G41D1G1X0F6000\nX20.\nG3X25.Y5.J5.\nG1Y20.\nG40X0\n";
+    let by_hand = "G1X0Y4.F6000\nX20.\nG3X21.Y5.J1.\nG1Y20.\nX0\n";
+    let times = [contour, by_hand].map(|moves| {
+        let (ended, blocks) = run("4.0", moves);
+        assert_eq!((ended.code, blocks), (Some(0), 7), "{}", ended.err);
+        report(&ended)["cycle_time_s"].clone()
+    });
+    assert_eq!(times[0], times[1]);
+    let (ended, blocks) = run("6.0", contour);
+    assert_alarm(&ended, 41);
+    assert_eq!((blocks, &report(&ended)["alarms"][0]["line"]), (3, &5.into()), "{}", report(&ended));
+}
+
+#[test]
 fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_say() {
     let scratch = Scratch::new("restart");
     let settings = scratch.write("machine.toml", "unit = 'mm'\n[work]\nG54 = { X = 100.0 }\n[length]\n1 = 50.0\n");

@@ -148,7 +148,7 @@ fn mill_move(path: Path, end_mm: [f64; 2], work: Work, law: LawKind) -> (Segment
 /// Measured thickest chip at a place on a move, mm.
 fn measured(of: &(Segment, CutRule, ToolSetup), at_mm: Vector2<f64>, delta_mm: Vector2<f64>) -> f64 {
     let (segment, rule, setup) = of;
-    let governing = GoverningRule { index: 0, rule, setup, along: None };
+    let governing = GoverningRule { index: 0, rule, setup, along: None, target: None };
     MeasuredMove::new(segment, &governing).expect("it is measured").ratio(&at_mm, &delta_mm).expect("it cuts")
 }
 

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::time::Duration;
 
-use arcfeed::program::{Program, Severity};
+use arcfeed::program::{Expansion, Program, RunBounds, Severity};
 use arcfeed_nc::alarm::Alarm;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
@@ -41,7 +42,9 @@ fn read(name: &str) -> Program {
     let path = format!("{CORPUS}/{name}.nc");
     let mut settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Strict);
     settings.scope = Scope::Everything;
-    Program::parse_with(Path::new(&path), text(&path).as_bytes(), settings, Tables::default())
+    let bounds = RunBounds { blocks: 1_000, time: Duration::from_secs(60) };
+    let expansion = Expansion { settings, tables: Tables::default(), library: None, keeps_moves: false, bounds };
+    Program::run(Path::new(&path), text(&path).as_bytes(), expansion)
 }
 
 #[test]

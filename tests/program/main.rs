@@ -6,6 +6,8 @@ mod arcs;
 
 mod cli_check;
 
+mod compensation;
+
 mod cycles;
 
 mod fuzz;
@@ -23,3 +25,5 @@ mod nc_text;
 mod planes;
 
 mod tutorials;
+
+mod without_job;

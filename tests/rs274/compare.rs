@@ -1,4 +1,5 @@
-//! Holds our reading of programs against LinuxCNC's `rs274`: `compare-rs274 RS274 FOLDER_OR_FILE`.
+//! Holds our reading of programs against LinuxCNC's `rs274`: `compare-rs274 RS274 FOLDER_OR_FILE`. With `contours COUNT
+//! FOLDER` it writes contours with cutter compensation, and what rs274 makes of them, as a case.
 //!
 //! Both read the same text: capitals, without comments and blanks. Moves of no length are left out on both sides, lengths
 //! compared in mm on the path (what rs274 prints is relative to the offsets it announces, which are added), to four
@@ -7,13 +8,20 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use arcfeed_nc::settings::StartUp;
 use arcfeed_nc::text::Lines;
+use arcfeed_units::MM_PER_INCH;
 
+use contours::ContourProgram;
 use moves::{Move, moving, off_mm, ours};
+
+mod compensated;
+
+mod contours;
 
 mod moves;
 
-/// Tools in rs274's table, without length and radius.
+/// Tools in rs274's table, without length.
 const TOOLS: u32 = 99;
 
 fn main() {
@@ -21,8 +29,12 @@ fn main() {
     let (rs274, target) = match arguments.as_slice() {
         [rs274, target] => (rs274, target),
         [rs274, program, moves] if moves == "moves" => return print_moves(rs274, program),
+        [rs274, what, count, folder] if what == "contours" => {
+            return write_contours(rs274, count.parse().expect("a count"), Path::new(folder));
+        }
         _ => {
-            eprintln!("compare-rs274 RS274 FOLDER_OR_FILE, or compare-rs274 RS274 PROGRAM moves");
+            eprintln!("compare-rs274 RS274 FOLDER_OR_FILE, compare-rs274 RS274 PROGRAM moves, or");
+            eprintln!("compare-rs274 RS274 contours COUNT FOLDER");
             std::process::exit(2);
         }
     };
@@ -30,7 +42,7 @@ fn main() {
     let mut totals = [0_usize; 4];
     for file in programs(target) {
         let text = normalised(&std::fs::read(&file).expect("a program"));
-        let (theirs, ours) = (theirs(rs274, &text), ours(&text));
+        let (theirs, ours) = (theirs(rs274, &text, 0.0), ours(&text));
         let name = file.strip_prefix(target).ok().filter(|name| !name.as_os_str().is_empty()).unwrap_or(&file);
         let (class, verdict) = verdict(&theirs, &ours);
         totals[class] += 1;
@@ -43,9 +55,46 @@ fn main() {
 /// Prints rs274's moves of one program, one per line: kind, end, centre.
 fn print_moves(rs274: &str, program: &str) {
     let text = normalised(&std::fs::read(program).expect("a program"));
-    for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in moving(&theirs(rs274, &text).expect("it is accepted")) {
+    for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in
+        moving(&theirs(rs274, &text, 0.0).expect("it is accepted"))
+    {
         println!("{kind} {x:.4} {y:.4} {z:.4} {u:.4} {v:.4}");
     }
+}
+
+/// Writes `count` contours that both accept, and rs274's moves; prints how many one of them refuses.
+fn write_contours(rs274: &str, count: usize, folder: &Path) {
+    let (mut programs, mut expected, mut written) = (String::new(), String::new(), 0);
+    let mut refused = [0_usize; 3];
+    for seed in 0..4 * count as u64 {
+        if written == count {
+            break;
+        }
+        let contour = ContourProgram::of_seed(seed);
+        let text = format!("G21G17G90G94\n{}", contour.text);
+        let with_tool = format!("{text}M2\n").replacen("G40G0", &format!("T{}M6\nG40G0", contour.d), 1);
+        let theirs = theirs(rs274, with_tool.as_bytes(), contour.radius_mm());
+        let ours = compensated::compensated(&text, StartUp::A);
+        let (Ok(theirs), Ok(_)) = (&theirs, &ours) else {
+            refused[usize::from(theirs.is_err()) + 2 * usize::from(ours.is_err()) - 1] += 1;
+            match (&theirs, &ours) {
+                (Err(reason), Ok(_)) => println!("seed {seed}: rs274 alone refuses: {reason}"),
+                (Ok(_), Err(found)) => println!("seed {seed}: arcfeed alone refuses: {found:?}\n{with_tool}"),
+                _ => {}
+            }
+            continue;
+        };
+        programs += &format!("(SEED {seed})\n{text}");
+        expected += &format!("(SEED {seed})\n");
+        for Move { kind, end_mm: [x, y, z], center_mm: [u, v] } in theirs {
+            expected += &format!("{kind} {x:.4} {y:.4} {z:.4} {u:.4} {v:.4}\n");
+        }
+        written += 1;
+    }
+    std::fs::write(folder.join("program.nc"), programs).expect("the folder can be written");
+    std::fs::write(folder.join("expected.txt"), expected).expect("the folder can be written");
+    let [by_rs274, by_arcfeed, by_both] = refused;
+    println!("{written} contours; refused by rs274 alone {by_rs274}, by arcfeed alone {by_arcfeed}, by both {by_both}");
 }
 
 fn programs(target: &Path) -> Vec<PathBuf> {
@@ -85,12 +134,13 @@ fn normalised(bytes: &[u8]) -> Vec<u8> {
     text
 }
 
-/// Moves of a program as rs274 reads it.
-fn theirs(rs274: &str, text: &[u8]) -> Result<Vec<Move>, String> {
+/// Moves of a program as rs274 reads it, with tools of this radius.
+fn theirs(rs274: &str, text: &[u8], radius_mm: f64) -> Result<Vec<Move>, String> {
     let folder = std::env::temp_dir().join(format!("rs274-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     std::fs::write(folder.join("p.ngc"), text).expect("a program");
-    let tools: String = (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D0\n")).collect();
+    let tools: String =
+        (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D{}\n", 2.0 * radius_mm / MM_PER_INCH)).collect();
     std::fs::write(folder.join("t.tbl"), tools).expect("a table");
     std::fs::write(folder.join("v.var"), "").expect("variables");
     let arguments = ["20", rs274, "-t", "t.tbl", "-v", "v.var", "-g", "p.ngc"];

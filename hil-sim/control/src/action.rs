@@ -1,5 +1,6 @@
 //! Blocks ready for execution: their actions and the context of their moves.
 
+use arcfeed_compensation::contour::ContourCommand;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::{Pose, ProgramStop};
@@ -20,6 +21,8 @@ pub struct ReadBlock {
     pub action: Action,
     /// Context of the block's moves.
     pub context: MoveContext,
+    /// Cutter compensation commanded by the block.
+    pub contour: ContourCommand,
 }
 
 /// Action of a block.
@@ -31,6 +34,8 @@ pub enum Action {
     Auxiliary,
     /// A move in machine coordinates, and the stop after it.
     Move(Segment, Option<ProgramStop>),
+    /// A move around a corner of a contour (G41, G42), in machine coordinates. It belongs to the block behind it.
+    Corner(Segment),
     /// Several moves in program coordinates (see `plain.rs`), and the stop after them.
     Series(Box<Series>, Option<ProgramStop>),
     /// G4.
@@ -53,7 +58,7 @@ impl Action {
 impl ReadBlock {
     /// A block with the default context.
     pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
-        ReadBlock { line, text, action, context: MoveContext::default() }
+        ReadBlock { line, text, action, context: MoveContext::default(), contour: ContourCommand::default() }
     }
 
     /// Whether a control in single block waits after this block. It does not after a block that is only a comment,
@@ -62,7 +67,7 @@ impl ReadBlock {
         let code = self.text.split(|&byte| byte == b'(').next().unwrap_or_default();
         match self.action {
             Action::Nothing => !code.trim_ascii().is_empty() && !is_statement(&self.text),
-            Action::Ignore(_) => false,
+            Action::Ignore(_) | Action::Corner(_) => false,
             _ => true,
         }
     }
@@ -94,6 +99,6 @@ pub enum ProgrammedPath {
     Axes,
     /// Path of the tool tip on the part: G43.4.
     Tip,
-    /// Contour of the part: G41, G42.
+    /// Contour of the part under G41 or G42 with a D of no radius: the control does not know the tool.
     Contour,
 }

@@ -7,6 +7,7 @@
 
 use std::collections::VecDeque;
 
+use arcfeed_compensation::contour::ContourCommand;
 use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::modal::{Pose, ProgramStop};
 use arcfeed_nc::settings::Tables;
@@ -231,10 +232,11 @@ impl Executive {
     }
 
     fn read(&mut self, block: PlainBlock) -> ReadBlock {
-        let (action, context) = match self.reader.read(&block.text) {
-            Ok(Plain { action, context }) => (action, context),
-            Err(fault) => (Action::Fault(block.in_source(fault)), MoveContext::default()),
-        };
+        let Plain { action, context, contour } = self.reader.read(&block.text).unwrap_or_else(|fault| Plain {
+            action: Action::Fault(block.in_source(fault)),
+            context: MoveContext::default(),
+            contour: ContourCommand::default(),
+        });
         if self.reader.has_set_data() {
             self.interpreter.set_tables(self.reader.reader().tables());
         }
@@ -243,7 +245,7 @@ impl Executive {
         let fed = if is_of_main { self.fed.take() } else { None };
         // A block such as G67 has no words left.
         let text = fed.filter(|_| block.text.is_empty()).unwrap_or(block.text);
-        ReadBlock { line: self.line, text, action, context }
+        ReadBlock { line: self.line, text, action, context, contour }
     }
 
     fn wait_with(&mut self, message: &[u8]) -> ReadBlock {

@@ -87,7 +87,7 @@ impl Interpolator {
     /// Adds a block at the end of the queue.
     pub fn queue(&mut self, block: ReadBlock) {
         let prepared = match &block.action {
-            Action::Move(segment, _) => {
+            Action::Move(segment, _) | Action::Corner(segment) => {
                 Some(self.prepare_move(*segment)).filter(|prepared| prepared.travel.length_mm > 0.0)
             }
             _ => None,

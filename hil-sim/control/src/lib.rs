@@ -40,6 +40,8 @@ pub mod search;
 
 pub mod executive;
 
+mod contour_queue;
+
 mod junction;
 
 mod prepared_move;
@@ -79,6 +81,7 @@ use crate::drives::limits::AXES;
 
 use action::{Action, MoveContext, ReadBlock};
 use canned_cycle_run::CannedCycleRun;
+use contour_queue::ContourQueue;
 use dnc_port::DncPort;
 use drive_state::DriveState;
 use executive::Executive;
@@ -115,6 +118,8 @@ pub struct Control {
     /// Unused time for reading ahead.
     reading_time: Micros,
     reads_no_further: bool,
+    /// Blocks that wait for the corners of a contour.
+    contour_queue: ContourQueue,
     search: Option<Search>,
     restart_list: Option<RestartList>,
     /// Block with several moves, in execution.
@@ -179,6 +184,7 @@ impl Control {
             executive: None,
             reading_time: read_before_start(&settings),
             reads_no_further: false,
+            contour_queue: ContourQueue::new(&settings),
             search: None,
             restart_list: None,
             cycle_run: None,
@@ -367,6 +373,9 @@ impl Control {
             self.stop_with(AlarmRecord { line: block.line, fault });
             return false;
         }
+        if matches!(block.action, Action::Corner(_)) {
+            return true;
+        }
         self.blocks_begun += 1;
         self.halts_after = block.stops_single_block();
         let sequence = reader::sequence_of(&block.text).map(i64::from);
@@ -388,20 +397,9 @@ impl Control {
             Action::Dwell(span) => self.dwell_left = span,
             Action::Stop(stop) => self.apply_stop(stop, now),
             Action::Ignore(ignored) => self.ignored = ignored,
-            Action::Nothing | Action::Auxiliary | Action::Fault(_) => {}
+            Action::Nothing | Action::Auxiliary | Action::Corner(_) | Action::Fault(_) => {}
         }
         false
-    }
-
-    fn apply_stop(&mut self, stop: ProgramStop, now: Micros) {
-        self.reads_no_further = false;
-        self.drive_state.end(stop);
-        match stop {
-            ProgramStop::Optional if !self.switches.optional_stop => {}
-            ProgramStop::Program | ProgramStop::Optional => self.phase = Phase::Stopped { since: now },
-            ProgramStop::End => self.ended = true,
-        }
-        self.halts_after &= self.phase == Phase::Running;
     }
 }
 

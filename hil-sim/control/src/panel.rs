@@ -111,6 +111,18 @@ impl Control {
         &mut self.switches
     }
 
+    /// Applies M0, M1, M2 or M30.
+    pub(super) fn apply_stop(&mut self, stop: ProgramStop, now: Micros) {
+        self.reads_no_further = false;
+        self.drive_state.end(stop);
+        match stop {
+            ProgramStop::Optional if !self.switches.optional_stop => {}
+            ProgramStop::Program | ProgramStop::Optional => self.phase = Phase::Stopped { since: now },
+            ProgramStop::End => self.ended = true,
+        }
+        self.halts_after &= self.phase == Phase::Running;
+    }
+
     /// Handles the simulated operator's cycle start and the end of a reset.
     pub(super) fn operate(&mut self, now: Micros) {
         match self.phase {
@@ -122,6 +134,7 @@ impl Control {
             }
             Phase::Resetting if self.interpolator.is_at_rest() => {
                 self.interpolator.clear();
+                self.contour_queue.clear();
                 self.dwell_left = Micros(0);
                 self.after_move = None;
                 self.cycle_run = None;

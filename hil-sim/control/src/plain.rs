@@ -2,9 +2,10 @@
 //!
 //! The interpreter gives the path of the tool tip; the axes are in machine coordinates, with the tool length added to
 //! Z. Each move begins where the axes are: a length offset that begins without a move of Z moves nothing, and the next
-//! move makes up for it. Under G41 and G42 the model executes the contour as written, under G43.4 the path of the tool
-//! tip.
+//! move makes up for it. Moves under G41 and G42 are the contour here; `contour_queue.rs` offsets them. Under G43.4 the
+//! model executes the path of the tool tip.
 
+use arcfeed_compensation::contour::ContourCommand;
 use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Modal, Plane, Pose};
@@ -23,6 +24,8 @@ pub struct Plain {
     pub action: Action,
     /// Context of its moves.
     pub context: MoveContext,
+    /// Cutter compensation commanded by it.
+    pub contour: ContourCommand,
 }
 
 /// Reads blocks one after the other.
@@ -92,10 +95,13 @@ impl PlainReader {
             list.begin_block(self.reader.modal());
         }
         self.sets_data = false;
+        let continues = self.reader.modal().is_in_contour();
         let understood = self.reader.read(text)?;
         self.sets_data = understood.step.sets_data;
         self.note(&understood.parsed.block);
-        let context = self.context(&understood);
+        let contour =
+            ContourCommand { continues, ..ContourCommand::of(&understood, self.reader.modal(), self.reader.tables()) };
+        let context = self.context(&understood, &contour);
         let mut action = action(&understood);
         if let Action::Move(segment, _) = &mut action {
             *segment = self.in_machine(segment, context.tool)?;
@@ -104,7 +110,7 @@ impl PlainReader {
         if let Action::Series(..) = &action {
             self.end = self.reader.machine();
         }
-        Ok(Plain { action, context })
+        Ok(Plain { action, context, contour })
     }
 
     fn note(&mut self, block: &Block) {
@@ -120,15 +126,15 @@ impl PlainReader {
         }
     }
 
-    fn context(&self, understood: &InterpretedLine) -> MoveContext {
+    fn context(&self, understood: &InterpretedLine, contour: &ContourCommand) -> MoveContext {
         let (modal, tables) = (self.reader.modal(), self.reader.tables());
         let tool = modal.tool_length(tables);
         let origin = modal.work_origin(tables).plus(along_z(tool));
         let is_special = !understood.step.is_plain() || self.taps;
         let programmed_path = match modal.compensation {
-            Some(_) => ProgrammedPath::Contour,
-            None if modal.follows_tool_center => ProgrammedPath::Tip,
-            None => ProgrammedPath::Axes,
+            Some(_) if contour.offset == Nm(0) => ProgrammedPath::Contour,
+            _ if modal.follows_tool_center => ProgrammedPath::Tip,
+            _ => ProgrammedPath::Axes,
         };
         MoveContext { origin, tool, is_special, is_tapping: self.taps, programmed_path, machining: modal.machining() }
     }

@@ -154,7 +154,7 @@ impl ActiveMove {
 impl QueuedBlock {
     /// Whether the axes move through this block without a stop.
     pub fn flows(&self) -> bool {
-        matches!(self.block.action, Action::Move(_, None) | Action::Nothing | Action::Ignore(_))
+        matches!(self.block.action, Action::Move(_, None) | Action::Corner(_) | Action::Nothing | Action::Ignore(_))
     }
 }
 

@@ -4,7 +4,7 @@ use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc_macro::print::Output;
 use arcfeed_units::{Micros, US_PER_MS};
 
-use super::action::ReadBlock;
+use super::action::{Action, ReadBlock};
 use super::executive::{Executive, NextBlock};
 use super::panel::Phase;
 use super::reader::{OpenedBlock, sequence_of};
@@ -27,12 +27,20 @@ impl Control {
             self.reading_time = self.reading_time.since(cost);
             for block in blocks {
                 self.reads_no_further = block.action.stops_reading();
-                self.interpolator.queue(block);
+                let ready = self.contour_queue.pass(block);
+                self.queue_all(ready);
             }
         }
         // An idle reader has saved the time of one block, not more, when the next step begins.
         if self.has_moved && self.reading_time >= cost {
             self.reading_time = cost.since(dt);
+        }
+    }
+
+    fn queue_all(&mut self, blocks: Vec<ReadBlock>) {
+        for block in blocks {
+            self.reads_no_further |= matches!(block.action, Action::Fault(_));
+            self.interpolator.queue(block);
         }
     }
 
@@ -56,6 +64,11 @@ impl Control {
     /// Raises an alarm if the program ends without M30; counts the time without a block to execute.
     pub(super) fn check_end(&mut self, dt: Micros) {
         if !self.is_starved() {
+            return;
+        }
+        let rest = if self.has_nothing_to_read() { self.contour_queue.end() } else { Vec::new() };
+        if !rest.is_empty() {
+            self.queue_all(rest);
             return;
         }
         if self.has_nothing_to_read() {

@@ -124,7 +124,7 @@ impl BlockReader {
         // Bit n - 1 of the panel is bit n of the reader.
         self.reader.reader().set_delete_switches(switches.block_delete << 1);
         match self.reader.read(&text) {
-            Ok(Plain { action, context }) => ReadBlock { line: self.line, text, action, context },
+            Ok(Plain { action, context, contour }) => ReadBlock { line: self.line, text, action, context, contour },
             Err(fault) => ReadBlock::new(self.line, text, Action::Fault(fault)),
         }
     }

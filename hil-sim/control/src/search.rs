@@ -8,7 +8,7 @@
 //! Source: the steps of program restart in Fanuc's operator's manuals; the order of the axes is parameter 7310 there,
 //! X, Y, Z here.
 
-use arcfeed_nc::alarm::{Alarm, Fault};
+use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::modal::{Feed, Pose, ProgramStop};
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{MmPerMin, Nm};
@@ -87,6 +87,10 @@ impl Approach {
     /// Result of a restart at block N `wanted` for this block; the block before it ends at `start`.
     pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> SearchResult {
         if sequence_of(&block.text) == Some(wanted) {
+            if block.contour.continues && block.contour.offset != Nm(0) {
+                let fault = Fault::not_modelled(NotModelled::RestartInContour, 0);
+                return SearchResult::Never(Box::new(ReadBlock::new(block.line, block.text, Action::Fault(fault))));
+            }
             let mut blocks = self.blocks(start, block.line);
             blocks.push(block);
             return SearchResult::Here(blocks);

@@ -41,7 +41,7 @@ mod end_override;
 
 use arcfeed_model::job::{FeedPolicy, Job};
 
-use crate::program::{Diagnostic, Program, ProgramLine};
+use crate::program::{Program, ProgramLine};
 pub use line_plan::LinePlan;
 pub use planned_block::PlannedBlock;
 pub use reason::PlanReason;
@@ -86,12 +86,6 @@ pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
 }
 
 impl Adapted {
-    /// Moves that a cut rule speaks of and that keep their own feed all the same, as warnings of their program.
-    pub fn left_alone(&self, program: &Program) -> Vec<Diagnostic> {
-        let warning = |block: &PlannedBlock| block.left_alone(program.lines.get(block.line - 1)?);
-        self.blocks.iter().filter_map(warning).collect()
-    }
-
     fn add(&mut self, line: &ProgramLine, planned: PlannedLine) {
         self.blocks.extend(planned.block);
         self.text.extend(planned.text);

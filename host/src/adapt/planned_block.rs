@@ -2,13 +2,14 @@
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
+use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind};
 use arcfeed_model::machine::LimitedBy;
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::modal::Feed;
 use arcfeed_nc::segment::{Path, Segment};
-use arcfeed_units::{LengthUnit, Nm, PERCENT, RevPerMin};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin, S_PER_MIN};
 
 use super::asked_cells::AskedCells;
 use super::limit::MoveLimit;
@@ -90,9 +91,30 @@ impl PlannedBlock {
         }
     }
 
+    /// Target feed per tooth of its move, for a tool whose target is the programmed feed.
+    pub fn target(&self, job: &Job) -> Option<MmPerTooth> {
+        let setup = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule))?;
+        setup.target_of(self.programmed()?, self.spindle?).filter(|_| setup.follows_program)
+    }
+
     /// The fastest feed on it; infinite where nothing limits it.
     pub fn limit_mm_per_min(&self) -> f64 {
         self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
+    }
+
+    /// Whether the contour law slows down an arc that is shorter than the axes' way to brake to that feed. The chip is
+    /// never thicker than the centre's feed per tooth, and the feed per tooth at the contour counts over several teeth.
+    pub fn is_too_short_to_slow_down(&self, job: &Job, accelerations_mm_per_s2: &[f64; 3]) -> bool {
+        let law = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule).law);
+        let (Some(LawKind::Contour { .. }), Some(arc), Some(sent), Some(programmed)) =
+            (law, self.segment.arc(), self.sent, self.programmed())
+        else {
+            return false;
+        };
+        let (first, second, _) = arc.plane.axes();
+        let acceleration_mm_per_s2 = accelerations_mm_per_s2[first].min(accelerations_mm_per_s2[second]);
+        let [from, to] = [programmed, sent].map(|feed| feed.to_mm() / S_PER_MIN);
+        sent < programmed && self.segment.length_mm() < (from * from - to * to) / (2.0 * acceleration_mm_per_s2)
     }
 
     /// A warning of its line, where a cut rule speaks of it and it keeps its own feed all the same.
@@ -116,12 +138,22 @@ impl PlannedBlock {
     }
 }
 
+/// Raise of a target that is the programmed F: the law counts in f32, and a factor of one must not round F down.
+const F32_MARGIN: f64 = 3e-7;
+
 /// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
 /// cells where the move may be cut into pieces.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let rule = job.rules.get(block.rule?)?;
-    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tool_of(rule).tool.active_teeth());
-    let law = SegmentLaw::with_engagement(&block.segment, Some(rule), block.along.as_ref(), job);
+    let setup = job.tool_of(rule);
+    let teeth_per_min = f64::from(spindle.0) * f64::from(setup.tool.active_teeth());
+    let law = if setup.follows_program {
+        let programmed = block.programmed().map_or(0.0, Nm::to_mm) * (1.0 + F32_MARGIN);
+        let rule = CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.clone() };
+        SegmentLaw::with_engagement(&block.segment, Some(&rule), block.along.as_ref(), job)
+    } else {
+        SegmentLaw::with_engagement(&block.segment, Some(rule), block.along.as_ref(), job)
+    };
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
     let places = MovePlaces::of(&block.segment);
@@ -135,6 +167,7 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     (block.demand, block.spindle, block.teeth_per_min) = (Some(demand), Some(spindle), Some(teeth_per_min));
     block.limit = MoveLimit::under(block.limit, job.ceiling.feed_mm_per_min(block.programmed()));
     let limit_mm_per_min = block.limit_mm_per_min();
+    let is_limited = demand.feed_max_mm_per_min > limit_mm_per_min * (1.0 + 2.0 * F32_MARGIN);
     if job.policy != FeedPolicy::OverrideOnly {
         block.sent = Some(rewrite::round_down(demand.safe_mm_per_min.min(limit_mm_per_min), unit));
     }
@@ -144,9 +177,9 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     block.reason = match block.limit.map(|limit| limit.by) {
         _ if demand.feed_min_mm_per_min < floor => PlanReason::Floor,
         _ if demand.feed_max_mm_per_min > ceiling && ceiling < limit_mm_per_min => PlanReason::Ceiling,
-        Some(LimitedBy::ArcClamp) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::ArcClamp,
-        Some(LimitedBy::Axis) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::Axis,
-        Some(LimitedBy::Ceiling) if demand.feed_max_mm_per_min > limit_mm_per_min => PlanReason::FeedCeiling,
+        Some(LimitedBy::ArcClamp) if is_limited => PlanReason::ArcClamp,
+        Some(LimitedBy::Axis) if is_limited => PlanReason::Axis,
+        Some(LimitedBy::Ceiling) if is_limited => PlanReason::FeedCeiling,
         _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };

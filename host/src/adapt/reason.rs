@@ -29,6 +29,8 @@ pub enum PlanReason {
     FeedLeak,
     /// A cut rule matches it, but a rotary axis turns with it.
     Rotary,
+    /// A cut rule matches it, but it is shorter than the way to brake to the feed that the law demands.
+    Short,
     /// A cut rule matches it, but no block before it has stated where the tool is.
     StartUnknown,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
@@ -60,6 +62,7 @@ impl PlanReason {
             PlanReason::BlockDelete => "block-delete",
             PlanReason::FeedLeak => "feed-leak",
             PlanReason::Rotary => "rotary",
+            PlanReason::Short => "short",
             PlanReason::StartUnknown => "start-unknown",
             PlanReason::NoDemand => "no-demand",
             PlanReason::NoRule => "no-rule",

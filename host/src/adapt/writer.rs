@@ -24,6 +24,9 @@ use crate::engagement::{EngagementMap, Lookup};
 use crate::job::JobFile;
 use crate::program::ProgramLine;
 
+/// Acceleration of a fast machining centre, for jobs without the drives of their machine.
+const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
+
 /// Governed blocks that may keep their feed because it would leak, one by one.
 const LEAKS_MAX: usize = 64;
 
@@ -34,12 +37,20 @@ pub struct Known<'a> {
     pub machine: Option<&'a Machine>,
     /// Engaged arcs of the tool's circles, for rules that expect engagement per move.
     pub map: Option<&'a EngagementMap>,
+    /// Accelerations of X, Y and Z.
+    pub accelerations_mm_per_s2: Option<[f64; 3]>,
 }
 
 impl<'a> Known<'a> {
     /// All that a job's files tell.
     pub fn of(file: &'a JobFile) -> Self {
-        Known { machine: file.machine.as_ref().map(|named| &named.machine), map: file.map.as_ref() }
+        let drives = file.machine.as_ref().and_then(|named| named.drives.as_ref());
+        Known {
+            machine: file.machine.as_ref().map(|named| &named.machine),
+            map: file.map.as_ref(),
+            accelerations_mm_per_s2: drives
+                .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
+        }
     }
 }
 
@@ -79,6 +90,7 @@ pub struct PlannedLine {
 pub(super) struct Writer<'a> {
     job: &'a Job,
     machine: Option<&'a Machine>,
+    accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
     /// Lines so far.
     count: usize,
@@ -100,6 +112,7 @@ impl<'a> Writer<'a> {
         Writer {
             job,
             machine: known.machine,
+            accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
             count: 0,
             feeds: FeedRewriter::default(),
@@ -160,6 +173,10 @@ impl<'a> Writer<'a> {
             Ok((index, spindle)) => {
                 block.rule = Some(index);
                 let profile = govern(&mut block, self.job, spindle, self.modes.unit);
+                if block.is_too_short_to_slow_down(self.job, &self.accelerations_mm_per_s2) {
+                    let (rule, reason) = (block.rule, PlanReason::Short);
+                    return (PlannedBlock { rule, reason, ..PlannedBlock::new(number, segment) }, None);
+                }
                 return (block, profile);
             }
         };

@@ -9,12 +9,11 @@ use arcfeed_nc::modal::Turn;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::job_input::{UnknownMoves, load_text};
+use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
-use crate::console::note;
 use crate::program::ProgramLine;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
@@ -23,8 +22,8 @@ use crate::program::ProgramLine;
 /// are sent in pieces, each with an F of its own, and shown with the error that this leaves in the chip.
 #[derive(Debug, clap::Args)]
 pub struct Adapt {
-    /// The job file
-    job: PathBuf,
+    #[command(flatten)]
+    input: JobInput,
     /// Write the adapted program here
     #[arg(short, long, value_name = "OUT.nc")]
     output: Option<PathBuf>,
@@ -76,19 +75,17 @@ impl Adapt {
     /// # Errors
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, source, may_leak) = load_text(&self.job)?;
-        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.job))?;
+        let (file, source, may_leak) = self.input.load_text()?;
+        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
         let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
-        let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
+        let (mut table, mut unknown, mut kept, mut number) = (table, UnknownMoves::default(), KeptMoves::default(), 0);
         let mut text = Vec::with_capacity(if self.output.is_some() { source.bytes.len() } else { 0 });
         let done = plan.each(|line, planned| {
             number += 1;
             if let Some(block) = &planned.block {
                 unknown.add(block, &file);
-                if let Some(warning) = block.left_alone(line) {
-                    note(format_args!("{}:{warning}", source.path.display()));
-                }
+                kept.add(block, line);
                 if self.json {
                     let figures = BlockFigures::new(block, &file.job);
                     say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
@@ -109,6 +106,7 @@ impl Adapt {
                 "{path}: a governed feed would stay in force for other blocks: a defect of arcfeed; nothing is written"
             ))
         })?;
+        kept.warn(&source.path);
         unknown.warn(&source.path, &file);
         table.iter().for_each(Table::end);
         let Some(output) = &self.output else { return Ok(()) };

@@ -5,22 +5,29 @@ use std::path::{Path, PathBuf};
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
+use super::job_values::JobValues;
 use super::outcome::{Failure, file_failure, refuse_inputs, say};
 use crate::console::note;
+use crate::init::findings::Findings;
 use crate::init::groups::{Group, group};
-use crate::init::job_writer::{Findings, job};
-use crate::init::proposal::{LikelyTool, Proposal, propose};
-use crate::init::survey::{self, Survey};
+use crate::init::job_writer::job;
+use crate::init::proposal::{LikelyTool, ProposedTool, propose};
+use crate::init::survey;
 use crate::init::wording;
 use crate::job::questions::{self, Question};
 use crate::output;
 use crate::program::{Program, Severity};
+
+/// Most radii that are shown to a person.
+const GROUPS_SHOWN: usize = 20;
 
 /// Write a first job file from a program: likely values from its arcs, and open questions in place of missing values
 #[derive(Debug, clap::Args)]
 pub struct Init {
     /// The NC program
     program: PathBuf,
+    #[command(flatten)]
+    values: JobValues,
     /// Write the job here; without it, beside the program under its name with .toml
     #[arg(short, long, value_name = "JOB.toml")]
     output: Option<PathBuf>,
@@ -43,8 +50,7 @@ struct InitReport {
     arcs: usize,
     lines: usize,
     groups: Vec<GroupFigures>,
-    tool: ToolFigures,
-    rules: usize,
+    proposed: Vec<ToolFigures>,
     questions: Vec<QuestionFigures>,
 }
 
@@ -69,6 +75,10 @@ struct ToolFigures {
     kind: &'static str,
     outer_radius: Option<f64>,
     inner_radius: Option<f64>,
+    diameter: Option<f64>,
+    teeth: Option<u16>,
+    comment_line: Option<usize>,
+    rules: usize,
 }
 
 #[derive(Serialize)]
@@ -84,12 +94,14 @@ impl Init {
     /// # Errors
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (program, survey) = survey::load(&self.program).map_err(Failure::Input)?;
+        let answers = self.values.answers();
+        let (program, survey) = survey::load(&self.program, answers.units).map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
-        let proposal = propose(&groups);
+        let proposal = propose(&groups, &survey, &answers);
         let name = program_from(&output, &self.program);
-        let findings = Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal };
+        let findings =
+            Findings { program: &name, survey: &survey, groups: &groups, proposal: &proposal, answers: &answers };
         let text = job(&findings);
         self.write(&output, &text)?;
         let questions = questions::open(&text);
@@ -101,7 +113,7 @@ impl Init {
             ));
         }
         if self.json {
-            let report = report(&program, &output, (&survey, &groups, &proposal), (errors, &questions));
+            let report = report(&program, &output, &findings, (errors, &questions));
             say(format_args!("{}", serde_json::json!(report)));
         } else {
             print_text(&output, &findings, &questions);
@@ -134,35 +146,51 @@ fn program_from(job: &Path, program: &Path) -> String {
 
 fn print_text(output: &Path, findings: &Findings<'_>, questions: &[Question]) {
     let Findings { survey, groups, proposal, .. } = findings;
-    let unit = survey.unit.unwrap_or(LengthUnit::Inch);
-    for group in *groups {
+    let unit = findings.unit();
+    for group in groups.iter().take(GROUPS_SHOWN) {
         say(format_args!("{}", wording::group(group, unit)));
     }
-    let likely = match proposal.tool {
-        LikelyTool::CupMill { outer_mm, inner_mm } => {
-            let [outer, inner] = [outer_mm, inner_mm].map(|mm| wording::length(mm, unit));
-            format!("a cup mill, outer radius {outer}, inner radius {inner} {}", unit.label())
-        }
-        LikelyTool::EndMill => "an end mill".into(),
-    };
-    let (arcs, rules) = (survey.arcs.len(), proposal.cuts.len());
-    say(format_args!("{arcs} arcs; likely {likely}; {rules} cut rules. Open questions in {}:", output.display()));
+    if groups.len() > GROUPS_SHOWN {
+        say(format_args!("  and {} radii more", groups.len() - GROUPS_SHOWN));
+    }
+    for tool in &proposal.tools {
+        say(format_args!("{}", words(tool, findings)));
+    }
+    let arcs = survey.arcs.len();
+    if questions.is_empty() {
+        say(format_args!("{arcs} arcs; {} has no open question", output.display()));
+        return;
+    }
+    say(format_args!("{arcs} arcs. Open questions in {}:", output.display()));
     for Question { key, place: [line, column], .. } in questions {
         say(format_args!("  {}:{line}:{column}: {key}", output.display()));
     }
 }
 
+/// A tool for a person.
+fn words(tool: &ProposedTool, findings: &Findings<'_>) -> String {
+    let unit = findings.unit();
+    let number = tool.number.map_or("the tool".into(), |number| format!("T{number}"));
+    let kind = match tool.kind {
+        LikelyTool::CupMill { outer_mm, inner_mm } => {
+            let [outer, inner] = [outer_mm, inner_mm].map(|mm| wording::length(mm, unit));
+            format!("a cup mill, outer radius {outer}, inner radius {inner} {}", unit.label())
+        }
+        LikelyTool::EndMill => match findings.diameter_mm(tool) {
+            Some(mm) => format!("an end mill, diameter {} {}", wording::length(mm, unit), unit.label()),
+            None => "an end mill".into(),
+        },
+    };
+    format!("{number}: likely {kind}; {} cut rules", tool.cuts.len())
+}
+
 fn report(
     program: &Program,
     output: &Path,
-    (survey, groups, proposal): (&Survey, &[Group], &Proposal),
+    findings: &Findings<'_>,
     (errors, questions): (usize, &[Question]),
 ) -> InitReport {
-    let unit = survey.unit.unwrap_or(LengthUnit::Inch);
-    let radii = match proposal.tool {
-        LikelyTool::CupMill { outer_mm, inner_mm } => Some([outer_mm, inner_mm].map(|mm| mm / unit.mm())),
-        LikelyTool::EndMill => None,
-    };
+    let Findings { survey, groups, proposal, .. } = *findings;
     InitReport {
         program: program.path.display().to_string(),
         job: output.display().to_string(),
@@ -172,15 +200,29 @@ fn report(
         errors,
         arcs: survey.arcs.len(),
         lines: survey.lines,
-        groups: groups.iter().map(|group| GroupFigures::new(group, unit)).collect(),
-        tool: ToolFigures {
-            number: proposal.number,
+        groups: groups.iter().map(|group| GroupFigures::new(group, findings.unit())).collect(),
+        proposed: proposal.tools.iter().map(|tool| ToolFigures::new(tool, findings)).collect(),
+        questions: questions.iter().map(QuestionFigures::new).collect(),
+    }
+}
+
+impl ToolFigures {
+    fn new(tool: &ProposedTool, findings: &Findings<'_>) -> Self {
+        let in_unit = |mm: f64| mm / findings.unit().mm();
+        let radii = match tool.kind {
+            LikelyTool::CupMill { outer_mm, inner_mm } => Some([outer_mm, inner_mm].map(in_unit)),
+            LikelyTool::EndMill => None,
+        };
+        ToolFigures {
+            number: tool.number,
             kind: if radii.is_some() { "cup-mill" } else { "end-mill" },
             outer_radius: radii.map(|[outer, _]| outer),
             inner_radius: radii.map(|[_, inner]| inner),
-        },
-        rules: proposal.cuts.len(),
-        questions: questions.iter().map(QuestionFigures::new).collect(),
+            diameter: findings.diameter_mm(tool).map(in_unit),
+            teeth: findings.teeth(tool),
+            comment_line: tool.note.as_ref().map(|note| note.line),
+            rules: tool.cuts.len(),
+        }
     }
 }
 

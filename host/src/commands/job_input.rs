@@ -1,18 +1,23 @@
 //! Job with its program and the engagement map that its rules may name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use arcfeed_model::cut::CutRule;
+use arcfeed_nc::alarm::NotModelled;
 
-use super::outcome::{Failure, file_failure, load_source, load_unmapped};
-use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
+use super::job_values::JobValues;
+use super::outcome::{Failure, file_failure, load_unmapped, read_source};
+use crate::adapt::{Adapted, Known, PlanReason, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
 use crate::console::note;
 use crate::engagement::EngagementMap;
 use crate::job::JobFile;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
-use crate::program::{Program, Source};
+use crate::program::{Diagnostic, Program, ProgramLine, Source};
+
+/// Lines that a warning names beside the first.
+const KEPT_LINES: usize = 3;
 
 /// Loads a job and its program, both without errors, with the engagement map that the job names.
 ///
@@ -24,14 +29,49 @@ pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
     Ok((file, program))
 }
 
-/// As [`load`] with the program's text alone, and whether a feed could leak into one of its lines.
-///
-/// # Errors
-/// Every error of the program, one per line; a fault of the map.
-pub fn load_text(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
-    let (mut file, source, may_leak) = load_source(job)?;
-    read_map(&mut file, || source.bytes.clone())?;
-    Ok((file, source, may_leak))
+/// A job file, or a program with the values that a job would add to it.
+#[derive(Debug, clap::Args)]
+pub struct JobInput {
+    /// The job file (.toml); or an NC program, for end mills: tools from its comments or from the options below
+    #[arg(value_name = "JOB.toml|PROGRAM.nc")]
+    pub job: PathBuf,
+    #[command(flatten)]
+    values: JobValues,
+}
+
+impl JobInput {
+    /// Whether it is a job file.
+    pub fn is_job(&self) -> bool {
+        self.job.extension().is_some_and(|extension| extension == "toml")
+    }
+
+    /// As [`load`].
+    ///
+    /// # Errors
+    /// See [`load`]; options beside a job file; a missing option.
+    pub fn load(&self) -> Result<(JobFile, Program), Failure> {
+        let (file, source, _) = self.load_text()?;
+        let program = source.whole().map_err(Failure::Input)?;
+        Ok((file, program))
+    }
+
+    /// The same with the program's text alone, and whether a feed could leak into one of its lines.
+    ///
+    /// # Errors
+    /// Every error of the program, one per line; a fault of the map; options beside a job file; a missing option.
+    pub fn load_text(&self) -> Result<(JobFile, Source, bool), Failure> {
+        let file = match self.is_job() {
+            true if self.values.is_any() => {
+                let message = "the options for programs without a job file do not go with one: write them into the job";
+                return Err(Failure::Usage(message.into()));
+            }
+            true => JobFile::load(&self.job)?,
+            false => self.values.job_of(&self.job)?,
+        };
+        let (mut file, source, may_leak) = read_source(&self.job, file)?;
+        read_map(&mut file, || source.bytes.clone())?;
+        Ok((file, source, may_leak))
+    }
 }
 
 fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(), Failure> {
@@ -66,13 +106,67 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
 /// matches them.
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
-    for warning in adapted.left_alone(program) {
-        note(format_args!("{}:{warning}", program.path.display()));
+    let (mut kept, mut unknown) = (KeptMoves::default(), UnknownMoves::default());
+    for block in &adapted.blocks {
+        unknown.add(block, file);
+        program.lines.get(block.line - 1).iter().for_each(|line| kept.add(block, line));
     }
-    let mut unknown = UnknownMoves::default();
-    adapted.blocks.iter().for_each(|block| unknown.add(block, file));
+    kept.warn(&program.path);
     unknown.warn(&program.path, file);
     adapted
+}
+
+/// Moves that keep their programmed feed although a cut rule matches them, by reason.
+#[derive(Debug, Default)]
+pub struct KeptMoves {
+    reasons: Vec<KeptReason>,
+}
+
+/// Moves with the same reason.
+#[derive(Debug)]
+struct KeptReason {
+    reason: PlanReason,
+    under: Option<NotModelled>,
+    /// Warning of the first.
+    first: Diagnostic,
+    /// Lines of the next few.
+    lines: Vec<usize>,
+    /// All others.
+    count: usize,
+}
+
+impl KeptMoves {
+    /// Adds a block if it is one of these moves.
+    pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
+        let (reason, under) = (block.reason, block.under);
+        if block.rule.is_none() {
+            return;
+        }
+        match self.reasons.iter_mut().find(|known| (known.reason, known.under) == (reason, under)) {
+            Some(known) if known.lines.len() < KEPT_LINES => known.lines.push(block.line),
+            Some(known) => known.count += 1,
+            None => self.reasons.extend(block.left_alone(line).map(|first| KeptReason {
+                reason,
+                under,
+                first,
+                lines: Vec::new(),
+                count: 0,
+            })),
+        }
+    }
+
+    /// Warns on stderr, once for each reason.
+    pub fn warn(&self, program: &Path) {
+        for KeptReason { first, lines, count, .. } in &self.reasons {
+            let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
+            let others = match (lines.as_slice(), count) {
+                ([], _) => String::new(),
+                (_, 0) => format!("; the same in lines {}", lines.join(", ")),
+                _ => format!("; the same in lines {} and {count} more", lines.join(", ")),
+            };
+            note(format_args!("{}:{first}{others}", program.display()));
+        }
+    }
 }
 
 /// Moves that are not in the map although their rule takes the engaged arcs from it.

@@ -2,6 +2,8 @@
 
 pub mod outcome;
 
+pub mod job_values;
+
 pub mod job_input;
 
 pub mod five_axis;

@@ -119,7 +119,14 @@ pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
 /// # Errors
 /// Every error of the program, one per line.
 pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
-    let mut file = JobFile::load(job)?;
+    read_source(job, JobFile::load(job)?)
+}
+
+/// The same for a job that has been read from the file `job`.
+///
+/// # Errors
+/// See [`load_source`].
+pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bool), Failure> {
     let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
     if let Some(refusal) = macro_refusal(&source) {
         return Err(Failure::Input(refusal));

@@ -46,10 +46,11 @@ use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
+use arcfeed_model::job::Job;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::{LengthUnit, PERCENT};
 
-use super::job_input::{adapted, load};
+use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
@@ -72,8 +73,8 @@ use spindle_load::SpindleLoad;
 /// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    /// The job file
-    job: PathBuf,
+    #[command(flatten)]
+    input: JobInput,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -98,17 +99,18 @@ impl Simulate {
     /// # Errors
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, program) = load(&self.job)?;
+        let (file, program) = self.input.load()?;
+        let job = &self.input.job;
         let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
-        refuse_inputs(&outputs, &file.inputs(&self.job))?;
-        let setup = Setup::of(&self.job, &file)?;
+        refuse_inputs(&outputs, &file.inputs(job))?;
+        let setup = Setup::of(job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut simulation = in_memory(&file, &adapted.text, ControllerFault::None)?;
-        simulation.set_planned_conditions(foreseen(&program, &adapted));
+        simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
         let mut before = in_memory(&file, &program.bytes(), ControllerFault::LawOff)?;
         // The meter needs the engaged arcs there, too.
         let engaged = foreseen(&program, &adapted).into_iter().filter(|known| known.along.is_some());
@@ -158,7 +160,7 @@ impl Simulate {
         };
         let outcomes: Vec<AssertionOutcome> = self.assertions.iter().map(judged).collect();
         if let Some(path) = &self.junit {
-            let (job, time_s) = (self.job.display().to_string(), started.elapsed().as_secs_f64());
+            let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
             write_whole(path, TestSuite { job, outcomes: &outcomes, time_s }.to_string().as_bytes())?;
         }
         let broken = outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Passed);
@@ -172,7 +174,9 @@ impl Simulate {
         let format = SurfaceFormat::of(path)?;
         match setup {
             Some(_) => Ok(Some((path, format))),
-            None => Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.job.display()))),
+            None => {
+                Err(Failure::Usage(format!("--surface: {} has no [workpiece] to be cut", self.input.job.display())))
+            }
         }
     }
 }
@@ -296,7 +300,7 @@ pub(super) fn in_memory_of(
 
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
 /// with their engagement and the largest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> {
+pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
@@ -307,6 +311,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted) -> Vec<PlannedConditions> 
         along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
         end_percent: block.end_percent,
+        target: block.target(job),
     });
     known.collect()
 }

@@ -181,7 +181,8 @@ impl StateBefore {
             (0, offset) => format!("H{offset}"),
             (sign, offset) => format!("G{}H{offset}", if sign > 0 { 43 } else { 44 }),
         };
-        line(&mut text, &format!("G0{length}Z{}", self.length(clearance)));
+        let radius = if modal.radius_offset == 0 { String::new() } else { format!("D{}", modal.radius_offset) };
+        line(&mut text, &format!("G0{length}{radius}Z{}", self.length(clearance)));
         let rotary = self.rotary_words(start);
         if !rotary.is_empty() {
             line(&mut text, &rotary);
@@ -312,6 +313,7 @@ fn difference(wanted: &Modal, found: &Modal) -> Option<&'static str> {
         (wanted.system == found.system && wanted.local == found.local, "work coordinates"),
         (wanted.frame == found.frame, "rotation"),
         (wanted.length_sign == found.length_sign && wanted.length_offset == found.length_offset, "tool length"),
+        (wanted.radius_offset == found.radius_offset, "cutter compensation number"),
         (wanted.cycle == found.cycle && wanted.returns_to_r == found.returns_to_r, "canned cycle"),
         (place == found.program, "position"),
     ];
@@ -336,7 +338,7 @@ mod tests {
         StateBefore::line(&sent, index, &control())
     }
 
-    const RICH: &str = "G20G90\nT3M6\nS4000M3\nM8\nG55\nG43H2Z1.\nG0X1.Y2.B30.\nG68X1.Y1.R30.\nX2.Y2.\nG1Z-.1F20.\n\
+    const RICH: &str = "G20G90\nT3M6\nS4000M3\nM8\nG55\nG43H2D3Z1.\nG0X1.Y2.B30.\nG68X1.Y1.R30.\nX2.Y2.\nG1Z-.1F20.\n\
                         G18\nG95F.01\nG91X.5\nG17G90G94F9.\nG69\nX3.Y3.\nG0Z1.\nG99G83Z-1.R.1Q.05F7.\nX4.\nG80\n\
                         G93\nG1X5.F30.\nG94G54G49G52X1.Y0Z0\nG2X6.I1.F8.\nG91G0Y1.\nX1.";
 

@@ -1,7 +1,5 @@
 //! Groups of arcs with the same tool, plane and sense, and with equal radii.
 
-use std::ops::RangeInclusive;
-
 use arcfeed_model::cut::RADIUS_MATCH_RATIO;
 use arcfeed_nc::modal::{Plane, Turn};
 use arcfeed_units::Nm;
@@ -27,8 +25,6 @@ pub struct Group {
     pub corners: usize,
     /// First and last N of the arcs that have one.
     pub sequence: Option<[i64; 2]>,
-    /// Number of arcs without N.
-    pub unnumbered: usize,
     /// First and last line.
     pub lines: [usize; 2],
     /// Z at the starts, each once, ascending.
@@ -78,7 +74,6 @@ impl Group {
             helices: count(|arc| arc.rises),
             corners: count(|arc| arc.is_corner),
             sequence: numbers().min().zip(numbers().max()).map(|(first, last)| [first, last]),
-            unnumbered: count(|arc| arc.sequence.is_none()),
             lines: [
                 arcs.iter().map(|arc| arc.line).min().unwrap_or_default(),
                 arcs.iter().map(|arc| arc.line).max().unwrap_or_default(),
@@ -88,17 +83,6 @@ impl Group {
             sweep_rad: [sweeps.clone().fold(f64::INFINITY, f64::min), sweeps.fold(0.0, f64::max)],
         }
     }
-
-    /// Lowest and highest Z.
-    pub fn depth(&self) -> [Nm; 2] {
-        let end = |level: Option<&Nm>| level.copied().unwrap_or_default();
-        [end(self.levels.first()), end(self.levels.last())]
-    }
-}
-
-/// Both ranges have no value in common.
-pub fn are_apart<T: PartialOrd>(a: &RangeInclusive<T>, b: &RangeInclusive<T>) -> bool {
-    a.end() < b.start() || b.end() < a.start()
 }
 
 fn once(values: impl Iterator<Item = Nm>) -> Vec<Nm> {

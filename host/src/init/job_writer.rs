@@ -1,40 +1,30 @@
-//! Writes the job file: found values as such, unknown ones as `"?"` below a comment that explains the answer.
+//! Writes the job file: found and given values as such, unknown ones as `"?"` below a comment that explains the answer.
 
-use std::fmt::Write;
-
-use arcfeed_model::cut::RotationCircle;
+use arcfeed_model::cut::{ContourSide, RotationCircle};
 use arcfeed_model::tool::Edge;
-use arcfeed_units::{LengthUnit, Nm};
+use arcfeed_units::{LengthUnit, Nm, PERCENT};
 
+use super::findings::Findings;
 use super::groups::Group;
-use super::proposal::{LikelyTool, Proposal, ProposedCut};
-use super::survey::Survey;
+use super::proposal::{Movement, ProposedCut, ProposedTool};
+use super::tool_tables;
 use super::wording::{self, length, lengths, quoted};
 
-/// Input of the job file.
-#[derive(Clone, Copy, Debug)]
-pub struct Findings<'a> {
-    /// Path of the program in the job file.
-    pub program: &'a str,
-    /// Survey of the program.
-    pub survey: &'a Survey,
-    /// Arcs of the program, grouped.
-    pub groups: &'a [Group],
-    /// Proposed tool and cut rules.
-    pub proposal: &'a Proposal,
-}
+/// Most radii in the comment.
+const GROUPS_MAX: usize = 40;
+
+const HEAD: &str = "# A first job, made from its program by `arcfeed init`. Each \"?\" is a question still open; `arcfeed check` on this file
+# names them. Found values are written as such. Likely values are marked: check both.
+";
 
 const UNITS_QUESTION: &str = "
 # QUESTION: the program has no G20 or G21. In which unit does it count, \"inch\" or \"mm\"?
 units = \"?\"
 ";
 
-const OTHER_LAWS: [&str; 2] = [
-    "# Constant feed per tooth on the cutting circumference. Also for a cup mill: \"engaged-arc\" (the thickest chip over the
-# whole engaged arc; takes every form of stock), \"table\", \"programmed\".",
-    "# Constant feed per tooth along the finished contour. Also for an end mill: \"engagement\" (constant chip thickness),
-# \"table\", \"programmed\".",
-];
+const UNITS_LIKELY: &str = "
+# LIKELY, by its comments or the decimals of its coordinates: the program has no G20 or G21. \"inch\" or \"mm\", as the control is set.
+";
 
 const STOCK_FORMS: &str = "
 # STOCK. Each rule asks where the material is, in the program's coordinates of the arc's plane. The circumference law takes
@@ -47,43 +37,48 @@ const STOCK_FORMS: &str = "
 ";
 
 const SIDE_FORMS: &str = "
-# CUTS. Each rule asks on which side of the contour the tool runs, and how deep it cuts radially:
-#   side = \"inside\"     radial_depth = 1.0       in a pocket, along a concave wall
-#   side = \"outside\"    radial_depth = 1.0       around an island
-#   side = \"slot\"                               both walls at once: remove the line radial_depth
-# A rule can be narrowed: n = [140, 200] (first and last N), z = [-5.0, -5.0] (lowest and highest Z at the arc's start).
-# Straight moves: moves = \"lines\" without direction.
+# CUTS. `side` says where the tool's centre runs: \"inside\" a contour (pocket, concave wall), \"outside\" (island), \"slot\" (both walls
+# at once). Inside arcs are slowed down, outside arcs keep their feed. LIKELY, for climb milling with M3: counter-clockwise arcs run
+# inside, clockwise ones outside. Conventional milling: exchange them. A rule can be narrowed, and the first that matches counts:
+# n = [140, 200] (first and last N), z = [-5.0, -5.0] (lowest and highest Z at the arc's start).
 ";
 
 /// Text of the job file.
 pub fn job(findings: &Findings<'_>) -> String {
-    let Findings { program, survey, groups, proposal } = *findings;
-    let unit = survey.unit.unwrap_or(LengthUnit::Inch);
-    let mut text = String::from(
-        "# A first job, made from its program by `arcfeed init`. Each \"?\" is a question still open; `arcfeed check` on this file
-# says which. What was found stands as it was found, what is likely says so: look at both.
-",
-    );
-    text += &match survey.unit {
-        Some(LengthUnit::Inch) => "units = \"inch\"\n".into(),
-        Some(LengthUnit::Mm) => "units = \"mm\"\n".into(),
-        None => UNITS_QUESTION.to_owned(),
+    let Findings { program, survey, groups, proposal, answers } = *findings;
+    let unit = findings.unit();
+    let mut text = String::from(HEAD);
+    let word = |unit| if unit == LengthUnit::Inch { "inch" } else { "mm" };
+    text += &match (survey.unit.or(answers.units), survey.likely_unit) {
+        (Some(unit), _) => format!("units = \"{}\"\n", word(unit)),
+        (None, Some(unit)) => format!("{UNITS_LIKELY}units = \"{}\"\n", word(unit)),
+        (None, None) => UNITS_QUESTION.to_owned(),
     };
     text += &format!("program = {}\n", quoted(program));
-    text += &arcs_found(groups, survey, unit);
-    text += &tool(survey, proposal, unit);
-    text += &spindle(survey);
-    text += &limits(unit);
-    text += &law(survey, groups, proposal, unit);
-    text += if proposal.tool == LikelyTool::EndMill { SIDE_FORMS } else { STOCK_FORMS };
-    for cut in &proposal.cuts {
-        text += &rule(cut, groups, unit);
+    text += &arcs_found(findings);
+    let is_kind =
+        |is_cup: bool| proposal.tools.iter().any(|tool| !tool.cuts.is_empty() && tool.is_cup_mill() == is_cup);
+    text += if is_kind(true) { STOCK_FORMS } else { "" };
+    text += if is_kind(false) { SIDE_FORMS } else { "" };
+    let names = if proposal.tools.len() == 1 { &SINGLE } else { &SEVERAL };
+    let is_known = |tool: &ProposedTool| tool.is_cup_mill() || findings.diameter_mm(tool).is_some();
+    let has_known = proposal.tools.iter().any(is_known);
+    for tool in &proposal.tools {
+        let mut tables = format!("\n{}\n{}", names.tool, tool_tables::tool(tool, findings));
+        tables += &format!("\n{}\n{}", names.spindle, tool_tables::spindle(tool, findings));
+        tables += &format!("\n{}\n{}", names.law, tool_tables::law(tool, findings));
+        tables.extend(tool.cuts.iter().map(|cut| rule(cut, names.cut, groups, unit)));
+        text += &if has_known && !is_known(tool) { commented_out(tool, &tables) } else { tables };
     }
-    text += "
+    text += &limits(findings);
+    let has_cup = proposal.tools.iter().any(ProposedTool::is_cup_mill);
+    let mode = answers.mode.as_deref().unwrap_or(if has_cup { "safe-base" } else { "rewrite-only" });
+    text += &format!(
+        "
 # How the feed reaches the control: \"safe-base\" (the least feed of each arc as F, the override raises it), \"override-only\", or
-# \"rewrite-only\" (arcs in pieces with F words, for a control without an override input).
+# \"rewrite-only\" (arcs with F words of their own, for a control without an override input).
 [override]
-mode = \"safe-base\"
+mode = {}
 
 [control]
 preset = \"fanuc-16i\"
@@ -95,137 +90,107 @@ preset = \"fanuc-16i\"
 # parity = \"E\"
 # stopbits = 2
 # xonxoff = true
-";
+",
+        quoted(mode)
+    );
     text
 }
 
-fn arcs_found(groups: &[Group], survey: &Survey, unit: LengthUnit) -> String {
+/// Names of a tool's tables.
+struct TableNames {
+    tool: &'static str,
+    spindle: &'static str,
+    law: &'static str,
+    cut: &'static str,
+}
+
+const SINGLE: TableNames = TableNames { tool: "[tool]", spindle: "[spindle]", law: "[law]", cut: "[[cut]]" };
+const SEVERAL: TableNames =
+    TableNames { tool: "[[tool]]", spindle: "[tool.spindle]", law: "[tool.law]", cut: "[[tool.cut]]" };
+
+fn arcs_found(findings: &Findings<'_>) -> String {
+    let Findings { survey, groups, proposal, .. } = *findings;
     let mut text = format!("\n# Found: {} arcs and {} straight cutting moves.\n", survey.arcs.len(), survey.lines);
-    for group in groups {
-        text += &format!("# {}\n", wording::group(group, unit));
+    for group in groups.iter().take(GROUPS_MAX) {
+        text += &format!("# {}\n", wording::group(group, findings.unit()));
+    }
+    if groups.len() > GROUPS_MAX {
+        text += &format!("# and {} radii more\n", groups.len() - GROUPS_MAX);
+    }
+    let own: Vec<Option<i64>> = proposal.tools.iter().map(|tool| tool.number).collect();
+    let others: Vec<String> =
+        survey.tools.iter().filter(|tool| !own.contains(&Some(**tool))).map(|tool| format!("T{tool}")).collect();
+    match (survey.tools.as_slice(), others.as_slice()) {
+        ([], _) => text += "# The program names no tool.\n",
+        (_, []) => {}
+        _ => text += &format!("# Tools that are not in this job keep their feeds: {}.\n", others.join(", ")),
+    }
+    if !proposal.left_out.is_empty() {
+        let left_out: Vec<String> = proposal.left_out.iter().map(|tool| format!("T{tool}")).collect();
+        text += &format!("# A job has no room for the arcs of {}.\n", left_out.join(", "));
     }
     text
 }
 
-fn tool(survey: &Survey, proposal: &Proposal, unit: LengthUnit) -> String {
-    let named = |tool: &i64| format!("T{tool}");
-    let mut text = match (survey.tools.as_slice(), proposal.number) {
-        (_, None) => "\n# The program names no tool.\n".to_owned(),
-        ([one], _) => format!("\n# {}.\n", named(one)),
-        (all, Some(number)) => {
-            let all: Vec<String> = all.iter().map(named).collect();
-            format!(
-                "\n# The program uses {}. This job is for T{number}, which has the most arcs; the others keep their feeds.\n",
-                all.join(", ")
-            )
-        }
-    };
-    let number = proposal.number.map_or(String::new(), |number| format!("number = {number}\n"));
-    match proposal.tool {
-        LikelyTool::CupMill { outer_mm, inner_mm } => {
-            let (outer, inner) = (length(outer_mm, unit), length(inner_mm, unit));
-            text += "# LIKELY: a cup mill. Two radii recur; it turns about points on its own outer and inner circle. If it is an end mill:\n";
-            text += "# kind = \"end-mill\", diameter and teeth.\n";
-            text += &format!("[tool]\nkind = \"cup-mill\"\n{number}outer_radius = {outer}\ninner_radius = {inner}\n");
-            text += "# QUESTION: how many teeth cut, of those on one circle? For example: active_teeth = 10\nactive_teeth = \"?\"\n";
-        }
-        LikelyTool::EndMill => {
-            text += "# LIKELY: an end mill; no two radii recur as those of a ring would. If it is a cup mill: kind = \"cup-mill\", outer_radius,\n";
-            text += "# inner_radius and active_teeth.\n[tool]\nkind = \"end-mill\"\n";
-            text += &number;
-            text += &format!(
-                "# QUESTION: its diameter? For example: diameter = {}, or \"10 mm\"\ndiameter = \"?\"\n",
-                length(10.0, unit)
-            );
-            text += "# QUESTION: how many teeth? For example: teeth = 4\nteeth = \"?\"\n";
-        }
-    }
-    text
-}
-
-fn spindle(survey: &Survey) -> String {
-    let question =
-        |why: &str| format!("\n[spindle]\n# QUESTION: {why} For example: rev_per_min = 1000\nrev_per_min = \"?\"\n");
-    match survey.speeds.as_slice() {
-        [] => {
-            question("the program has no S word. How fast does the operator let the spindle turn?")
-                + "set_by = \"operator\"\n"
-        }
-        [speed] => format!("\n[spindle]\nrev_per_min = {speed}\n"),
-        speeds => {
-            let speeds: Vec<String> = speeds.iter().map(|speed| format!("S{speed}")).collect();
-            question(&format!(
-                "the program has {}; each block is governed at the speed in force there. Which is the one of this job's reports?",
-                speeds.join(", ")
-            ))
-        }
-    }
-}
-
-fn limits(unit: LengthUnit) -> String {
-    let example = if unit == LengthUnit::Inch { 100 } else { 3_000 };
+/// Tables of a tool that keeps its feeds until a person completes them.
+fn commented_out(tool: &ProposedTool, tables: &str) -> String {
+    let number = tool.number.map_or("This tool".into(), |number| format!("T{number}"));
+    let lines: String = tables.lines().skip(1).map(|line| format!("# {line}\n")).collect();
     format!(
-        "\n# No governed block is fed faster than max_feed, nor faster than max_raise times its own F.\n[limits]\n\
-         # QUESTION: the fastest feed of these cuts, per minute? For example: max_feed = {example}\nmax_feed = \"?\"\nmax_raise = 2\n"
+        "\n# {number} keeps its feeds: its diameter is unknown. To adapt them, answer the question and remove the first # of each line.\n{lines}"
     )
 }
 
-fn law(survey: &Survey, groups: &[Group], proposal: &Proposal, unit: LengthUnit) -> String {
-    let (law, others, of) = match proposal.tool {
-        LikelyTool::CupMill { .. } => ("circumference", OTHER_LAWS[0], "on the circumference"),
-        LikelyTool::EndMill => ("contour", OTHER_LAWS[1], "at the contour"),
-    };
-    let mut text =
-        format!("\n{others}\n[law]\nkind = \"{law}\"\n# QUESTION: the feed per tooth wanted {of}? For example: ");
-    text += if unit == LengthUnit::Inch { "feed_per_tooth = 0.004\n" } else { "feed_per_tooth = 0.1\n" };
-    let mut feeds: Vec<Nm> =
-        groups.iter().filter(|group| group.tool == proposal.number).flat_map(|group| group.feeds.clone()).collect();
-    feeds.sort_unstable();
-    feeds.dedup();
-    if let ([speed], false) = (survey.speeds.as_slice(), feeds.is_empty()) {
-        let per_turn: Vec<Nm> = feeds.iter().map(|feed| Nm(feed.0 / speed)).collect();
-        let (feeds, per_turn) = (lengths(&feeds, unit), lengths(&per_turn, unit));
-        text += &format!(
-            "# As programmed its arcs run at F {feeds}: {per_turn} a turn of the tool's centre, to be divided by the teeth.\n"
-        );
+fn limits(findings: &Findings<'_>) -> String {
+    let Findings { survey, proposal, answers, .. } = *findings;
+    let mut text = String::from(
+        "\n# No governed block is fed faster than max_feed, nor faster than max_raise times its own F.\n[limits]\n",
+    );
+    let raise = answers.max_percent.map(|percent| f64::from(percent) / f64::from(PERCENT));
+    if proposal.tools.iter().all(|tool| findings.follows_program(tool)) {
+        return text + &format!("max_raise = {}\n", raise.unwrap_or(1.0));
     }
-    text + "feed_per_tooth = \"?\"\n"
+    let own = |tool: &ProposedTool| survey.use_of(tool.number).and_then(|used| used.feed_max);
+    let highest = proposal.tools.iter().filter_map(own).max().filter(|_| !answers.feeds_per_tooth.is_empty());
+    match highest {
+        Some(highest) => {
+            let raised = highest.to_mm() * raise.unwrap_or(1.0);
+            text += &format!("# The highest F of these tools{}.\n", if raise.is_some() { ", raised" } else { "" });
+            text += &format!("max_feed = {}\nmax_raise = {}\n", length(raised, findings.unit()), raise.unwrap_or(1.0));
+        }
+        None => {
+            let example = if findings.unit() == LengthUnit::Inch { 100 } else { 3_000 };
+            text += &format!(
+                "# QUESTION: the fastest feed of these cuts, per minute? For example: max_feed = {example}\nmax_feed = \"?\"\nmax_raise = {}\n",
+                raise.unwrap_or(2.0)
+            );
+        }
+    }
+    text
 }
 
-fn rule(cut: &ProposedCut, groups: &[Group], unit: LengthUnit) -> String {
+fn rule(cut: &ProposedCut, table: &str, groups: &[Group], unit: LengthUnit) -> String {
     let arcs: usize = cut.groups.iter().map(|index| groups[*index].arcs).sum();
     let levels: Vec<Nm> = cut.groups.iter().flat_map(|index| groups[*index].levels.clone()).collect();
     let mut radii: Vec<String> = cut.groups.iter().map(|index| length(groups[*index].radius_mm, unit)).collect();
     radii.dedup();
     let plural = if arcs == 1 { "" } else { "s" };
-    let mut text = format!("\n# {arcs} arc{plural}, R {}, Z {}.\n", radii.join(", "), lengths(&levels, unit));
-    if cut.is_ambiguous {
-        text += "# Arcs of another kind or tool fit this rule, too, and neither N nor Z distinguishes them: number the program's blocks.\n";
-    }
-    text += "[[cut]]\n";
+    let mut text =
+        format!("\n# {arcs} arc{plural}, R {}, Z {}.\n{table}\n", wording::some(&radii), lengths(&levels, unit));
     let direction = wording::direction(cut.turn);
-    let restrictions = {
-        let sequence = cut.sequence.map(|[first, last]| format!("n = [{first}, {last}]\n"));
-        let depth = cut.depth.map(|[low, high]| {
-            format!("z = [{}, {}]\n", length(low.to_mm() - 0.001, unit), length(high.to_mm() + 0.001, unit))
-        });
-        sequence.unwrap_or_default() + &depth.unwrap_or_default()
-    };
-    let _ = match (cut.rotation, cut.edge) {
-        (Some(rotation), Some(edge)) => {
+    match cut.movement {
+        Movement::Rotation(rotation, edge) => {
             let rotation = if rotation == RotationCircle::Interior { "interior" } else { "exterior" };
             let side = if edge == Edge::Outer { "outer" } else { "inner" };
-            write!(
-                text,
+            text += &format!(
                 "rotation = \"{rotation}\"\ndirection = \"{direction}\"\n# LIKELY, in the published order of movements: the circle that cuts here, \"outer\" or \"inner\".\n\
-                 side = \"{side}\"\n{restrictions}# QUESTION: where is the material? Forms: see STOCK above.\nstock = \"?\"\n"
-            )
+                 side = \"{side}\"\n# QUESTION: where is the material? Forms: see STOCK above.\nstock = \"?\"\n"
+            );
         }
-        _ => write!(
-            text,
-            "moves = \"arcs\"\ndirection = \"{direction}\"\n{restrictions}# QUESTION: which side, and how deep? Forms: see CUTS above.\n\
-             side = \"?\"\nradial_depth = \"?\"\n"
-        ),
-    };
+        Movement::Contour(side) => {
+            let side = if side == ContourSide::Inside { "inside" } else { "outside" };
+            text += &format!("moves = \"arcs\"\ndirection = \"{direction}\"\nside = \"{side}\"\n");
+        }
+    }
     text
 }

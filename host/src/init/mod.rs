@@ -1,5 +1,11 @@
 //! First job file for an existing program: survey of the program, proposal, and open questions.
 
+pub mod answers;
+
+pub mod tool_comment;
+
+pub mod tool_notes;
+
 pub mod survey;
 
 pub mod groups;
@@ -7,5 +13,9 @@ pub mod groups;
 pub mod proposal;
 
 pub mod wording;
+
+pub mod findings;
+
+mod tool_tables;
 
 pub mod job_writer;

@@ -1,29 +1,48 @@
-//! Proposal from the arcs: the likely tool, and the cut rules that distinguish its movements.
+//! Proposal from the arcs: the tools that mill them, and the cut rules that distinguish their movements.
 //!
-//! A cup mill turns about points on its own two circles: two radii that recur, make up most of its arcs and have the
-//! proportion of a ring, and whose arcs are not rounded corners of a contour. Anything else is taken for an end mill.
+//! A cup mill turns about points on its own two circles: two large radii that recur, make up most of its arcs and have the
+//! proportion of a ring, and whose arcs are less than half a turn and no rounded corners of a contour. Any other tool with arcs in G17 is taken for an
+//! end mill, unless a comment says that it is something else.
 
-use arcfeed_model::cut::{RULES_MAX, RotationCircle};
+use arcfeed_model::cut::{ContourSide, RULES_MAX, RotationCircle};
+use arcfeed_model::job::TOOLS_MAX;
 use arcfeed_model::tool::Edge;
-use arcfeed_nc::modal::Turn;
-use arcfeed_units::Nm;
+use arcfeed_nc::modal::{Plane, Turn};
 
-use super::groups::{Group, are_apart, same_radius};
+use super::answers::{Answers, Milling};
+use super::groups::{Group, same_radius};
+use super::survey::Survey;
+use super::tool_comment::CommentedKind;
+use super::tool_notes::ToolNote;
 
 /// Least fraction of the arcs that the two radii of a ring make up.
 const DOMINANT_RATIO: f64 = 0.6;
 /// Inner over outer radius of a ring.
 const RING_RATIO: std::ops::RangeInclusive<f64> = 0.5..=0.99;
 
+/// Least outer radius of a ring, mm.
+const OUTER_MIN_MM: f64 = 20.0;
+
 /// Proposed start of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// The tool's number, where the program names tools.
+    /// Tools, in order of their numbers.
+    pub tools: Vec<ProposedTool>,
+    /// Numbers of tools with arcs for which a job has no room.
+    pub left_out: Vec<i64>,
+}
+
+/// Tool with its rules.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProposedTool {
+    /// T number, where the program names tools.
     pub number: Option<i64>,
     /// Likely tool.
-    pub tool: LikelyTool,
+    pub kind: LikelyTool,
     /// Rules, in the order in which they are to be written.
     pub cuts: Vec<ProposedCut>,
+    /// Comments about it.
+    pub note: Option<ToolNote>,
 }
 
 /// A tool.
@@ -36,43 +55,89 @@ pub enum LikelyTool {
         /// Smaller radius.
         inner_mm: f64,
     },
-    /// End mill of unknown diameter.
+    /// End mill.
     EndMill,
 }
 
 /// A cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedCut {
-    /// Point about which a ring turns.
-    pub rotation: Option<RotationCircle>,
+    /// Moves and where the tool cuts.
+    pub movement: Movement,
     /// The sense.
     pub turn: Turn,
-    /// Cutting circle, where the published order of movements applies.
-    pub edge: Option<Edge>,
     /// Arcs of the rule, as indices of the groups.
     pub groups: Vec<usize>,
-    /// First and last N, if that distinguishes the rule from other arcs.
-    pub sequence: Option<[i64; 2]>,
-    /// Lowest and highest Z, if only that does.
-    pub depth: Option<[Nm; 2]>,
-    /// Arcs of other groups match the rule as well.
-    pub is_ambiguous: bool,
 }
 
-/// Proposes a job for the tool that has the most arcs.
-pub fn propose(groups: &[Group]) -> Proposal {
-    let arcs_of =
-        |tool: Option<i64>| groups.iter().filter(|group| group.tool == tool).map(|group| group.arcs).sum::<usize>();
-    // Among tools with the same number of arcs, the first.
-    let number = groups.iter().rev().map(|group| group.tool).max_by_key(|tool| arcs_of(*tool)).flatten();
-    let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();
-    match ring(groups, &own) {
-        Some([inner_mm, outer_mm]) => {
-            let tool = LikelyTool::CupMill { outer_mm, inner_mm };
-            Proposal { number, tool, cuts: rotations(groups, &own, [inner_mm, outer_mm]) }
+/// Movement of a rule.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Movement {
+    /// A ring about a point on one of its circles, and the circle that cuts in the published order of movements.
+    Rotation(RotationCircle, Edge),
+    /// An end mill on this side of a contour.
+    Contour(ContourSide),
+}
+
+/// Proposes a job for the tools that mill arcs. Without any: an end mill without rules.
+pub fn propose(groups: &[Group], survey: &Survey, answers: &Answers) -> Proposal {
+    let note_of = |tool: Option<i64>| survey.notes.iter().find(|note| Some(note.tool) == tool).cloned();
+    let mut numbers: Vec<Option<i64>> = groups.iter().map(|group| group.tool).collect();
+    numbers.dedup();
+    let mut tools: Vec<ProposedTool> = Vec::new();
+    for number in numbers {
+        let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();
+        let note = note_of(number);
+        let ring = ring(groups, &own).filter(|_| !is_end_mill(note.as_ref(), answers, number));
+        let tool = match ring {
+            Some([inner_mm, outer_mm]) => {
+                let kind = LikelyTool::CupMill { outer_mm, inner_mm };
+                ProposedTool { number, kind, cuts: rotations(groups, &own, [inner_mm, outer_mm]), note }
+            }
+            None => {
+                ProposedTool { number, kind: LikelyTool::EndMill, cuts: contours(groups, &own, answers.milling), note }
+            }
+        };
+        let is_known = tool.kind != LikelyTool::EndMill || !is_other(tool.note.as_ref()) || is_named(answers, number);
+        if !tool.cuts.is_empty() && is_known {
+            tools.push(tool);
         }
-        None => Proposal { number, tool: LikelyTool::EndMill, cuts: contours(groups, &own) },
     }
+    let left_out = keep_what_fits(&mut tools, groups);
+    if tools.is_empty() {
+        let number = survey.tools.first().copied();
+        tools.push(ProposedTool { number, kind: LikelyTool::EndMill, cuts: Vec::new(), note: note_of(number) });
+    }
+    Proposal { tools, left_out }
+}
+
+/// A comment says that it is no end mill.
+fn is_other(note: Option<&ToolNote>) -> bool {
+    note.is_some_and(|note| note.data.kind == Some(CommentedKind::Other))
+}
+
+/// A comment or an answer says that it is an end mill.
+fn is_end_mill(note: Option<&ToolNote>, answers: &Answers, number: Option<i64>) -> bool {
+    Answers::of(&answers.diameters, number).is_some()
+        || note.is_some_and(|note| note.data.kind == Some(CommentedKind::EndMill))
+}
+
+/// A diameter is given for this very tool.
+fn is_named(answers: &Answers, number: Option<i64>) -> bool {
+    answers.diameters.iter().any(|value| value.tool.is_some() && value.tool == number)
+}
+
+/// Keeps the tools with the most arcs, as many as a job has room for; returns the numbers of the others.
+fn keep_what_fits(tools: &mut Vec<ProposedTool>, groups: &[Group]) -> Vec<i64> {
+    let arcs = |tool: &ProposedTool| -> usize {
+        tool.cuts.iter().flat_map(|cut| &cut.groups).map(|index| groups[*index].arcs).sum()
+    };
+    let mut left_out = Vec::new();
+    while tools.len() > TOOLS_MAX || tools.iter().map(|tool| tool.cuts.len()).sum::<usize>() > RULES_MAX {
+        let Some(least) = (0..tools.len()).min_by_key(|index| arcs(&tools[*index])) else { break };
+        left_out.extend(tools.remove(least).number);
+    }
+    left_out
 }
 
 /// Inner and outer radius, if these arcs are a ring's.
@@ -99,7 +164,11 @@ fn ring(groups: &[Group], own: &[usize]) -> Option<[f64; 2]> {
     let dominate = arcs as f64 >= DOMINANT_RATIO * all as f64;
     let are_corners = 2 * (a_corners + b_corners) >= arcs;
     let (inner, outer) = (a.min(b), a.max(b));
-    (recur && dominate && !are_corners && RING_RATIO.contains(&(inner / outer))).then_some([inner, outer])
+    let is_ring = |radius: f64| same_radius(radius, inner) || same_radius(radius, outer);
+    let mut of_ring = own.iter().map(|index| &groups[*index]).filter(|group| is_ring(group.radius_mm));
+    let are_partial = of_ring.all(|group| group.sweep_rad[1] < std::f64::consts::PI);
+    let is_shaped = outer >= OUTER_MIN_MM && RING_RATIO.contains(&(inner / outer));
+    (recur && dominate && !are_corners && are_partial && is_shaped).then_some([inner, outer])
 }
 
 /// Movements of a ring, in the published order with the circles that cut there.
@@ -113,62 +182,22 @@ fn rotations(groups: &[Group], own: &[usize], [inner_mm, outer_mm]: [f64; 2]) ->
     let cuts = movements.into_iter().map(|(rotation, turn, edge)| {
         let radius_mm = if rotation == RotationCircle::Interior { inner_mm } else { outer_mm };
         let is_it = |group: &Group| group.turn == turn && same_radius(radius_mm, group.radius_mm);
-        let mine: Vec<usize> = own.iter().copied().filter(|index| is_it(&groups[*index])).collect();
-        let others: Vec<&Group> = (0..groups.len())
-            .filter(|index| !mine.contains(index))
-            .map(|index| &groups[index])
-            .filter(|group| is_it(group))
-            .collect();
-        ProposedCut { rotation: Some(rotation), edge: Some(edge), ..restricted_cut(groups, mine, &others, turn) }
+        let groups = own.iter().copied().filter(|index| is_it(&groups[*index])).collect();
+        ProposedCut { movement: Movement::Rotation(rotation, edge), turn, groups }
     });
     cuts.filter(|cut| !cut.groups.is_empty()).collect()
 }
 
-/// Rules of an end mill: one for each radius and sense if they can be distinguished, else one for each sense.
-fn contours(groups: &[Group], own: &[usize]) -> Vec<ProposedCut> {
-    let of_turn = |turn: Turn| own.iter().copied().filter(move |index| groups[*index].turn == turn).collect::<Vec<_>>();
-    let mut cuts = Vec::new();
-    for turn in [Turn::Ccw, Turn::Cw] {
-        let others = |mine: &[usize]| -> Vec<&Group> {
-            let is_other = |index: &usize| !mine.contains(index) && groups[*index].turn == turn;
-            (0..groups.len()).filter(is_other).map(|index| &groups[index]).collect()
+/// Rules of an end mill, one for each sense, by the side on which it mills.
+fn contours(groups: &[Group], own: &[usize], milling: Milling) -> Vec<ProposedCut> {
+    let cuts = [Turn::Ccw, Turn::Cw].map(|turn| {
+        let side = match (turn, milling) {
+            (Turn::Ccw, Milling::Climb) | (Turn::Cw, Milling::Conventional) => ContourSide::Inside,
+            (Turn::Cw, Milling::Climb) | (Turn::Ccw, Milling::Conventional) => ContourSide::Outside,
         };
-        let each = of_turn(turn).into_iter().map(|index| restricted_cut(groups, vec![index], &others(&[index]), turn));
-        let each: Vec<ProposedCut> = each.collect();
-        if each.len() <= RULES_MAX / 2 && each.iter().all(|cut| !cut.is_ambiguous) {
-            cuts.extend(each);
-        } else {
-            let all = of_turn(turn);
-            let others = others(&all);
-            cuts.push(restricted_cut(groups, all, &others, turn));
-        }
-    }
-    cuts.retain(|cut| !cut.groups.is_empty());
-    cuts
-}
-
-/// Rule for these groups, restricted as far as needed and possible by N or else by Z.
-fn restricted_cut(groups: &[Group], mine: Vec<usize>, others: &[&Group], turn: Turn) -> ProposedCut {
-    let numbered = |index: &usize| groups[*index].sequence.filter(|_| groups[*index].unnumbered == 0);
-    let sequences: Option<Vec<[i64; 2]>> = mine.iter().map(numbered).collect();
-    let sequence = sequences.and_then(|all| Some([all.iter().map(|n| n[0]).min()?, all.iter().map(|n| n[1]).max()?]));
-    let depths = || mine.iter().map(|index| groups[*index].depth());
-    let depth = depths().map(|z| z[0]).min().zip(depths().map(|z| z[1]).max()).map(|(low, high)| [low, high]);
-    let by_number = sequence.filter(|[first, last]| {
-        // A block without N does not match a rule that requires one.
-        others.iter().all(|other| other.sequence.is_none_or(|[from, to]| are_apart(&(*first..=*last), &(from..=to))))
+        let is_it = |group: &Group| group.turn == turn && group.plane == Plane::Xy && group.helices < group.arcs;
+        let groups = own.iter().copied().filter(|index| is_it(&groups[*index])).collect();
+        ProposedCut { movement: Movement::Contour(side), turn, groups }
     });
-    let by_depth = depth.filter(|[low, high]| {
-        others.iter().map(|other| other.depth()).all(|[from, to]| are_apart(&(*low..=*high), &(from..=to)))
-    });
-    let is_needed = !others.is_empty();
-    ProposedCut {
-        rotation: None,
-        turn,
-        edge: None,
-        groups: mine,
-        sequence: by_number.filter(|_| is_needed),
-        depth: by_depth.filter(|_| is_needed && by_number.is_none()),
-        is_ambiguous: is_needed && by_number.is_none() && by_depth.is_none(),
-    }
+    cuts.into_iter().filter(|cut| !cut.groups.is_empty()).collect()
 }

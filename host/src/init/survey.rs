@@ -1,4 +1,4 @@
-//! Survey of a program: units, speeds, tools, and its arcs with their distinguishing features.
+//! Survey of a program: units, speeds, tools with what comments say of them, and its arcs with their distinguishing features.
 
 use std::path::Path as FilePath;
 
@@ -7,24 +7,45 @@ use arcfeed_nc::modal::{Feed, Plane, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::{LengthUnit, Nm};
 
+use super::tool_notes::{ToolNote, ToolNotes};
 use crate::program::{Program, check_line_count, read_bounded};
 
 /// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
 const SMOOTH_COSINE: f64 = 0.9994;
 
+/// Words with as many decimals that show the unit of a program.
+const LIKELY_WORDS: usize = 8;
+
 /// Result of the survey.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Unit of the first G20 or G21; `None` if the program leaves it to the control.
     pub unit: Option<LengthUnit>,
+    /// Likely unit of a program without them, by its decimals.
+    pub likely_unit: Option<LengthUnit>,
     /// Spindle speeds, in order of appearance.
     pub speeds: Vec<i64>,
     /// Loaded tools, in order of appearance.
     pub tools: Vec<i64>,
+    /// Speeds and feeds of each tool that cuts, in order of appearance.
+    pub uses: Vec<ToolUse>,
+    /// Comments about tools.
+    pub notes: Vec<ToolNote>,
     /// Arcs, in order.
     pub arcs: Vec<FoundArc>,
     /// Straight cutting moves.
     pub lines: usize,
+}
+
+/// Cutting moves of a tool.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolUse {
+    /// T number; `None` before the first.
+    pub tool: Option<i64>,
+    /// Spindle speeds, in order of appearance.
+    pub speeds: Vec<i64>,
+    /// Highest feed per minute.
+    pub feed_max: Option<Nm>,
 }
 
 /// An arc.
@@ -54,39 +75,74 @@ pub struct FoundArc {
     pub is_corner: bool,
 }
 
-/// Reads and surveys a program file.
+/// Reads and surveys a program file; `given` is the unit of a program without G20 and G21, if it is known.
 ///
 /// # Errors
 /// The file cannot be read, or is too long: in words, with its path.
-pub fn load(path: &FilePath) -> Result<(Program, Survey), String> {
+pub fn load(path: &FilePath, given: Option<LengthUnit>) -> Result<(Program, Survey), String> {
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
     let read = |unit| Program::parse(path, &bytes, unit, Reading::Lenient);
     let mut program = read(LengthUnit::Inch);
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
-    if unit == Some(LengthUnit::Mm) {
-        program = read(LengthUnit::Mm);
+    let likely_unit = if unit.or(given).is_none() { likely_unit(&program) } else { None };
+    let counted = unit.or(given).or(likely_unit).unwrap_or(LengthUnit::Inch);
+    if counted != LengthUnit::Inch {
+        program = read(counted);
     }
-    let survey = survey(&program, unit);
+    let survey = Survey { unit, likely_unit, ..survey(&program, counted) };
     Ok((program, survey))
 }
 
-fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
-    let mut found = Survey { unit, speeds: Vec::new(), tools: Vec::new(), arcs: Vec::new(), lines: 0 };
+/// Unit by the words of comments, or by the decimals of coordinates: posts write four in inches and three in millimetres.
+/// `None` if comments name both, or too few words have as many decimals.
+fn likely_unit(program: &Program) -> Option<LengthUnit> {
+    let [has_mm, has_inch] = [&["MM", "METRIC", "MILLIMETER", "MILLIMETERS"][..], &["INCH", "INCHES"]]
+        .map(|words| program.lines.iter().any(|line| has_comment_word(&line.text, words)));
+    if has_mm != has_inch {
+        return Some(if has_mm { LengthUnit::Mm } else { LengthUnit::Inch });
+    }
+    let words = blocks(program).flat_map(|(_, block)| &block.words).filter(|word| b"XYZIJK".contains(&word.letter));
+    let [mut third, mut fourth] = [0, 0];
+    for number in words.map(|word| word.number).filter(|number| number.has_point()) {
+        fourth += usize::from(number.scaled(10_000) % 10 != 0);
+        third += usize::from(number.scaled(10_000) % 10 == 0 && number.scaled(1_000) % 10 != 0);
+    }
+    match () {
+        () if fourth >= LIKELY_WORDS => Some(LengthUnit::Inch),
+        () if third >= LIKELY_WORDS && fourth == 0 => Some(LengthUnit::Mm),
+        () => None,
+    }
+}
+
+/// Whether one of these words stands in a comment of the line.
+fn has_comment_word(text: &[u8], words: &[&str]) -> bool {
+    let text = String::from_utf8_lossy(text).to_ascii_uppercase();
+    let comments = text.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
+    comments.flat_map(|comment| comment.split(|c: char| !c.is_ascii_alphabetic())).any(|word| words.contains(&word))
+}
+
+/// Survey of a program whose comments count in `unit`.
+fn survey(program: &Program, unit: LengthUnit) -> Survey {
+    let mut found = Survey::default();
+    let mut notes = ToolNotes::new(unit);
     // Without M6 a T word is the change itself.
     let has_changes = blocks(program).any(|(_, block)| is_change(block));
-    let (mut chosen, mut tool) = (None, None);
+    let (mut chosen, mut tool, mut speed) = (None, None, None);
     let mut before: Option<Segment> = None;
     for (index, line) in program.lines.iter().enumerate() {
         let Some(meaning) = &line.meaning else { continue };
         let block = &meaning.parsed.block;
-        chosen = block.word(b'T').and_then(|word| word.number.as_whole()).or(chosen);
+        let selected = block.word(b'T').and_then(|word| word.number.as_whole());
+        chosen = selected.or(chosen);
         if chosen != tool && (is_change(block) || !has_changes) {
             tool = chosen;
             found.tools.extend(tool.filter(|tool| !found.tools.contains(tool)));
         }
-        let speed = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
-        found.speeds.extend(speed.filter(|speed| !found.speeds.contains(speed)));
+        notes.read(index + 1, &line.text, selected.or(chosen.filter(|_| is_change(block))));
+        let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
+        speed = commanded.or(speed);
+        found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
         let Some(segment) = line.segment().filter(|_| meaning.step.is_plain()) else { continue };
         // A corner needs a smooth exit, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
@@ -98,19 +154,44 @@ fn survey(program: &Program, unit: Option<LengthUnit>) -> Survey {
             let is_corner = before.as_ref().is_some_and(|before| joins_smoothly(before, &segment));
             found.arcs.push(FoundArc { tool, is_corner, ..FoundArc::new(index + 1, &segment, arc) });
         }
+        found.add_use(tool, speed, &segment);
         found.lines += usize::from(segment.path == Path::Line);
         before = Some(segment);
     }
+    found.notes = notes.finish();
     found
+}
+
+impl Survey {
+    /// Speeds and feeds of a tool.
+    pub fn use_of(&self, tool: Option<i64>) -> Option<&ToolUse> {
+        self.uses.iter().find(|used| used.tool == tool)
+    }
+
+    fn add_use(&mut self, tool: Option<i64>, speed: Option<i64>, segment: &Segment) {
+        if segment.path == Path::Rapid {
+            return;
+        }
+        let index = self.uses.iter().position(|used| used.tool == tool).unwrap_or_else(|| {
+            self.uses.push(ToolUse { tool, ..ToolUse::default() });
+            self.uses.len() - 1
+        });
+        let used = &mut self.uses[index];
+        used.speeds.extend(speed.filter(|speed| !used.speeds.contains(speed)));
+        used.feed_max = used.feed_max.max(feed_of(segment));
+    }
+}
+
+fn feed_of(segment: &Segment) -> Option<Nm> {
+    match segment.feed {
+        Feed::PerMinute(feed) => Some(feed),
+        Feed::InverseTime(_) | Feed::Missing => None,
+    }
 }
 
 impl FoundArc {
     fn new(line: usize, segment: &Segment, arc: &Arc) -> Self {
         let [_, _, level] = segment.start.linear;
-        let feed = match segment.feed {
-            Feed::PerMinute(feed) => Some(feed),
-            Feed::InverseTime(_) | Feed::Missing => None,
-        };
         FoundArc {
             line,
             sequence: segment.sequence,
@@ -120,7 +201,7 @@ impl FoundArc {
             sweep_rad: arc.sweep_rad(),
             level,
             rises: segment.rise() != Nm(0),
-            feed,
+            feed: feed_of(segment),
             tool: None,
             is_corner: false,
         }

@@ -31,6 +31,14 @@ pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     }
 }
 
+/// List of a few words; more are given as the first, the last and their number.
+pub fn some(words: &[String]) -> String {
+    match words {
+        [first, .., last] if words.len() > NAMED_MAX => format!("{first} to {last} ({} values)", words.len()),
+        _ => words.join(", "),
+    }
+}
+
 /// Sense, as in job files.
 pub const fn direction(turn: Turn) -> &'static str {
     match turn {

@@ -1,7 +1,7 @@
 //! `[override]`: how the feed demand reaches the control, and its bounds.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
-use arcfeed_model::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, Tools};
+use arcfeed_model::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, ToolSetup, Tools};
 use arcfeed_model::machine::MachineLimits;
 use arcfeed_units::{LengthUnit, MmPerMin, Nm};
 use toml::Spanned;
@@ -87,7 +87,9 @@ pub fn ceiling(
         None => FeedCeiling::DEFAULT_RAISE_RATIO,
     };
     let is_bounded = max_feed.is_some() || machine.linear.iter().all(Option::is_some);
-    let governing = tools.iter().zip(&table.tool.0).find(|(setup, _)| setup.law != LawKind::Programmed);
+    // A target that follows the program's F is bounded by F itself.
+    let needs_bound = |setup: &ToolSetup| setup.law != LawKind::Programmed && !setup.follows_program;
+    let governing = tools.iter().zip(&table.tool.0).find(|(setup, _)| needs_bound(setup));
     if let Some((_, tool)) = governing.filter(|_| !is_bounded) {
         let message = "the job has no fastest feed: add a table [limits] with max_feed, per minute along the path, or give the machine's \
                        axes (max_feed of X, Y and Z in [machine])";

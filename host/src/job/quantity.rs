@@ -25,20 +25,45 @@ impl Quantity {
     }
 }
 
+/// Target feed of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TargetFeed {
+    /// This feed per tooth.
+    PerTooth(Quantity),
+    /// `"programmed"`: the F of each block.
+    Programmed,
+}
+
+impl<'de> Deserialize<'de> for TargetFeed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match Written::deserialize(deserializer)? {
+            Written::Text(text) if text == "programmed" => Ok(TargetFeed::Programmed),
+            written => written.length().map(TargetFeed::PerTooth),
+        }
+    }
+}
+
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged, expecting = "a length must be a number or a string such as \"0.004 in\" or \"0.1 mm\"")]
-        enum Written {
-            Whole(i64),
-            Decimal(f64),
-            Text(String),
-        }
-        match Written::deserialize(deserializer)? {
+        Written::deserialize(deserializer)?.length()
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a length must be a number or a string such as \"0.004 in\" or \"0.1 mm\"")]
+enum Written {
+    Whole(i64),
+    Decimal(f64),
+    Text(String),
+}
+
+impl Written {
+    fn length<E: Error>(self) -> Result<Quantity, E> {
+        match self {
             Written::Whole(value) => Ok(Quantity { value: value as f64, unit: None }),
             Written::Decimal(value) => Ok(Quantity { value, unit: None }),
             Written::Text(text) => with_unit(&text).ok_or_else(|| {
-                D::Error::custom(format!("`{text}` is no length; write for example \"0.004 in\" or \"0.1 mm\""))
+                E::custom(format!("`{text}` is no length; write for example \"0.004 in\" or \"0.1 mm\""))
             }),
         }
     }

@@ -45,7 +45,7 @@ pub fn build(job: &JobTable, tools: &Tools) -> Result<(heapless::Vec<CutRule, RU
             Tool::CupMill(_) => ring_rule(cut, around)?,
             Tool::EndMill(_) => match around.law {
                 LawKind::EngagedArc { .. } => circle_rule(cut, around)?,
-                _ => mill_rule(cut, around.unit)?,
+                _ => mill_rule(cut, around)?,
             },
         };
         let table = tables::feeds(cut, around.unit, around.law, &mut knots)?;
@@ -106,10 +106,11 @@ fn mill_moves(table: &CutTable) -> Option<Moves> {
     }
 }
 
-fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Complaint> {
-    let table = cut.as_ref();
+fn mill_rule(cut: &Spanned<CutTable>, around: &RuleContext<'_>) -> Result<CutRule, Complaint> {
+    let (table, unit) = (cut.as_ref(), around.unit);
     let needs = "an end-mill's rule has moves = \"arcs\" (with direction) or \"lines\", side = \"inside\", \"outside\" or \
-                 \"slot\", and radial_depth (but for a slot)";
+                 \"slot\", and radial_depth (but for a slot, and for the contour law)";
+    let is_contour = matches!(around.law, LawKind::Contour { .. });
     let moves = mill_moves(table).ok_or_else(|| at(cut, needs))?;
     if table.rotation.is_some() || table.stock.is_some() {
         return Err(at(cut, needs));
@@ -120,6 +121,8 @@ fn mill_rule(cut: &Spanned<CutTable>, unit: LengthUnit) -> Result<CutRule, Compl
             (ContourSide::Outside, Nm::from_mm(length_mm(depth, unit, "radial_depth")?))
         }
         (SideWord::Slot, None) => (ContourSide::Slot, Nm(0)),
+        (SideWord::Inside, None) if is_contour => (ContourSide::Inside, Nm(0)),
+        (SideWord::Outside, None) if is_contour => (ContourSide::Outside, Nm(0)),
         _ => return Err(at(&table.side, needs)),
     };
     restricted(moves, Work::Mill { side, radial_depth }, table, unit)

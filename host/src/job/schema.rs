@@ -11,7 +11,7 @@ use toml::Spanned;
 pub use super::cut_table::{CutTable, DirectionWord, MovesWord, RotationWord, SideWord, StockTable};
 pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
-pub use super::quantity::Quantity;
+pub use super::quantity::{Quantity, TargetFeed};
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -152,7 +152,7 @@ pub struct LimitsTable {
 #[serde(deny_unknown_fields)]
 pub struct LawTable {
     pub kind: Spanned<String>,
-    pub feed_per_tooth: Spanned<Quantity>,
+    pub feed_per_tooth: Spanned<TargetFeed>,
     pub edges: Option<Spanned<String>>,
     pub inside_only: Option<bool>,
     pub floor: Option<Spanned<f32>>,

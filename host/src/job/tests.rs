@@ -318,7 +318,7 @@ stock = { normal_deg = 90, offset = 3 }
 fn several_tools_have_laws_speeds_and_rules_of_their_own_or_the_jobs() {
     let file = parse(TWO_TOOLS).unwrap();
     let tools: Vec<_> = file.job.tools.iter().map(|setup| (setup.number, setup.law, setup.spindle.0)).collect();
-    let contour = LawKind::Contour { inside_only: true, floor_ratio: 0.0 };
+    let contour = LawKind::Contour { inside_only: true, floor_ratio: 0.2 };
     assert_eq!(tools, [(Some(1), contour, 8_000.0), (Some(7), LawKind::Circumference, 900.0)]);
     let rules: Vec<_> = file.job.rules.iter().map(|rule| (rule.tool, file.job.feed_per_tooth_of(rule).0)).collect();
     assert_eq!(rules, [(0, 0.05), (1, 0.1)]);

@@ -5,14 +5,17 @@ use arcfeed_model::tool::{CupMill, EndMill, Tool};
 use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
-use super::schema::{JobTable, LawTable, ToolTable};
+use super::schema::{JobTable, LawTable, TargetFeed, ToolTable};
 use super::{Complaint, at, length_mm, positive};
 
 /// Largest T number: eight digits.
 const NUMBER_MAX: i64 = 99_999_999;
 
-/// Checks the tool.
-pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
+/// Lowest feed of the contour law where the job states none, as a fraction of the target (docs/laws.md#contour).
+const CONTOUR_FLOOR_RATIO: f32 = 0.2;
+
+/// Checks the tool. Its teeth need not be known if `follows_program`: the feed does not depend on them.
+fn build(table: &ToolTable, unit: LengthUnit, follows_program: bool) -> Result<Tool, Complaint> {
     let ToolTable { kind, outer_radius, inner_radius, active_teeth, diameter, teeth, .. } = table;
     match (kind.as_ref().as_str(), outer_radius, inner_radius, active_teeth, diameter, teeth) {
         ("cup-mill", Some(outer), Some(inner), Some(teeth), None, None) => {
@@ -24,9 +27,9 @@ pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
             let (outer_radius, inner_radius) = (Nm::from_mm(outer_mm), Nm::from_mm(inner_mm));
             Ok(Tool::CupMill(CupMill { outer_radius, inner_radius, active_teeth: some_teeth(teeth)? }))
         }
-        ("end-mill", None, None, None, Some(diameter), Some(teeth)) => {
+        ("end-mill", None, None, None, Some(diameter), teeth) if teeth.is_some() || follows_program => {
             let radius = Nm::from_mm(length_mm(diameter, unit, "diameter")? / 2.0);
-            Ok(Tool::EndMill(EndMill { radius, teeth: some_teeth(teeth)? }))
+            Ok(Tool::EndMill(EndMill { radius, teeth: teeth.as_ref().map_or(Ok(1), some_teeth)? }))
         }
         ("cup-mill", ..) => Err(at(kind, "a cup-mill has outer_radius, inner_radius and active_teeth")),
         ("end-mill", ..) => Err(at(kind, "an end-mill has diameter and teeth")),
@@ -37,14 +40,14 @@ pub fn build(table: &ToolTable, unit: LengthUnit) -> Result<Tool, Complaint> {
 /// Tool with its number, spindle and law; `[spindle]` and `[law]` of the job apply to a tool that has none of its own.
 pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> {
     let unit = job.units.into();
-    let tool = build(table, unit)?;
     let missing = |name: &str, keys: &str| {
         at(&table.kind, &format!("the tool has no [{name}]: add a table [{name}] with {keys}"))
     };
     let spindle = table.spindle.as_ref().or(job.spindle.as_ref()).ok_or_else(|| missing("spindle", "rev_per_min"))?;
     let given = table.law.as_ref().or(job.law.as_ref()).ok_or_else(|| missing("law", "kind and feed_per_tooth"))?;
     let rev_per_min = positive(&spindle.rev_per_min, "the spindle speed")?;
-    let feed_mm = length_mm(&given.feed_per_tooth, unit, "the feed per tooth")?;
+    let (feed_mm, follows_program) = target(given, job)?;
+    let tool = build(table, unit, follows_program)?;
     let number = match &table.number {
         Some(number) if !(0..=NUMBER_MAX).contains(number.as_ref()) => {
             return Err(at(number, &format!("number is the tool's T word: 0 to {NUMBER_MAX}")));
@@ -64,7 +67,28 @@ pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> 
     };
     let law = law(given, &tool)?;
     let (spindle, feed_per_tooth) = (RevPerMin(rev_per_min as f32), MmPerTooth(feed_mm as f32));
-    Ok(ToolSetup { number, axis, speed_source, ..ToolSetup::new(tool, spindle, law, feed_per_tooth) })
+    Ok(ToolSetup { number, axis, speed_source, follows_program, ..ToolSetup::new(tool, spindle, law, feed_per_tooth) })
+}
+
+/// Target feed per tooth of a law, mm, and whether each block's F replaces it.
+fn target(given: &LawTable, job: &JobTable) -> Result<(f64, bool), Complaint> {
+    let feed = &given.feed_per_tooth;
+    match *feed.as_ref() {
+        TargetFeed::PerTooth(quantity) => {
+            let quantity = Spanned::new(feed.span(), quantity);
+            Ok((length_mm(&quantity, job.units.into(), "the feed per tooth")?, false))
+        }
+        TargetFeed::Programmed if given.kind.as_ref() != "contour" => {
+            Err(at(feed, "only the contour law takes \"programmed\"; write the wanted feed per tooth"))
+        }
+        TargetFeed::Programmed if job.r#override.mode.as_ref() != "rewrite-only" => Err(at(
+            feed,
+            "\"programmed\" needs [override] mode = \"rewrite-only\": a board at the override does not know the F of the \
+             program; write that mode, or the wanted feed per tooth",
+        )),
+        // Any positive value: the F of the block replaces it.
+        TargetFeed::Programmed => Ok((1.0, true)),
+    }
 }
 
 /// All tools of a job, in order. Each of several tools needs a number.
@@ -112,7 +136,7 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         ("engaged-arc", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::EngagedArc { both_edges: false }),
         ("engagement", Tool::EndMill(_), (None, None, None)) => Ok(LawKind::Engagement),
         ("contour", Tool::EndMill(_), (None, inside_only, floor)) => {
-            let floor_ratio = floor.as_ref().map_or(0.0, |floor| *floor.as_ref() / PERCENT);
+            let floor_ratio = floor.as_ref().map_or(CONTOUR_FLOOR_RATIO, |floor| *floor.as_ref() / PERCENT);
             match floor {
                 Some(floor) if !(0.0..=1.0).contains(&floor_ratio) => Err(at(floor, "floor must be 0 to 100 %")),
                 _ => Ok(LawKind::Contour { inside_only: inside_only.unwrap_or(true), floor_ratio }),

@@ -21,6 +21,7 @@ use arcfeed_nc_macro::step::{self as macros, Ending, PlainBlock, ProgramFault};
 use arcfeed_nc_macro::variables::Context;
 use arcfeed_units::Micros;
 
+use super::contour_check::{ContourCheck, ContourFinding, contour_diagnostics};
 use super::{Diagnostic, MoveCounts, MoveTrace, Program, ProgramLine, ProgramSummary};
 
 /// Most places for which faults are reported.
@@ -100,6 +101,8 @@ impl Program {
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
         let Some(macro_line) = first_macro(bytes) else {
             let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
+            program.diagnostics.extend(contour_diagnostics(bytes, expansion.settings, expansion.tables));
+            program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
             let summary = ProgramSummary::new(&program.lines);
             if summary.blocks > 0 && !summary.may_end {
                 let text = program.lines.last().map(|line| line.text.clone()).unwrap_or_default();
@@ -148,7 +151,7 @@ impl Expansion<'_> {
             ..macros::MacroSettings::default()
         };
         let mut reader = Reader::with(self.settings, self.tables).at_unknown_position();
-        let mut found = Findings { lines, folder: folder.as_ref(), reported: BTreeSet::new(), list: Vec::new() };
+        let mut found = Findings::new(lines, folder.as_ref(), &self.settings);
         let mut interpreter = Interpreter::new(bytes, library, settings, &context(&reader, Micros(0)));
         interpreter.set_tables(&self.tables);
         let (mut now, mut blocks, mut moves, mut run) = (Micros(0), 0, MoveCounts::default(), Vec::new());
@@ -192,6 +195,7 @@ impl Expansion<'_> {
                 }
             }
         }
+        found.stop_contour();
         (found.list, moves, run)
     }
 }
@@ -210,29 +214,55 @@ fn context(reader: &Reader, now: Micros) -> Context {
 struct Findings<'a> {
     lines: &'a [ProgramLine],
     folder: Option<&'a Folder>,
+    contours: ContourCheck<usize>,
     reported: BTreeSet<(Option<u32>, u32, u16)>,
     list: Vec<Diagnostic>,
 }
 
-impl Findings<'_> {
+impl<'a> Findings<'a> {
+    fn new(lines: &'a [ProgramLine], folder: Option<&'a Folder>, settings: &Settings) -> Self {
+        let (contours, reported) = (ContourCheck::new(settings), BTreeSet::new());
+        Findings { lines, folder, contours, reported, list: Vec::new() }
+    }
+
     fn read(&mut self, reader: &mut Reader, block: &PlainBlock, reading: Reading) -> Option<InterpretedLine> {
+        let line = in_main(block.place, &block.calls).line as usize;
         match reader.read(&block.text) {
             Ok(understood) => {
-                if understood.lacks_feed() && self.is_new(Fault::alarm(Alarm::NoFeed, 0), block.place) {
+                let of_contour = self.contours.add(&understood, reader, line);
+                self.add_contour(of_contour);
+                if understood.lacks_feed() && self.is_new(0, block.place) {
                     let text = self.text(block.place);
                     self.list.push(Diagnostic::of_missing_feed(block.place.line as usize, &text, reading));
                 }
                 Some(understood)
             }
             Err(fault) => {
+                self.stop_contour();
                 self.add(block.in_source(fault), block.place, &block.calls, b"");
                 None
             }
         }
     }
 
-    fn is_new(&mut self, fault: Fault, place: SourceLine) -> bool {
-        self.reported.len() < FAULTS_MAX && self.reported.insert((place.library, place.line, fault.column))
+    fn stop_contour(&mut self) {
+        let of_contour = self.contours.stop();
+        self.add_contour(of_contour);
+    }
+
+    /// Adds a finding in a contour, at its line in the main program's file.
+    fn add_contour(&mut self, finding: Option<ContourFinding<usize>>) {
+        let Some(finding) = finding else { return };
+        let text = |line: usize| self.lines.get(line.saturating_sub(1)).map_or(&[][..], |line| line.text.as_slice());
+        let diagnostic = finding.diagnostic(|line| (line.max(1), text(line)));
+        let place = SourceLine { library: None, line: diagnostic.line as u32 };
+        if self.is_new(diagnostic.column as u16, place) {
+            self.list.push(diagnostic);
+        }
+    }
+
+    fn is_new(&mut self, column: u16, place: SourceLine) -> bool {
+        self.reported.len() < FAULTS_MAX && self.reported.insert((place.library, place.line, column))
     }
 
     fn text(&self, place: SourceLine) -> Vec<u8> {
@@ -243,7 +273,7 @@ impl Findings<'_> {
     /// Adds a fault. A fault in a program of the library is reported at the call in the main program's file that led to
     /// it.
     fn add(&mut self, fault: Fault, place: SourceLine, calls: &[SourceLine], message: &[u8]) {
-        if !self.is_new(fault, place) {
+        if !self.is_new(fault.column, place) {
             return;
         }
         let (own, inner) = match place.library {

@@ -9,6 +9,7 @@ use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
 
+use super::contour_check::contour_diagnostics;
 use super::lines::LineReader;
 use super::summary::ProgramSummary;
 use super::{Diagnostic, Expansion, Program, ProgramLine, RunBounds};
@@ -134,6 +135,8 @@ impl Source {
         mut each: impl FnMut(Diagnostic, &[u8]),
     ) -> ProgramSummary {
         let (mut lines, mut summary) = (self.lines(), ProgramSummary::default());
+        let contours = if is_run { contour_diagnostics(&self.bytes, self.settings, self.tables) } else { Vec::new() };
+        let mut contours = contours.into_iter().peekable();
         while lines.read_next() {
             let SourceLines { line: read, found, .. } = &mut lines;
             if is_run && summary.lines == 0 {
@@ -141,6 +144,9 @@ impl Source {
             }
             summary.add(read);
             line(read);
+            while let Some(of_contour) = contours.next_if(|diagnostic| diagnostic.line == summary.lines) {
+                found.push(of_contour);
+            }
             found.drain(..).for_each(|diagnostic| each(diagnostic, &read.text));
         }
         if is_run && summary.blocks > 0 && !summary.may_end {

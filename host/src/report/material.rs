@@ -187,7 +187,7 @@ impl LeftOutBlocks {
             "no-machine" => "under G43.4, and the job names no machine",
             "tilted" => "the tool is tilted, and chips are computed for an upright tool only",
             "backwards" => "the spindle turns backwards (M4), and the edges are those of a tool for M3",
-            _ => "under G41 or G42, whose contour the simulated control executes as written",
+            _ => "under G41 or G42 with a D of no radius: the simulated control executes the contour as written",
         }
     }
 }

@@ -63,13 +63,23 @@ pub struct ToolSetup {
     /// a: target feed per tooth at the point that the law defines (on the circumference, at the contour), or target
     /// chip thickness.
     pub feed_per_tooth: MmPerTooth,
+    /// The target is the programmed F of each block instead, at the point that the law defines. Only for
+    /// [`FeedPolicy::RewriteOnly`]: a board knows the sent F, not the programmed one.
+    pub follows_program: bool,
 }
 
 impl ToolSetup {
+    /// Target feed per tooth where the programmed feed is the target, if it is positive.
+    pub fn target_of(&self, programmed: Nm, spindle: RevPerMin) -> Option<MmPerTooth> {
+        let teeth_per_min = f64::from(spindle.0) * f64::from(self.tool.active_teeth());
+        let target = programmed.to_mm() / teeth_per_min;
+        (target > 0.0 && target.is_finite()).then_some(MmPerTooth(target as f32))
+    }
+
     /// A tool along Z without a number; the program sets its speed.
     pub const fn new(tool: Tool, spindle: RevPerMin, law: LawKind, feed_per_tooth: MmPerTooth) -> Self {
         let (number, axis, speed_source) = (None, ToolAxis::Z, SpeedSource::Program);
-        ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth }
+        ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth, follows_program: false }
     }
 }
 

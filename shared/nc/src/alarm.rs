@@ -62,8 +62,13 @@ alarms! {
     NoRadius = 22: "an arc without R or I, J, K", "give its centre or radius";
     OffsetNumber = 30: "an offset number that the control does not have", "correct H, D or P";
     DataTarget = 31: "G10 without a P or L that says where the data belong", "correct P and L";
+    NoIntersection = 33: "no intersection of the offset paths of this move and the next one under G41 or G42",
+        "use a smaller tool, or give the corner an arc";
     ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
     PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
+    ArcEndInCenter = 38: "an arc under G41 or G42 that starts or ends in its centre", "correct its end or I, J, K";
+    Interference = 41: "interference: the offset path of this move under G41 or G42 runs against it; overcutting",
+        "use a smaller tool, or a contour that the tool can follow: arcs not below its radius, no narrower step or slot";
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
     ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "correct P";
@@ -99,6 +104,16 @@ pub enum NotModelled {
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
     ArcWithoutAngle,
+    /// A change from G41 to G42 or back, or a radius of the other sign, without G40 before it.
+    ChangeOfSide,
+    /// A radius under G41 or G42 that begins in the block of an arc.
+    RadiusInArc,
+    /// A G code in tenths, or coordinates that it changes, between the moves of a contour under G41 or G42.
+    InContour(u16),
+    /// A corner of a contour that the control has not read in time.
+    UnreadCorner,
+    /// A restart at a block within a contour.
+    RestartInContour,
     /// More words in a block than [`crate::block::WORDS_MAX`].
     LongBlock,
 }
@@ -156,6 +171,17 @@ impl fmt::Display for NotModelled {
             NotModelled::Variable(number) => write!(f, "#{number}"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
+            NotModelled::ChangeOfSide => f.write_str("a change of side under G41 or G42 without G40 before it"),
+            NotModelled::RadiusInArc => f.write_str("another radius (D, G10) in the block of an arc under G41 or G42"),
+            NotModelled::InContour(tenths) => {
+                write_g(f, tenths)?;
+                f.write_str(" within a contour under G41 or G42")
+            }
+            NotModelled::UnreadCorner => f.write_str(
+                "a corner under G41 or G42 behind more blocks without a move in the plane, or a stop, than the control \
+                 reads across (it would cut too much or too little there)",
+            ),
+            NotModelled::RestartInContour => f.write_str("a restart within a contour under G41 or G42"),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }

@@ -13,7 +13,7 @@ use super::word::Word;
 pub use super::oneshot::set_data;
 
 /// Letters of functions, which take effect before the move.
-const FUNCTIONS: u32 = letters(b"HMST");
+const FUNCTIONS: u32 = letters(b"DHMST");
 
 impl Modal {
     /// The state after `block` and the effect of the block. `self` does not change, so a rejected block has no effect.
@@ -87,7 +87,7 @@ impl Modal {
         Ok(one_shot)
     }
 
-    /// Applies M, S, T and H.
+    /// Applies D, H, M, S and T.
     fn apply_functions(&mut self, block: &Block, one_shot: OneShot, step: &mut Step) -> Result<(), Fault> {
         self.machining_state.apply(block);
         for word in &block.words {
@@ -98,6 +98,7 @@ impl Modal {
                     (step.spindle, self.spindle) = (Some((speed, word.column)), Some(speed));
                 }
                 b'H' if one_shot != OneShot::Data => self.length_offset = word.number.scaled(1) as u16,
+                b'D' => self.radius_offset = word.number.scaled(1) as u16,
                 _ => {}
             }
         }

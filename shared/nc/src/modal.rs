@@ -53,6 +53,8 @@ pub struct Modal {
     pub length_sign: i8,
     /// Number of the tool length offset (H).
     pub length_offset: u16,
+    /// Number of the cutter compensation offset (D).
+    pub radius_offset: u16,
     /// G73 to G89.
     pub cycle: Option<Cycle>,
     /// G99.
@@ -135,6 +137,7 @@ impl Modal {
             starts_up: false,
             length_sign: 0,
             length_offset: 0,
+            radius_offset: 0,
             cycle: None,
             returns_to_r: false,
             polar: None,
@@ -142,6 +145,11 @@ impl Modal {
             follows_tool_center: false,
             rotation_pending: false,
         }
+    }
+
+    /// Whether moves are offset: G41 or G42 with a move in the plane since.
+    pub fn is_in_contour(&self) -> bool {
+        self.compensation.is_some() && !self.starts_up
     }
 
     /// Tool and spindle as commanded so far.

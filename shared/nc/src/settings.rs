@@ -12,6 +12,10 @@ pub const ADDITIONAL_SYSTEMS: usize = 48;
 pub const SYSTEMS: usize = 6 + ADDITIONAL_SYSTEMS;
 /// Highest tool offset number.
 pub const OFFSETS: usize = 400;
+/// Fewest blocks that a control reads together for cutter compensation.
+pub const COMPENSATION_BLOCKS_MIN: u8 = 3;
+/// Most blocks that a control reads together for cutter compensation.
+pub const COMPENSATION_BLOCKS_MAX: u8 = 8;
 
 /// Strictness of the reader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,6 +35,26 @@ pub enum Decimals {
     LeastIncrement,
     /// Whole units ("calculator type" input): mm, inches, degrees, seconds.
     Calculator,
+}
+
+/// Start-up and cancel of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StartUp {
+    /// The tool goes straight to, or leaves from, the normal of the contour's block.
+    #[default]
+    A,
+    /// The tool goes around the corner as within the contour.
+    B,
+}
+
+/// Settings of cutter compensation (G41, G42).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CompensationSettings {
+    /// Start-up and cancel.
+    pub start_up: StartUp,
+    /// Blocks that the control reads together (parameter 19625 of a 31i): at most [`COMPENSATION_BLOCKS_MAX`]. Two of them
+    /// move in the plane, the others may lie between them.
+    pub blocks: u8,
 }
 
 /// Set of blocks that the user of the reader can execute.
@@ -67,6 +91,8 @@ pub struct Settings {
     pub peck_clearance: Nm,
     /// Machine coordinates of the reference points, first to fourth (parameters 1240 to 1243).
     pub reference: [Pose; 4],
+    /// Cutter compensation.
+    pub compensation: CompensationSettings,
 }
 
 /// Offsets that a program can read and, with G10, write.
@@ -78,8 +104,8 @@ pub struct Tables {
     pub systems: [Pose; SYSTEMS],
     /// Length compensation by H, geometry and wear, from H1.
     pub lengths: [[Nm; 2]; OFFSETS],
-    /// Cutter compensation by D, geometry and wear, from D1. It does not shift moves here: the control offsets
-    /// contours.
+    /// Cutter compensation by D, geometry and wear, from D1. It does not shift moves here: `arcfeed-compensation`
+    /// offsets contours.
     pub radii: [[Nm; 2]; OFFSETS],
 }
 
@@ -113,6 +139,7 @@ impl Settings {
             peck_return: Nm(1_000_000),
             peck_clearance: Nm(1_000_000),
             reference: [nowhere; 4],
+            compensation: CompensationSettings { start_up: StartUp::A, blocks: COMPENSATION_BLOCKS_MIN },
         }
     }
 
@@ -141,7 +168,17 @@ impl Tables {
 
     /// Length compensation of an H number; 0 for H0 and for numbers that the control does not have.
     pub fn length(&self, offset: u16) -> Nm {
-        let entry = usize::from(offset).checked_sub(1).and_then(|index| self.lengths.get(index));
-        entry.map_or(Nm(0), |[geometry, wear]| Nm(geometry.0.saturating_add(wear.0)))
+        sum(&self.lengths, offset)
     }
+
+    /// Cutter compensation of a D number; 0 for D0 and for numbers that the control does not have.
+    pub fn radius(&self, offset: u16) -> Nm {
+        sum(&self.radii, offset)
+    }
+}
+
+/// Geometry and wear of an offset number.
+fn sum(offsets: &[[Nm; 2]; OFFSETS], number: u16) -> Nm {
+    let entry = usize::from(number).checked_sub(1).and_then(|index| offsets.get(index));
+    entry.map_or(Nm(0), |[geometry, wear]| Nm(geometry.0.saturating_add(wear.0)))
 }

@@ -9,6 +9,8 @@ use crate::feed_bounds::programs::{ArcMove, Move, PLANES};
 const CHIP_TOLERANCE: f64 = 5e-3;
 /// Largest excess of a feed over its bound: F words have four digits after the point.
 const FEED_TOLERANCE: f64 = 1e-3;
+/// Lowest feed of the contour law, of its target.
+const CONTOUR_FLOOR: f64 = 0.2;
 /// Sine of 1 degree.
 const AXIAL_SINE: f64 = 0.017_453;
 
@@ -50,6 +52,7 @@ pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> O
     }
     let per_tooth = now.feed_per_min / (of.spindle? * f64::from(job.teeth));
     let (chip, target) = match job.law {
+        "contour" if is_at_floor(job, per_tooth) || is_short(job, of, now) => return None,
         "contour" => (contour_chip(job, of, per_tooth), job.chip),
         "engagement" => (engagement_chip(job, of, per_tooth), job.chip),
         "engaged-arc" => (disc_chip(job, of, now.at, per_tooth)?, job.chip),
@@ -65,6 +68,23 @@ pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> O
 /// Violation by the chips that the simulator's meter measured, relative to their target.
 pub fn excess_of_meter(max_ratio: f64) -> Option<String> {
     (max_ratio > 1.0 + CHIP_TOLERANCE).then(|| format!("chip {max_ratio} of its target on the meter"))
+}
+
+/// The centre's path per tooth, which no chip exceeds, is a fifth of the target or less.
+fn is_at_floor(job: &RandomJob, per_tooth: f64) -> bool {
+    per_tooth <= CONTOUR_FLOOR * job.chip * (1.0 + CHIP_TOLERANCE)
+}
+
+/// An arc that ends before axes with 5 m/s2 have braked to the feed of the law, at its programmed F or below.
+fn is_short(job: &RandomJob, of: &Move, now: &Moment) -> bool {
+    let Some(spindle) = of.spindle.filter(|_| of.arc.is_some()) else { return false };
+    let per_tooth = job.chip / contour_chip(job, of, 1.0).max(1e-9);
+    let wanted = spindle * f64::from(job.teeth) * per_tooth.max(CONTOUR_FLOOR * job.chip);
+    let [programmed, wanted] = [of.feed / 60.0, wanted / 60.0];
+    let braking = (programmed * programmed - wanted * wanted) / (2.0 * 5_000.0);
+    wanted < programmed
+        && path_length(of) < braking * (1.0 + FEED_TOLERANCE)
+        && now.feed_per_min <= of.feed * (1.0 + FEED_TOLERANCE)
 }
 
 /// Advance of a tooth along the contour at the contact of the tool's side.

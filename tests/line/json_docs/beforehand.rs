@@ -114,6 +114,14 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
                 [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
     let (_, at_unknown_position) = objects(&["adapt", &scratch.write("line.toml", line)]);
     reasons.extend(at_unknown_position.iter().map(|block| block["reason"].to_string()));
+    // A corner roll of 3 um.
+    scratch.write("roll.nc", "G21G90G94\nG0X0Y0\nG3X.003Y.003I0J.003F1000.\nM30\n");
+    let contour = line
+        .replace("line.nc", "roll.nc")
+        .replace("engagement", "contour")
+        .replace("'lines'", "'arcs'\ndirection = 'ccw'");
+    let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", &contour.replace("outside", "inside"))]);
+    reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()

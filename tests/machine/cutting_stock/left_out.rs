@@ -41,6 +41,28 @@ fn blocks_whose_place_is_not_known_are_counted_by_cause() {
 }
 
 #[test]
+fn a_contour_with_a_known_radius_takes_what_the_path_of_its_tool_takes() {
+    // The contour lies 5 mm beside the slot.
+    let contour = SLOT
+        .replace("N4G1X40.013", "G10L12P1R5.\nN7G41D1G1X.013\nN4X40.013")
+        .replace("N5G0", "N8G40G1Y5.\nN5G0")
+        .replace("Z-4.F400.", "Z-4.F400.\nN9X-9.987Y-4.979F600.");
+    let by_hand = SLOT
+        .replace("N4G1X40.013", "N7G1X.013Y.021\nN4X40.013")
+        .replace("N5G0", "N8G1Y5.\nN5G0")
+        .replace("Z-4.F400.", "Z-4.F400.\nN9X-9.987Y-4.979F600.");
+    let [contour, by_hand] = [("radius", contour), ("by-hand", by_hand)].map(|(name, program)| {
+        let output = ScratchJob::new(name, MILL, &program).run(&[]);
+        assert!(output.report["material"]["left_out"].as_array().expect("a list").is_empty(), "{}", output.complaints);
+        [4, 8].map(|n| output.removed(n))
+    });
+    println!("{contour:?} {by_hand:?}");
+    for (contour, by_hand) in contour.into_iter().zip(by_hand) {
+        assert!((contour / by_hand - 1.0).abs() < 1e-9 && by_hand > 0.0, "{contour} {by_hand}");
+    }
+}
+
+#[test]
 fn under_g43_4_the_machine_says_where_the_tool_points() {
     let job = format!("{MILL}[machine]\npreset = \"mikron-ucp710\"\n");
     let under = |words: &str| SLOT.replace("N4G1", &format!("N9G43.4H0{words}\nN4G1"));

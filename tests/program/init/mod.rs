@@ -2,8 +2,10 @@
 
 mod generated;
 
+use arcfeed::init::answers::Answers;
+use arcfeed::init::findings::Findings;
 use arcfeed::init::groups::group;
-use arcfeed::init::job_writer::{Findings, job};
+use arcfeed::init::job_writer::job;
 use arcfeed::init::proposal::{LikelyTool, propose};
 use arcfeed::init::survey;
 use arcfeed::job::{JobFile, questions};
@@ -82,7 +84,7 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_distinguished() {
         scratch.write("ibr-slot.nc", std::fs::read(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example"));
     let job = scratch.path("ibr-slot.toml");
     let report = init(&program, &job);
-    let tool = &report["tool"];
+    let tool = &report["proposed"][0];
     // The program's coordinates have four decimals, and its arcs sweep 6 degrees.
     for (field, published) in [("outer_radius", 5.06205), ("inner_radius", 4.43706)] {
         let found = tool[field].as_f64().expect("a radius");
@@ -92,18 +94,18 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_distinguished() {
     assert_eq!((&tool["kind"], &tool["number"], &report["unit"]), (&"cup-mill".into(), &14.into(), &"in".into()));
     let wanted = [
         "tool.active_teeth",
-        "limits.max_feed",
         "law.feed_per_tooth",
         "cut.1.stock",
         "cut.2.stock",
         "cut.3.stock",
         "cut.4.stock",
+        "limits.max_feed",
     ];
-    assert_eq!((keys(&report), &report["rules"]), (wanted.to_vec(), &4.into()));
+    assert_eq!((keys(&report), &tool["rules"]), (wanted.to_vec(), &4.into()));
     assert_asks_in_order(&job, &report);
     let stocks = [(54.187, 4.2391), (48.104, 10.4502), (81.715, 10.7843), (97.563, 7.2959)]
         .map(|(normal, offset)| format!("{{ normal_deg = {normal}, offset = {offset} }}"));
-    answer(&job, &[&["10", "100", "0.004"][..], &stocks.each_ref().map(String::as_str)].concat());
+    answer(&job, &[&["10", "0.004"][..], &stocks.each_ref().map(String::as_str), &["100"]].concat());
     let text = std::fs::read_to_string(&job).expect("a job");
     std::fs::write(&job, text.replace("max_raise = 2", "max_raise = 4")).expect("it was just written");
     assert_eq!(run(&["check", &job]).status.code(), Some(0));
@@ -121,7 +123,7 @@ fn the_published_cup_mill_is_found_and_its_four_movements_are_distinguished() {
 }
 
 #[test]
-fn the_pockets_arcs_are_distinguished_by_their_numbers() {
+fn the_pockets_job_has_a_rule_for_each_sense_and_no_question() {
     let scratch = Scratch::new("init-pocket");
     let program =
         scratch.write("pocket.nc", std::fs::read(root().join("examples/pocket/pocket.nc")).expect("the example"));
@@ -137,17 +139,40 @@ fn the_pockets_arcs_are_distinguished_by_their_numbers() {
         .collect();
     let n = |first: i64, last: i64| Value::from(vec![first, last]);
     assert_eq!(found, [(3.0, 4, &n(140, 200)), (15.0, 1, &n(310, 310)), (25.0, 1, &n(440, 440))]);
-    assert_eq!((&report["tool"]["kind"], &report["spindle_speeds"]), (&"end-mill".into(), &vec![8_000].into()));
-    assert_asks_in_order(&job, &report);
-    answer(&job, &["10", "4", "6000", "0.1", "\"inside\"", "1.0", "\"slot\"", "", "\"outside\"", "1.0"]);
-    let (mine, example) = (adapted(&job), adapted("examples/pocket/job-contour.toml"));
-    for (mine, example) in mine.iter().zip(&example) {
-        assert_eq!((&mine["side"], &mine["law"]), (&example["side"], &example["law"]));
-        // The example wants half the feed in the slot, and no less than 30 % anywhere.
+    let tool = &report["proposed"][0];
+    // From the comment "END MILL D10, 4 TEETH" before the tool change.
+    assert_eq!((&tool["kind"], &tool["teeth"], &tool["rules"]), (&"end-mill".into(), &4.into(), &2.into()));
+    assert_eq!((&tool["diameter"], &tool["comment_line"]), (&10.0.into(), &3.into()));
+    assert_eq!((keys(&report), &report["spindle_speeds"]), (Vec::new(), &vec![8_000].into()));
+    for (mine, example) in adapted(&job).iter().zip(&adapted("examples/pocket/job-contour.toml")) {
+        // The example wants 0.1 mm per tooth, the programmed feed, everywhere but in the slot.
         if mine["n"] != 440 {
-            assert_eq!(mine, example);
+            assert_eq!((&mine["side"], &mine["law"]), (&example["side"], &example["law"]));
+            assert_eq!(mine["sent_feed"], example["sent_feed"]);
         }
     }
+}
+
+#[test]
+fn comments_and_options_answer_the_questions() {
+    let scratch = Scratch::new("init-answers");
+    let program = "%\nO1\n(T1 D=10. CR=0.5 - BULLNOSE END MILL)\n(T7 8MM 3FL ENDMILL)\nG21G90G94\nT1M6\nS900M3\nG0X0Y0\n\
+                   G3X10.Y0I5.F100.\nT7M6\nS700M3\nG0X0Y0\nG2X10.Y0I5.F200.\nM30\n";
+    let (program, job) = (scratch.write("p.nc", program), scratch.path("p.toml"));
+    let report = init(&program, &job);
+    let found = |index: usize, key: &str| report["proposed"][index][key].clone();
+    assert_eq!([found(0, "diameter"), found(1, "diameter")], [Value::from(10.0), Value::from(8.0)]);
+    assert_eq!([found(0, "teeth"), found(1, "teeth"), found(1, "comment_line")], [Value::Null, 3.into(), 4.into()]);
+    assert_eq!(keys(&report), Vec::<&str>::new());
+    assert_eq!(adapted(&job).iter().filter(|block| block["reason"] == "law").count(), 2);
+    let given =
+        ["--feed-per-tooth", "0.02", "--teeth", "T1=2", "--tool", "T7=6", "--max", "120", "--force", "-o", &job];
+    assert_eq!(run(&[&["init", &program][..], &given].concat()).status.code(), Some(0));
+    let text = std::fs::read_to_string(&job).expect("a job");
+    for line in ["diameter = 10.0", "diameter = 6.0", "teeth = 2", "teeth = 3", "max_feed = 240.0", "max_raise = 1.2"] {
+        assert!(text.contains(line), "{line}:\n{text}");
+    }
+    assert_eq!(run(&["check", &job]).status.code(), Some(0));
 }
 
 #[test]
@@ -155,20 +180,10 @@ fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
     let scratch = Scratch::new("init-corpus");
     let job = scratch.path("first.toml");
     let report = init("tests/corpus/cam-2003.nc", &job);
-    let wanted = [
-        "tool.diameter",
-        "tool.teeth",
-        "spindle.rev_per_min",
-        "limits.max_feed",
-        "law.feed_per_tooth",
-        "cut.1.side",
-        "cut.1.radial_depth",
-        "cut.2.side",
-        "cut.2.radial_depth",
-    ];
+    let wanted = ["tool.diameter", "spindle.rev_per_min"];
     assert_eq!((keys(&report), &report["arcs"], &report["errors"]), (wanted.to_vec(), &3.into(), &0.into()));
     assert_asks_in_order(&job, &report);
-    answer(&job, &["1", "4", "1000", "100", "0.004", "\"inside\"", "0.1", "\"outside\"", "0.1"]);
+    answer(&job, &["1", "1000"]);
     assert_eq!(run(&["check", &job]).status.code(), Some(0));
     assert_eq!(adapted(&job).iter().filter(|block| block["reason"] == "law").count(), 3);
 }
@@ -185,7 +200,7 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
     let text = std::fs::read_to_string(&job).expect("a job");
     let asked: Vec<String> = questions::open(&text).into_iter().map(|question| question.key).collect();
     assert_eq!(asked[0], "units");
-    assert!(asked.contains(&"spindle.rev_per_min".to_owned()) && text.contains("S500, S600"));
+    assert!(asked.contains(&"tool.diameter".to_owned()) && text.contains("rev_per_min = 500"));
     let missing = run(&["init", &scratch.path("nothing.nc")]);
     assert_eq!((missing.status.code(), scratch.files()), (Some(1), vec!["bare.nc".to_owned(), "bare.toml".into()]));
     let broken = scratch.write("broken.nc", "G21G90G94\nG1X5.F100.\nG3X0.Y0.\nG3X0Y0I-2.5\n");
@@ -196,12 +211,13 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
 /// Result of `init` for a text: the tool, and the written job.
 fn proposed(scratch: &Scratch, text: &str) -> (LikelyTool, String) {
     let path = scratch.write("p.nc", text);
-    let (program, survey) = survey::load(path.as_ref()).expect("just written");
+    let (program, survey) = survey::load(path.as_ref(), None).expect("just written");
     assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
     let groups = group(&survey.arcs);
-    let proposal = propose(&groups);
-    let job = job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal });
-    (proposal.tool, job)
+    let answers = &Answers::default();
+    let proposal = propose(&groups, &survey, answers);
+    let job = job(&Findings { program: "p.nc", survey: &survey, groups: &groups, proposal: &proposal, answers });
+    (proposal.tools[0].kind, job)
 }
 
 /// The job with an answer that makes sense for every question.
@@ -249,7 +265,7 @@ fn a_generated_contour_with_two_corner_radii_is_an_end_mills() {
 }
 
 #[test]
-fn of_two_tools_the_one_with_more_arcs_gets_the_job_and_rules_that_leave_the_other_alone() {
+fn each_of_two_tools_gets_its_own_rules() {
     let scratch = Scratch::new("init-two-tools");
     let mut rng = Rng::with_seed(1);
     let (cup, [_, outer]) = cup_mill(&mut rng);
@@ -260,8 +276,15 @@ fn of_two_tools_the_one_with_more_arcs_gets_the_job_and_rules_that_leave_the_oth
     lines.push(format!("N9010G3X0Y0I{:.4}F30.", outer / unit));
     lines.push("M30".into());
     let (tool, job) = proposed(&scratch, &(lines.join("\n") + "\n"));
-    assert!(matches!(tool, LikelyTool::CupMill { .. }) && job.contains("The program uses T3, T9. This job is for T3"));
-    let rules = &sound(&scratch, &job).job.rules;
-    assert!(rules.iter().any(|rule| rule.sequence.is_some_and(|(_, last)| last < 9_000)), "{job}");
-    assert!(rules.iter().all(|rule| rule.sequence.is_none_or(|(_, last)| last < 9_000)), "{job}");
+    assert!(matches!(tool, LikelyTool::CupMill { .. }), "{job}");
+    assert!(job.contains("# T9 keeps its feeds: its diameter is unknown."), "{job}");
+    let mut is_inside = false;
+    let uncommented = job.lines().map(|line| {
+        is_inside = line.starts_with("# T9 keeps") || (is_inside && line.starts_with('#'));
+        line.strip_prefix("# ").filter(|_| is_inside && !line.contains("T9 keeps")).unwrap_or(line).to_owned() + "\n"
+    });
+    let job = sound(&scratch, &uncommented.collect::<String>()).job;
+    let numbers: Vec<Option<i64>> = job.tools.iter().map(|setup| setup.number).collect();
+    let tools: Vec<u8> = job.rules.iter().map(|rule| rule.tool).collect();
+    assert_eq!((numbers, tools), (vec![Some(3), Some(9)], vec![0, 0, 0, 0, 1]));
 }

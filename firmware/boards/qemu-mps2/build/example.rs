@@ -90,13 +90,13 @@ fn job_source(job: &Job) -> String {
     assert_eq!(tools.len(), 1, "the images are for jobs with one tool");
     assert_eq!(*knots, Knots::new(), "the example's law needs no table");
     let mut text = String::from("    /// The job, its rules still to be added.\n    pub const fn job() -> Job {\n");
-    let ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth } = tools.first();
+    let ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth, follows_program } = tools.first();
     text += &format!("        Job {{ unit: {unit:?}, ceiling: {ceiling:?}, tools: Tools::one(ToolSetup {{\n");
     text += &format!(
         "            tool: Tool::{tool:?}, number: {number:?}, axis: ToolAxis::{axis:?}, spindle: {spindle:?},\n"
     );
     text += &format!("            speed_source: SpeedSource::{speed_source:?}, law: LawKind::{law:?},\n");
-    text += &format!("            feed_per_tooth: {feed_per_tooth:?} }}),\n");
+    text += &format!("            feed_per_tooth: {feed_per_tooth:?}, follows_program: {follows_program} }}),\n");
     text += &format!("            policy: {policy:?}, limits: {limits:?}, machine: {machine:?},\n");
     text += "            rules: heapless::Vec::new(), knots: Knots::new() }\n    }\n";
     // In place: a list of rules that is returned by value may be on the stack twice.

@@ -17,7 +17,7 @@ use arcfeed_model::stock::{Stock, StockLine};
 use arcfeed_model::tool::{Edge, Tool};
 use arcfeed_nc::modal::{Plane, Pose};
 use arcfeed_nc::segment::{Path, Segment};
-use arcfeed_units::Nm;
+use arcfeed_units::{MmPerTooth, Nm};
 use nalgebra::Vector2;
 
 use super::boundary::{Boundary, PlanePath};
@@ -45,6 +45,8 @@ pub struct GoverningRule<'a> {
     pub setup: &'a ToolSetup,
     /// Engaged arcs along the move, for a rule that expects engagement per move.
     pub along: Option<&'a EngagedTable>,
+    /// Target of this move; `None` means that of the rule or the tool.
+    pub target: Option<MmPerTooth>,
 }
 
 /// Geometry of one move for the meter.
@@ -94,7 +96,7 @@ impl ChipMeasure {
 impl GoverningRule<'_> {
     /// Target of the rule, mm per tooth.
     pub fn target_mm_per_tooth(&self) -> f64 {
-        f64::from(self.rule.feed_per_tooth.unwrap_or(self.setup.feed_per_tooth).0)
+        f64::from(self.target.or(self.rule.feed_per_tooth).unwrap_or(self.setup.feed_per_tooth).0)
     }
 }
 

@@ -128,18 +128,19 @@ fn chip_load<'a>(
     choose: &dyn Fn(&CutRule) -> bool,
 ) -> Option<ChipLoadFigures> {
     let mut samples = ChipSamples::default();
-    let mut targets_mm: Vec<f64> = Vec::new();
+    let (mut targets_mm, mut follows_program): (Vec<f64>, bool) = (Vec::new(), false);
     for chips in moves {
         let Some(rule) = job.rules.get(chips.rule).filter(|rule| choose(rule)) else { continue };
         samples.steady.merge(&chips.contact);
         samples.all.merge(&chips.any_contact);
         samples.left_out.merge(&chips.left_out);
         let target_mm = f64::from(job.feed_per_tooth_of(rule).0);
+        follows_program |= job.tool_of(rule).follows_program;
         if chips.any_contact.samples > 0 && !targets_mm.contains(&target_mm) {
             targets_mm.push(target_mm);
         }
     }
-    let only = (targets_mm.len() == 1).then(|| targets_mm[0]);
+    let only = (targets_mm.len() == 1 && !follows_program).then(|| targets_mm[0]);
     ChipLoadFigures::new(&samples, only, job.unit)
 }
 

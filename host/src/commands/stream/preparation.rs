@@ -83,7 +83,7 @@ impl PreparedProgram {
             bytes: whole.frames().len(),
             ..Start::default()
         };
-        let foreseen = foreseen(&program, &adapted);
+        let foreseen = foreseen(&program, &adapted, &file.job);
         let bounds = MoveBounds::of(&adapted);
         Ok(PreparedProgram { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
     }

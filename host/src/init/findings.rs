@@ -1,0 +1,58 @@
+//! All that is known for a job: survey, proposal and answers.
+
+use arcfeed_units::LengthUnit;
+
+use super::answers::Answers;
+use super::groups::Group;
+use super::proposal::{LikelyTool, Proposal, ProposedTool};
+use super::survey::Survey;
+
+/// Input of the job file.
+#[derive(Clone, Copy, Debug)]
+pub struct Findings<'a> {
+    /// Path of the program in the job file.
+    pub program: &'a str,
+    /// Survey of the program.
+    pub survey: &'a Survey,
+    /// Arcs of the program, grouped.
+    pub groups: &'a [Group],
+    /// Proposed tools and cut rules.
+    pub proposal: &'a Proposal,
+    /// Values from the command line.
+    pub answers: &'a Answers,
+}
+
+impl Findings<'_> {
+    /// Unit of the program; inches where it is unknown.
+    pub fn unit(&self) -> LengthUnit {
+        let Survey { unit, likely_unit, .. } = self.survey;
+        unit.or(self.answers.units).or(*likely_unit).unwrap_or(LengthUnit::Inch)
+    }
+
+    /// The programmed F is the tool's target feed.
+    pub fn follows_program(&self, tool: &ProposedTool) -> bool {
+        // Without rules nothing is governed, and nothing has to be answered.
+        let has_own = !tool.cuts.is_empty() && Answers::of(&self.answers.feeds_per_tooth, tool.number).is_some();
+        let mode = self.answers.mode.as_deref();
+        let has_cup = self.proposal.tools.iter().any(ProposedTool::is_cup_mill);
+        !tool.is_cup_mill() && !has_own && mode.map_or(!has_cup, |mode| mode == "rewrite-only")
+    }
+
+    /// Diameter of an end mill, as given or from a comment, mm.
+    pub fn diameter_mm(&self, tool: &ProposedTool) -> Option<f64> {
+        let given = Answers::of(&self.answers.diameters, tool.number).map(|length| length.to_mm(self.unit()));
+        given.or(tool.note.as_ref().and_then(|note| note.data.diameter_mm))
+    }
+
+    /// Number of teeth, as given or from a comment.
+    pub fn teeth(&self, tool: &ProposedTool) -> Option<u16> {
+        Answers::of(&self.answers.teeth, tool.number).or(tool.note.as_ref().and_then(|note| note.data.teeth))
+    }
+}
+
+impl ProposedTool {
+    /// A cup mill.
+    pub fn is_cup_mill(&self) -> bool {
+        matches!(self.kind, LikelyTool::CupMill { .. })
+    }
+}

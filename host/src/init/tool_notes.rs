@@ -1,0 +1,178 @@
+//! Comments about tools, collected along a program and assigned to their T numbers.
+//!
+//! A comment belongs to the T number that it names; without one, to the comment right before it that names one (a list over
+//! several lines), or to a tool change in its own block or close by. Comments that contradict each other leave
+//! that value open.
+
+use arcfeed_units::LengthUnit;
+
+use super::tool_comment::{CommentedKind, ToolComment};
+
+/// Farthest a comment without a number may stand before its tool change, in lines.
+const REACH_BEFORE: usize = 4;
+/// And behind it: there it has to name a kind of tool, for most comments there are about the cut.
+const REACH_BEHIND: usize = 2;
+
+/// Data that comments have about a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolNote {
+    /// T number.
+    pub tool: i64,
+    /// First line with such a comment, counted from 1.
+    pub line: usize,
+    /// Text of that comment.
+    pub text: String,
+    /// Data of all its comments.
+    pub data: ToolComment,
+}
+
+/// Comments read so far.
+#[derive(Debug)]
+pub struct ToolNotes {
+    unit: LengthUnit,
+    notes: Vec<ToolNote>,
+    /// Tools whose comments contradict each other about the diameter.
+    contradicted: Vec<i64>,
+    /// Tool that the last comment named, and its line.
+    named: Option<(i64, usize)>,
+    /// Last tool change and its line.
+    change: Option<(i64, usize)>,
+    /// Comment that waits for its tool change.
+    pending: Option<(usize, String, ToolComment)>,
+}
+
+impl ToolNotes {
+    /// For a program in this unit.
+    pub fn new(unit: LengthUnit) -> Self {
+        let (notes, contradicted) = (Vec::new(), Vec::new());
+        ToolNotes { unit, notes, contradicted, named: None, change: None, pending: None }
+    }
+
+    /// Reads the comments of the next line; `change` is the tool that its block selects or loads.
+    pub fn read(&mut self, line: usize, text: &[u8], change: Option<i64>) {
+        if let Some(tool) = change {
+            self.change = Some((tool, line));
+            if let Some((place, comment, data)) = self.pending.take().filter(|(place, ..)| place + REACH_BEFORE >= line)
+            {
+                self.add(tool, place, &comment, data);
+            }
+        }
+        for comment in comments(text) {
+            let data = ToolComment::read(&comment, self.unit);
+            let near = |(tool, place): (i64, usize), reach: usize| (place + reach >= line).then_some(tool);
+            let followed = || self.named.and_then(|named| near(named, 1));
+            let reach = if data.kind.is_some() { REACH_BEHIND } else { 0 };
+            let changed = || self.change.and_then(|change| near(change, reach));
+            let Some(tool) = data.number.or_else(|| if data.has_data() { followed().or_else(changed) } else { None })
+            else {
+                if data.has_data() {
+                    self.pending = Some((line, comment, data));
+                }
+                continue;
+            };
+            if data.number.is_some() || followed().is_some() {
+                self.named = Some((tool, line));
+            }
+            self.add(tool, line, &comment, data);
+        }
+    }
+
+    /// All notes.
+    pub fn finish(self) -> Vec<ToolNote> {
+        self.notes
+    }
+
+    fn add(&mut self, tool: i64, line: usize, text: &str, data: ToolComment) {
+        if !data.has_data() {
+            return;
+        }
+        let Some(note) = self.notes.iter_mut().find(|note| note.tool == tool) else {
+            self.notes.push(ToolNote { tool, line, text: text.to_owned(), data });
+            return;
+        };
+        let known = &mut note.data;
+        if let (Some(a), Some(b)) = (known.diameter_mm, data.diameter_mm)
+            && libm::fabs(a - b) > 1e-3 * a
+        {
+            self.contradicted.push(tool);
+        }
+        let is_contradicted = self.contradicted.contains(&tool);
+        known.diameter_mm = known.diameter_mm.or(data.diameter_mm).filter(|_| !is_contradicted);
+        known.corner_radius_mm = known.corner_radius_mm.or(data.corner_radius_mm);
+        known.teeth = known.teeth.or(data.teeth);
+        known.kind = match (known.kind, data.kind) {
+            (Some(CommentedKind::Other), _) | (_, Some(CommentedKind::Other)) => Some(CommentedKind::Other),
+            (one, other) => one.or(other),
+        };
+    }
+}
+
+/// Texts of the comments of a line; a list of several tools, each with its T number, is several texts.
+fn comments(text: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(text);
+    let comments = text.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
+    comments.flat_map(of_each_tool).collect()
+}
+
+fn of_each_tool(comment: &str) -> Vec<String> {
+    let bytes = comment.as_bytes();
+    let is_tool = |at: &usize| {
+        let starts = *at == 0 || !bytes[at - 1].is_ascii_alphanumeric();
+        starts && bytes[*at].eq_ignore_ascii_case(&b'T') && bytes.get(at + 1).is_some_and(u8::is_ascii_digit)
+    };
+    let mut starts: Vec<usize> = (0..bytes.len()).filter(is_tool).collect();
+    if starts.len() < 2 {
+        return vec![comment.to_owned()];
+    }
+    starts.push(bytes.len());
+    starts.windows(2).map(|ends| comment[ends[0]..ends[1]].to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Found = (i64, Option<f64>, Option<u16>, Option<CommentedKind>);
+
+    fn notes(lines: &[(&str, Option<i64>)]) -> Vec<Found> {
+        let mut notes = ToolNotes::new(LengthUnit::Mm);
+        for (index, (text, change)) in lines.iter().enumerate() {
+            notes.read(index + 1, text.as_bytes(), *change);
+        }
+        let data = |note: ToolNote| (note.tool, note.data.diameter_mm, note.data.teeth, note.data.kind);
+        notes.finish().into_iter().map(data).collect()
+    }
+
+    const MILL: Option<CommentedKind> = Some(CommentedKind::EndMill);
+
+    #[test]
+    fn a_comment_belongs_to_its_number_or_to_the_tool_change_beside_it() {
+        assert_eq!(notes(&[("(T3 D=10. CR=0. - FLAT END MILL)", None)]), [(3, Some(10.0), None, MILL)]);
+        assert_eq!(notes(&[("T3M6 (10MM ENDMILL 4FL)", Some(3))]), [(3, Some(10.0), Some(4), MILL)]);
+        assert_eq!(notes(&[("(10MM ENDMILL)", None), ("T3M6", Some(3))]), [(3, Some(10.0), None, MILL)]);
+        assert_eq!(notes(&[("T3M6", Some(3)), ("(10MM ENDMILL)", None)]), [(3, Some(10.0), None, MILL)]);
+        assert_eq!(notes(&[("T3M6", Some(3)), ("G0", None), ("X1", None), ("(10MM ENDMILL)", None)]), []);
+        assert_eq!(
+            notes(&[("(D12)", None), ("T3M6", Some(3)), ("(D50 BOHRUNG)", None)]),
+            [(3, Some(12.0), None, None)]
+        );
+        let list = notes(&[("(T1 D16 WSP  T2 D8 ENDMILL  T4 BOHRER 8.5)", None)]);
+        assert_eq!(
+            list.iter().map(|note| (note.0, note.1)).collect::<Vec<_>>(),
+            [(1, Some(16.0)), (2, Some(8.0)), (4, None)]
+        );
+    }
+
+    #[test]
+    fn a_list_over_several_lines_is_one_tools() {
+        let list = [("(TOOL NUMBER : 2)", None), ("(TOOL TYPE : ENDMILL)", None), ("(TOOL DIA. 8.0)", None)];
+        assert_eq!(notes(&list), [(2, Some(8.0), None, MILL)]);
+    }
+
+    #[test]
+    fn two_diameters_leave_the_diameter_open() {
+        let lines = [("(T1 8MM ENDMILL)", None), ("(T1 10MM ENDMILL)", None), ("(T1 8MM ENDMILL)", None)];
+        assert_eq!(notes(&lines), [(1, None, None, MILL)]);
+        assert_eq!(notes(&[("(T1 8MM ENDMILL)", None), ("(T1 BALL)", None)])[0].3, Some(CommentedKind::Other));
+    }
+}

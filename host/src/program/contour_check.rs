@@ -1,0 +1,186 @@
+//! Contours under G41 and G42 as the control offsets them: faults that only their geometry shows.
+
+use arcfeed_compensation::compensator::{CompensationFault, Compensator, ContourMove};
+use arcfeed_compensation::contour::ContourCommand;
+use arcfeed_nc::alarm::Fault;
+use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::text::Lines;
+use arcfeed_units::Nm;
+
+use super::{Diagnostic, is_blank};
+
+/// Message about a contour without a radius.
+pub(super) const NO_RADIUS: &str = "G41 or G42 with a D of no radius: the contour is checked and simulated as written, without \
+                                    the tool's radius; give it in the settings file ([radius]) or by G10 L12 \
+                                    (docs/compensation.md)";
+
+/// Check of the contours of a program; a `Place` is that of a block.
+#[derive(Debug)]
+pub(super) struct ContourCheck<Place> {
+    compensator: Compensator,
+    /// Block of the held move.
+    held: Option<Place>,
+    /// A fault leaves the rest of the contour unchecked.
+    is_lost: bool,
+    /// The contour has had a radius, so that D0 ends it.
+    has_radius: bool,
+    has_warned: bool,
+}
+
+/// Finding of the check.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ContourFinding<Place> {
+    /// The control would stop at this block.
+    Fault(Place, Fault),
+    /// No radius is known.
+    NoRadius(Place),
+}
+
+impl<Place: Copy> ContourCheck<Place> {
+    /// Check before the first block.
+    pub fn new(settings: &Settings) -> Self {
+        let compensator = Compensator::new(settings.compensation);
+        ContourCheck { compensator, held: None, is_lost: false, has_radius: false, has_warned: false }
+    }
+
+    /// Checks a block; `reader` is the control after it.
+    pub fn add(&mut self, line: &InterpretedLine, reader: &Reader, place: Place) -> Option<ContourFinding<Place>> {
+        let command = ContourCommand::of(line, reader.modal(), reader.tables());
+        let has_side = reader.modal().compensation.is_some();
+        self.has_radius = has_side && (self.has_radius || command.offset != Nm(0));
+        if has_side && !self.has_radius && line.step.motion.is_some() && !self.has_warned {
+            self.has_warned = true;
+            return Some(ContourFinding::NoRadius(place));
+        }
+        let is_unknown = line.step.motion.is_some() && line.segment.is_none();
+        if is_unknown || (self.is_lost && command.offset != Nm(0)) {
+            self.lose();
+            return None;
+        }
+        self.is_lost = false;
+        match command.apply(line.segment.as_ref(), &mut self.compensator) {
+            Ok(_) => {
+                let is_held = |held: &ContourMove| Some(held.segment) == line.segment;
+                if self.compensator.held().is_some_and(is_held) {
+                    self.held = Some(place);
+                }
+                None
+            }
+            Err(CompensationFault::Given(fault)) => {
+                // A fault of the held move comes up first.
+                self.stop().or(Some(ContourFinding::Fault(place, fault)))
+            }
+            Err(CompensationFault::Held(fault)) => self.fault_of_held(fault),
+        }
+    }
+
+    /// Ends the contour at a block that was not understood, or at the end of the program; the rest is not checked.
+    pub fn stop(&mut self) -> Option<ContourFinding<Place>> {
+        let result = self.compensator.end_held();
+        self.lose();
+        match result {
+            Ok(_) => None,
+            Err(CompensationFault::Held(fault) | CompensationFault::Given(fault)) => self.fault_of_held(fault),
+        }
+    }
+
+    fn lose(&mut self) {
+        self.compensator.reset();
+        self.is_lost = true;
+    }
+
+    fn fault_of_held(&mut self, fault: Fault) -> Option<ContourFinding<Place>> {
+        self.lose();
+        Some(ContourFinding::Fault(self.held?, fault))
+    }
+}
+
+/// Findings in the contours of a program without macro statements, in order of place.
+pub(super) fn contour_diagnostics(bytes: &[u8], settings: Settings, tables: Tables) -> Vec<Diagnostic> {
+    if !may_have_contours(bytes) {
+        return Vec::new();
+    }
+    let mut reader = Reader::with(settings, tables).at_unknown_position();
+    let (mut check, mut has_begun) = (ContourCheck::new(&settings), false);
+    let (mut findings, mut line) = (Vec::new(), InterpretedLine::default());
+    for (index, raw) in Lines::new(bytes).enumerate() {
+        if has_begun && raw.text.first() == Some(&b'%') {
+            break;
+        }
+        has_begun |= !is_blank(raw.text);
+        findings.extend(match reader.read_into(raw.text, &mut line) {
+            Ok(()) => check.add(&line, &reader, index),
+            Err(_) => check.stop(),
+        });
+    }
+    findings.extend(check.stop());
+    let text = |index| Lines::new(bytes).nth(index).map_or(&[][..], |raw| raw.text);
+    let diagnostic = |finding: ContourFinding<usize>| finding.diagnostic(|index| (index + 1, text(index)));
+    let mut found: Vec<Diagnostic> = findings.into_iter().map(diagnostic).collect();
+    found.sort_by_key(|diagnostic| diagnostic.line);
+    found
+}
+
+impl<Place: Copy> ContourFinding<Place> {
+    /// The diagnostic, with line and text of its place.
+    pub fn diagnostic<'a>(self, line: impl Fn(Place) -> (usize, &'a [u8])) -> Diagnostic {
+        match self {
+            ContourFinding::Fault(place, fault) => {
+                let (line, text) = line(place);
+                Diagnostic::of_fault(line, text, fault)
+            }
+            ContourFinding::NoRadius(place) => {
+                let (line, text) = line(place);
+                Diagnostic::of_line(line, text, NO_RADIUS)
+            }
+        }
+    }
+}
+
+/// Whether a program may have G41 or G42.
+fn may_have_contours(bytes: &[u8]) -> bool {
+    let is_side = |code: &[u8]| {
+        let digits =
+            code.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'0')).map_or(&[][..], |at| &code[at..]);
+        digits.starts_with(b"41") || digits.starts_with(b"42")
+    };
+    bytes.split(|byte| *byte == b'G').skip(1).any(is_side)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_nc::block::Reading;
+    use arcfeed_nc::settings::{Preset, Scope};
+    use arcfeed_units::LengthUnit;
+
+    fn found(program: &str) -> Vec<(usize, Option<u16>)> {
+        let mut settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
+        settings.scope = Scope::Everything;
+        let diagnostics = contour_diagnostics(program.as_bytes(), settings, Tables::default());
+        diagnostics.into_iter().map(|diagnostic| (diagnostic.line, diagnostic.alarm)).collect()
+    }
+
+    #[test]
+    fn a_fault_is_at_the_block_of_its_move_and_hides_only_the_rest_of_its_contour() {
+        let contour = "G41D1G1X0Y0F100.\nX20.\nY1.\nX0\nX5.\nG40Y-9.\n";
+        let program = format!("%\nG10L12P1R2.\nG0X-10.Y0\n{contour}G0X-10.Y0\n{contour}M30\n%\n");
+        assert_eq!(found(&program), [(6, Some(41)), (13, Some(41))]);
+    }
+
+    #[test]
+    fn an_unknown_radius_is_one_warning_and_d0_at_the_end_of_a_contour_is_none() {
+        let program = "%\nG0X-10.Y0\nG41D1G1X0F100.\nX20.\nG40Y9.\nG41X0\nY30.\nM30\n";
+        assert_eq!(found(program), [(3, None)]);
+        assert_eq!(found("G10L12P1R2.\nG0X-10.Y0\nG41D1G1X0F100.\nX20.\nD0Y9.\nX3.\nM30\n"), []);
+        assert_eq!(found("G0X41.\nM30\n"), []);
+    }
+
+    #[test]
+    fn what_the_check_does_not_know_it_does_not_judge() {
+        let program = "G10L12P1R2.\nG0X-10.Y0\nG41D1G1X0F100.\nX20.\nX2O.\nY1.\nX0\nX5.\nG40Y-9.\nM30\n";
+        assert_eq!(found(program), []);
+        assert_eq!(found("G10L12P1R2.\nG41D1G1X0F100.\nG3X9.Y9.J9.\nX0\nG40Y-9.\nM30\n"), []);
+    }
+}

@@ -1,0 +1,93 @@
+//! Geometry of a programmed move in the plane of compensation.
+
+use arcfeed_nc::motion::Plane;
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::Nm;
+
+use crate::vector::{Point, Vector, between, in_plane, length, scaled, to_left, unit};
+
+/// A move in the plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    pub from: Point,
+    pub to: Point,
+    /// The circle, for an arc.
+    pub arc: Option<ArcElement>,
+}
+
+/// An arc in the plane.
+#[derive(Clone, Copy, Debug)]
+pub struct ArcElement {
+    pub center: Point,
+    /// +1 counter-clockwise, -1 clockwise.
+    pub sign: i8,
+    /// Angle from start to end in the sense of the arc, in (0, 2 pi].
+    pub sweep_rad: f64,
+}
+
+/// Path at one of its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Branch {
+    /// Direction of motion, length 1.
+    pub tangent: Vector,
+    /// The offset circle, for an arc.
+    pub circle: Option<Circle>,
+}
+
+/// A circle; the centre is relative to the corner.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle {
+    pub center: Vector,
+    pub radius_mm: f64,
+}
+
+impl Element {
+    /// The move in the plane; `None` if it does not travel there.
+    pub fn of(segment: &Segment, plane: Plane) -> Option<Self> {
+        let (from, to) = (in_plane(&segment.start, plane), in_plane(&segment.end, plane));
+        let arc = match &segment.path {
+            Path::Arc(arc) if arc.plane == plane => {
+                Some(ArcElement { center: arc.center, sign: arc.turn.sign(), sweep_rad: arc.sweep_rad() })
+            }
+            Path::Arc(_) | Path::Rapid | Path::Line => None,
+        };
+        (arc.is_some() || from != to).then_some(Element { from, to, arc })
+    }
+
+    /// Path at the start; `offset_mm` positive to the left.
+    pub fn start(&self, offset_mm: f64) -> Branch {
+        self.branch(self.from, offset_mm)
+    }
+
+    /// Path at the end.
+    pub fn end(&self, offset_mm: f64) -> Branch {
+        self.branch(self.to, offset_mm)
+    }
+
+    fn branch(&self, point: Point, offset_mm: f64) -> Branch {
+        let Some(arc) = &self.arc else {
+            return Branch { tangent: unit(between(self.from, self.to)), circle: None };
+        };
+        let center = between(point, arc.center);
+        let tangent = scaled(to_left(unit(center)), -f64::from(arc.sign));
+        Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - f64::from(arc.sign) * offset_mm }) }
+    }
+
+    /// Radius of the arc at its smaller end, and of its offset path there; `None` for a line.
+    pub fn radii_mm(&self, offset_mm: f64) -> Option<(f64, f64)> {
+        let arc = self.arc.as_ref()?;
+        let [start, end] = [self.from, self.to].map(|point| length(between(point, arc.center)));
+        let radius = start.min(end);
+        Some((radius, radius - f64::from(arc.sign) * offset_mm))
+    }
+
+    /// Vector of the offset at the start, at a right angle to the path.
+    pub fn normal_at_start(&self, offset: Nm) -> Vector {
+        scaled(to_left(self.start(0.0).tangent), offset.to_mm())
+    }
+
+    /// Vector of the offset at the end, at a right angle to the path.
+    pub fn normal_at_end(&self, offset: Nm) -> Vector {
+        scaled(to_left(self.end(0.0).tangent), offset.to_mm())
+    }
+}

@@ -1,0 +1,180 @@
+//! `adapt` and `simulate` of a program without a job file: the tools come from its comments and from options.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use arcfeed::program::Program;
+use arcfeed_nc::modal::Feed;
+use arcfeed_nc::settings::Reading;
+use arcfeed_tests::{Scratch, root, run};
+use arcfeed_units::LengthUnit;
+use fastrand::Rng;
+
+const POCKET: &str = "examples/pocket/pocket.nc";
+/// Random programs.
+const PROGRAMS: u64 = 300;
+
+fn text_of(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("arcfeed speaks UTF-8")
+}
+
+fn file_text(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).expect("a text")
+}
+
+/// Output of `adapt` with these options.
+fn adapted(program: &str, options: &[&str]) -> String {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let scratch = Scratch::new(&format!("without-job-{}", COUNT.fetch_add(1, Ordering::Relaxed)));
+    let out = scratch.path("out.nc");
+    let output = run(&[&["adapt", program, "-o", &out], options].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    file_text(&out)
+}
+
+/// Exit code and message.
+fn refused(arguments: &[&str]) -> (Option<i32>, String) {
+    let output = run(arguments);
+    (output.status.code(), text_of(&output.stderr))
+}
+
+/// F of each cutting move, per minute, nm.
+fn feeds(text: &str) -> Vec<Option<i64>> {
+    let program = Program::parse(Path::new("p.nc"), text.as_bytes(), LengthUnit::Mm, Reading::Lenient);
+    let moves = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
+    moves.map(|segment| if let Feed::PerMinute(feed) = segment.feed { Some(feed.0) } else { None }).collect()
+}
+
+#[test]
+fn an_inside_corner_gets_the_programmed_feed_at_its_contour() {
+    // Centre path of radius 3 inside a contour of radius 8; the slot of radius 25 has its inside wall at 30.
+    let original = file_text(POCKET);
+    let corners =
+        original.replace("G3X45.Y-17.I.0J3.", "G3X45.Y-17.I.0J3.F1200.").replace("N150G1Y27.", "N150G1Y27.F3200.");
+    let corners =
+        corners.replace("G3X42.Y30.I-3.J.0", "G3X42.Y30.I-3.J.0F1200.").replace("N170G1X-42.", "N170G1X-42.F3200.");
+    let corners =
+        corners.replace("G3X-45.Y27.I.0J-3.", "G3X-45.Y27.I.0J-3.F1200.").replace("N190G1Y-17.", "N190G1Y-17.F3200.");
+    let corners =
+        corners.replace("G3X-42.Y-20.I3.J.0", "G3X-42.Y-20.I3.J.0F1200.").replace("N210G1X5.", "N210G1X5.F3200.");
+    assert_eq!(adapted(POCKET, &["--tool", "10"]), corners.replace("F1600.", "F1333.3"));
+    assert_eq!(adapted(POCKET, &["--tool", "T1=10mm", "--mode", "rewrite-only"]), corners.replace("F1600.", "F1333.3"));
+}
+
+#[test]
+fn a_wanted_feed_per_tooth_counts_where_it_is_below_the_programmed_feed() {
+    let options = ["--tool", "10", "--teeth", "4", "--feed-per-tooth", "0.05", "--mode", "rewrite-only"];
+    let text = adapted(POCKET, &options);
+    // 0.05 mm x 4 teeth x 8000 rev/min = 1600 mm/min at the contour; times 3/8 and 25/30 at the centre. The island gets 1600.
+    for block in ["N140G3X45.Y-17.I.0J3.F600.", "N310G2X.0Y-10.I.0J15.F1600.", "N440G3X125.Y25.I.0J25.F1333.3"] {
+        assert!(text.contains(block), "{block}:\n{text}");
+    }
+    let faster = adapted(POCKET, &["--tool", "10", "--max", "140"]);
+    // Outside, contour radius 10, centre 15: 1.5 times the feed at the contour, and at most 1.4.
+    assert!(faster.contains("N310G2X.0Y-10.I.0J15.F4479.9"), "{faster}");
+}
+
+#[test]
+fn tools_come_from_the_comments_and_other_tools_keep_their_feeds() {
+    let program = "%\nO1\n(T1 D=10. CR=0. - ZMIN=-5. - FLAT END MILL)\n(T2 D=6. CR=3. - BALL END MILL)\n(T3 D=4. CR=0. - FLAT END MILL)\n\
+                   G90G94G17G21\n@1@2@3M30\n%\n";
+    let cut = |tool: i32| format!("T{tool}M6\nS5000M3\nG0X0Y0Z5.\nG1Z-1.F200.\nX20.F900.\nG3X26.Y6.I0J6.\nG1Y20.\n");
+    let program = (1..=3).fold(program.to_owned(), |text, tool| text.replace(&format!("@{tool}"), &cut(tool)));
+    let scratch = Scratch::new("without-job-tools");
+    let path = scratch.write("p.nc", &program);
+    let text = adapted(&path, &[]);
+    // Contour radii 11 and 8; the ball keeps its feed.
+    let arcs: Vec<&str> = text.lines().filter(|line| line.starts_with("G3")).collect();
+    assert_eq!(arcs, ["G3X26.Y6.I0J6.F490.9", "G3X26.Y6.I0J6.", "G3X26.Y6.I0J6.F675."]);
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("G1Y20.")).collect();
+    assert_eq!(lines, ["G1Y20.F900.", "G1Y20.", "G1Y20.F900."]);
+    // A given diameter counts before the comment's, for its tool alone.
+    assert!(
+        adapted(&path, &["--tool", "T2=6"])
+            .contains("T2M6\nS5000M3\nG0X0Y0Z5.\nG1Z-1.F200.\nX20.F900.\nG3X26.Y6.I0J6.F600.\n")
+    );
+    let (code, message) = refused(&["adapt", &path, "--tool", "10"]);
+    assert!(code == Some(2) && message.contains("--tool T1=DIAMETER --tool T3=DIAMETER"), "{message}");
+    let (code, message) = refused(&["adapt", &path, "--tool", "T9=10"]);
+    assert!(code == Some(2) && message.contains("T9: this tool mills no arcs in G17"), "{message}");
+}
+
+#[test]
+fn what_is_missing_is_named_with_its_option() {
+    let scratch = Scratch::new("without-job-missing");
+    let path = scratch.write("p.nc", "G90G94\nG0X0Y0\nG3X10.Y0I5.F100.\nM30\n");
+    let (code, message) = refused(&["adapt", &path]);
+    assert!(code == Some(2) && message.contains("write --tool DIAMETER"), "{message}");
+    let (code, message) = refused(&["adapt", &path, "--tool", "4"]);
+    assert!(
+        code == Some(2) && message.contains("--units mm") && message.contains("--spindle REV_PER_MIN"),
+        "{message}"
+    );
+    let options = ["--tool", "4", "--units", "mm", "--spindle", "9000"];
+    let (code, message) = refused(&[&["adapt", &path][..], &options, &["--feed-per-tooth", "0.1"]].concat());
+    assert!(code == Some(2) && message.contains("--teeth COUNT"), "{message}");
+    assert!(adapted(&path, &options).contains("G3X10.Y0I5.F71.4\n"));
+    let (code, message) = refused(&["adapt", "examples/pocket/job-contour.toml", "--tool", "10"]);
+    assert!(code == Some(2) && message.contains("write them into the job"), "{message}");
+    let lines = scratch.write("lines.nc", "G90G94G21\nG0X0Y0\nG1X10.F100.\nM30\n");
+    assert_eq!(adapted(&lines, &[]), file_text(&lines));
+}
+
+#[test]
+fn a_simulation_needs_no_job_file() {
+    let output = run(&["simulate", POCKET, "--tool", "10", "--teeth", "4", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert_eq!(report["alarms"], serde_json::json!([]));
+    assert!(report["cycle_time_s"].as_f64() > report["baseline_cycle_time_s"].as_f64());
+}
+
+/// A contour of lines and arcs with several tools, planes, levels and feeds.
+fn random_program(rng: &mut Rng) -> String {
+    let mut text = String::from("%\nO1\nG21G17G90G94\n");
+    for tool in 1..=rng.u8(1..4) {
+        text += &format!(
+            "T{tool}M6 ({}MM ENDMILL)\nS{}M3\nG0X0Y0Z5.\nG1Z4.F500.\n",
+            rng.u8(1..20),
+            1000 * i32::from(rng.u8(1..9))
+        );
+        let mut x = 0.0;
+        for _ in 0..rng.u8(3..20) {
+            let radius = 0.01 + 20.0 * rng.f64() * rng.f64() * rng.f64();
+            let feed = if rng.bool() { format!("F{}.", rng.u16(20..4000)) } else { String::new() };
+            // Half turns and lines along X.
+            let radius = (radius * 1e3_f64).round() / 1e3;
+            x += 2.0 * radius;
+            text += &match ["G2", "G3", "G1", "G18"][rng.usize(0..4)] {
+                "G1" => format!("G1X{x:.3}{feed}\n"),
+                "G18" => format!("G18G3X{x:.3}I{radius:.3}K0{feed}\nG17\n"),
+                code => format!("{code}X{x:.3}I{radius:.3}J0{feed}\n"),
+            };
+        }
+    }
+    text + "M30\n%\n"
+}
+
+#[test]
+fn without_max_no_feed_is_ever_above_its_programmed_one() {
+    let scratch = Scratch::new("without-job-random");
+    let (mut moves, mut slowed) = (0, 0);
+    for seed in 0..PROGRAMS {
+        let text = random_program(&mut Rng::with_seed(seed));
+        let path = scratch.write("p.nc", &text);
+        if run(&["check", &path]).status.code() != Some(0) || !text.contains("G2") && !text.contains("G3") {
+            continue;
+        }
+        let options: &[&str] =
+            [&[][..], &["--milling", "conventional"], &["--teeth", "9", "--feed-per-tooth", "0.5"]][seed as usize % 3];
+        let (before, after) = (feeds(&text), feeds(&adapted(&path, options)));
+        assert_eq!(before.len(), after.len());
+        for (before, after) in before.iter().zip(&after) {
+            assert!(after <= before, "seed {seed}: {after:?} above {before:?}\n{text}");
+            moves += 1;
+            slowed += usize::from(after < before);
+        }
+    }
+    println!("{moves} moves, {slowed} slowed down");
+    assert!(slowed > moves / 10);
+}
