@@ -156,93 +156,87 @@ fn measured(of: &(Segment, CutRule, ToolSetup), at_mm: Vector2<f64>, delta_mm: V
 /// the surface that the tooth before left and the tooth's own circle, by steps of a micrometre.
 fn thickest_by_rays(at_mm: Vector2<f64>, delta_mm: Vector2<f64>, is_material: &dyn Fn(&Vector2<f64>) -> bool) -> f64 {
     let center_mm = at_mm + delta_mm;
-    let forward_rad = delta_mm.y.atan2(delta_mm.x);
+    let forward_rad = libm::atan2(delta_mm.y, delta_mm.x);
     let depths_mm =
         |u: Vector2<f64>| (0..2_000).map(move |step| center_mm + u * (R_MM - (f64::from(step) + 0.5) * 1e-4));
     let thickness_mm = |turn: i32| {
-        let (sin, cos) = (forward_rad + f64::from(turn) * 5e-4).sin_cos();
+        let (sin, cos) = libm::sincos(forward_rad + f64::from(turn) * 5e-4);
         let chip = depths_mm(Vector2::new(cos, sin)).take_while(|point| (point - at_mm).norm() > R_MM);
         chip.filter(|point| is_material(point)).count() as f64 * 1e-4
     };
     (-3_141..=3_141).map(thickness_mm).fold(0.0, f64::max)
 }
 
-#[test]
-fn the_thickest_chip_is_the_one_between_two_circles_and_the_wall() {
-    let line = |stock: Stock| {
-        mill_move(Path::Line, [50.0, 0.0], Work::Ring(Edge::Outer, stock), LawKind::EngagedArc { both_edges: false })
-    };
-    let depth = |path: Path, end_mm: [f64; 2], side, depth_mm: f64| {
-        mill_move(path, end_mm, Work::Mill { side, radial_depth: Nm::from_mm(depth_mm) }, LawKind::Engagement)
-    };
-    // Quarter of a circle of 6 mm about (0, 6), counter-clockwise from the origin.
-    let arc = |radius_mm: f64| {
-        let [center, from, to] =
-            [[0.0, radius_mm], [0.0, -radius_mm], [radius_mm, 0.0]].map(|point| point.map(Nm::from_mm));
-        Path::Arc(Arc { plane: Plane::Xy, turn: Turn::Ccw, center, from, to })
-    };
-    let (x, start) = (Vector2::new(0.1, 0.0), Vector2::zeros());
-    let polygon = [[2.0, -9.0], [30.0, -9.0], [30.0, -3.0], [2.0, -3.0]];
-    let chord = |radius_mm: f64, from_rad: f64| {
-        let at = |rad: f64| Vector2::new(radius_mm * rad.sin(), radius_mm * (1.0 - rad.cos()));
-        (at(from_rad), at(from_rad + 0.1 / radius_mm) - at(from_rad))
-    };
-    let (about_6, about_12) = (Vector2::new(0.0, 6.0), Vector2::new(0.0, 12.0));
-    // Inside: material beyond 6 + 5 - 1 from the centre and, behind the quarter, beyond x = 10. Outside: within 12 - 5 + 2.
-    let pocket = move |p: &Vector2<f64>| if p.y > 6.0 { p.x >= 10.0 } else { (p - about_6).norm() >= 10.0 };
-    let island = move |p: &Vector2<f64>| if p.y > 12.0 { p.x <= 9.0 } else { (p - about_12).norm() <= 9.0 };
-    type Case<'a> =
-        (&'a str, (Segment, CutRule, ToolSetup), (Vector2<f64>, Vector2<f64>), Box<dyn Fn(&Vector2<f64>) -> bool>);
-    let cases: Vec<Case<'_>> = vec![
-        (
-            "half plane",
-            line(Stock::half_plane(StockLine::from_angle(90.0, -3.0))),
-            (start, x),
-            Box::new(|p| p.y <= -3.0),
-        ),
-        (
-            "more than half",
-            line(Stock::half_plane(StockLine::from_angle(90.0, 2.0))),
-            (start, x),
-            Box::new(|p| p.y <= 2.0),
-        ),
-        (
-            "polygon",
-            line(Stock::polygon(&polygon).expect("convex")),
-            (start, x),
-            Box::new(|p| (2.0..=30.0).contains(&p.x) && (-9.0..=-3.0).contains(&p.y)),
-        ),
-        (
-            "disc",
-            line(Stock::Disc { center_mm: [6.0, -7.0], radius_mm: 5.0 }),
-            (start, x),
-            Box::new(|p| (p - Vector2::new(6.0, -7.0)).norm() <= 5.0),
-        ),
-        (
-            "radial depth",
-            depth(Path::Line, [50.0, 0.0], ContourSide::Inside, 1.0),
-            (start, x),
-            Box::new(|p| p.y >= 4.0),
-        ),
-        ("slot", depth(arc(6.0), [6.0, 6.0], ContourSide::Slot, 0.0), chord(6.0, 0.5), Box::new(|_| true)),
-        ("inside, start", depth(arc(6.0), [6.0, 6.0], ContourSide::Inside, 1.0), chord(6.0, 0.0), Box::new(pocket)),
-        (
-            "inside, near the end",
-            depth(arc(6.0), [6.0, 6.0], ContourSide::Inside, 1.0),
-            chord(6.0, 1.4),
-            Box::new(pocket),
-        ),
-        ("outside", depth(arc(12.0), [12.0, 12.0], ContourSide::Outside, 2.0), chord(12.0, 0.2), Box::new(island)),
-        (
-            "outside, near the end",
-            depth(arc(12.0), [12.0, 12.0], ContourSide::Outside, 2.0),
-            chord(12.0, 1.5),
-            Box::new(island),
-        ),
-    ];
-    for (name, of, (at_mm, delta_mm), is_material) in &cases {
+type IsMaterial = dyn Fn(&Vector2<f64>) -> bool;
+
+/// A move at a place with the material around it.
+struct Case<'a> {
+    name: &'a str,
+    of: (Segment, CutRule, ToolSetup),
+    /// Position, and travel of a tooth.
+    tooth_mm: (Vector2<f64>, Vector2<f64>),
+    is_material: Box<IsMaterial>,
+}
+
+fn assert_near(cases: &[Case<'_>]) {
+    for Case { name, of, tooth_mm: (at_mm, delta_mm), is_material } in cases {
         let [found, wanted] = [measured(of, *at_mm, *delta_mm), thickest_by_rays(*at_mm, *delta_mm, is_material)];
         println!("{name}: {found:.5} mm, by rays {wanted:.5} mm");
         assert!((found - wanted).abs() < 3e-4, "{name}: {found} {wanted}");
     }
+}
+
+#[test]
+fn the_thickest_chip_in_a_shape_is_the_one_between_two_circles_and_its_boundary() {
+    let case = |name, stock, is_material| {
+        let law = LawKind::EngagedArc { both_edges: false };
+        let of = mill_move(Path::Line, [50.0, 0.0], Work::Ring(Edge::Outer, stock), law);
+        Case { name, of, tooth_mm: (Vector2::zeros(), Vector2::new(0.1, 0.0)), is_material }
+    };
+    let below = |y_mm: f64| Stock::half_plane(StockLine::from_angle(90.0, y_mm));
+    let polygon = Stock::polygon(&[[2.0, -9.0], [30.0, -9.0], [30.0, -3.0], [2.0, -3.0]]).expect("convex");
+    let disc = Stock::Disc { center_mm: [6.0, -7.0], radius_mm: 5.0 };
+    assert_near(&[
+        case("half plane", below(-3.0), Box::new(|p| p.y <= -3.0)),
+        case("more than half", below(2.0), Box::new(|p| p.y <= 2.0)),
+        case("polygon", polygon, Box::new(|p| (2.0..=30.0).contains(&p.x) && (-9.0..=-3.0).contains(&p.y))),
+        case("disc", disc, Box::new(|p| (p - Vector2::new(6.0, -7.0)).norm() <= 5.0)),
+    ]);
+}
+
+/// Quarter of a circle about (0, radius), counter-clockwise from the origin.
+fn quarter(radius_mm: f64) -> Path {
+    let points = [[0.0, radius_mm], [0.0, -radius_mm], [radius_mm, 0.0]];
+    let [center, from, to] = points.map(|point| point.map(Nm::from_mm));
+    Path::Arc(Arc { plane: Plane::Xy, turn: Turn::Ccw, center, from, to })
+}
+
+#[test]
+fn the_thickest_chip_at_a_wall_is_the_one_between_two_circles_and_the_wall() {
+    let work = |side, depth_mm: f64| Work::Mill { side, radial_depth: Nm::from_mm(depth_mm) };
+    let on_arc = |name, radius_mm: f64, work, from_rad: f64, is_material| {
+        let at = |rad: f64| Vector2::new(radius_mm * libm::sin(rad), radius_mm * (1.0 - libm::cos(rad)));
+        let of = mill_move(quarter(radius_mm), [radius_mm; 2], work, LawKind::Engagement);
+        let tooth_mm = (at(from_rad), at(from_rad + 0.1 / radius_mm) - at(from_rad));
+        Case { name, of, tooth_mm, is_material }
+    };
+    // Inside: material beyond 6 + 5 - 1 from (0, 6) and, behind the quarter, beyond x = 10. Outside: within 12 - 5 + 2.
+    let pocket = |p: &Vector2<f64>| if p.y > 6.0 { p.x >= 10.0 } else { (p - Vector2::new(0.0, 6.0)).norm() >= 10.0 };
+    let island = |p: &Vector2<f64>| if p.y > 12.0 { p.x <= 9.0 } else { (p - Vector2::new(0.0, 12.0)).norm() <= 9.0 };
+    let inside = || work(ContourSide::Inside, 1.0);
+    let outside = || work(ContourSide::Outside, 2.0);
+    let line = Case {
+        name: "line",
+        of: mill_move(Path::Line, [50.0, 0.0], inside(), LawKind::Engagement),
+        tooth_mm: (Vector2::zeros(), Vector2::new(0.1, 0.0)),
+        is_material: Box::new(|p| p.y >= 4.0),
+    };
+    assert_near(&[
+        line,
+        on_arc("slot", 6.0, work(ContourSide::Slot, 0.0), 0.5, Box::new(|_| true)),
+        on_arc("inside, start", 6.0, inside(), 0.0, Box::new(pocket)),
+        on_arc("inside, near the end", 6.0, inside(), 1.4, Box::new(pocket)),
+        on_arc("outside", 12.0, outside(), 0.2, Box::new(island)),
+        on_arc("outside, near the end", 12.0, outside(), 1.5, Box::new(island)),
+    ]);
 }

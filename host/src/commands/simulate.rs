@@ -113,6 +113,9 @@ impl Simulate {
         let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
         let mut before = in_memory(&file, &program.file(), ControllerFault::LawOff)?;
+        // The meter needs the engaged arcs there, too.
+        let engaged = foreseen(&program, &adapted, &file.job).into_iter().filter(|known| known.along.is_some());
+        before.set_planned_conditions(engaged);
         // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);

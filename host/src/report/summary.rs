@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use arcfeed_model::report::THIN_RATIO;
 
 use super::chip_load::ChipLoadFigures;
-use super::figures::{LineErrorFigures, MovementFigures, ReportFigures, RunReport};
+use super::figures::{LineErrorFigures, MovementFigures, ReportFigures, RestartFigures, RunReport};
 
 /// Most blocks limited by an axis in the summary.
 const SHOWN: usize = 10;
@@ -42,12 +42,7 @@ impl fmt::Display for RunSummary<'_> {
             writeln!(f, "  {}", spindle.words())?;
         }
         if let Some(restart) = &report.restart {
-            let word = |letter: char, number: i64| format!(" {letter}{number}");
-            let given = [restart.t.map(|t| word('T', t)), restart.s.map(|s| word('S', s))].into_iter().flatten();
-            let given: String = given.chain(restart.m.iter().map(|m| word('M', *m))).collect();
-            writeln!(f, "  restart: not sent again:{}", if given.is_empty() { " nothing" } else { &given })?;
-            write!(f, "  restart: in force: {}", restart.g.join(" "))?;
-            writeln!(f, "{}", restart.feed.map_or(String::new(), |feed| format!(", F{feed}")))?;
+            write_restart(f, restart)?;
         }
         if let Some(link) = &report.link {
             write!(f, "  line: {} characters, busy {:.0} % of the time", link.bytes, 1e2 * link.utilization)?;
@@ -88,6 +83,15 @@ impl fmt::Display for RunSummary<'_> {
         }
         Ok(())
     }
+}
+
+fn write_restart(f: &mut fmt::Formatter<'_>, restart: &RestartFigures) -> fmt::Result {
+    let word = |letter: char, number: i64| format!(" {letter}{number}");
+    let given = [restart.t.map(|t| word('T', t)), restart.s.map(|s| word('S', s))].into_iter().flatten();
+    let given: String = given.chain(restart.m.iter().map(|m| word('M', *m))).collect();
+    writeln!(f, "  restart: not sent again:{}", if given.is_empty() { " nothing" } else { &given })?;
+    write!(f, "  restart: in force: {}", restart.g.join(" "))?;
+    writeln!(f, "{}", restart.feed.map_or(String::new(), |feed| format!(", F{feed}")))
 }
 
 fn write_line_errors(f: &mut fmt::Formatter<'_>, errors: &LineErrorFigures) -> fmt::Result {

@@ -29,6 +29,13 @@ fn thickest(name: &str, changes: &[(&str, &str)]) -> Vec<f64> {
     let (_scratch, job) = engaged(name, changes);
     let output = run(&["simulate", &job, "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    // The geometric meter measures no pieces of a move with a map.
+    let is_whole = changes.iter().all(|(_, to)| !to.contains("rewrite-only"));
+    for movement in report["movements"].as_array().expect("movements").iter().filter(|_| is_whole) {
+        let runs = ["chip_load", "baseline_chip_load"];
+        let metered = runs.map(|run| movement[run]["error_ratio_max_all"].as_f64().expect("it is measured"));
+        assert!(metered[0].abs() < 5e-3 && metered[1] < -0.4, "{name}: {metered:?}");
+    }
     let chips = |rule: &Value| {
         let circles = rule["load"]["chip_max"].as_array().expect("two circles").iter().filter_map(Value::as_f64);
         circles.fold(0.0, f64::max) / CHIP_IN

@@ -52,6 +52,22 @@ impl Figures {
     }
 }
 
+impl Figures {
+    /// Counts the measured chips of these moves.
+    ///
+    /// # Errors
+    /// The first move with a chip that is too thick.
+    fn add_chips<'m>(&mut self, moves: impl Iterator<Item = &'m MoveChips>) -> Result<(), String> {
+        for MoveChips { sequence, any_contact, .. } in moves.filter(|chips| chips.any_contact.samples > 0) {
+            self.metered += any_contact.samples;
+            self.thickest_metered = self.thickest_metered.max(any_contact.max_ratio);
+            let excess = truth::excess_of_meter(any_contact.max_ratio);
+            excess.map_or(Ok(()), |excess| Err(format!("{sequence:?}: {excess}")))?;
+        }
+        Ok(())
+    }
+}
+
 impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Figures { programs, blocks, governed_ms, ungoverned_ms, metered, thickest_metered } = self;
@@ -93,6 +109,7 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
     }
     let adapted = adapt_with(&program, &file.job, Known::of(&file));
     let governed = governed(&adapted);
+    let complaint = |at: &str, excess: &str| format!("{at}: {excess}\n{}", String::from_utf8_lossy(&adapted.text));
     let settings = control_settings(&file);
     let switches = Switches { block_delete: u16::from(job.is_deleting), ..settings.switches };
     let simulation = Simulation::from_memory(
@@ -127,19 +144,13 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
             let excess = look(job, random_program, [&last, &now], &governing);
             excess.map_or(Ok(()), |excess| {
                 let At { sequence, tool, .. } = now;
-                Err(format!("N{sequence} at {tool:.3?}: {excess}\n{}", String::from_utf8_lossy(&adapted.text)))
+                Err(complaint(&format!("N{sequence} at {tool:.3?}"), &excess))
             })?;
         }
         last = now;
     }
     let moves = simulation.meter().moves().iter().filter(|chips| is_bounded(chips, &file.job, job.mode, &governed));
-    for chips in moves.filter(|chips| chips.any_contact.samples > 0) {
-        figures.metered += chips.any_contact.samples;
-        figures.thickest_metered = figures.thickest_metered.max(chips.any_contact.max_ratio);
-        if let Some(excess) = truth::excess_of_meter(chips.any_contact.max_ratio) {
-            return Err(format!("{:?}: {excess}\n{}", chips.sequence, String::from_utf8_lossy(&adapted.text)));
-        }
-    }
+    figures.add_chips(moves).map_err(|excess| complaint("on the meter", &excess))?;
     match simulation.control().alarm() {
         Some(alarm) => Err(format!("alarm at line {}: {}", alarm.line, alarm.fault.cause)),
         None if !simulation.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),

@@ -17,7 +17,7 @@ program = "p.nc"
 tool = { kind = "cup-mill", outer_radius = "5 in", inner_radius = 110.5, active_teeth = 10, corner_radius = 0.5, height = 40, number = 3, axis = "x" }
 workpiece = { round = { from = [0, 0, -40], to = [0, 0, -1], radius = 250, bore = 20 }, step = 1, memory_mib = 100 }
 cutting = { kc11 = 1500, mc = 0.25, radial = 0.4, axial = 0.2, axial_depth = 2, layers = 3, runout = { eccentricity = 0.01, direction = 30 }, offsets = [0, 0.01, 0, 0.01, 0, 0.01, 0, 0.01, 0, 0.01], pitch = [36, 36, 36, 36, 36, 36, 36, 36, 36, 36], modes = [{ frequency = 400, damping = 0.03, stiffness = 20000, direction = [1, 0, 0] }] }
-spindle = { rev_per_min = 1000, set_by = "operator" }
+spindle = { rev_per_min = 1000, set_by = "operator", max_power = "11 kW", max_torque = "40 Nm" }
 limits = { max_feed = 5000, max_raise = 3 }
 law = { kind = "table", feed_per_tooth = 0.1 }
 override = { mode = "rewrite-only", min = 10, max = 200, step = 1, slew_up = 50, slew_down = 200, piece_step = 1, piece_hysteresis = 2, piece_length = 2, pieces_max = 24 }

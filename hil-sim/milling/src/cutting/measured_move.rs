@@ -112,6 +112,12 @@ impl MeasuredMove {
         Some(MeasuredMove { axes: plane.axes, target_mm_per_tooth: governing.target_mm_per_tooth(), quantity })
     }
 
+    /// Whether the stock depends on the path travelled since the start of the move.
+    pub fn counts_from_start(&self) -> bool {
+        let Quantity::Thickest(circles) = &self.quantity else { return false };
+        circles.iter().any(|(_, boundary)| matches!(boundary, Boundary::Table { .. }))
+    }
+
     /// Position in the plane of the move, mm.
     pub fn in_plane(&self, position: &Pose) -> Vector2<f64> {
         let (first, second) = self.axes;

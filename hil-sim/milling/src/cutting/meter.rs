@@ -103,7 +103,7 @@ impl ChipMeter {
 
     /// Begins a block; `governing` is the cut rule that applies to it.
     pub fn begin(&mut self, block: u32, segment: &Segment, governing: Option<&GoverningRule<'_>>) {
-        self.continue_move(block, segment, governing);
+        self.begin_block(block, segment, governing);
         let Some(governing) = governing else { return };
         self.moves.push(MoveChips {
             block,
@@ -116,8 +116,14 @@ impl ChipMeter {
         });
     }
 
-    /// Begins a block that continues the move before, as a further piece of it.
+    /// Begins a block that continues the move before, as a further piece of it. A table of engaged arcs counts from the
+    /// beginning of the whole move, so such a piece is not measured.
     pub fn continue_move(&mut self, block: u32, segment: &Segment, governing: Option<&GoverningRule<'_>>) {
+        self.begin_block(block, segment, governing);
+        self.cut = self.cut.take().filter(|cut| !cut.counts_from_start());
+    }
+
+    fn begin_block(&mut self, block: u32, segment: &Segment, governing: Option<&GoverningRule<'_>>) {
         self.end_block();
         let Some(governing) = governing else { return };
         self.block = Some(block);

@@ -104,7 +104,7 @@ impl Assertion {
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
         let verdict = match self.figure.values(self.limit, evidence) {
             Err(missing) => Verdict::Missing(missing),
-            Ok(blocks) => match blocks.iter().find(|block| !(block.value <= self.limit)) {
+            Ok(blocks) => match blocks.iter().find(|block| block.value.is_nan() || block.value > self.limit) {
                 None => Verdict::Passed,
                 Some(block) => Verdict::Failed(self.failure(block, evidence)),
             },

@@ -17,7 +17,7 @@ use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
-use super::move_log::MoveLog;
+use super::move_log::{Curve, MoveLog};
 use super::observer::RunObserver;
 use super::{load_figures, mark_figures, path_plot};
 use crate::report::figures::RunReport;
@@ -177,16 +177,18 @@ impl PageContent<'_> {
 /// Chip load over its target, and feed; before, then after.
 fn log_lanes(job: &Job, logs: [&MoveLog; 2]) -> Vec<Lane> {
     let unit = job.unit;
-    let lane = |title: String, curve: &dyn Fn(&MoveLog) -> Vec<([f64; 2], f64)>, mark: Option<f64>| {
-        let series = [("before", "#999", logs[0]), ("after", "#c03020", logs[1])];
-        let series = series.map(|(name, color, log)| Series { name, color, steps: curve(log) });
+    let lane = |title: String, curves: [&Curve; 2], per_unit: f64, mark: Option<f64>| {
+        let series = [("before", "#999", curves[0]), ("after", "#c03020", curves[1])];
+        let series = series.map(|(name, color, curve)| Series { name, color, steps: curve.steps(per_unit) });
         Lane { title, series: series.into(), mark, has_gaps: mark.is_some() }
     };
     let mut lanes = Vec::new();
-    if logs.iter().any(|log| !log.chips.is_empty()) {
-        lanes.push(lane("measured chip load over its target".into(), &|log| log.chips.steps(1.0), Some(1.0)));
+    let chips = logs.map(|log| &log.chips);
+    if !chips.iter().all(|curve| curve.is_empty()) {
+        lanes.push(lane("measured chip load over its target".into(), chips, 1.0, Some(1.0)));
     }
-    lanes.push(lane(format!("feed, {}/min", unit.label()), &|log| log.feeds.steps(unit.mm()), None));
+    let title = format!("feed, {}/min", unit.label());
+    lanes.push(lane(title, logs.map(|log| &log.feeds), unit.mm(), None));
     lanes
 }
 
