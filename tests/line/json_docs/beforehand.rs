@@ -120,7 +120,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         .replace("line.nc", "roll.nc")
         .replace("engagement", "contour")
         .replace("'lines'", "'arcs'\ndirection = 'ccw'");
-    let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", &contour.replace("outside", "inside"))]);
+    let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", contour.replace("outside", "inside"))]);
     reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
