@@ -231,10 +231,12 @@ fn a_bolt_circle_in_polar_coordinates_and_one_turned_by_g68_are_on_the_circle() 
     let turned: String =
         angles.iter().map(|angle| format!("G68X0Y0R{angle:.1}\nG81X40.Y0R2.Z-5.\nG80G69\nG0X0Y0\n")).collect();
     let turned = holes(&format!("{START}{turned}"));
-    assert_eq!((polar.len(), turned.len()), (5, 5));
-    for ((polar, turned), angle) in polar.iter().zip(&turned).zip(angles) {
+    // The radius stays absolute where only angles follow.
+    let stepped = holes(&format!("{START}G16G81X40.Y30.R2.Z-5.\nG91Y72.\nY72.\nY72.\nY72.\nG90G15G80"));
+    assert_eq!((polar.len(), turned.len(), stepped.len()), (5, 5, 5));
+    for (((polar, turned), stepped), angle) in polar.iter().zip(&turned).zip(&stepped).zip(angles) {
         let (sin, cos) = libm::sincos(angle.to_radians());
-        for found in [polar, turned] {
+        for found in [polar, turned, stepped] {
             let off = libm::hypot(found[0] - 40.0 * cos, found[1] - 40.0 * sin) * 1e6;
             assert!(off < ROUNDING_NM, "{angle}: {found:?} off by {off} nm");
         }

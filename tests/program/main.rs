@@ -10,6 +10,8 @@ mod compensation;
 
 mod cycles;
 
+mod everyday;
+
 mod fuzz;
 
 mod helices;

@@ -175,6 +175,7 @@ impl Modal {
         let degrees = libm::atan2(y, x).to_degrees();
         Polar {
             radius: Nm(libm::round(libm::hypot(x, y)) as i64),
+            pole: [Nm(0); 2],
             angle: MicroDeg(libm::round(degrees * arcfeed_units::MICRODEG_PER_DEG as f64) as i64),
         }
     }

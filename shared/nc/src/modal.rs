@@ -93,6 +93,8 @@ pub struct Cycle {
 pub struct Polar {
     /// Distance from the pole.
     pub radius: Nm,
+    /// Pole, in the plane: the program's origin, or the tool's position where a radius was last given under G91.
+    pub pole: [Nm; 2],
     /// Angle from the plane's first axis.
     pub angle: MicroDeg,
 }

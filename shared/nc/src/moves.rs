@@ -111,8 +111,8 @@ impl Modal {
         self.arc_centers == ArcCenters::Absolute && (is_missing(first) || is_missing(second))
     }
 
-    /// Resolves polar coordinates (G16): the plane's first axis is a radius and its second an angle, relative to the
-    /// program's origin or (G91) to the tool's position.
+    /// Resolves polar coordinates (G16): the plane's first axis is a radius and its second an angle. The radius counts from
+    /// the program's origin, or under G91 from the tool's position, also in later blocks that give an angle alone.
     pub(super) fn resolve_polar(&mut self, block: &Block, target: &mut Target, decimals: Decimals) {
         let Some(polar) = &mut self.polar else { return };
         let (first, second, _) = self.plane.axes();
@@ -126,14 +126,17 @@ impl Modal {
             let value = rotary(number, decimals);
             polar.angle = MicroDeg(if absolute { value } else { polar.angle.0.saturating_add(value) });
         }
-        let polar = *polar;
-        let radius = radius.map_or(polar.radius, |number| Nm(self.length(number, decimals)));
-        self.polar = Some(super::modal::Polar { radius, ..polar });
+        let mut polar = *polar;
+        if let Some(number) = radius {
+            let here = |index: usize| self.program.linear.get(index).copied().unwrap_or_default();
+            polar.radius = Nm(self.length(number, decimals));
+            polar.pole = if absolute { [Nm(0); 2] } else { [first, second].map(here) };
+        }
+        self.polar = Some(polar);
         let (sin, cos) = libm::sincos(polar.angle.to_deg().to_radians());
-        for (index, part) in [(first, cos), (second, sin)] {
-            let pole = if absolute { 0 } else { self.program.linear.get(index).map_or(0, |axis| axis.0) };
+        for ((index, part), pole) in [(first, cos), (second, sin)].into_iter().zip(polar.pole) {
             if let Some(axis) = target.end.linear.get_mut(index) {
-                *axis = Nm(pole.saturating_add(libm::round(part * radius.0 as f64) as i64));
+                *axis = Nm(pole.0.saturating_add(libm::round(part * polar.radius.0 as f64) as i64));
             }
         }
     }

@@ -1,0 +1,91 @@
+//! Everyday programs through `check`, `init`, `adapt`, `simulate` and `stream` to `sim:`, against the table in
+//! `tests/corpus/everyday/expected.txt`; what is adapted is never faster than programmed.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use arcfeed_tests::{Scratch, root, run};
+
+const CORPUS: &str = "tests/corpus/everyday";
+/// Least share of the programs that a control runs which come to the end.
+const SHARE: f64 = 0.95;
+
+fn text(path: &str) -> String {
+    String::from_utf8_lossy(&std::fs::read(root().join(path)).expect("a file of the corpus")).into_owned()
+}
+
+/// A program of the index.
+struct Entry<'a> {
+    name: &'a str,
+    control: &'a str,
+    unit: &'a str,
+    decimals: &'a str,
+    runs: bool,
+}
+
+impl<'a> Entry<'a> {
+    fn read(row: &'a str) -> Self {
+        let mut fields = row.split(';');
+        let mut next = || fields.next().expect("seven fields");
+        let (name, control, unit, decimals, runs) = (next(), next(), next(), next(), next() == "yes");
+        Entry { name, control, unit, decimals, runs }
+    }
+
+    /// Exit codes of all commands, and the first error.
+    fn results(&self, scratch: &Scratch) -> (Vec<i32>, String) {
+        let program = scratch.write(self.name, std::fs::read(root().join(CORPUS).join(self.name)).expect("a program"));
+        let path = Path::new(&program);
+        let [job, out] = ["toml", "out"].map(|ending| path.with_extension(ending).display().to_string());
+        let control = ["--control", self.control, "--decimals", self.decimals];
+        let (mut codes, mut first) = (Vec::new(), String::new());
+        let mut step = |arguments: &[&str]| {
+            let output = run(arguments);
+            let code = output.status.code().expect("an exit code");
+            if code != 0 && first.is_empty() {
+                let stderr = String::from_utf8_lossy(&output.stderr);
+                let error = stderr.lines().find(|line| line.contains("error")).unwrap_or_default();
+                first = error.replace(&program, "").chars().take(150).collect();
+            }
+            codes.push(code);
+        };
+        step(&[&["check", &program][..], &control].concat());
+        step(&[&["init", &program, "-o", &job][..], &control].concat());
+        self.answer(&job);
+        step(&["adapt", &job, "-o", &out]);
+        step(&["simulate", &job]);
+        step(&["stream", &job]);
+        (codes, first)
+    }
+
+    /// Answers what `init` leaves open.
+    fn answer(&self, job: &str) {
+        let Ok(text) = std::fs::read_to_string(job) else { return };
+        let answers = [
+            ("units = \"?\"", format!("units = \"{}\"", self.unit)),
+            ("diameter = \"?\"", "diameter = \"10 mm\"".into()),
+            ("rev_per_min = \"?\"", "rev_per_min = 1000".into()),
+        ];
+        let text = answers.iter().fold(text, |text, (question, answer)| text.replace(question, answer));
+        std::fs::write(job, text).expect("it was just written");
+    }
+}
+
+#[test]
+fn everyday_programs_come_to_the_end_or_are_refused_for_a_reason() {
+    let scratch = Scratch::new("everyday");
+    let index = text(&format!("{CORPUS}/index.csv"));
+    let entries: Vec<Entry<'_>> = index.lines().skip(1).map(Entry::read).collect();
+    let (mut table, mut good, mut all) = (String::new(), 0, 0);
+    for entry in &entries {
+        let (codes, first) = entry.results(&scratch);
+        all += usize::from(entry.runs);
+        good += usize::from(entry.runs && codes.iter().all(|code| *code == 0));
+        let codes: Vec<String> = codes.iter().map(i32::to_string).collect();
+        writeln!(table, "{:<34}{} {first}", entry.name, codes.join(" ")).expect("a string takes every line");
+    }
+    println!("{table}{good} of {all} programs that a control runs come to the end; {} in all", entries.len());
+    let table: Vec<&str> = table.lines().map(str::trim_end).collect();
+    let expected = text(&format!("{CORPUS}/expected.txt"));
+    assert_eq!(table, expected.lines().collect::<Vec<_>>());
+    assert!(good as f64 >= SHARE * all as f64, "{good} of {all}");
+}
