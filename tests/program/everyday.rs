@@ -36,7 +36,11 @@ impl<'a> Entry<'a> {
         let program = scratch.write(self.name, std::fs::read(root().join(CORPUS).join(self.name)).expect("a program"));
         let path = Path::new(&program);
         let [job, out] = ["toml", "out"].map(|ending| path.with_extension(ending).display().to_string());
-        let control = ["--control", self.control, "--decimals", self.decimals];
+        let mut control = vec!["--control", self.control, "--decimals", self.decimals];
+        let settings = root().join(CORPUS).join(Path::new(self.name).with_extension("settings")).display().to_string();
+        if Path::new(&settings).exists() {
+            control.extend(["--settings", &settings]);
+        }
         let (mut codes, mut first) = (Vec::new(), String::new());
         let mut step = |arguments: &[&str]| {
             let output = run(arguments);
@@ -51,7 +55,10 @@ impl<'a> Entry<'a> {
         step(&[&["check", &program][..], &control].concat());
         step(&[&["init", &program, "-o", &job][..], &control].concat());
         self.answer(&job);
-        step(&["adapt", &job, "-o", &out]);
+        // A macro whose executions need different feeds is written out, as the refusal says.
+        let adapt = ["adapt", &job, "-o", &out];
+        let is_expanded = String::from_utf8_lossy(&run(&adapt).stderr).contains("use --expand");
+        step(&[&adapt[..], if is_expanded { &["--expand"] } else { &[] }].concat());
         step(&["simulate", &job]);
         step(&["stream", &job]);
         (codes, first)
