@@ -145,13 +145,16 @@ impl Blocks {
     }
 
     fn follow_move(&mut self, segment: &Segment) -> BlockMotion {
-        let step = &self.line.step;
-        if step.beyond_plain == Some(NotModelled::GCode(530)) {
+        let (beyond_plain, is_plain) = (self.line.step.beyond_plain, self.line.step.is_plain());
+        if beyond_plain == Some(NotModelled::GCode(530)) {
             self.mark_named_unknown();
             return BlockMotion::Nothing;
         }
         self.mark_named_known();
-        if !self.line.step.is_plain() && self.reader.modal().feed_mode != FeedMode::PerRevolution {
+        // The move behind G40 leads from the offset path to its programmed end.
+        let is_cancel = beyond_plain == Some(NotModelled::MoveUnder(400));
+        self.is_detached |= is_cancel;
+        if !is_plain && !is_cancel && self.reader.modal().feed_mode != FeedMode::PerRevolution {
             self.is_detached = true;
             return BlockMotion::Nothing;
         }

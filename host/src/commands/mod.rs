@@ -4,11 +4,11 @@ pub mod outcome;
 
 mod executed_blocks;
 
+pub mod control_args;
+
 pub mod job_values;
 
 pub mod job_input;
-
-pub mod control_args;
 
 pub mod five_axis;
 

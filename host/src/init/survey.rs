@@ -29,7 +29,7 @@ pub struct Survey {
     /// Loaded tools, in order of appearance.
     pub tools: Vec<i64>,
     /// Speeds and feeds of each tool that cuts, in order of appearance.
-    pub uses: Vec<ToolUse>,
+    pub uses: Vec<SurveyedTool>,
     /// Comments about tools.
     pub notes: Vec<ToolNote>,
     /// Arcs, in order.
@@ -40,7 +40,7 @@ pub struct Survey {
 
 /// Cutting moves of a tool.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ToolUse {
+pub struct SurveyedTool {
     /// T number; `None` before the first.
     pub tool: Option<i64>,
     /// Spindle speeds, in order of appearance.
@@ -173,7 +173,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
 
 impl Survey {
     /// Speeds and feeds of a tool.
-    pub fn use_of(&self, tool: Option<i64>) -> Option<&ToolUse> {
+    pub fn use_of(&self, tool: Option<i64>) -> Option<&SurveyedTool> {
         self.uses.iter().find(|used| used.tool == tool)
     }
 
@@ -182,7 +182,7 @@ impl Survey {
             return;
         }
         let index = self.uses.iter().position(|used| used.tool == tool).unwrap_or_else(|| {
-            self.uses.push(ToolUse { tool, ..ToolUse::default() });
+            self.uses.push(SurveyedTool { tool, ..SurveyedTool::default() });
             self.uses.len() - 1
         });
         let used = &mut self.uses[index];

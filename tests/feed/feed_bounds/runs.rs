@@ -53,15 +53,20 @@ impl Figures {
 }
 
 impl Figures {
-    /// Counts the measured chips of these moves.
+    /// Counts the measured chips of these moves; `at_floor` is the chip of a move at the floor of its law.
     ///
     /// # Errors
     /// The first move with a chip that is too thick.
-    fn add_chips<'m>(&mut self, moves: impl Iterator<Item = &'m MoveChips>) -> Result<(), String> {
+    fn add_chips<'m>(
+        &mut self,
+        moves: impl Iterator<Item = &'m MoveChips>,
+        at_floor: impl Fn(i64) -> Option<f64>,
+    ) -> Result<(), String> {
         for MoveChips { sequence, any_contact, .. } in moves.filter(|chips| chips.any_contact.samples > 0) {
             self.metered += any_contact.samples;
             self.thickest_metered = self.thickest_metered.max(any_contact.max_ratio);
-            let excess = truth::excess_of_meter(any_contact.max_ratio);
+            let floor = sequence.and_then(&at_floor).unwrap_or(0.0);
+            let excess = truth::excess_of_meter(any_contact.max_ratio, floor);
             excess.map_or(Ok(()), |excess| Err(format!("{sequence:?}: {excess}")))?;
         }
         Ok(())
@@ -150,7 +155,11 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
         last = now;
     }
     let moves = simulation.meter().moves().iter().filter(|chips| is_bounded(chips, &file.job, job.mode, &governed));
-    figures.add_chips(moves).map_err(|excess| complaint("on the meter", &excess))?;
+    let at_floor = |sequence: i64| {
+        let of = random_program.moves.get(usize::try_from(sequence - 1).ok()?)?.as_ref()?;
+        of.tool.and_then(|place| job.tool(place)).map(|tool| truth::chip_at_floor(tool, of))
+    };
+    figures.add_chips(moves, at_floor).map_err(|excess| complaint("on the meter", &excess))?;
     match simulation.control().alarm() {
         Some(alarm) => Err(format!("alarm at line {}: {}", alarm.line, alarm.fault.cause)),
         None if !simulation.is_done() && moved_ms + STANDSTILL_MS < RUN_MAX_MS => Err("it stands still".into()),

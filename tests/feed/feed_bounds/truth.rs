@@ -65,9 +65,16 @@ pub fn excess(job: &RandomJob, of: &Move, now: &Moment, has_own_feed: bool) -> O
         .then(|| format!("chip {share} of its target {target} mm at {} mm/min", now.feed_per_min))
 }
 
-/// Violation by the chips that the simulator's meter measured, relative to their target.
-pub fn excess_of_meter(max_ratio: f64) -> Option<String> {
-    (max_ratio > 1.0 + CHIP_TOLERANCE).then(|| format!("chip {max_ratio} of its target on the meter"))
+/// Violation by the chips that the simulator's meter measured, relative to their target; `at_floor` is the chip at the
+/// floor of the law.
+pub fn excess_of_meter(max_ratio: f64, at_floor: f64) -> Option<String> {
+    (max_ratio > at_floor.max(1.0) * (1.0 + CHIP_TOLERANCE))
+        .then(|| format!("chip {max_ratio} of its target on the meter"))
+}
+
+/// Chip at the contour, relative to its target, where the floor of the contour law holds the feed up; 0 under other laws.
+pub fn chip_at_floor(job: &RandomJob, of: &Move) -> f64 {
+    if job.law == "contour" { CONTOUR_FLOOR * contour_chip(job, of, 1.0) } else { 0.0 }
 }
 
 /// The centre's path per tooth, which no chip exceeds, is a fifth of the target or less.
