@@ -28,8 +28,6 @@ use crate::program::Source;
 /// where all executions of a line have the same one; otherwise it is refused, and --expand writes the blocks instead.
 #[derive(Debug, clap::Args)]
 pub struct Adapt {
-    #[command(flatten)]
-    input: JobInput,
     /// Write the adapted program here
     #[arg(short, long, value_name = "OUT.nc")]
     output: Option<PathBuf>,
@@ -42,6 +40,8 @@ pub struct Adapt {
     /// Print one JSON object a block with a move, one a line (docs/json.md)
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    input: JobInput,
 }
 
 /// Block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.

@@ -31,8 +31,6 @@ pub struct Init {
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
     library: Option<PathBuf>,
-    #[command(flatten)]
-    values: JobValues,
     /// Write the job here; without it, beside the program under its name with .toml
     #[arg(short, long, value_name = "JOB.toml")]
     output: Option<PathBuf>,
@@ -42,6 +40,8 @@ pub struct Init {
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    values: JobValues,
 }
 
 #[derive(Serialize)]

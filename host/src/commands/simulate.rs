@@ -74,8 +74,6 @@ use spindle_load::SpindleLoad;
 /// Run a job on the simulated machine, before and after, as fast as possible
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
-    #[command(flatten)]
-    input: JobInput,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -92,6 +90,8 @@ pub struct Simulate {
     /// Write the outcomes of the assertions here, as JUnit XML
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
+    #[command(flatten)]
+    input: JobInput,
 }
 
 impl Simulate {
