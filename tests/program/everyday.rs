@@ -1,10 +1,14 @@
 //! Everyday programs through `check`, `init`, `adapt`, `simulate` and `stream` to `sim:`, against the table in
-//! `tests/corpus/everyday/expected.txt`; what is adapted is never faster than programmed.
+//! `tests/corpus/everyday/expected.txt`. No move of an adapted program without macros is faster than programmed.
 
 use std::fmt::Write;
 use std::path::Path;
 
+use arcfeed_nc_macro::program::first_macro;
 use arcfeed_tests::{Scratch, root, run};
+use arcfeed_units::LengthUnit;
+
+use crate::without_job::feeds;
 
 const CORPUS: &str = "tests/corpus/everyday";
 /// Least share of the programs that a control runs which come to the end.
@@ -59,9 +63,25 @@ impl<'a> Entry<'a> {
         let adapt = ["adapt", &job, "-o", &out];
         let is_expanded = String::from_utf8_lossy(&run(&adapt).stderr).contains("use --expand");
         step(&[&adapt[..], if is_expanded { &["--expand"] } else { &[] }].concat());
+        self.assert_not_faster(&program, &out);
         step(&["simulate", &job]);
         step(&["stream", &job]);
         (codes, first)
+    }
+
+    /// Jobs of `init` for end mills raise no feed.
+    fn assert_not_faster(&self, program: &str, out: &str) {
+        let Ok(adapted) = std::fs::read(out) else { return };
+        let original = std::fs::read(program).expect("a program");
+        if first_macro(&original).is_some() {
+            return;
+        }
+        let unit = if self.unit == "mm" { LengthUnit::Mm } else { LengthUnit::Inch };
+        let [before, after] = [original, adapted].map(|text| feeds(&String::from_utf8_lossy(&text), unit));
+        assert_eq!(before.len(), after.len(), "{}", self.name);
+        for (before, after) in before.iter().zip(&after).filter(|(before, _)| before.is_some()) {
+            assert!(after <= before, "{}: {after:?} above {before:?}", self.name);
+        }
     }
 
     /// Answers what `init` leaves open.

@@ -39,8 +39,8 @@ fn refused(arguments: &[&str]) -> (Option<i32>, String) {
 }
 
 /// F of each cutting move, per minute, nm.
-fn feeds(text: &str) -> Vec<Option<i64>> {
-    let program = Program::parse(Path::new("p.nc"), text.as_bytes(), LengthUnit::Mm, Reading::Lenient);
+pub fn feeds(text: &str, unit: LengthUnit) -> Vec<Option<i64>> {
+    let program = Program::parse(Path::new("p.nc"), text.as_bytes(), unit, Reading::Lenient);
     let moves = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
     moves.map(|segment| if let Feed::PerMinute(feed) = segment.feed { Some(feed.0) } else { None }).collect()
 }
@@ -167,7 +167,7 @@ fn without_max_no_feed_is_ever_above_its_programmed_one() {
         }
         let options: &[&str] =
             [&[][..], &["--milling", "conventional"], &["--teeth", "9", "--feed-per-tooth", "0.5"]][seed as usize % 3];
-        let (before, after) = (feeds(&text), feeds(&adapted(&path, options)));
+        let (before, after) = [text.as_str(), &adapted(&path, options)].map(|text| feeds(text, LengthUnit::Mm)).into();
         assert_eq!(before.len(), after.len());
         for (before, after) in before.iter().zip(&after) {
             assert!(after <= before, "seed {seed}: {after:?} above {before:?}\n{text}");

@@ -138,7 +138,10 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
     let has_common = answers.diameters.iter().any(|value| value.tool.is_none());
     if has_common && proposal.tools.len() > 1 {
         let tools: Vec<String> = proposal.tools.iter().map(|tool| format!("--tool {}=DIAMETER", name(tool))).collect();
-        return Err(format!("several tools mill arcs: write {}; those without one keep their feeds", tools.join(" ")));
+        return Err(format!(
+            "several tools mill arcs: write {}; those whose diameter is unknown keep their feeds",
+            tools.join(" ")
+        ));
     }
     if has_common {
         return Ok(());
@@ -153,12 +156,11 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
     proposal.tools.retain(|tool| noted(tool) || is_named(tool));
     match (proposal.tools.is_empty(), open.as_slice()) {
         (true, open) => {
-            let options: Vec<String> =
-                open.iter()
-                    .map(|tool| {
-                        if tool.starts_with('T') { format!("--tool {tool}=DIAMETER") } else { "--tool DIAMETER".into() }
-                    })
-                    .collect();
+            let option = |tool: &String| match tool.strip_prefix('T') {
+                Some(number) => format!("--tool T{number}=DIAMETER"),
+                None => "--tool DIAMETER".into(),
+            };
+            let options: Vec<String> = open.iter().map(option).collect();
             Err(format!("the diameter of {} is unknown: write {}", open.join(", "), options.join(" ")))
         }
         (false, []) => Ok(()),

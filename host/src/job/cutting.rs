@@ -118,6 +118,10 @@ pub enum Coefficients {
 
 /// Checks the `[cutting]` table; `height_mm` is the tool's height, if there is a workpiece.
 pub(super) fn build(entry: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
+    // Chatter and marks are measured in feeds per tooth.
+    if job.tools.iter().any(|setup| setup.follows_program) {
+        return Err(at(entry, "[cutting] needs a feed per tooth in [law], in place of \"programmed\""));
+    }
     let CuttingTable { axial_depth, layers, helix, runout, offsets, pitch, .. } = entry.as_ref();
     let Some(height_mm) = height_mm else {
         return Err(at(entry, "[cutting] needs a [workpiece]: edges find their chips in it"));

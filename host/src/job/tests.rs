@@ -347,3 +347,22 @@ fn several_tools_that_cannot_be_distinguished_are_refused() {
         assert!(complaint.contains(place) && complaint.contains(message), "{place}{message}: {complaint}");
     }
 }
+
+#[test]
+fn the_programmed_feed_is_a_target_of_the_contour_law_in_pieces_alone() {
+    let job = "units = \"mm\"\nprogram = \"p.nc\"\ntool = { kind = \"end-mill\", diameter = 10, height = 9 }\n\
+               spindle = { rev_per_min = 900 }\nlaw = { kind = \"contour\", feed_per_tooth = \"programmed\" }\n\
+               override = { mode = \"rewrite-only\" }\n";
+    let setup = *parse(job).unwrap().job.tools.first();
+    assert!(setup.follows_program && setup.tool.active_teeth() == 1);
+    let cut = "workpiece = { block = { from = [0, 0, 0], to = [9, 9, 9] }, step = 1 }\n\
+               cutting = { kc11 = 700, mc = 0.2, radial = 0.3, axial = 0.1, axial_depth = 1 }\n";
+    for (text, message) in [
+        (job.replace("\"contour\"", "\"engagement\""), "only the contour law"),
+        (job.replace("rewrite-only", "safe-base"), "needs [override] mode"),
+        (job.to_owned() + cut, "[cutting] needs a feed per tooth"),
+    ] {
+        let complaint = parse(&text).expect_err(message);
+        assert!(complaint.contains(message), "{complaint}");
+    }
+}
