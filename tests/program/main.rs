@@ -6,6 +6,8 @@ mod arcs;
 
 mod cli_check;
 
+mod command_help;
+
 mod compensation;
 
 mod cycles;

@@ -143,6 +143,7 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
             tools.join(" ")
         ));
     }
+    proposal.excluded.iter().for_each(|tool| note(format_args!("note: {}", wording::exclusion(tool))));
     if has_common {
         return Ok(());
     }

@@ -126,6 +126,9 @@ fn arcs_found(findings: &Findings<'_>) -> String {
         (_, []) => {}
         _ => text += &format!("# Tools that are not in this job keep their feeds: {}.\n", others.join(", ")),
     }
+    for excluded in &proposal.excluded {
+        text += &format!("# {}\n", wording::exclusion(excluded));
+    }
     if !proposal.left_out.is_empty() {
         let left_out: Vec<String> = proposal.left_out.iter().map(|tool| format!("T{tool}")).collect();
         text += &format!("# A job has no room for the arcs of {}.\n", left_out.join(", "));

@@ -30,6 +30,8 @@ pub struct Proposal {
     pub tools: Vec<ProposedTool>,
     /// Numbers of tools with arcs for which a job has no room.
     pub left_out: Vec<i64>,
+    /// Notes of the tools with arcs that are not taken for end mills because of a comment.
+    pub excluded: Vec<ToolNote>,
 }
 
 /// Tool with its rules.
@@ -84,7 +86,7 @@ pub fn propose(groups: &[Group], survey: &Survey, answers: &Answers) -> Proposal
     let note_of = |tool: Option<i64>| survey.notes.iter().find(|note| Some(note.tool) == tool).cloned();
     let mut numbers: Vec<Option<i64>> = groups.iter().map(|group| group.tool).collect();
     numbers.dedup();
-    let mut tools: Vec<ProposedTool> = Vec::new();
+    let (mut tools, mut excluded): (Vec<ProposedTool>, Vec<ProposedTool>) = (Vec::new(), Vec::new());
     for number in numbers {
         let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();
         let note = note_of(number);
@@ -99,21 +101,35 @@ pub fn propose(groups: &[Group], survey: &Survey, answers: &Answers) -> Proposal
             }
         };
         let is_known = tool.kind != LikelyTool::EndMill || !is_other(tool.note.as_ref()) || is_named(answers, number);
-        if !tool.cuts.is_empty() && is_known {
-            tools.push(tool);
+        if !tool.cuts.is_empty() {
+            if is_known { tools.push(tool) } else { excluded.push(tool) }
         }
     }
+    take_only_mill(&mut tools, &mut excluded, answers);
+    let excluded = excluded.into_iter().filter_map(|tool| tool.note).collect();
     let left_out = keep_what_fits(&mut tools, groups);
     if tools.is_empty() {
         let number = survey.tools.first().copied();
         tools.push(ProposedTool { number, kind: LikelyTool::EndMill, cuts: Vec::new(), note: note_of(number) });
     }
-    Proposal { tools, left_out }
+    Proposal { tools, left_out, excluded }
+}
+
+/// A diameter for no tool by number is that of the only tool with arcs, whatever the comments about the operation say.
+fn take_only_mill(tools: &mut Vec<ProposedTool>, excluded: &mut Vec<ProposedTool>, answers: &Answers) {
+    let is_stated = |tool: &ProposedTool| tool.note.as_ref().is_some_and(|note| note.data.kind.is_some());
+    let has_common = answers.diameters.iter().any(|value| value.tool.is_none());
+    if tools.is_empty() && has_common && excluded.len() == 1 && !is_stated(&excluded[0]) {
+        tools.append(excluded);
+    }
 }
 
 /// A comment says that it is no end mill.
 fn is_other(note: Option<&ToolNote>) -> bool {
-    note.is_some_and(|note| note.data.kind == Some(CommentedKind::Other))
+    note.is_some_and(|note| match note.data.kind {
+        Some(kind) => kind == CommentedKind::Other,
+        None => note.operation.is_some(),
+    })
 }
 
 /// A comment or an answer says that it is an end mill.

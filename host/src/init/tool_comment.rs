@@ -143,8 +143,12 @@ impl ToolComment {
 
     /// Whether there is anything about the tool's shape.
     pub fn has_data(&self) -> bool {
-        let ToolComment { diameter_mm, corner_radius_mm, teeth, kind, .. } = self;
-        diameter_mm.is_some() || corner_radius_mm.is_some() || teeth.is_some() || kind.is_some()
+        self.has_size() || self.kind.is_some()
+    }
+
+    /// Whether there is a dimension or a count of the tool.
+    pub fn has_size(&self) -> bool {
+        self.diameter_mm.is_some() || self.corner_radius_mm.is_some() || self.teeth.is_some()
     }
 }
 

@@ -24,6 +24,18 @@ pub struct ToolNote {
     pub text: String,
     /// Data of all its comments.
     pub data: ToolComment,
+    /// A comment with a word of another tool that is no end mill, but without a number or a size: it may as well name the
+    /// part or the operation.
+    pub operation: Option<Operation>,
+}
+
+/// Comment that may name an operation or a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Operation {
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Text of the comment.
+    pub text: String,
 }
 
 /// Comments read so far.
@@ -54,7 +66,7 @@ impl ToolNotes {
             self.change = Some((tool, line));
             if let Some((place, comment, data)) = self.pending.take().filter(|(place, ..)| place + REACH_BEFORE >= line)
             {
-                self.add(tool, place, &comment, data);
+                self.add(tool, (place, &comment), data, false);
             }
         }
         for comment in comments(text) {
@@ -70,10 +82,11 @@ impl ToolNotes {
                 }
                 continue;
             };
-            if data.number.is_some() || followed().is_some() {
+            let is_listed = data.number.is_some() || followed().is_some();
+            if is_listed {
                 self.named = Some((tool, line));
             }
-            self.add(tool, line, &comment, data);
+            self.add(tool, (line, &comment), data, is_listed);
         }
     }
 
@@ -82,14 +95,23 @@ impl ToolNotes {
         self.notes
     }
 
-    fn add(&mut self, tool: i64, line: usize, text: &str, data: ToolComment) {
+    fn add(&mut self, tool: i64, (line, text): (usize, &str), data: ToolComment, is_listed: bool) {
         if !data.has_data() {
             return;
         }
+        let has_kind = self.notes.iter().any(|note| note.tool == tool && note.data.kind.is_some());
+        let is_description = data.number.is_some() || data.has_size() || (is_listed && !has_kind);
+        let may_be_operation = data.kind == Some(CommentedKind::Other) && !is_description;
+        let operation = may_be_operation.then(|| Operation { line, text: text.to_owned() });
+        let data = if operation.is_some() { ToolComment::default() } else { data };
         let Some(note) = self.notes.iter_mut().find(|note| note.tool == tool) else {
-            self.notes.push(ToolNote { tool, line, text: text.to_owned(), data });
+            self.notes.push(ToolNote { tool, line, text: text.to_owned(), data, operation });
             return;
         };
+        if !note.data.has_data() {
+            (note.line, note.text) = (line, text.to_owned());
+        }
+        note.operation = note.operation.take().or(operation);
         let known = &mut note.data;
         if let (Some(a), Some(b)) = (known.diameter_mm, data.diameter_mm)
             && libm::fabs(a - b) > 1e-3 * a
@@ -167,6 +189,21 @@ mod tests {
     fn a_list_over_several_lines_is_one_tools() {
         let list = [("(TOOL NUMBER : 2)", None), ("(TOOL TYPE : ENDMILL)", None), ("(TOOL DIA. 8.0)", None)];
         assert_eq!(notes(&list), [(2, Some(8.0), None, MILL)]);
+    }
+
+    #[test]
+    fn a_word_without_number_and_size_may_be_the_operations() {
+        let program = [("O1 (FACE PLATE)", None), ("(T2 D=10. CR=0. - FLAT END MILL)", None), ("(BORE1)", None)];
+        for text in ["T2M6 (CHAMFER)", "T2 M6"] {
+            let lines = [&program[..], &[(text, Some(2))]].concat();
+            assert_eq!(notes(&lines), [(2, Some(10.0), None, MILL)], "{text}");
+        }
+        let mut notes = ToolNotes::new(LengthUnit::Mm);
+        notes.read(1, b"O1 (FACE PLATE)", None);
+        notes.read(2, b"T2M6", Some(2));
+        let [note] = &notes.finish()[..] else { panic!("one note") };
+        assert_eq!(note.operation, Some(Operation { line: 1, text: "FACE PLATE".into() }));
+        assert_eq!(note.data, ToolComment::default());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use arcfeed_nc::modal::{Plane, Turn};
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::groups::Group;
+use super::tool_notes::ToolNote;
 
 /// Most levels and feeds in a list; more are given as a range.
 const NAMED_MAX: usize = 6;
@@ -98,6 +99,16 @@ pub fn quoted(text: &str) -> String {
         };
     }
     quoted + "\""
+}
+
+/// The comment by which a tool with arcs keeps its feeds, and the option that includes the tool.
+pub fn exclusion(note: &ToolNote) -> String {
+    let (line, text) = match &note.operation {
+        Some(operation) if note.data.kind.is_none() => (operation.line, &operation.text),
+        _ => (note.line, &note.text),
+    };
+    let (tool, text) = (note.tool, text.trim().replace(char::is_control, " "));
+    format!("T{tool} keeps its feeds: by line {line} ({text}) it is no end mill; if it is one: --tool T{tool}=DIAMETER")
 }
 
 #[cfg(test)]

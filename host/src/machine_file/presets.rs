@@ -1,13 +1,13 @@
-//! Machines built into the program: those of `examples/machines`, under their files' names.
+//! Machines built into the program: those of `host/machines`, under their files' names.
 
 use std::path::Path;
 
 use super::MachineFile;
 
 const PRESETS: [(&str, &str); 3] = [
-    ("ferrari-rtttr", include_str!("../../../examples/machines/ferrari-rtttr.toml")),
-    ("mikron-ucp710", include_str!("../../../examples/machines/mikron-ucp710.toml")),
-    ("mitsui-seiki-hu80a-5x", include_str!("../../../examples/machines/mitsui-seiki-hu80a-5x.toml")),
+    ("ferrari-rtttr", include_str!("../../machines/ferrari-rtttr.toml")),
+    ("mikron-ucp710", include_str!("../../machines/mikron-ucp710.toml")),
+    ("mitsui-seiki-hu80a-5x", include_str!("../../machines/mitsui-seiki-hu80a-5x.toml")),
 ];
 
 impl MachineFile {

@@ -77,6 +77,8 @@ pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
             byte if byte.is_ascii_lowercase() => Some(CAPITALS),
             _ => None,
         },
+        Alarm::DecimalPoint if rest.first() == Some(&b'P') => Some(point_in_p(text)),
+        Alarm::IllegalAddress if foreign_g_in(text).is_some() => foreign_g_in(text),
         Alarm::NoDataAfterAddress | Alarm::IllegalAddress | Alarm::AddressNotFound => {
             if is_behind_nested_comment(before) {
                 return Some(NESTED);
@@ -102,6 +104,30 @@ fn is_in(fault: Fault, what: NotModelled) -> bool {
 fn foreign_g(tenths: i64) -> Option<&'static str> {
     let of = |(first, last, _): &&(u16, u16, &str)| (i64::from(*first)..=i64::from(*last)).contains(&tenths);
     FOREIGN_G.iter().find(of).map(|(.., remedy)| *remedy)
+}
+
+/// Remedy for the first G code of another control in the block. An address that only that control's code has is an alarm
+/// before the code is.
+fn foreign_g_in(text: &[u8]) -> Option<&'static str> {
+    text.split(|byte| *byte == b'G').skip(1).find_map(|rest| foreign_g(number::read(rest, 0)?.0.as_tenths()?))
+}
+
+/// Remedy for a decimal point in a P: without its point the number would mean something else.
+fn point_in_p(text: &[u8]) -> &'static str {
+    let codes = text.split(|byte| *byte == b'G').skip(1);
+    let tenths: Vec<i64> = codes.filter_map(|rest| number::read(rest, 0)?.0.as_tenths()).collect();
+    let has = |codes: std::ops::RangeInclusive<i64>| tenths.iter().any(|code| codes.contains(code));
+    if has(40..=40) {
+        "P of G4 counts milliseconds: write the seconds with X (G4 X1.8), or 1000 times the number without a point"
+    } else if has(640..=640) {
+        "G64 has no P on a Fanuc: remove the P word"
+    } else if has(510..=510) {
+        "P of G51 counts thousandths: write 1000 times the number without a point"
+    } else if has(740..=890) {
+        "P of a cycle counts milliseconds: write 1000 times the seconds without a point"
+    } else {
+        "P has no decimal point; a dwell counts milliseconds: write what is meant as a whole number"
+    }
 }
 
 fn foreign_text(text: &[u8]) -> Option<&'static str> {
@@ -145,6 +171,11 @@ mod tests {
             ("(TOOL (10MM) FLAT)", "nested", "remove"),
             ("(TOOL (10MM) FLAT", "nested", "remove"),
             ("G54.1P300", "31i", "--control"),
+            ("G187P3E0.01", "Haas", "G5.1 Q1"),
+            ("G4P1.8", "milliseconds", "G4 X1.8"),
+            ("G82Z-1.R1.P.5F100", "cycle", "1000 times"),
+            ("G64P0.01", "Fanuc", "remove the P"),
+            ("G51X0Y0P2.", "thousandths", "1000 times"),
         ] {
             let said = message(line);
             assert!(said.contains(whose) && said.contains(remedy), "{line}: {said}");

@@ -10,7 +10,9 @@ use super::advice::advice;
 
 /// Most bytes of a line that a message shows.
 const FOUND_MAX: usize = 400;
-pub(super) const BEHIND_THE_END: &str = "behind the closing %: no control reads this or what follows; remove it";
+const BEHIND_THE_END: &str = "behind the closing %: no control reads this or what follows; remove it";
+/// A program behind the closing `%`.
+const PROGRAM_BEHIND_THE_END: &str = "a program behind the closing %: no control reads it; remove the % before it";
 pub(super) const START_UNKNOWN: &str = "this arc begins where no block before it has put the tool (no X and Y so far): its shape is unknown, \
                              and it keeps its feed";
 pub(super) const NO_LABEL: &str = "no % before the first block: a control that reads it over a line takes this block for the label \
@@ -115,6 +117,12 @@ impl Diagnostic {
             message,
             found: printable(text),
         }
+    }
+
+    /// Warning about the first line behind the closing `%`.
+    pub(super) fn of_text_behind_the_end(line: usize, text: &[u8]) -> Self {
+        let is_program = text.first().is_some_and(|byte| byte.eq_ignore_ascii_case(&b'O'));
+        Diagnostic::of_line(line, text, if is_program { PROGRAM_BEHIND_THE_END } else { BEHIND_THE_END })
     }
 
     pub(super) fn of_notice(line: usize, text: &[u8], notice: Notice) -> Self {

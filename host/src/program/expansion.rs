@@ -22,7 +22,9 @@ use arcfeed_nc_macro::variables::{Context, Ignored, OutsideValues};
 use arcfeed_units::Micros;
 
 use super::contour_check::contour_diagnostics;
+use super::diagnostic::is_blank;
 use super::library::Folder;
+use super::lines::lines_read;
 use super::run_faults::{RunFaults, in_main};
 use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
 
@@ -120,8 +122,13 @@ impl Program {
             return program;
         };
         let mut program = Program::empty(path, Some(macro_line), &Reader::with(expansion.settings, expansion.tables));
-        for RawLine { text, ending } in Lines::new(bytes) {
-            program.keep(text, ending, &expansion.settings);
+        let (lines_read, mut has_trailer) = (lines_read(bytes), false);
+        for (index, RawLine { text, ending }) in Lines::new(bytes).enumerate() {
+            if index < lines_read {
+                program.keep(text, ending, &expansion.settings);
+            } else {
+                has_trailer |= program.pass_over(text, ending, !has_trailer);
+            }
         }
         let keeps_moves = expansion.keeps_moves;
         let mut path = PathSummary::new(expansion.settings.unit);
@@ -142,6 +149,16 @@ impl Program {
         program.diagnostics.extend(end.found);
         program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
         program
+    }
+
+    /// Keeps a line behind the closing `%`, with a warning if one is due; returns whether there is text on it.
+    fn pass_over(&mut self, text: &[u8], ending: &[u8], warns: bool) -> bool {
+        let is_text = !is_blank(text) && !is_mark(text);
+        if is_text && warns {
+            self.diagnostics.push(Diagnostic::of_text_behind_the_end(self.lines.len() + 1, text));
+        }
+        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), ..ProgramLine::default() });
+        is_text
     }
 
     /// Keeps a line as it stands. Only a line without code has a meaning by itself.

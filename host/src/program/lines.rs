@@ -7,7 +7,7 @@ use arcfeed_nc::text::{Lines, RawLine};
 use arcfeed_nc::word::is_mark;
 
 use super::block_delete::BlockDeleteReader;
-use super::diagnostic::{BEHIND_THE_END, START_UNKNOWN, is_blank};
+use super::diagnostic::{START_UNKNOWN, is_blank};
 use super::{Diagnostic, ProgramLine};
 
 /// State of the control after the lines read so far.
@@ -34,6 +34,18 @@ pub fn in_capitals(program: &[u8]) -> Vec<u8> {
         capitals.extend_from_slice(ending);
     }
     capitals
+}
+
+/// Number of lines up to the closing `%`: what follows them is not read.
+pub(super) fn lines_read(program: &[u8]) -> usize {
+    let mut has_begun = false;
+    for (index, RawLine { text, .. }) in Lines::new(program).enumerate() {
+        if has_begun && is_mark(text) {
+            return index + 1;
+        }
+        has_begun |= !is_blank(text);
+    }
+    usize::MAX
 }
 
 impl LineReader {
@@ -90,7 +102,7 @@ impl LineReader {
         let text = std::mem::take(&mut line.text);
         if !self.has_trailer && !is_blank(&text) && !is_mark(&text) {
             self.has_trailer = true;
-            found.push(Diagnostic::of_line(self.count, &text, BEHIND_THE_END));
+            found.push(Diagnostic::of_text_behind_the_end(self.count, &text));
         }
         let parsed = Parsed { line: LineKind::ProgramMark, ..Parsed::default() };
         let (ending, meaning) =

@@ -172,6 +172,9 @@ impl NotModelled {
             NotModelled::GCode(tenths) | NotModelled::MoveUnder(tenths) => g_remedy(tenths),
             NotModelled::AfterRotation => "name both axes of the plane in this block, under G90",
             NotModelled::MCode(96) => "write the program without interrupts",
+            NotModelled::MCode(97) => {
+                "with P it calls blocks of the same program on a Haas: write them as a program of its own, and call it with M98 P"
+            }
             NotModelled::MCode(_) | NotModelled::Macro => "write the program out without calls and macro statements",
             NotModelled::Variable(_) => "write the value in place of the variable",
             NotModelled::OutsideValue(_) => "assign it before it is read (offsets: give a settings file)",

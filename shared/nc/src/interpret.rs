@@ -190,8 +190,8 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
         0 => Some(ProgramStop::Program),
         1 => Some(ProgramStop::Optional),
         2 | 30 => Some(ProgramStop::End),
-        // M96 P enables a signal that calls a program in the middle of any block.
-        code @ (96 | 98 | 99) if code != 96 || block.word(b'P').is_some() => {
+        // M96 P enables a signal that calls a program in the middle of any block; M97 P is a call on a Haas.
+        code @ (96..=99) if code >= 98 || block.word(b'P').is_some() => {
             return Err(Fault::not_modelled(NotModelled::MCode(code as u16), word.column));
         }
         _ => None,
@@ -427,6 +427,7 @@ mod tests {
             ("G0X1.Y1.\nG68R30.\nG0X2.", NotModelled::AfterRotation),
             ("M98P1000", NotModelled::MCode(98)),
             ("M96P9001", NotModelled::MCode(96)),
+            ("M97P100", NotModelled::MCode(97)),
         ] {
             let fault = run(&line.lines().collect::<Vec<_>>()).unwrap_err();
             assert_eq!(fault.cause, Cause::NotModelled(what), "{line}");
