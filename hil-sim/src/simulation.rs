@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_model::cut::ContourSide;
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, ToolSetup};
 use arcfeed_model::machine::FeedLimit;
@@ -60,6 +61,8 @@ pub struct PlannedConditions {
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
     pub end_percent: u8,
+    /// Side of the contour on which the tool runs, for a move under G41 or G42.
+    pub side: Option<ContourSide>,
     /// Target chip load, for a tool whose target is the programmed feed.
     pub target: Option<MmPerTooth>,
 }
@@ -245,6 +248,9 @@ impl<D: OverrideSource> Simulation<D> {
         };
         let along = known.as_ref().and_then(|known| known.along.as_ref());
         let planned_target = known.as_ref().and_then(|known| known.target);
+        let side = known.as_ref().and_then(|known| known.side);
+        let on_side = found.zip(side).map(|((index, rule), side)| (index, rule.on_side(side)));
+        let found = on_side.as_ref().map_or(found, |(index, rule)| Some((*index, rule)));
         let governing = found.map(|(index, rule)| {
             let setup = self.job.tool_of(rule);
             let target = planned_target.or_else(|| programmed_target(segment, setup, self.context.machining.spindle));

@@ -11,6 +11,7 @@
 //! "G54" = { X = -300.0, Y = -200.0, Z = -400.0 }
 //! start_up = "A"                       # parameter 5003, SUP: start-up and cancel of G41 and G42, or "B"
 //! compensation_blocks = 3              # parameter 19625, 3 to 8: blocks read together under G41 and G42
+//! compensation = "control"             # D has the tool's radius; "wear": only its wear
 //! [length]                             # H number to length
 //! 1 = 120.5
 //! [radius]                             # D number to radius
@@ -28,8 +29,8 @@ use std::path::Path;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::motion::Pose;
 use arcfeed_nc::settings::{
-    ArcCenters, COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, Decimals, OFFSETS, Preset,
-    SYSTEMS, Settings, StartUp, Tables,
+    ArcCenters, COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, CompensationType, Decimals,
+    OFFSETS, Preset, SYSTEMS, Settings, StartUp, Tables,
 };
 use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
@@ -50,6 +51,7 @@ struct SettingsFile {
     peck_clearance: Option<f64>,
     start_up: Option<StartUpType>,
     compensation_blocks: Option<Spanned<u8>>,
+    compensation: Option<RadiusConvention>,
     #[serde(default)]
     work: BTreeMap<Spanned<String>, Axes>,
     #[serde(default)]
@@ -78,6 +80,14 @@ enum Unit {
 enum StartUpType {
     A,
     B,
+}
+
+/// Meaning of the radius of a D, with the words of CAM systems.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RadiusConvention {
+    Control,
+    Wear,
 }
 
 /// Meaning of numbers without a decimal point.
@@ -229,7 +239,12 @@ fn compensation(file: &SettingsFile, preset: CompensationSettings) -> Result<Com
         let found = wrong.as_ref();
         return Err((wrong.span().start, format!("{found} blocks: a control reads 3 to 8 of them together")));
     }
-    Ok(CompensationSettings { start_up, blocks: blocks.map_or(preset.blocks, |blocks| *blocks.as_ref()) })
+    let of_program = match file.compensation {
+        Some(RadiusConvention::Control) => CompensationType::Control,
+        Some(RadiusConvention::Wear) => CompensationType::Wear,
+        None => preset.of_program,
+    };
+    Ok(CompensationSettings { start_up, blocks: blocks.map_or(preset.blocks, |blocks| *blocks.as_ref()), of_program })
 }
 
 /// Index of an offset number.
@@ -256,7 +271,7 @@ mod tests {
 
     #[test]
     fn a_file_gives_offsets_lengths_and_conventions() {
-        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
+        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ncompensation = 'wear'\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
                     'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[radius]\n7 = 5.0\n[radius_wear]\n7 = -0.02\n[reference]\n2 = { Z = 5.0 }\n";
         let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
         assert_eq!((settings.unit, settings.decimals), (LengthUnit::Mm, Decimals::Calculator));
@@ -264,7 +279,10 @@ mod tests {
         assert_eq!(tables.systems[0].linear[0], Nm::from_mm(-300.0));
         assert_eq!(tables.systems[53].rotary[1], MicroDeg(90_000_000));
         assert_eq!((tables.length(1), tables.radius(7)), (Nm::from_mm(120.5), Nm::from_mm(4.98)));
-        assert_eq!(settings.compensation, CompensationSettings { start_up: StartUp::B, blocks: 5 });
+        assert_eq!(
+            settings.compensation,
+            CompensationSettings { start_up: StartUp::B, blocks: 5, of_program: CompensationType::Wear }
+        );
         assert_eq!(settings.reference[1].linear[2], Nm::from_mm(5.0));
     }
 
@@ -278,6 +296,7 @@ mod tests {
             ("[radius_wear]\nD1 = 1.0", "D1"),
             ("compensation_blocks = 9", "9"),
             ("start_up = 'C'", "C"),
+            ("compensation = 'computer'", "computer"),
             ("delete = [0]", "0"),
             ("[reference]\n5 = { X = 1.0 }", "5"),
             ("colour = 1", "colour"),

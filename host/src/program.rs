@@ -47,6 +47,7 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
 
 pub use block_delete::BlockDeleteEffect;
+pub use contour_check::may_have_contours;
 pub use conventions::{DecimalSurvey, fitting_convention};
 pub use diagnostic::{Diagnostic, FeedKept, Severity};
 pub use executed_places::ExecutedPlaces;

@@ -2,6 +2,8 @@
 
 mod geometry;
 
+mod compensated;
+
 mod engage;
 
 mod engaged_arc_oracle;

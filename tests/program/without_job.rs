@@ -100,6 +100,23 @@ fn tools_come_from_the_comments_and_other_tools_keep_their_feeds() {
 }
 
 #[test]
+fn a_contour_under_compensation_needs_the_radius_of_its_d() {
+    let scratch = Scratch::new("without-job-contour");
+    let blocks = "G90G94G21G17\nS5000M3\nG0X0Y0\nG41D7G1X20.F900.\nX40.\nG3X60.Y20.J20.\nG1Y40.\nG40X80.\nM30\n";
+    let path = scratch.write("p.nc", blocks);
+    let unknown = run(&["adapt", &path, "--tool", "10"]);
+    assert_eq!(unknown.status.code(), Some(0), "{}", text_of(&unknown.stderr));
+    assert_eq!(adapted(&path, &["--tool", "10"]), blocks);
+    let settings = scratch.write("machine.toml", "unit = 'mm'\n[radius]\n7 = 5.0\n");
+    // Contour radius 20, centre 15.
+    let governed = blocks.replace("J20.", "J20.F675.").replace("G1Y40.", "G1Y40.F900.");
+    assert_eq!(adapted(&path, &["--tool", "10", "--settings", &settings]), governed);
+    let settings = scratch.write("machine.toml", "unit = 'mm'\ncompensation = 'wear'\n");
+    let governed = governed.replace("F675.", "F720.");
+    assert_eq!(adapted(&path, &["--tool", "10", "--settings", &settings]), governed);
+}
+
+#[test]
 fn what_is_missing_is_named_with_its_option() {
     let scratch = Scratch::new("without-job-missing");
     let path = scratch.write("p.nc", "G90G94\nG0X0Y0\nG3X10.Y0I5.F100.\nM30\n");

@@ -11,6 +11,7 @@ use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Modal, Plane, Pose};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::segment::Segment;
+use arcfeed_nc::settings::CompensationType;
 use arcfeed_units::Nm;
 
 use super::action::{Action, MoveContext, ProgrammedPath};
@@ -35,6 +36,8 @@ pub struct PlainReader {
     end: Pose,
     taps: bool,
     sets_data: bool,
+    /// Programs have the path of the tool centre under G41 and G42, too.
+    is_center_path: bool,
     restart: Option<RestartList>,
 }
 
@@ -42,7 +45,8 @@ impl PlainReader {
     /// Reader at power-on, the axes at the machine's zero.
     pub fn new(settings: &ControlSettings) -> Self {
         let reader = Reader::with(settings.nc, settings.tables);
-        PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, restart: None }
+        let is_center_path = settings.nc.compensation.of_program == CompensationType::Wear;
+        PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, is_center_path, restart: None }
     }
 
     /// The modal state.
@@ -132,7 +136,7 @@ impl PlainReader {
         let origin = modal.work_origin(tables).plus(along_z(tool));
         let is_special = !understood.step.is_plain() || self.taps;
         let programmed_path = match modal.compensation {
-            Some(_) if contour.offset == Nm(0) => ProgrammedPath::Contour,
+            Some(_) if contour.offset == Nm(0) && !self.is_center_path => ProgrammedPath::Contour,
             _ if modal.follows_tool_center => ProgrammedPath::Tip,
             _ => ProgrammedPath::Axes,
         };

@@ -5,7 +5,7 @@ use arcfeed_nc::text::Lines;
 
 use super::rewrite::Leak;
 use super::writer::{KeptLines, Known, PlannedLine, Writer};
-use crate::program::{ProgramLine, Source};
+use crate::program::{ProgramLine, Source, may_have_contours};
 
 /// The same plan line by line, for a program of any length: nothing is kept of a line that is done. The override at the end of each
 /// move, for which the moves behind it count, is not set.
@@ -14,6 +14,7 @@ pub struct LinePlan<'a> {
     job: &'a Job,
     known: Known<'a>,
     line_end: &'a [u8],
+    has_contours: bool,
     kept: KeptLines,
 }
 
@@ -21,7 +22,8 @@ impl<'a> LinePlan<'a> {
     /// For a program without errors; `may_leak` says whether a feed could leak into one of its lines.
     pub fn new(source: &'a Source, may_leak: bool, job: &'a Job, known: Known<'a>) -> Self {
         let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
-        let mut plan = LinePlan { source, job, known, line_end, kept: KeptLines::default() };
+        let has_contours = may_have_contours(&source.bytes);
+        let mut plan = LinePlan { source, job, known, line_end, has_contours, kept: KeptLines::default() };
         if may_leak {
             while let Err(last_governed) = plan.run(|_, _| {}) {
                 plan.kept = plan.kept.with(last_governed);
@@ -42,6 +44,9 @@ impl<'a> LinePlan<'a> {
     fn run(&self, mut each: impl FnMut(&ProgramLine, PlannedLine)) -> Result<(), Option<usize>> {
         let reader = self.source.reader();
         let mut writer = Writer::new(reader.control(), self.line_end, self.job, self.known, &self.kept);
+        if self.has_contours {
+            writer.read_contours(reader.control(), Lines::new(&self.source.bytes).map(|raw| raw.text));
+        }
         let mut lines = self.source.lines();
         while let Some(line) = lines.next_line() {
             let Ok(planned) = writer.take(line) else { return Err(writer.last_governed) };

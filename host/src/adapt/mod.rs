@@ -19,6 +19,8 @@ pub mod modes;
 
 pub mod limit;
 
+pub mod offset_moves;
+
 mod rule_match;
 
 pub mod unused_rules;
@@ -45,7 +47,7 @@ pub mod write_back;
 
 use arcfeed_model::job::{FeedPolicy, Job};
 
-use crate::program::{Program, ProgramLine};
+use crate::program::{Program, ProgramLine, may_have_contours};
 pub use line_plan::LinePlan;
 pub use planned_block::PlannedBlock;
 pub use reason::PlanReason;
@@ -76,6 +78,9 @@ pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
         let mut adapted = Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() };
         let line_end = program.lines.first().map_or(&b""[..], |line| &line.ending);
         let mut writer = Writer::new(&program.control, line_end, job, known, &kept);
+        if program.lines.iter().any(|line| may_have_contours(&line.text)) {
+            writer.read_contours(&program.control, program.lines.iter().map(|line| line.text.as_slice()));
+        }
         let mut lines = program.lines.iter();
         let leak = lines.try_for_each(|line| writer.take(line).map(|planned| adapted.add(line, planned))).err();
         let Some(Leak) = leak else {
@@ -85,6 +90,7 @@ pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
             return adapted;
         };
         let last_governed = writer.last_governed;
+        drop(writer);
         kept = kept.with(last_governed);
     }
 }

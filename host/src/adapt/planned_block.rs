@@ -1,8 +1,10 @@
 //! A block with a move: what a law wants along it, the feed it is sent with, and why.
 
+use std::borrow::Cow;
+
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
-use arcfeed_model::cut::CutRule;
+use arcfeed_model::cut::{ContourSide, CutRule, Work};
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, LawKind};
 use arcfeed_model::machine::LimitedBy;
@@ -13,6 +15,7 @@ use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin, S_PER_MIN};
 
 use super::asked_cells::AskedCells;
 use super::limit::MoveLimit;
+use super::offset_moves::ContourPlace;
 use super::places::MovePlaces;
 use super::profile::Profile;
 use super::range::DemandRange;
@@ -26,8 +29,10 @@ use crate::program::{Diagnostic, FeedKept, ProgramLine};
 pub struct PlannedBlock {
     /// Line in the program, counted from 1.
     pub line: usize,
-    /// Move of the block.
+    /// Move of the block; along a contour under G41 or G42 that of the tool centre, if it is known.
     pub segment: Segment,
+    /// Conditions of its law there.
+    pub contour: Option<ContourPlace>,
     /// Index of the cut rule that fits it.
     pub rule: Option<usize>,
     /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
@@ -64,6 +69,7 @@ impl PlannedBlock {
         let mut block = PlannedBlock {
             line,
             segment,
+            contour: None,
             rule: None,
             along: None,
             demand: None,
@@ -81,6 +87,21 @@ impl PlannedBlock {
         };
         block.sent = block.programmed();
         block
+    }
+
+    /// Its cut rule; under G41 and G42 with the side on which the tool runs there.
+    pub fn cut_rule<'j>(&self, job: &'j Job) -> Option<Cow<'j, CutRule>> {
+        let rule = job.rules.get(self.rule?)?;
+        let side = self.contour.and_then(|place| place.side);
+        Some(side.map_or(Cow::Borrowed(rule), |side| Cow::Owned(rule.on_side(side))))
+    }
+
+    /// The move for which its law is evaluated. The moves around a corner before an outside arc are lines with the same F,
+    /// so the arc gets the feed of a line.
+    fn law_segment(&self, rule: &CutRule) -> Segment {
+        let has_corner = self.contour.is_some_and(|place| place.has_corner);
+        let is_outside = matches!(rule.work, Work::Mill { side: ContourSide::Outside, .. });
+        if has_corner && is_outside { Segment { path: Path::Line, ..self.segment } } else { self.segment }
     }
 
     /// Programmed feed, per minute.
@@ -144,19 +165,21 @@ const F32_MARGIN: f64 = 3e-7;
 /// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
 /// cells where the move may be cut into pieces.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
-    let rule = job.rules.get(block.rule?)?;
-    let setup = job.tool_of(rule);
+    let rule = block.cut_rule(job)?;
+    let setup = job.tool_of(&rule);
+    let segment = block.law_segment(&rule);
     let teeth_per_min = f64::from(spindle.0) * f64::from(setup.tool.active_teeth());
     let law = if setup.follows_program {
         let programmed = block.programmed().map_or(0.0, Nm::to_mm) * (1.0 + F32_MARGIN);
-        let rule = CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.clone() };
-        SegmentLaw::with_engagement(&block.segment, Some(&rule), block.along.as_ref(), job)
+        let rule =
+            CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.into_owned() };
+        SegmentLaw::with_engagement(&segment, Some(&rule), block.along.as_ref(), job)
     } else {
-        SegmentLaw::with_engagement(&block.segment, Some(rule), block.along.as_ref(), job)
+        SegmentLaw::with_engagement(&segment, Some(&rule), block.along.as_ref(), job)
     };
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
-    let places = MovePlaces::of(&block.segment);
+    let places = MovePlaces::of(&segment);
     let has_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
     let cells = if has_pieces { AskedCells::all() } else { AskedCells::deciding(&law, &places, &knots_mm) };
     let profile = Profile::ask(&law, &places, &knots_mm, &cells);

@@ -33,6 +33,12 @@ pub enum PlanReason {
     Short,
     /// A cut rule matches it, but no block before it has stated where the tool is.
     StartUnknown,
+    /// A cut rule matches it, but the D in force under G41 or G42 has no radius.
+    NoRadius,
+    /// A cut rule matches it, but the radius of the D in force is not that of the job's tool.
+    OtherRadius,
+    /// A cut rule matches it, but it is under G41 or G42, where only F words govern.
+    NeedsRewriting,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
     NoDemand,
     /// No cut rule speaks of it.
@@ -41,7 +47,7 @@ pub enum PlanReason {
     Rapid,
     /// Inverse time: F is no feed.
     InverseTime,
-    /// Under G41, G42, G43.4, G63 or G95: what the tool centre does, or what F means, is not looked at.
+    /// Under G43.4, G63 or G95, or under G41 or G42 where no law describes the path of the tool centre.
     Special,
 }
 
@@ -64,6 +70,9 @@ impl PlanReason {
             PlanReason::Rotary => "rotary",
             PlanReason::Short => "short",
             PlanReason::StartUnknown => "start-unknown",
+            PlanReason::NoRadius => "no-radius",
+            PlanReason::OtherRadius => "other-radius",
+            PlanReason::NeedsRewriting => "needs-rewriting",
             PlanReason::NoDemand => "no-demand",
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
@@ -85,6 +94,15 @@ impl PlanReason {
                 Some("its F would stay in force for a block behind it that has none of its own and must have another")
             }
             PlanReason::Rotary => Some("a rotary axis turns with it, and F is no feed along its path then"),
+            PlanReason::NoRadius => Some(
+                "its D has no radius, so the path of the tool centre under G41 and G42 is unknown: give it in the settings file ([radius]), or state there that D holds only wear (compensation = \"wear\")",
+            ),
+            PlanReason::OtherRadius => Some(
+                "the radius of its D differs by more than a quarter from that of the job's tool: correct one of them; where D holds only wear, state compensation = \"wear\" in the settings file",
+            ),
+            PlanReason::NeedsRewriting => Some(
+                "it is under G41 or G42, where a law works through F words only: write mode = \"rewrite-only\" in [override]",
+            ),
             PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
             _ => None,
         }

@@ -3,23 +3,26 @@
 use std::collections::BTreeSet;
 
 use arcfeed_kinematics::machine::Machine;
+use arcfeed_model::cut::Work;
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_model::job::{FeedPolicy, Job, LawKind};
+use arcfeed_model::tool::Tool;
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
-use arcfeed_nc::modal::Feed;
+use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::reader::Reader;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Nm, PERCENT};
 
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
+use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
 use super::planned_block::{PlannedBlock, govern};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
 use super::rule_match::match_move;
-use super::split::{ChipError, Governed};
+use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::JobFile;
 use crate::program::ProgramLine;
@@ -98,6 +101,10 @@ pub(super) struct Writer<'a> {
     modes: Modes,
     /// The control behind the lines so far; only what is cut into pieces needs it.
     reader: Option<Reader>,
+    /// The moves of the tool centre, in a program with contours that is to be rewritten.
+    contours: Option<OffsetMoves<'a>>,
+    /// The last move does not depend on a block-delete switch.
+    is_start_certain: bool,
     kept: &'a KeptLines,
     /// The last line that a law governs.
     pub last_governed: Option<usize>,
@@ -118,26 +125,41 @@ impl<'a> Writer<'a> {
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
             reader: cuts.then(|| control.clone()),
+            contours: None,
+            is_start_certain: true,
             kept,
             last_governed: None,
             line_end: if line_end.is_empty() { b"\n" } else { line_end },
         }
     }
 
+    /// Lets laws govern moves under G41 and G42, if the mode allows it; `lines` are those of the program.
+    pub fn read_contours(&mut self, control: &Reader, lines: impl Iterator<Item = &'a [u8]> + 'a) {
+        self.contours = self.reader.is_some().then(|| OffsetMoves::new(control.clone(), lines));
+    }
+
     /// Plans the next line.
     pub fn take(&mut self, line: &ProgramLine) -> Result<PlannedLine, Leak> {
         self.count += 1;
+        let path = self.contours.as_mut().map_or(CenterPath::None, OffsetMoves::take);
         let (number, before) = (self.count, self.reader.clone());
         if let Some(reader) = &mut self.reader {
             // The program has no errors.
             let _understood = reader.read(&line.text);
         }
         self.modes = self.modes.after(line);
+        let is_certain = line.skipping.is_none_or(|skipping| skipping.is_harmless);
         let Some(segment) = line.segment() else {
+            self.is_start_certain &= is_certain;
             return Ok(PlannedLine { block: None, text: self.whole(line, None)? });
         };
-        let (mut block, profile) = self.plan(number, line, segment);
+        let (mut block, profile) = self.plan(number, line, segment, &path);
+        self.is_start_certain = is_certain;
         let texts = match (before, &profile) {
+            (_, Some(profile)) if block.contour.is_some() => {
+                self.in_one_piece(&mut block, profile);
+                None
+            }
             (Some(before), Some(profile)) => self.in_pieces(line, &mut block, profile, before),
             _ => None,
         };
@@ -155,18 +177,33 @@ impl<'a> Writer<'a> {
     }
 
     /// Plan of a line's move, and the answers of the law along it.
-    fn plan(&mut self, number: usize, line: &ProgramLine, segment: Segment) -> (PlannedBlock, Option<Profile>) {
-        let mut block = PlannedBlock::new(number, segment);
+    fn plan(
+        &mut self,
+        number: usize,
+        line: &ProgramLine,
+        segment: Segment,
+        path: &CenterPath,
+    ) -> (PlannedBlock, Option<Profile>) {
+        let under = self.special(line);
+        let offset = self.offset_move(path, line, under);
+        let under = under.filter(|_| offset.is_none());
+        let segment = offset.map_or(segment, |offset| offset.segment.shifted(Pose::ORIGIN.minus(line.origin)));
+        let new = || PlannedBlock { contour: offset.map(|offset| offset.place), ..PlannedBlock::new(number, segment) };
+        let mut block = new();
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
         block.along = self.engagement_along(&segment, line.machining.tool);
-        let under = self.special(line);
         let reason = match match_move(self.job, self.machine, line, &segment) {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             // Under G43.4 rotary axes turn as a matter of course.
             Err(PlanReason::Rotary) if under.is_some() => PlanReason::Special,
             Err(reason) => reason,
+            Ok(_) if is_along_contour(under) && self.reader.is_none() => PlanReason::NeedsRewriting,
+            Ok(_) if is_along_contour(under) && *path == CenterPath::NoRadius => PlanReason::NoRadius,
             Ok(_) if under.is_some() => PlanReason::Special,
+            Ok((index, _)) if let Some(reason) = block.contour.and_then(|place| self.contour_fault(index, &place)) => {
+                reason
+            }
             Ok(_) if line.skipping.is_some() => PlanReason::BlockDelete,
             Ok(_) if self.kept.contains(number) => PlanReason::FeedLeak,
             Ok(_) if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
@@ -175,7 +212,7 @@ impl<'a> Writer<'a> {
                 let profile = govern(&mut block, self.job, spindle, self.modes.unit);
                 if block.is_too_short_to_slow_down(self.job, &self.accelerations_mm_per_s2) {
                     let (rule, reason) = (block.rule, PlanReason::Short);
-                    return (PlannedBlock { rule, reason, ..PlannedBlock::new(number, segment) }, None);
+                    return (PlannedBlock { rule, reason, ..new() }, None);
                 }
                 return (block, profile);
             }
@@ -206,6 +243,35 @@ impl<'a> Writer<'a> {
         .or(self.modes.taps.then_some(NotModelled::MoveUnder(630)))
     }
 
+    /// Path of the tool centre for a move along a contour, where a law may look at it.
+    fn offset_move(&self, path: &CenterPath, line: &ProgramLine, under: Option<NotModelled>) -> Option<OffsetMove> {
+        let CenterPath::Known(offset) = path else { return None };
+        let is_plain = self.modes.per_minute && !self.modes.taps && !line.follows_tip;
+        (is_along_contour(under) && is_plain && self.is_start_certain).then_some(*offset)
+    }
+
+    /// Why the law of a rule does not govern a move along a contour although its path is known.
+    fn contour_fault(&self, rule: usize, place: &ContourPlace) -> Option<PlanReason> {
+        let rule = self.job.rules.get(rule)?;
+        let setup = self.job.tool_of(rule);
+        let (Tool::EndMill(mill), Work::Mill { .. }) = (&setup.tool, &rule.work) else {
+            return Some(PlanReason::Special);
+        };
+        match setup.law {
+            _ if !place.fits(mill.radius) => Some(PlanReason::OtherRadius),
+            LawKind::Contour { .. } => None,
+            LawKind::Engagement if !place.has_corner => None,
+            _ => Some(PlanReason::Special),
+        }
+    }
+
+    /// One F for a move along a contour.
+    fn in_one_piece(&self, block: &mut PlannedBlock, profile: &Profile) {
+        let (Some(feed), Some(teeth_per_min)) = (block.sent, block.teeth_per_min) else { return };
+        block.pieces = vec![SentPiece { until_ratio: 1.0, feed }];
+        block.chip_error = ChipError::of(&block.pieces, profile, teeth_per_min);
+    }
+
     /// The line, with its feed or another.
     fn whole(&mut self, line: &ProgramLine, governed: Option<Nm>) -> Result<Vec<u8>, Leak> {
         let edit = self.feeds.edit(line, governed, self.modes)?;
@@ -231,6 +297,11 @@ impl<'a> Writer<'a> {
         (block.pieces, block.whole) = (split.pieces, split.whole);
         Some(split.texts)
     }
+}
+
+/// Whether a move is under G41 or G42.
+fn is_along_contour(under: Option<NotModelled>) -> bool {
+    matches!(under, Some(NotModelled::MoveUnder(410 | 420)))
 }
 
 /// Whether a block's code, comments apart, has an F word.

@@ -234,7 +234,8 @@ impl BlockFigures {
     fn new(block: &PlannedBlock, job: &Job) -> Self {
         let unit_mm = job.unit.mm();
         let feed = |feed: Nm| feed.0 as f64 / job.unit.nm() as f64;
-        let rule = block.rule.and_then(|index| job.rules.get(index));
+        let rule = block.cut_rule(job);
+        let rule = rule.as_deref();
         let demand = block.demand.as_ref();
         // A table has no contact.
         let setup = rule.map(|rule| job.tool_of(rule));

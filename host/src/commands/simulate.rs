@@ -113,9 +113,9 @@ impl Simulate {
         let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
         let mut before = in_memory(&file, &program.file(), ControllerFault::LawOff)?;
-        // The meter needs the engaged arcs there, too.
-        let engaged = foreseen(&program, &adapted, &file.job).into_iter().filter(|known| known.along.is_some());
-        before.set_planned_conditions(engaged);
+        // The meter needs the engaged arcs and the sides of contours there, too.
+        let metered = |known: &PlannedConditions| known.along.is_some() || known.side.is_some();
+        before.set_planned_conditions(foreseen(&program, &adapted, &file.job).into_iter().filter(metered));
         // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
@@ -316,6 +316,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedC
         along: block.along.clone(),
         limit: block.limit.map(FeedLimit::from),
         end_percent: block.end_percent,
+        side: block.contour.and_then(|place| place.side),
         target: block.target(job),
     });
     known.collect()

@@ -2,10 +2,12 @@
 
 use std::path::Path as FilePath;
 
+use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Feed, Plane, Turn};
+use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::{Arc, Path, Segment};
-use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::tool_notes::{ToolNote, ToolNotes};
@@ -137,6 +139,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
     let mut notes = ToolNotes::new(unit);
     // Without M6 a T word is the change itself.
     let has_changes = blocks(program).any(|(_, block)| is_change(block));
+    let has_radii = has_radii(program);
     let (mut chosen, mut tool, mut speed) = (None, None, None);
     let mut before: Option<Segment> = None;
     for (index, line) in program.lines.iter().enumerate() {
@@ -152,7 +155,8 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         speed = commanded.or(speed);
         found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
-        let Some(segment) = line.segment().filter(|_| meaning.step.is_plain()) else { continue };
+        let is_governed = meaning.step.is_plain() || has_radii && is_along_contour(meaning);
+        let Some(segment) = line.segment().filter(|_| is_governed) else { continue };
         // A corner needs a smooth exit, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
             && before.arc().is_some()
@@ -169,6 +173,24 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
     }
     found.notes = notes.finish();
     found
+}
+
+/// Whether the radii of D are known, from the settings or the program, so that laws can govern moves under G41 and G42.
+fn has_radii(program: &Program) -> bool {
+    let (settings, tables) = (program.control.settings(), program.control.tables());
+    let sets_radius = |block: &Block| {
+        let has = |letter: u8, value: i64| {
+            block.words.iter().any(|word| word.letter == letter && word.number.as_whole() == Some(value))
+        };
+        has(b'G', 10) && has(b'L', 12)
+    };
+    settings.compensation.of_program == CompensationType::Wear
+        || tables.radii.iter().any(|radius| *radius != [Nm(0); 2])
+        || blocks(program).any(|(_, block)| sets_radius(block))
+}
+
+fn is_along_contour(meaning: &InterpretedLine) -> bool {
+    matches!(meaning.step.beyond_plain, Some(NotModelled::MoveUnder(410 | 420)))
 }
 
 impl Survey {

@@ -4,7 +4,7 @@ use arcfeed_compensation::compensator::{CompensationFault, Compensator, ContourM
 use arcfeed_compensation::contour::ContourCommand;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
-use arcfeed_nc::settings::{Settings, Tables};
+use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_units::Nm;
 
@@ -13,8 +13,8 @@ use super::diagnostic::is_blank;
 
 /// Message about a contour without a radius.
 pub(super) const NO_RADIUS: &str = "G41 or G42 with a D of no radius: the contour is checked and simulated as written, without \
-                                    the tool's radius; give it in the settings file ([radius]) or by G10 L12 \
-                                    (docs/compensation.md)";
+                                    the tool's radius, and no law governs it; give it in the settings file ([radius]) or by \
+                                    G10 L12, or state in that file that D holds only wear (compensation = \"wear\", docs/compensation.md)";
 
 /// Check of the contours of a program; a `Place` is that of a block.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ pub(super) struct ContourCheck<Place> {
     /// The contour has had a radius, so that D0 ends it.
     has_radius: bool,
     has_warned: bool,
+    /// The program has the path of the tool centre: a D of no radius is one without wear.
+    is_center_path: bool,
 }
 
 /// Finding of the check.
@@ -42,7 +44,8 @@ impl<Place: Copy> ContourCheck<Place> {
     /// Check before the first block.
     pub fn new(settings: &Settings) -> Self {
         let compensator = Compensator::new(settings.compensation);
-        ContourCheck { compensator, held: None, is_lost: false, has_radius: false, has_warned: false }
+        let is_center_path = settings.compensation.of_program == CompensationType::Wear;
+        ContourCheck { compensator, held: None, is_lost: false, has_radius: false, has_warned: false, is_center_path }
     }
 
     /// Checks a block; `reader` is the control after it.
@@ -50,7 +53,8 @@ impl<Place: Copy> ContourCheck<Place> {
         let command = ContourCommand::of(line, reader.modal(), reader.tables());
         let has_side = reader.modal().compensation.is_some();
         self.has_radius = has_side && (self.has_radius || command.offset != Nm(0));
-        if has_side && !self.has_radius && line.step.motion.is_some() && !self.has_warned {
+        let lacks_radius = has_side && !self.has_radius && !self.is_center_path;
+        if lacks_radius && line.step.motion.is_some() && !self.has_warned {
             self.has_warned = true;
             return Some(ContourFinding::NoRadius(place));
         }
@@ -140,13 +144,13 @@ impl<Place: Copy> ContourFinding<Place> {
 }
 
 /// Whether a program may have G41 or G42.
-fn may_have_contours(bytes: &[u8]) -> bool {
+pub fn may_have_contours(bytes: &[u8]) -> bool {
     let is_side = |code: &[u8]| {
         let digits =
             code.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'0')).map_or(&[][..], |at| &code[at..]);
         digits.starts_with(b"41") || digits.starts_with(b"42")
     };
-    bytes.split(|byte| *byte == b'G').skip(1).any(is_side)
+    bytes.split(|byte| byte.eq_ignore_ascii_case(&b'G')).skip(1).any(is_side)
 }
 
 #[cfg(test)]

@@ -97,16 +97,21 @@ impl ContourCommand {
 
 /// Offset of the tool centre in force: positive to the left of the path.
 pub fn offset(modal: &Modal, tables: &Tables) -> Nm {
-    let radius = tables.radius(modal.radius_offset).0;
+    let radius = tables.radius(modal.radius_offset);
+    Nm(radius.0.saturating_mul(i64::from(side_sign(modal))))
+}
+
+/// Side of the path on which a positive radius puts the tool: 1 for the left, -1 for the right, 0 without compensation.
+pub fn side_sign(modal: &Modal) -> i8 {
     let (first, second, _) = modal.plane.axes();
     let is_mirrored = modal.frame.scaling().is_some_and(|scaling| {
         let is_negative = |axis: usize| scaling.thousandths.get(axis).is_some_and(|by| *by < 0);
         is_negative(first) != is_negative(second)
     });
     match modal.compensation {
-        None => Nm(0),
-        Some(side) if (side == CompensationSide::Left) != is_mirrored => Nm(radius),
-        Some(_) => Nm(radius.saturating_neg()),
+        None => 0,
+        Some(side) if (side == CompensationSide::Left) != is_mirrored => 1,
+        Some(_) => -1,
     }
 }
 

@@ -92,6 +92,18 @@ impl CutRule {
         in_sequence && in_level && self.moves.include(segment, tool)
     }
 
+    /// The rule for a move that runs on this side of its contour; an end mill in a slot stays in it.
+    #[must_use]
+    pub fn on_side(&self, side: ContourSide) -> Self {
+        let mut rule = self.clone();
+        if let Work::Mill { side: own, .. } = &mut rule.work
+            && *own != ContourSide::Slot
+        {
+            *own = side;
+        }
+        rule
+    }
+
     /// Whether the engagement is given with each of its moves.
     pub const fn expects_engagement_per_move(&self) -> bool {
         matches!(self.work, Work::Ring(_, Stock::PerMove))

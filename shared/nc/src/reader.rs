@@ -60,6 +60,11 @@ impl Reader {
         self.modal == other.modal && self.tables == other.tables && state(self) == state(other)
     }
 
+    /// The settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
     /// The modal state.
     pub fn modal(&self) -> &Modal {
         &self.modal

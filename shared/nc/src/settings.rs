@@ -47,6 +47,16 @@ pub enum StartUp {
     B,
 }
 
+/// Meaning of the radius of a D, which the program assumes: CAM systems name it the type of compensation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CompensationType {
+    /// Radius of the tool: the program has the contour of the part.
+    #[default]
+    Control,
+    /// Wear: the program has the path of the tool centre.
+    Wear,
+}
+
 /// Settings of cutter compensation (G41, G42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompensationSettings {
@@ -55,6 +65,8 @@ pub struct CompensationSettings {
     /// Blocks that the control reads together (parameter 19625 of a 31i): at most [`COMPENSATION_BLOCKS_MAX`]. Two of them
     /// move in the plane, the others may lie between them.
     pub blocks: u8,
+    /// Meaning of the radius of a D.
+    pub of_program: CompensationType,
 }
 
 /// Reference of I, J and K.
@@ -158,7 +170,11 @@ impl Settings {
             peck_return: Nm(1_000_000),
             peck_clearance: Nm(1_000_000),
             reference: [nowhere; 4],
-            compensation: CompensationSettings { start_up: StartUp::A, blocks: COMPENSATION_BLOCKS_MIN },
+            compensation: CompensationSettings {
+                start_up: StartUp::A,
+                blocks: COMPENSATION_BLOCKS_MIN,
+                of_program: CompensationType::Control,
+            },
         }
     }
 

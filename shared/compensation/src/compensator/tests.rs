@@ -16,7 +16,7 @@ struct Found {
 fn reader_and_compensator(start_up: StartUp, blocks: u8) -> (Reader, Compensator) {
     let mut settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
     settings.scope = Scope::Everything;
-    settings.compensation = CompensationSettings { start_up, blocks };
+    settings.compensation = CompensationSettings { start_up, blocks, ..settings.compensation };
     let mut tables = Tables::default();
     for (radius, value) in tables.radii.iter_mut().zip([2.0, 5.0, -2.0, 0.5, 10.0]) {
         radius[0] = Nm::from_mm(value);
