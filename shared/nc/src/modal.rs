@@ -4,7 +4,7 @@
 //! the unit of axis words without a decimal point.
 
 pub use super::motion::{
-    Center, CompensationSide, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, ProgramStop, Turn,
+    Center, CompensationSide, Corner, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, ProgramStop, Turn,
 };
 
 use super::alarm::NotModelled;
@@ -69,6 +69,8 @@ pub struct Modal {
     pub follows_tool_center: bool,
     /// G68 or G69 has rotated the plane, and no move has named both its axes since then.
     pub rotation_pending: bool,
+    /// The last move ends in a chamfer or a rounded corner, which needs the next move.
+    pub ends_in_corner: bool,
 }
 
 /// A canned cycle in force; coordinates are the program's.
@@ -104,6 +106,8 @@ pub struct Polar {
 pub struct Step {
     /// The move.
     pub motion: Option<Motion>,
+    /// Corner between the move and the next one. The move is programmed up to the corner's point.
+    pub corner: Option<Corner>,
     /// The moves of a block that makes several.
     pub series: Option<Series>,
     /// G4.
@@ -149,6 +153,7 @@ impl Modal {
             unmodelled: 0,
             follows_tool_center: false,
             rotation_pending: false,
+            ends_in_corner: false,
         }
     }
 
