@@ -10,9 +10,10 @@ pub use super::motion::{
 use super::alarm::NotModelled;
 use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::machining::{Machining, MachiningState};
+pub use super::series::Polar;
 use super::series::Series;
 use super::settings::{ArcCenters, Tables};
-use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm};
+use arcfeed_units::{LengthUnit, Micros, Nm};
 
 /// The modal state that a block inherits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +62,7 @@ pub struct Modal {
     pub cycle: Option<Cycle>,
     /// G99.
     pub returns_to_r: bool,
-    /// G16.
+    /// G16: polar coordinates of the last point.
     pub polar: Option<Polar>,
     /// The G code of a tilted plane in force, in tenths, under which no move is modelled; 0 for none.
     pub unmodelled: u16,
@@ -88,17 +89,6 @@ pub struct Cycle {
     pub q: Nm,
     /// Dwell at the bottom (P).
     pub dwell: Micros,
-}
-
-/// G16: polar coordinates of the last point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Polar {
-    /// Distance from the pole.
-    pub radius: Nm,
-    /// Pole, in the plane: the program's origin, or the tool's position where a radius was last given under G91.
-    pub pole: [Nm; 2],
-    /// Angle from the plane's first axis.
-    pub angle: MicroDeg,
 }
 
 /// Effect of a block.
