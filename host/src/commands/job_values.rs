@@ -1,11 +1,11 @@
 //! Values of a job on the command line, for programs without a job file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use arcfeed_nc::block::Reading;
 use arcfeed_units::LengthUnit;
 
-use super::control_args::ControlArgs;
+use super::control_args::{ControlArgs, name_from};
 use super::outcome::Failure;
 use crate::console::note;
 use crate::file_error::FileError;
@@ -47,6 +47,9 @@ pub struct JobValues {
     /// Unit of a program without G20 and G21
     #[arg(long, value_parser = ["mm", "inch"])]
     units: Option<String>,
+    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
     /// Control that runs the program.
     #[command(flatten)]
     pub of_control: ControlArgs,
@@ -55,7 +58,7 @@ pub struct JobValues {
 impl JobValues {
     /// Whether one of them is given.
     pub fn is_any(&self) -> bool {
-        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, of_control } = self;
+        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, library, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
         is_listed
             || spindle.is_some()
@@ -63,6 +66,7 @@ impl JobValues {
             || mode.is_some()
             || milling.is_some()
             || units.is_some()
+            || library.is_some()
             || of_control.is_given()
     }
 
@@ -87,20 +91,22 @@ impl JobValues {
     pub fn job_of(&self, path: &Path) -> Result<JobFile, Failure> {
         let answers = self.answers();
         let (control, settings, tables) = self.of_control.read(None, Reading::Lenient)?;
-        let loaded = survey::load(path, (settings, tables), answers.units, None);
+        let loaded = survey::load(path, (settings, tables), answers.units, self.library.as_deref());
         let (_, survey) = loaded.map_err(Failure::Input)?;
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         keep_known(&mut proposal, &answers).map_err(failed)?;
         let program = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut keys = self.of_control.keys(control, path);
+        keys.extend(self.library.as_ref().map(|folder| ("library", name_from(path, folder))));
         let findings = Findings {
             program: &program,
             survey: &survey,
             groups: &groups,
             proposal: &proposal,
             answers: &answers,
-            control: &self.of_control.keys(control, path),
+            control: &keys,
         };
         let text = job(&findings);
         let open: Vec<String> = questions::open(&text).into_iter().map(|question| option_of(&question.key)).collect();

@@ -110,7 +110,7 @@ pub enum NotModelled {
     OutsideValue(u32),
     /// An offset set by a macro statement.
     OffsetStatement(u32),
-    /// A `/` in a program with macro statements or calls.
+    /// A `/` on which the order of execution depends.
     SwitchedStatement,
     /// An arc that also turns a rotary axis.
     RotaryArc,
@@ -236,7 +236,7 @@ impl fmt::Display for NotModelled {
             NotModelled::OffsetStatement(number) => {
                 write!(f, "#{number} sets an offset, which the blocks as executed cannot")
             }
-            NotModelled::SwitchedStatement => f.write_str("a / in a program with macro statements or calls"),
+            NotModelled::SwitchedStatement => f.write_str("a / before a macro statement, a call, a program number or the end of the program, or under a modal call"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::ChangeOfSide => f.write_str("a change of side under G41 or G42 without G40 before it"),
