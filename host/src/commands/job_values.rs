@@ -16,7 +16,7 @@ use crate::init::job_writer::job;
 use crate::init::proposal::{LikelyTool, Proposal, ProposedTool, propose};
 use crate::init::survey;
 use crate::init::wording;
-use crate::job::{JobFile, questions};
+use crate::job::{ControlKind, JobFile, questions};
 
 /// Values that a program does not contain.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -49,7 +49,7 @@ pub struct JobValues {
     units: Option<String>,
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
-    library: Option<PathBuf>,
+    pub library: Option<PathBuf>,
     /// Control that runs the program.
     #[command(flatten)]
     pub of_control: ControlArgs,
@@ -84,6 +84,13 @@ impl JobValues {
         }
     }
 
+    /// Keys and values of `[control]` in the job file `job`.
+    pub fn control_keys(&self, control: ControlKind, job: &Path) -> Vec<(&'static str, String)> {
+        let mut keys = self.of_control.keys(control, job);
+        keys.extend(self.library.as_ref().map(|folder| ("library", name_from(job, folder))));
+        keys
+    }
+
     /// The job of a program: the one that `arcfeed init` proposes with these values, without its open tools.
     ///
     /// # Errors
@@ -98,15 +105,13 @@ impl JobValues {
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         keep_known(&mut proposal, &answers).map_err(failed)?;
         let program = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut keys = self.of_control.keys(control, path);
-        keys.extend(self.library.as_ref().map(|folder| ("library", name_from(path, folder))));
         let findings = Findings {
             program: &program,
             survey: &survey,
             groups: &groups,
             proposal: &proposal,
             answers: &answers,
-            control: &keys,
+            control: &self.control_keys(control, path),
         };
         let text = job(&findings);
         let open: Vec<String> = questions::open(&text).into_iter().map(|question| option_of(&question.key)).collect();

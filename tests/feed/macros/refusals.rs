@@ -21,7 +21,7 @@ fn what_only_the_control_knows_is_refused_at_its_place() {
         ("timer", "WHILE[#3001LT9]DO1\nEND1\nM30\n", "7:7", "#3001"),
         ("offset", "G1X[#5221+1.]F900.\nM30\n", "7:5", "#5221"),
         ("switch", "/GOTO5\nN5M30\n", "7:1", "a / before a macro statement"),
-        ("switched-end", "#2=1\n/M30\nM30\n", "8:1", "a / before a macro statement"),
+        ("switched-end", "#2=#1\n/M30\nM30\n", "8:1", "a / before a macro statement"),
         ("switched-feed", "/G1X5.F900.\n#2=#4109\nM30\n", "8:4", "#4109 here is known"),
         ("switched-position", "/G1X5.F900.\n#2=#5001\nM30\n", "8:4", "#5001 here is known"),
         ("switched-function", "/M8\n#2=#4113\nM30\n", "8:4", "#4113 here is known"),

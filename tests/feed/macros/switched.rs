@@ -48,7 +48,7 @@ fn feed_mm(moved: &MoveTrace) -> Option<f64> {
 
 #[test]
 fn feeds_are_right_with_the_switches_on_and_off() {
-    let job = JOB.replace("inside_only = false\nfeed_per_tooth = 0.05\n", "");
+    let job = JOB.replace("inside_only = false\nfeed_per_tooth = 0.05\n", "feed_per_tooth = \"programmed\"\n");
     let job = format!("{job}[override]\nmode = \"rewrite-only\"\n");
     let (mut written, mut slowed, mut kept) = (0, 0, 0);
     for seed in 0..300 {
