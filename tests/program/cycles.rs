@@ -1,7 +1,7 @@
 //! Canned cycles, coordinates and offsets against closed forms: bolt circles, depths and feeds written out by hand or
 //! computed from the drawing, never from the reader.
 
-use arcfeed_nc::alarm::{Alarm, Cause};
+use arcfeed_nc::alarm::{Alarm, Cause, NotModelled};
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::modal::{MotionKind, Pose, Turn};
 use arcfeed_nc::reader::Reader;
@@ -233,7 +233,10 @@ fn a_bolt_circle_in_polar_coordinates_and_one_turned_by_g68_are_on_the_circle() 
     let turned = holes(&format!("{START}{turned}"));
     // The radius stays absolute where only angles follow.
     let stepped = holes(&format!("{START}G16G81X40.Y30.R2.Z-5.\nG91Y72.\nY72.\nY72.\nY72.\nG90G15G80"));
-    assert_eq!((polar.len(), turned.len(), stepped.len()), (5, 5, 5));
+    // K repeats the step of the angle; a step behind it begins at the last hole.
+    let repeated = holes(&format!("{START}G16G81X40.Y30.R2.Z-5.\nG91Y72.K3\nY72.\nG90G15G80"));
+    assert_eq!((polar.len(), turned.len(), stepped.len(), repeated.len()), (5, 5, 5, 5));
+    assert_eq!(stepped, repeated);
     for (((polar, turned), stepped), angle) in polar.iter().zip(&turned).zip(&stepped).zip(angles) {
         let (sin, cos) = libm::sincos(angle.to_radians());
         for found in [polar, turned, stepped] {
@@ -241,6 +244,40 @@ fn a_bolt_circle_in_polar_coordinates_and_one_turned_by_g68_are_on_the_circle() 
             assert!(off < ROUNDING_NM, "{angle}: {found:?} off by {off} nm");
         }
     }
+}
+
+#[test]
+fn repeated_angles_of_random_bolt_circles_are_on_the_circle() {
+    let (mut seed, mut worst) = (7_u64, 0.0_f64);
+    let mut random = |below: u64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) % below
+    };
+    for _ in 0..200 {
+        let [radius, first, step] =
+            [1.0 + random(900) as f64 / 10.0, random(3_600) as f64 / 10.0, random(900) as f64 / 10.0 - 45.0];
+        let count = 2 + random(11) as u32;
+        let program = format!("{START}G16G81X{radius:.1}Y{first:.1}R2.Z-5.\nG91Y{step:.1}K{count}\nY0.\nG90G15G80");
+        let found = holes(&program);
+        assert_eq!(found.len(), count as usize + 2, "{program}");
+        for (index, hole) in found.iter().enumerate() {
+            let angle: f64 = first + step * f64::from((index as u32).min(count));
+            let (sin, cos) = libm::sincos(angle.to_radians());
+            worst = worst.max(libm::hypot(hole[0] - radius * cos, hole[1] - radius * sin) * 1e6);
+        }
+    }
+    println!("200 bolt circles with repeats: worst {worst} nm");
+    assert!(worst < ROUNDING_NM, "{worst}");
+}
+
+#[test]
+fn repeats_of_a_radius_and_no_repeats_of_an_angle() {
+    let mut reader = reader(|_, _| ());
+    run(&mut reader, &format!("{START}G16G81X40.Y30.R2.Z-5.\nG91Y72.K0"));
+    let radius = reader.read(b"X5.Y10.K3").expect_err("each hole would be the pole of the next").cause;
+    assert_eq!(radius, Cause::NotModelled(NotModelled::MoveUnder(160)));
+    // K0 drills nothing and turns nothing.
+    assert_eq!(holes(&format!("{START}G16G81X40.Y30.R2.Z-5.\nG91Y72.K0\nY60.\nG90G15G80"))[1], [0.0, 40.0]);
 }
 
 #[test]

@@ -195,3 +195,20 @@ fn without_max_no_feed_is_ever_above_its_programmed_one() {
     println!("{moves} moves, {slowed} slowed down");
     assert!(slowed > moves / 10);
 }
+
+#[test]
+fn subprograms_come_from_a_folder() {
+    let scratch = Scratch::new("without-job-library");
+    let main = "%\nO1\nG21G17G90G94\n(T1 D=10. - FLAT END MILL)\nT1M6\nS8000M3\nG0X0Y0Z5.\nM98P2000\nG3X8.Y0I-8.F1300.\nM30\n%\n";
+    let program = scratch.write("main.nc", main);
+    scratch.write("lib/O2000.nc", "O2000\nG1X8.Z-1.F900.\nM99\n");
+    let folder = scratch.path("lib");
+    for command in ["adapt", "simulate"] {
+        let (code, said) = refused(&[command, &program]);
+        assert!(code == Some(1) && said.contains("PS0078") && said.contains("--library"), "{said}");
+    }
+    // The circle begins at X8: radius 8 inside a contour of 13.
+    let sent = adapted(&program, &["--library", &folder]);
+    assert_eq!(sent, main.replace("G3X8.Y0I-8.F1300.", "G3X8.Y0I-8.F800."));
+    assert_eq!(refused(&["simulate", &program, "--library", &folder]).0, Some(0));
+}

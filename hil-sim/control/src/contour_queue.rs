@@ -2,7 +2,8 @@
 //! known.
 //!
 //! A block keeps its text, its line and its context, and gets the move of the tool centre. Moves around a corner are
-//! blocks of their own in front of it ([`Action::Corner`]). A fault of the contour stops the control where the move
+//! blocks of their own in front of it ([`Action::Corner`]). Chamfers and rounded corners are inserted first, so that the
+//! tool is offset beside them. A fault of the contour stops the control where the move
 //! would begin.
 
 use std::collections::VecDeque;
@@ -13,11 +14,13 @@ use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::series::Series;
 
 use super::action::{Action, ReadBlock};
+use super::corner_queue::CornerQueue;
 use super::settings::ControlSettings;
 
 /// Blocks that wait for the move of the tool centre.
 #[derive(Debug)]
 pub struct ContourQueue {
+    corners: CornerQueue,
     compensator: Compensator,
     waiting: VecDeque<ReadBlock>,
 }
@@ -25,23 +28,28 @@ pub struct ContourQueue {
 impl ContourQueue {
     /// An empty queue, without an offset.
     pub fn new(settings: &ControlSettings) -> Self {
-        ContourQueue { compensator: Compensator::new(settings.nc.compensation), waiting: VecDeque::new() }
+        let compensator = Compensator::new(settings.nc.compensation);
+        ContourQueue { corners: CornerQueue::default(), compensator, waiting: VecDeque::new() }
     }
 
     /// Accepts the next block; returns the blocks that can be executed.
     pub fn pass(&mut self, block: ReadBlock) -> Vec<ReadBlock> {
+        self.corners.pass(block).into_iter().flat_map(|block| self.offset(block)).collect()
+    }
+
+    fn offset(&mut self, block: ReadBlock) -> Vec<ReadBlock> {
         let command = ContourCommand {
             stops_reading: block.contour.stops_reading || block.action.stops_reading(),
             ..block.contour
         };
         let result = match &block.action {
             Action::Fault(_) => self.compensator.end_held(),
-            Action::Move(segment, _) => command.apply(Some(segment), &mut self.compensator),
+            Action::Move(segment, _) | Action::Corner(segment) => command.apply(Some(segment), &mut self.compensator),
             _ => command.apply(None, &mut self.compensator),
         };
         match result {
             Err(CompensationFault::Given(fault)) => {
-                let mut ready = self.end();
+                let mut ready = self.end_contour();
                 if !ready.iter().any(is_fault) {
                     ready.push(ReadBlock { action: Action::Fault(fault), ..block });
                 }
@@ -72,12 +80,19 @@ impl ContourQueue {
 
     /// Ends the contour where it is: no further block comes.
     pub fn end(&mut self) -> Vec<ReadBlock> {
+        let mut ready: Vec<ReadBlock> = self.corners.end().into_iter().flat_map(|block| self.offset(block)).collect();
+        ready.extend(self.end_contour());
+        ready
+    }
+
+    fn end_contour(&mut self) -> Vec<ReadBlock> {
         let result = self.compensator.end_held();
         self.release(result)
     }
 
     /// Discards all blocks and the offset.
     pub fn clear(&mut self) {
+        self.corners = CornerQueue::default();
         self.waiting.clear();
         self.compensator.reset();
     }
@@ -103,7 +118,8 @@ impl ContourQueue {
 
     /// Releases the blocks before the next move.
     fn release_without_move(&mut self, ready: &mut Vec<ReadBlock>) {
-        while let Some(block) = self.waiting.pop_front_if(|block| !matches!(block.action, Action::Move(..))) {
+        let has_move = |block: &ReadBlock| matches!(block.action, Action::Move(..) | Action::Corner(_));
+        while let Some(block) = self.waiting.pop_front_if(|block| !has_move(block)) {
             ready.push(block);
         }
     }
@@ -118,6 +134,10 @@ impl ContourQueue {
             }),
             (CenterMove::Main(segment), Action::Move(_, stop)) => {
                 let action = Action::Move(segment, *stop);
+                ready.extend(self.waiting.pop_front().map(|block| ReadBlock { action, ..block }));
+            }
+            (CenterMove::Main(segment), Action::Corner(_)) => {
+                let action = Action::Corner(segment);
                 ready.extend(self.waiting.pop_front().map(|block| ReadBlock { action, ..block }));
             }
             (CenterMove::Main(_), _) => {}

@@ -40,6 +40,8 @@ pub mod search;
 
 pub mod executive;
 
+mod corner_queue;
+
 mod contour_queue;
 
 mod junction;

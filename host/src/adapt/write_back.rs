@@ -2,7 +2,8 @@
 //!
 //! A program is adapted at its blocks as executed. A line gets an F word if one of its executions needs one and all of
 //! them cut with the same feed. A line for which that is impossible is refused by name. At the end the changed program is
-//! interpreted again: each of its blocks must be that of the adapted blocks, with the same feed.
+//! interpreted again: each of its blocks must be that of the adapted blocks, with the same feed, whether the block-delete
+//! switches are on or off.
 
 use std::collections::BTreeMap;
 
@@ -147,7 +148,7 @@ fn compare<'a>(
     source: &Source,
     places: &ExecutedPlaces,
     written: &[u8],
-    sent: impl Iterator<Item = &'a [u8]>,
+    sent: impl Iterator<Item = &'a [u8]> + Clone,
 ) -> Result<(), String> {
     let path = source.path.display();
     let changed = Source { bytes: written.to_vec(), macro_line: first_macro(written), places: None, ..source.clone() };
@@ -163,13 +164,20 @@ fn compare<'a>(
         ))
     };
     let known = again.places.as_ref().map_or(0, |places| places.len());
-    let (mut one, mut other) = (source.reader().control().clone(), source.reader().control().clone());
-    for ((index, sent), line) in sent.enumerate().zip(Lines::new(&again.bytes)) {
-        let place = again.places.as_ref().and_then(|places| places.place(index + 1));
-        let read = [meaning(&mut one, sent), meaning(&mut other, line.text)];
-        let [Some(sent), Some(line)] = read else { return differs(index + 1) };
-        if place != places.place(index + 1) || !is_same(&sent, &line) {
-            return differs(index + 1);
+    // With the block-delete switches as they are set, and the other way.
+    for is_flipped in [false, true] {
+        let mut readers = [source.reader().control().clone(), source.reader().control().clone()];
+        if is_flipped {
+            readers.iter_mut().for_each(Reader::flip_delete_switches);
+        }
+        let [one, other] = &mut readers;
+        for ((index, sent), line) in sent.clone().enumerate().zip(Lines::new(&again.bytes)) {
+            let place = again.places.as_ref().and_then(|places| places.place(index + 1));
+            let read = [meaning(one, sent), meaning(other, line.text)];
+            let [Some(sent), Some(line)] = read else { return differs(index + 1) };
+            if place != places.place(index + 1) || !is_same(&sent, &line) {
+                return differs(index + 1);
+            }
         }
     }
     if known == places.len() { Ok(()) } else { differs(places.len().min(known)) }

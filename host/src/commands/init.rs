@@ -28,9 +28,6 @@ const GROUPS_SHOWN: usize = 20;
 pub struct Init {
     /// The NC program
     program: PathBuf,
-    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
-    #[arg(long, value_name = "DIR")]
-    library: Option<PathBuf>,
     /// Write the job here; without it, beside the program under its name with .toml
     #[arg(short, long, value_name = "JOB.toml")]
     output: Option<PathBuf>,
@@ -101,14 +98,13 @@ impl Init {
     pub fn run(&self) -> Result<(), Failure> {
         let (control, settings, tables) = self.values.of_control.read(None, Reading::Lenient)?;
         let answers = self.values.answers();
-        let loaded = survey::load(&self.program, (settings, tables), answers.units, self.library.as_deref());
+        let loaded = survey::load(&self.program, (settings, tables), answers.units, self.values.library.as_deref());
         let (program, survey) = loaded.map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups, &survey, &answers);
         let name = name_from(&output, &self.program);
-        let mut control = self.values.of_control.keys(control, &output);
-        control.extend(self.library.as_ref().map(|folder| ("library", name_from(&output, folder))));
+        let control = self.values.control_keys(control, &output);
         let findings = Findings {
             program: &name,
             survey: &survey,

@@ -1,11 +1,11 @@
 //! Values of a job on the command line, for programs without a job file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use arcfeed_nc::block::Reading;
 use arcfeed_units::LengthUnit;
 
-use super::control_args::ControlArgs;
+use super::control_args::{ControlArgs, name_from};
 use super::outcome::Failure;
 use crate::console::note;
 use crate::file_error::FileError;
@@ -16,7 +16,7 @@ use crate::init::job_writer::job;
 use crate::init::proposal::{LikelyTool, Proposal, ProposedTool, propose};
 use crate::init::survey;
 use crate::init::wording;
-use crate::job::{JobFile, questions};
+use crate::job::{ControlKind, JobFile, questions};
 
 /// Values that a program does not contain.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -47,6 +47,9 @@ pub struct JobValues {
     /// Unit of a program without G20 and G21
     #[arg(long, value_parser = ["mm", "inch"])]
     units: Option<String>,
+    /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
+    #[arg(long, value_name = "DIR")]
+    pub library: Option<PathBuf>,
     /// Control that runs the program.
     #[command(flatten)]
     pub of_control: ControlArgs,
@@ -55,7 +58,7 @@ pub struct JobValues {
 impl JobValues {
     /// Whether one of them is given.
     pub fn is_any(&self) -> bool {
-        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, of_control } = self;
+        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, library, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
         is_listed
             || spindle.is_some()
@@ -63,6 +66,7 @@ impl JobValues {
             || mode.is_some()
             || milling.is_some()
             || units.is_some()
+            || library.is_some()
             || of_control.is_given()
     }
 
@@ -80,6 +84,13 @@ impl JobValues {
         }
     }
 
+    /// Keys and values of `[control]` in the job file `job`.
+    pub fn control_keys(&self, control: ControlKind, job: &Path) -> Vec<(&'static str, String)> {
+        let mut keys = self.of_control.keys(control, job);
+        keys.extend(self.library.as_ref().map(|folder| ("library", name_from(job, folder))));
+        keys
+    }
+
     /// The job of a program: the one that `arcfeed init` proposes with these values, without its open tools.
     ///
     /// # Errors
@@ -87,7 +98,7 @@ impl JobValues {
     pub fn job_of(&self, path: &Path) -> Result<JobFile, Failure> {
         let answers = self.answers();
         let (control, settings, tables) = self.of_control.read(None, Reading::Lenient)?;
-        let loaded = survey::load(path, (settings, tables), answers.units, None);
+        let loaded = survey::load(path, (settings, tables), answers.units, self.library.as_deref());
         let (_, survey) = loaded.map_err(Failure::Input)?;
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
@@ -100,7 +111,7 @@ impl JobValues {
             groups: &groups,
             proposal: &proposal,
             answers: &answers,
-            control: &self.of_control.keys(control, path),
+            control: &self.control_keys(control, path),
         };
         let text = job(&findings);
         let open: Vec<String> = questions::open(&text).into_iter().map(|question| option_of(&question.key)).collect();

@@ -1,9 +1,12 @@
-//! Contours under G41 and G42 as the control offsets them: faults that only their geometry shows.
+//! Contours under G41 and G42 as the control offsets them, and chamfers and rounded corners: faults that only their
+//! geometry shows.
 
 use arcfeed_compensation::compensator::{CompensationFault, Compensator, ContourMove};
 use arcfeed_compensation::contour::ContourCommand;
-use arcfeed_nc::alarm::Fault;
+use arcfeed_compensation::insertion::InsertedCorner;
+use arcfeed_nc::alarm::{Alarm, Fault};
 use arcfeed_nc::reader::{InterpretedLine, Reader};
+use arcfeed_nc::segment::Segment;
 use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_units::Nm;
@@ -20,6 +23,8 @@ pub(super) const NO_RADIUS: &str = "G41 or G42 with a D of no radius: the contou
 #[derive(Debug)]
 pub(super) struct ContourCheck<Place> {
     compensator: Compensator,
+    /// Move that waits for the next one, because it ends in a chamfer or a rounded corner.
+    before_corner: Option<(Segment, ContourCommand, Place)>,
     /// Block of the held move.
     held: Option<Place>,
     /// A fault leaves the rest of the contour unchecked.
@@ -45,7 +50,15 @@ impl<Place: Copy> ContourCheck<Place> {
     pub fn new(settings: &Settings) -> Self {
         let compensator = Compensator::new(settings.compensation);
         let is_center_path = settings.compensation.of_program == CompensationType::Wear;
-        ContourCheck { compensator, held: None, is_lost: false, has_radius: false, has_warned: false, is_center_path }
+        ContourCheck {
+            compensator,
+            before_corner: None,
+            held: None,
+            is_lost: false,
+            has_radius: false,
+            has_warned: false,
+            is_center_path,
+        }
     }
 
     /// Checks a block; `reader` is the control after it.
@@ -58,15 +71,59 @@ impl<Place: Copy> ContourCheck<Place> {
             self.has_warned = true;
             return Some(ContourFinding::NoRadius(place));
         }
-        let is_unknown = line.step.motion.is_some() && line.segment.is_none();
+        let is_unknown = line.step.motion.is_some() && (line.segment.is_none() || line.starts_unknown);
         if is_unknown || (self.is_lost && command.offset != Nm(0)) {
             self.lose();
             return None;
         }
         self.is_lost = false;
-        match command.apply(line.segment.as_ref(), &mut self.compensator) {
+        let mut segment = line.segment;
+        if segment.is_some()
+            && let Some((first, before, first_place)) = self.before_corner.take()
+        {
+            match self.join(&first, before, &mut segment) {
+                Ok(moves) => {
+                    let found = moves.iter().find_map(|of_first| self.offset(&before, Some(of_first), first_place));
+                    if found.is_some() {
+                        return found;
+                    }
+                }
+                Err(alarm) => {
+                    let place = if alarm == Alarm::ShortCorner { first_place } else { place };
+                    self.lose();
+                    return Some(ContourFinding::Fault(place, Fault::alarm(alarm, 0)));
+                }
+            }
+        }
+        if let (Some(segment), Some(_)) = (segment, command.corner) {
+            self.before_corner = Some((segment, command, place));
+            return None;
+        }
+        self.offset(&command, segment.as_ref(), place)
+    }
+
+    /// Inserts the corner between a move and the `second`, whose start changes; returns the moves before that.
+    fn join(
+        &self,
+        first: &Segment,
+        before: ContourCommand,
+        second: &mut Option<Segment>,
+    ) -> Result<Vec<Segment>, Alarm> {
+        let (Some(of_second), Some(corner)) = (second.as_mut(), before.corner) else { return Ok(vec![*first]) };
+        let inserted = InsertedCorner::new(first, of_second, before.plane, corner)?;
+        *of_second = inserted.second;
+        Ok(std::iter::once(inserted.first).chain(inserted.between).collect())
+    }
+
+    fn offset(
+        &mut self,
+        command: &ContourCommand,
+        segment: Option<&Segment>,
+        place: Place,
+    ) -> Option<ContourFinding<Place>> {
+        match command.apply(segment, &mut self.compensator) {
             Ok(_) => {
-                let is_held = |held: &ContourMove| Some(held.segment) == line.segment;
+                let is_held = |held: &ContourMove| Some(&held.segment) == segment;
                 if self.compensator.held().is_some_and(is_held) {
                     self.held = Some(place);
                 }
@@ -92,6 +149,7 @@ impl<Place: Copy> ContourCheck<Place> {
 
     fn lose(&mut self) {
         self.compensator.reset();
+        self.before_corner = None;
         self.is_lost = true;
     }
 
@@ -143,14 +201,14 @@ impl<Place: Copy> ContourFinding<Place> {
     }
 }
 
-/// Whether a program may have G41 or G42.
+/// Whether a program may have G41 or G42, or a corner.
 pub fn may_have_contours(bytes: &[u8]) -> bool {
     let is_side = |code: &[u8]| {
         let digits =
             code.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'0')).map_or(&[][..], |at| &code[at..]);
         digits.starts_with(b"41") || digits.starts_with(b"42")
     };
-    bytes.split(|byte| byte.eq_ignore_ascii_case(&b'G')).skip(1).any(is_side)
+    bytes.contains(&b',') || bytes.split(|byte| byte.eq_ignore_ascii_case(&b'G')).skip(1).any(is_side)
 }
 
 #[cfg(test)]
@@ -180,6 +238,20 @@ mod tests {
         assert_eq!(found(program), [(3, None)]);
         assert_eq!(found("G10L12P1R2.\nG0X-10.Y0\nG41D1G1X0F100.\nX20.\nD0Y9.\nX3.\nM30\n"), []);
         assert_eq!(found("G0X41.\nM30\n"), []);
+    }
+
+    #[test]
+    fn a_corner_that_does_not_fit_is_a_fault_of_the_move_that_is_too_short() {
+        let program = |first: &str, second: &str| format!("G0X0Y0\nG1X{first}F100.,R5.\n(A)\nY{second}\nM30\n");
+        for (first, second, wanted) in
+            [("20.", "20.", vec![]), ("3.", "20.", vec![(2, Some(55))]), ("20.", "2.", vec![(4, Some(51))])]
+        {
+            assert_eq!(found(&program(first, second)), wanted, "{first} {second}");
+        }
+        // Inside a corner of 5 mm a tool of 6 mm has no room.
+        let contour = "G10L12P1R6.\nG0X-20.Y0\nG41D1G1X0F100.\nX30.,R5.\nY30.\nG40X0\nM30\n";
+        assert_eq!(found(contour), [(4, Some(41))]);
+        assert_eq!(found(&contour.replace("R6.", "R4.")), []);
     }
 
     #[test]

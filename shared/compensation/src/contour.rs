@@ -1,4 +1,5 @@
-//! Compensation commanded by a block: the offset in force, and what ends a contour before its time.
+//! Compensation commanded by a block: the offset in force, the corner at the end of its move, and what ends a contour
+//! before its time.
 //!
 //! Coordinates are those of the path: an offset is not scaled by G51, and a mirrored axis of the plane exchanges the
 //! sides.
@@ -6,7 +7,7 @@
 use arcfeed_nc::alarm::{Fault, NotModelled};
 use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{CompensationSide, Feed, Modal, Step};
-use arcfeed_nc::motion::Plane;
+use arcfeed_nc::motion::{Corner, Plane};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc::series::Series;
@@ -31,6 +32,8 @@ pub struct ContourCommand {
     pub continues: bool,
     /// Whether the control reads no further block before it has executed this one.
     pub stops_reading: bool,
+    /// Chamfer or rounded corner at the end of the block's move.
+    pub corner: Option<Corner>,
     /// Whether the block has words: a comment is no block for the control's reading ahead.
     pub has_words: bool,
 }
@@ -44,6 +47,7 @@ impl Default for ContourCommand {
             break_of_contour: None,
             continues: false,
             stops_reading: false,
+            corner: None,
             has_words: false,
         }
     }
@@ -59,6 +63,7 @@ impl ContourCommand {
             break_of_contour: break_of_contour(line),
             continues: false,
             stops_reading: line.step.stop.is_some(),
+            corner: line.step.corner,
             has_words: !line.parsed.block.words.is_empty(),
         }
     }

@@ -12,8 +12,8 @@ use super::expression::{Evaluator, whole};
 use super::print;
 use super::program::{File, Library, ProgramLine, needs_interpreter};
 use super::stack::{ModalCallTiming, SourceLine, Stack};
-use super::step::{Ending, MacroSettings, MacroStep, ProgramFault};
-use super::variables::{Context, Effect, OutsideValues, Variables};
+use super::step::{Ending, MacroSettings, MacroStep, PlainBlock, ProgramFault};
+use super::variables::{Context, Effect, OutsideValues, SwitchedValues, Variables};
 use arcfeed_nc::alarm::{Alarm, Fault, NotModelled};
 use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::settings::Tables;
@@ -181,7 +181,7 @@ impl Interpreter {
         let head = Head::read(&mut cursor);
         let is_off = |switch: u32| self.settings.block_delete.checked_shr(switch).unwrap_or(0) & 1 == 0;
         if head.delete.is_some() && self.settings.outside != OutsideValues::Assumed {
-            return Err(Fault::not_modelled(NotModelled::SwitchedStatement, 1));
+            return self.switched(line, cursor, &code, head.delete.is_none_or(is_off));
         }
         if line.text.is_empty() || !head.delete.is_none_or(is_off) {
             return Ok(None);
@@ -194,6 +194,31 @@ impl Interpreter {
             return Ok(Some(self.emit(line.text, Vec::new(), &code)));
         }
         self.statement(&head, cursor, &code)
+    }
+
+    /// Emits a block with a `/` whatever its switch is: who reads the blocks as executed skips it. The order of execution must
+    /// not depend on the block, nor the value of a variable.
+    fn switched(
+        &mut self,
+        line: ProgramLine,
+        cursor: CodeCursor<'_>,
+        code: &MacroCode,
+        is_executed: bool,
+    ) -> StepResult {
+        let timings = [ModalCallTiming::EveryBlock, ModalCallTiming::AfterMoves];
+        let calls_macro = timings.into_iter().any(|timing| self.stack.modal_call(timing).is_some());
+        let ends = self.variables.codes.clone().apply_block(code.cursor()).ends;
+        if !line.is_plain || calls_macro || ends || matches!(cursor.peek(), Some(b'O' | b':')) {
+            return Err(Fault::not_modelled(NotModelled::SwitchedStatement, 1));
+        }
+        let has_other = cursor.rest().iter().any(|byte| byte.is_ascii_uppercase() && !matches!(byte, b'M' | b'N'));
+        let switched = if has_other { SwitchedValues::All } else { SwitchedValues::Functions };
+        self.variables.switched = self.variables.switched.max(switched);
+        if is_executed {
+            return Ok(Some(self.emit(line.text, Vec::new(), code)));
+        }
+        let (text, place, calls) = (line.text, self.place, self.stack.calls());
+        Ok(Some(MacroStep::Block(PlainBlock { text, place, calls, columns: Vec::new() })))
     }
 
     fn statement(&mut self, head: &Head, mut cursor: CodeCursor<'_>, code: &MacroCode) -> StepResult {

@@ -19,8 +19,9 @@ pub struct MacroSettings {
     pub block_delete: u16,
     /// Whether the main program arrives line by line over the DNC line.
     pub is_dnc: bool,
-    /// Treatment of values from outside the program. Where they are refused, a `/` and an offset set by a statement are,
-    /// too: the blocks are then the same on every control with these settings.
+    /// Treatment of values from outside the program. Where they are refused, a `/` before a statement and an offset set
+    /// by one are, too: the blocks are then the same on every control with these settings. A block with a `/` is emitted
+    /// whatever its switch is.
     pub outside: OutsideValues,
     /// Limits.
     pub bounds: Bounds,

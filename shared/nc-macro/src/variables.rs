@@ -122,6 +122,18 @@ pub enum OutsideValues {
     },
 }
 
+/// System variables that the blocks with a `/` so far may have changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SwitchedValues {
+    /// None.
+    #[default]
+    None,
+    /// The last M and N: #4113 and #4114.
+    Functions,
+    /// Codes, positions and offsets.
+    All,
+}
+
 /// All variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
@@ -137,6 +149,8 @@ pub struct Variables {
     pub tables: Box<Tables>,
     /// Treatment of values from outside the program.
     pub outside: OutsideValues,
+    /// System variables that depend on a block-delete switch.
+    pub switched: SwitchedValues,
     common: Vec<Value>,
     /// Common variables that the program has set.
     assigned: Vec<bool>,
@@ -154,6 +168,7 @@ impl Variables {
             ignored: Ignored::default(),
             tables: Box::default(),
             outside: OutsideValues::Assumed,
+            switched: SwitchedValues::None,
             common: vec![None; COMMON],
             assigned: vec![false; COMMON],
             timers: [0.0; 2],
@@ -228,7 +243,9 @@ impl Variables {
         let OutsideValues::Refused { offsets_known } = self.outside else { return false };
         match number {
             3_001 | 3_002 | 3_011 | 3_012 => true,
-            5_001..=5_046 => !self.context.is_position_known,
+            4_113 | 4_114 if self.switched != SwitchedValues::None => true,
+            5_001..=5_046 if !self.context.is_position_known => true,
+            2_001.. if self.switched == SwitchedValues::All && !matches!(number, 3_000..=3_999) => true,
             _ if let Some(place) = common(number) => self.assigned.get(place) == Some(&false),
             _ => !offsets_known && offsets::is_offset(number),
         }

@@ -72,6 +72,12 @@ alarms! {
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
     ReferencePoint = 46: "G30 with a P other than 2, 3 and 4", "write P2, P3 or P4";
+    NoMoveBehindCorner = 51: "no move of sufficient length in the plane behind a chamfer or rounded corner (,C and ,R)",
+        "write the next move of the contour directly behind it, or a smaller corner";
+    NoCutBehindCorner = 52: "the block behind a chamfer or rounded corner (,C and ,R) is not G1, G2 or G3",
+        "write the next move of the contour directly behind it";
+    TwoCorners = 53: "both ,C and ,R in a block", "write one of them";
+    ShortCorner = 55: "a move that is shorter than its chamfer or rounded corner (,C and ,R)", "write a smaller corner or a longer move";
     SequenceNotFound = 60: "no block has the sequence number that was searched for", "search for one that the program has";
     ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
         "count from 1";
@@ -104,7 +110,7 @@ pub enum NotModelled {
     OutsideValue(u32),
     /// An offset set by a macro statement.
     OffsetStatement(u32),
-    /// A `/` in a program with macro statements or calls.
+    /// A `/` on which the order of execution depends.
     SwitchedStatement,
     /// An arc that also turns a rotary axis.
     RotaryArc,
@@ -122,7 +128,8 @@ pub enum NotModelled {
     RestartInContour,
     /// G10 for an additional work coordinate system that has no place in the tables.
     FarSystem,
-    /// A chamfer or rounded corner (`,C` and `,R`).
+    /// A chamfer or rounded corner (`,C` and `,R`) that does not join two plain moves of the plane; as a property of a move:
+    /// a corner at one of its ends.
     Corner,
     /// More words in a block than [`crate::block::WORDS_MAX`].
     LongBlock,
@@ -232,7 +239,7 @@ impl fmt::Display for NotModelled {
             NotModelled::OffsetStatement(number) => {
                 write!(f, "#{number} sets an offset, which the blocks as executed cannot")
             }
-            NotModelled::SwitchedStatement => f.write_str("a / in a program with macro statements or calls"),
+            NotModelled::SwitchedStatement => f.write_str("a / before a macro statement, a call, a program number or the end of the program, or under a modal call"),
             NotModelled::RotaryArc => f.write_str("an arc that also turns a rotary axis"),
             NotModelled::ArcWithoutAngle => f.write_str("an arc given by R that only moves across its plane"),
             NotModelled::ChangeOfSide => f.write_str("a change of side under G41 or G42 without G40 before it"),
@@ -247,7 +254,9 @@ impl fmt::Display for NotModelled {
             ),
             NotModelled::RestartInContour => f.write_str("a restart within a contour under G41 or G42"),
             NotModelled::FarSystem => f.write_str("G10 L20 for a system after G54.1 P48"),
-            NotModelled::Corner => f.write_str("a chamfer or rounded corner (`,C` or `,R`)"),
+            NotModelled::Corner => f.write_str(
+                "a chamfer or rounded corner (`,C` or `,R`) other than between two moves G1, G2 or G3 that stay in the plane",
+            ),
             NotModelled::LongBlock => f.write_str("a block of more than 32 words"),
         }
     }

@@ -11,7 +11,10 @@ pub use super::settings::Reading;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{POWERS_OF_TEN, is_ignored};
 use super::settings::Settings;
-use super::word::{LINE_MAX, Piece, Token, Tolerated, Word, Words, column, is_control_character, is_mark, plain_word};
+use super::word::{
+    CHAMFER, LINE_MAX, Piece, ROUNDING, Token, Tolerated, Word, Words, column, is_control_character, is_mark,
+    plain_word,
+};
 
 /// Maximum number of words in a block.
 pub const WORDS_MAX: usize = 32;
@@ -293,9 +296,11 @@ impl Block {
 }
 
 /// All letters except E, N, O, U, V and W.
-const ADDRESSES: u32 = letters(b"ABCDFGHIJKLMPQRSTXYZ");
+const ADDRESSES: u32 = letters(b"ABCDFGHIJKLMPQRSTXYZ") | CORNERS;
+/// Letters of chamfers and rounded corners.
+pub(super) const CORNERS: u32 = letters(&[CHAMFER, ROUNDING]);
 
-/// Bit set of these capital letters.
+/// Bit set of these letters of words.
 pub(super) const fn letters(of: &[u8]) -> u32 {
     match of {
         [letter, others @ ..] => 1 << (*letter & 0x1f) | letters(others),

@@ -8,9 +8,9 @@ use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
 use super::modal::{Cycle, Feed, Modal, Pose};
-use super::series::{Drill, Levels, Series};
+use super::series::{Drill, HoleCircle, Levels, Polar, Series};
 use super::settings::Settings;
-use arcfeed_units::{Micros, Nm, US_PER_MS};
+use arcfeed_units::{MicroDeg, Micros, Nm, US_PER_MS};
 
 /// Maximum number of repeats of a cycle.
 const REPEATS_MAX: i64 = 9_999;
@@ -50,8 +50,10 @@ impl Modal {
         if holes > REPEATS_MAX {
             return Err(Fault::alarm(Alarm::TooManyDigits, column));
         }
-        self.check_series(holes)?;
+        let before = self.polar;
+        self.check_series(holes, block)?;
         self.resolve_polar(block, &mut target, settings.decimals);
+        let circle = self.hole_circle(before, holes);
         let mut above = target.end;
         if let (Some(level), Some(here)) = (above.linear.get_mut(normal), self.program.linear.get(normal)) {
             *level = *here;
@@ -66,6 +68,7 @@ impl Modal {
             start: self.program,
             first: above,
             step,
+            circle,
             holes: u32::try_from(holes).unwrap_or(0),
             levels: Levels { initial, r, bottom },
             returns_to_r: self.returns_to_r,
@@ -84,14 +87,28 @@ impl Modal {
         Ok(Some(Series::Drill(drill)))
     }
 
-    /// Rejects cycles that are not modelled: repeated steps by an angle, and holes across a rotated plane, along a
+    /// Circle of repeated holes at an angle under G91, if polar coordinates were those `before`; the last hole's angle counts
+    /// from here on.
+    fn hole_circle(&mut self, before: Option<Polar>, holes: i64) -> Option<HoleCircle> {
+        let (absolute, polar) = (self.absolute, self.polar.as_mut()?);
+        let (first, start) = (*polar, before?);
+        if absolute || holes == 1 {
+            return None;
+        }
+        let step = MicroDeg(first.angle.0.saturating_sub(start.angle.0));
+        polar.angle.0 = first.angle.0.saturating_add(step.0.saturating_mul(holes.saturating_sub(1)));
+        Some(HoleCircle { first, step })
+    }
+
+    /// Rejects cycles that are not modelled: repeated steps by a radius, and holes across a rotated plane, along a
     /// scaled axis or with a scaled shift.
-    fn check_series(&self, holes: i64) -> Result<(), Fault> {
+    fn check_series(&self, holes: i64, block: &Block) -> Result<(), Fault> {
         let refuse = |code| Err(Fault::not_modelled(NotModelled::MoveUnder(code), 0));
-        if self.polar.is_some() && !self.absolute && holes > 1 {
+        let (radius, _, normal) = self.plane.axes();
+        // Each hole would be the pole of the next one.
+        if self.polar.is_some() && !self.absolute && holes > 1 && block.word(b'X' + radius as u8).is_some() {
             return refuse(160);
         }
-        let (.., normal) = self.plane.axes();
         let shifts = self.cycle.is_some_and(|cycle| matches!(cycle.code, 76 | 87));
         self.reject_under_scaling(Some(normal).filter(|_| !shifts))?;
         match self.frame.rotation() {

@@ -2,7 +2,7 @@
 
 use super::address;
 use super::alarm::{Alarm, Fault, NotModelled};
-use super::block::{Block, letters};
+use super::block::{Block, CORNERS, letters};
 use super::codes::OneShot;
 use super::modal::{Feed, FeedMode, Modal, Motion, MotionKind, Pose, ProgramStop, Step};
 use super::rollback::Rollback;
@@ -60,7 +60,8 @@ impl Modal {
             }
         }
         // The tool begins this move beside its programmed start.
-        let is_cancel = self.starts_up && self.compensation.is_none();
+        let is_start_up = self.starts_up;
+        let is_cancel = is_start_up && self.compensation.is_none();
         if self.starts_up
             && let Some(motion) = &step.motion
         {
@@ -69,6 +70,9 @@ impl Modal {
         if step.motion.is_some() || step.series.is_some() {
             let cancel = is_cancel.then_some(NotModelled::MoveUnder(400));
             step.beyond_plain = cancel.or_else(|| self.beyond_plain(step, one_shot));
+        }
+        if self.ends_in_corner || block.may_have(CORNERS) {
+            self.apply_corner(block, settings.decimals, is_start_up, step)?;
         }
         Ok(())
     }
@@ -200,7 +204,7 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
 
 impl Step {
     /// Whether its move is a plain path of the tool centre, in any coordinates: no canned cycle, and not under G41,
-    /// G42, G43.4 or G95, nor the first one after G40. Only such a move can be evaluated on its own.
+    /// G42, G43.4 or G95, not the first one after G40, and without a chamfer or a rounded corner at one of its ends. Only such a move can be evaluated on its own.
     pub fn is_plain(&self) -> bool {
         match self.beyond_plain {
             None => true,
@@ -211,8 +215,8 @@ impl Step {
 
     /// Clears field by field: an assignment would write the whole capacity of a series.
     pub(crate) fn clear(&mut self) {
-        let Step { motion, series, dwell, stop, spindle, beyond_plain, sets_data } = self;
-        (*motion, *series, *dwell, *stop) = (None, None, None, None);
+        let Step { motion, corner, series, dwell, stop, spindle, beyond_plain, sets_data } = self;
+        (*motion, *corner, *series, *dwell, *stop) = (None, None, None, None, None);
         (*spindle, *beyond_plain, *sets_data) = (None, None, false);
     }
 

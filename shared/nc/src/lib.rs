@@ -45,6 +45,8 @@ mod codes;
 
 mod moves;
 
+mod corners;
+
 mod scaling;
 
 mod oneshot;

@@ -4,15 +4,16 @@
 //! the unit of axis words without a decimal point.
 
 pub use super::motion::{
-    Center, CompensationSide, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, ProgramStop, Turn,
+    Center, CompensationSide, Corner, Feed, FeedMode, Motion, MotionKind, PER_MIN_SCALE, Plane, Pose, ProgramStop, Turn,
 };
 
 use super::alarm::NotModelled;
 use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::machining::{Machining, MachiningState};
+pub use super::series::Polar;
 use super::series::Series;
 use super::settings::{ArcCenters, Tables};
-use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm};
+use arcfeed_units::{LengthUnit, Micros, Nm};
 
 /// The modal state that a block inherits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +62,7 @@ pub struct Modal {
     pub cycle: Option<Cycle>,
     /// G99.
     pub returns_to_r: bool,
-    /// G16.
+    /// G16: polar coordinates of the last point.
     pub polar: Option<Polar>,
     /// The G code of a tilted plane in force, in tenths, under which no move is modelled; 0 for none.
     pub unmodelled: u16,
@@ -69,6 +70,8 @@ pub struct Modal {
     pub follows_tool_center: bool,
     /// G68 or G69 has rotated the plane, and no move has named both its axes since then.
     pub rotation_pending: bool,
+    /// The last move ends in a chamfer or a rounded corner, which needs the next move.
+    pub ends_in_corner: bool,
 }
 
 /// A canned cycle in force; coordinates are the program's.
@@ -88,22 +91,13 @@ pub struct Cycle {
     pub dwell: Micros,
 }
 
-/// G16: polar coordinates of the last point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Polar {
-    /// Distance from the pole.
-    pub radius: Nm,
-    /// Pole, in the plane: the program's origin, or the tool's position where a radius was last given under G91.
-    pub pole: [Nm; 2],
-    /// Angle from the plane's first axis.
-    pub angle: MicroDeg,
-}
-
 /// Effect of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// The move.
     pub motion: Option<Motion>,
+    /// Corner between the move and the next one. The move is programmed up to the corner's point.
+    pub corner: Option<Corner>,
     /// The moves of a block that makes several.
     pub series: Option<Series>,
     /// G4.
@@ -149,6 +143,7 @@ impl Modal {
             unmodelled: 0,
             follows_tool_center: false,
             rotation_pending: false,
+            ends_in_corner: false,
         }
     }
 

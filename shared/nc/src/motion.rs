@@ -126,6 +126,15 @@ pub enum Center {
     Radius(Nm),
 }
 
+/// Corner inserted between a move and the next one (`,C`, `,R`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corner {
+    /// A chamfer that begins and ends at this distance from the programmed corner.
+    Chamfer(Nm),
+    /// An arc of this radius that touches both moves.
+    Rounding(Nm),
+}
+
 /// Stop of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramStop {

@@ -133,12 +133,7 @@ impl Modal {
             polar.pole = if absolute { [Nm(0); 2] } else { [first, second].map(here) };
         }
         self.polar = Some(polar);
-        let (sin, cos) = libm::sincos(polar.angle.to_deg().to_radians());
-        for ((index, part), pole) in [(first, cos), (second, sin)].into_iter().zip(polar.pole) {
-            if let Some(axis) = target.end.linear.get_mut(index) {
-                *axis = Nm(pole.0.saturating_add(libm::round(part * polar.radius.0 as f64) as i64));
-            }
-        }
+        polar.place(&mut target.end, self.plane);
     }
 
     /// Moves to the target, if this is a move.

@@ -133,6 +133,8 @@ impl Reader {
     /// As [`Reader::read`].
     pub fn read_into(&mut self, text: &[u8], line: &mut InterpretedLine) -> Result<(), Fault> {
         let result = self.interpret(text, line);
+        // The block behind a corner is rejected once.
+        self.modal.ends_in_corner &= result.is_ok();
         if let Err(Fault { cause, .. }) = result
             && !is_geometry(cause)
         {

@@ -24,7 +24,8 @@ impl Rollback {
     /// Saves the state before a block whose G codes have not been applied yet.
     #[inline]
     pub fn new(modal: &Modal, block: &Block) -> Self {
-        let is_plain = modal.cycle.is_none() && modal.polar.is_none() && !modal.starts_up && !modal.rotation_pending;
+        let is_pending = modal.starts_up || modal.rotation_pending || modal.ends_in_corner;
+        let is_plain = modal.cycle.is_none() && modal.polar.is_none() && !is_pending;
         if !is_plain || block.may_have(!PLAIN_LETTERS) {
             return Rollback::Whole(*modal);
         }
@@ -63,7 +64,7 @@ mod tests {
         "G0", "G1", "G2", "G3", "G4", "G10", "G16", "G15", "G17", "G18", "G20", "G28", "G40", "G41", "G43", "G43.4",
         "G49", "G51", "G51.1", "G50.1", "G52", "G53", "G54", "G55", "G68", "G69", "G80", "G81", "G83", "G90", "G91",
         "G92", "G93", "G94", "G95", "G99", "G300", "X1.5", "Y-2.", "Z3", "A10.", "I1.", "J-1.5", "R2.", "R-1.",
-        "F100.", "F-1.", "S500", "M3", "M30", "M98", "H1", "D1", "L2", "P1", "Q.5",
+        "F100.", "F-1.", "S500", "M3", "M30", "M98", "H1", "D1", "L2", "P1", "Q.5", ",C1.", ",R.5",
     ];
 
     #[test]

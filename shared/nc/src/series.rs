@@ -6,7 +6,7 @@
 
 use super::frame::CoordinateFrame;
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
-use arcfeed_units::{Micros, Nm};
+use arcfeed_units::{MicroDeg, Micros, Nm};
 
 /// One action of a series.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +57,8 @@ pub struct Drill {
     pub first: Pose,
     /// Displacement from hole to hole (G91).
     pub step: Pose,
+    /// Circle on which the holes lie (G16, G91).
+    pub circle: Option<HoleCircle>,
     /// Number of holes.
     pub holes: u32,
     /// I, R and Z.
@@ -71,6 +73,39 @@ pub struct Drill {
     pub dwell: Micros,
     /// Feed (F).
     pub feed: Feed,
+}
+
+/// Holes on a circle in the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HoleCircle {
+    /// The first hole.
+    pub first: Polar,
+    /// Angle from hole to hole.
+    pub step: MicroDeg,
+}
+
+/// A point in polar coordinates of the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Polar {
+    /// Distance from the pole.
+    pub radius: Nm,
+    /// Pole, in the plane: the program's origin, or the tool's position where a radius was last given under G91.
+    pub pole: [Nm; 2],
+    /// Angle from the plane's first axis.
+    pub angle: MicroDeg,
+}
+
+impl Polar {
+    /// Moves a position to this point, in the plane.
+    pub(crate) fn place(&self, end: &mut Pose, plane: Plane) {
+        let (first, second, _) = plane.axes();
+        let (sin, cos) = libm::sincos(self.angle.to_deg().to_radians());
+        for ((index, part), pole) in [(first, cos), (second, sin)].into_iter().zip(self.pole) {
+            if let Some(axis) = end.linear.get_mut(index) {
+                *axis = Nm(pole.0.saturating_add(libm::round(part * self.radius.0 as f64) as i64));
+            }
+        }
+    }
 }
 
 /// Coordinates along the normal of the plane.
@@ -176,6 +211,11 @@ impl Drill {
         }
         for (axis, step) in point.rotary.iter_mut().zip(self.step.rotary) {
             axis.0 = axis.0.saturating_add(step.0.saturating_mul(i64::from(hole)));
+        }
+        if let Some(HoleCircle { first, step }) = self.circle {
+            let turned = step.0.saturating_mul(i64::from(hole));
+            let angle = MicroDeg(first.angle.0.saturating_add(turned));
+            Polar { angle, ..first }.place(&mut point, self.plane);
         }
         at_level(point, self.normal(), level)
     }

@@ -49,10 +49,15 @@ pub enum Token<'a> {
     ProgramMark,
 }
 
+/// Letter of the address `,C`, a chamfer.
+pub const CHAMFER: u8 = b'[';
+/// Letter of the address `,R`, a rounded corner.
+pub const ROUNDING: u8 = b']';
+
 /// An address letter and its number, with its position in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// `b'A'..=b'Z'`.
+    /// `b'A'..=b'Z'`, [`CHAMFER`] or [`ROUNDING`].
     pub letter: u8,
     /// The number after it.
     pub number: Number,
@@ -145,7 +150,11 @@ impl<'a> Words<'a> {
     }
 
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
-        let start = self.at - 1;
+        self.word_from(letter, self.at - 1)
+    }
+
+    /// Reads the number of a word that begins at byte `start`.
+    fn word_from(&mut self, letter: u8, start: usize) -> Result<Token<'a>, Fault> {
         if matches!(self.peek(), Some(b'#' | b'[')) {
             return Err(Fault::not_modelled(NotModelled::Macro, column(self.at)));
         }
@@ -236,13 +245,19 @@ impl<'a> Words<'a> {
         Token::BlockDelete(digit - b'0')
     }
 
-    /// Fault of a comma: a chamfer or rounded corner (`,C` and `,R`), or no address.
+    /// Reads a word after its comma: a chamfer or a rounded corner.
     #[cold]
-    fn comma_fault(&self, start: usize) -> Fault {
-        let mut rest = self.line.iter().skip(self.at).filter(|byte| !is_ignored(**byte));
-        match rest.next() {
-            Some(b'C' | b'R') => Fault::not_modelled(NotModelled::Corner, column(start)),
-            _ => Fault::alarm(Alarm::IllegalAddress, column(start)),
+    fn corner(&mut self) -> Result<Token<'a>, Fault> {
+        let start = self.at - 1;
+        while self.is_tolerant() && self.peek().is_some_and(is_ignored) {
+            self.at += 1;
+        }
+        let next = self.peek().unwrap_or(b',');
+        self.at += 1;
+        match if next.is_ascii_lowercase() { self.small_letter(next) } else { Some(next) } {
+            Some(b'C') => self.word_from(CHAMFER, start),
+            Some(b'R') => self.word_from(ROUNDING, start),
+            _ => Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
         }
     }
 
@@ -277,7 +292,7 @@ impl<'a> Iterator for Words<'a> {
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
             b'%' => Ok(Token::ProgramMark),
-            b',' => Err(self.comma_fault(start)),
+            b',' => self.corner(),
             _ => match self.small_letter(byte) {
                 Some(letter) => self.word(letter),
                 None if self.is_end_sign(byte) => return self.next(),

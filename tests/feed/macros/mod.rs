@@ -10,6 +10,7 @@ mod reference;
 mod random;
 
 mod shop;
+mod switched;
 
 mod refusals;
 

@@ -2,7 +2,7 @@
 
 use crate::tests::{STEP, until};
 use crate::*;
-use arcfeed_nc::alarm::{Alarm, NotModelled};
+use arcfeed_nc::alarm::{Alarm, Cause, NotModelled};
 use arcfeed_nc::settings::StartUp;
 use arcfeed_units::{LengthUnit, Nm};
 
@@ -186,4 +186,39 @@ fn start_up_b_goes_around_the_first_corner() {
     let mut control = Control::from_memory(settings, b"G0X-10.\nG42D1G1X0F6000\nY10.\nG40X-10.\nM30\n");
     let ends: Vec<[f64; 2]> = moves(&mut control).into_iter().map(|(.., end)| end).collect();
     assert_eq!(ends, [[-10.0, 0.0], [2.0, -2.0], [2.0, 12.0], [-10.0, 10.0]]);
+}
+
+#[test]
+fn chamfers_and_rounded_corners_are_moves_of_their_own() {
+    let program = "G0X0Y0\nG1X20.F6000,R5.\nY20.,C4.\n(NOTE)\nX0\nY10.\nM30\n";
+    assert_eq!(ends(program), [[15.0, 0.0], [20.0, 5.0], [20.0, 16.0], [16.0, 20.0], [0.0, 20.0], [0.0, 10.0]]);
+}
+
+#[test]
+fn the_tool_is_offset_beside_a_rounded_corner() {
+    // The contour of a square with corners of 5 mm, and a tool of 2 mm outside it.
+    let program = "G0X-10.Y10.\nG42D1G1X0F6000\nY0,R5.\nX20.,R5.\nY20.,C5.\nX0\nY10.\nG40X-10.\nM30\n";
+    let found = ends(program);
+    for wanted in [[-2.0, 5.0], [5.0, -2.0], [15.0, -2.0], [22.0, 5.0]] {
+        assert!(found.contains(&wanted), "{wanted:?} in {found:?}");
+    }
+    // Beside the chamfer of 45 degrees the offset corners are 2 tan(22.5 degrees) beyond its ends.
+    let beyond = 15.0 + 2.0 * (std::f64::consts::PI / 8.0).tan();
+    assert!(found.iter().any(|[x, y]| (x - 22.0).abs() < 1e-5 && (y - beyond).abs() < 1e-5), "{found:?}");
+}
+
+#[test]
+fn a_corner_that_does_not_fit_stops_the_control_before_its_move() {
+    for (program, alarm, line) in [
+        ("G1X3.F6000,R5.\nY20.\nM30\n", Alarm::ShortCorner, 1),
+        ("G1X30.F6000,R5.\nY2.\nM30\n", Alarm::NoMoveBehindCorner, 2),
+        ("G1X30.F6000,R5.\nM30\n", Alarm::NoMoveBehindCorner, 2),
+        ("G1X30.F6000,R5.\nG0Y20.\nM30\n", Alarm::NoCutBehindCorner, 2),
+        ("G1X30.F6000,R5.\n", Alarm::NoMoveBehindCorner, 1),
+    ] {
+        let mut control = control(program, Switches::default());
+        let found = moves(&mut control);
+        let record = control.alarm().map(|alarm| (alarm.line, alarm.fault.cause));
+        assert_eq!((record, found.len()), (Some((line, Cause::Alarm(alarm))), 0), "{program}");
+    }
 }
