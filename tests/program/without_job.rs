@@ -117,6 +117,23 @@ fn a_contour_under_compensation_needs_the_radius_of_its_d() {
 }
 
 #[test]
+fn the_floor_of_the_law_is_named_where_it_decides() {
+    let scratch = Scratch::new("without-job-floor");
+    let text = "G21G90G94G17\nS5000M3\nG0X0Y0Z0\nG3X2.Y0I1.F300.\nG3X4.6I1.3\nG2X6.6I1.\nG1X9.\nM30\n";
+    let output = run(&["adapt", &scratch.write("p.nc", text), "--tool", "10", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    let blocks = text_of(&output.stdout);
+    let blocks = blocks.lines().map(|line| serde_json::from_str(line).expect("an object"));
+    let sent: Vec<(Option<f64>, String)> = blocks
+        .filter(|block: &serde_json::Value| block["kind"] == "arc")
+        .map(|block| (block["sent_feed"].as_f64(), block["reason"].as_str().expect("a reason").to_owned()))
+        .collect();
+    // Radius of the tool 5: factors 1/6, below a fifth, and 1.3/6.3, above; outside the F stays.
+    let expected = [(60.0, "law-floor"), (61.9, "law"), (300.0, "law")];
+    assert_eq!(sent, expected.map(|(feed, reason)| (Some(feed), reason.to_owned())));
+}
+
+#[test]
 fn what_is_missing_is_named_with_its_option() {
     let scratch = Scratch::new("without-job-missing");
     let path = scratch.write("p.nc", "G90G94\nG0X0Y0\nG3X10.Y0I5.F100.\nM30\n");

@@ -13,7 +13,6 @@
 use arcfeed_model::job::PieceSettings;
 use arcfeed_units::PERCENT;
 
-use super::asked_cells::CELLS;
 use super::profile::Profile;
 
 /// A stretch of a move with one feed.
@@ -25,14 +24,14 @@ pub struct Piece {
     pub path_mm_per_tooth: f64,
 }
 
-/// Cuts a move of `length_mm`; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite demand.
+/// Cuts a move of `length_mm`, whose law was asked in all of its cells; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite demand.
 pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ratio: f64) -> Option<Vec<Piece>> {
     let least = profile.least()?;
     let step = 1.0 + f64::from(settings.step_percent) / f64::from(PERCENT);
     let mut pieces: Vec<Piece> = Vec::new();
     for (cell, demand) in filled(profile, least).into_iter().enumerate() {
         let path_mm_per_tooth = bucket(demand.min(most_ratio * least), least, step);
-        let until_ratio = (cell + 1) as f64 / CELLS as f64;
+        let until_ratio = (cell + 1) as f64 / profile.bounds.len() as f64;
         match pieces.last_mut() {
             Some(last) if last.path_mm_per_tooth == path_mm_per_tooth => last.until_ratio = until_ratio,
             _ => pieces.push(Piece { until_ratio, path_mm_per_tooth }),
@@ -62,8 +61,9 @@ fn filled(profile: &Profile, least: f64) -> Vec<f64> {
     let mut demands: Vec<f64> = cells.map(|(bound, covered)| if *covered { *bound } else { least }).collect();
     for forward in [true, false] {
         let mut last = f64::INFINITY;
-        for index in 0..CELLS {
-            let cell = if forward { index } else { CELLS - 1 - index };
+        let count = demands.len();
+        for index in 0..count {
+            let cell = if forward { index } else { count - 1 - index };
             if demands[cell].is_infinite() {
                 demands[cell] = last;
             }
@@ -117,6 +117,7 @@ pub fn start(pieces: &[Piece], index: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::asked_cells::CELLS;
     use super::*;
     use arcfeed_units::Nm;
 

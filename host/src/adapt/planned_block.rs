@@ -169,14 +169,12 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let setup = job.tool_of(&rule);
     let segment = block.law_segment(&rule);
     let teeth_per_min = f64::from(spindle.0) * f64::from(setup.tool.active_teeth());
-    let law = if setup.follows_program {
+    let of_block = setup.follows_program.then(|| {
         let programmed = block.programmed().map_or(0.0, Nm::to_mm) * (1.0 + F32_MARGIN);
-        let rule =
-            CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.into_owned() };
-        SegmentLaw::with_engagement(&segment, Some(&rule), block.along.as_ref(), job)
-    } else {
-        SegmentLaw::with_engagement(&segment, Some(&rule), block.along.as_ref(), job)
-    };
+        CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.clone().into_owned() }
+    });
+    let rule = of_block.as_ref().unwrap_or(&rule);
+    let law = SegmentLaw::with_engagement(&segment, Some(rule), block.along.as_ref(), job);
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
     let places = MovePlaces::of(&segment);
@@ -203,8 +201,15 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         Some(LimitedBy::ArcClamp) if is_limited => PlanReason::ArcClamp,
         Some(LimitedBy::Axis) if is_limited => PlanReason::Axis,
         Some(LimitedBy::Ceiling) if is_limited => PlanReason::FeedCeiling,
+        _ if is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand) => PlanReason::LawFloor,
         _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
     has_pieces.then_some(profile)
+}
+
+/// Whether the floor of the contour law decides. Its demand is then this share of the target, to the last bit.
+fn is_at_floor(law: LawKind, target: MmPerTooth, demand: &DemandRange) -> bool {
+    let LawKind::Contour { floor_ratio, .. } = law else { return false };
+    floor_ratio < 1.0 && demand.ipt_mm_per_tooth[0] == f64::from(target.0 * floor_ratio)
 }

@@ -58,11 +58,12 @@ struct Quarters {
 type Point = (f64, f64);
 
 impl Profile {
-    /// Asks the law in these cells; also at its knots, given as paths from the start of the move, mm, in rising order.
+    /// Asks the law in these cells; also at its knots, given as paths from the start of the move, mm, in rising order. The
+    /// answer of a uniform law is that of one cell, which is the whole move.
     pub fn ask(law: &impl FeedLaw, places: &MovePlaces, knots_mm: &[f64], cells: &AskedCells) -> Self {
         let asked = Asked { law, places };
         if law.is_uniform() {
-            return Profile::uniform(asked.at(0.0), cells.count());
+            return Profile::uniform(asked.at(0.0));
         }
         let mut knots = knots_mm.iter().map(|mm| mm / places.feed_length_mm() * CELLS as f64).peekable();
         let count = cells.count();
@@ -111,13 +112,13 @@ impl Profile {
         profile
     }
 
-    /// The same answer in so many cells.
-    fn uniform(answer: Answer, count: usize) -> Self {
+    /// The same answer everywhere, as one cell.
+    fn uniform(answer: Answer) -> Self {
         let path = answer.path();
         Profile {
-            answers: (0..=count).map(|point| (point as f64, answer)).collect(),
-            bounds: vec![path.unwrap_or(f64::INFINITY); count],
-            covered: vec![path.is_some(); count],
+            answers: vec![(0.0, answer), (CELLS as f64, answer)],
+            bounds: vec![path.unwrap_or(f64::INFINITY)],
+            covered: vec![path.is_some()],
         }
     }
 

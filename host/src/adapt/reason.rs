@@ -7,6 +7,8 @@ pub enum PlanReason {
     Law,
     /// The law governs it; on part of it it has no demand, there the block runs at 100 %.
     LawInPart,
+    /// The law governs it, at the least feed that it allows: its floor, not the radius, decides.
+    LawFloor,
     /// The law governs it, but the override ends below what it wants.
     Ceiling,
     /// The law governs it, but the override ends above what it wants: the chip exceeds its target.
@@ -57,6 +59,7 @@ impl PlanReason {
         match self {
             PlanReason::Law => "law",
             PlanReason::LawInPart => "law-in-part",
+            PlanReason::LawFloor => "law-floor",
             PlanReason::Ceiling => "ceiling",
             PlanReason::Floor => "floor",
             PlanReason::Axis => "axis",
