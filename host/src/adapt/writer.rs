@@ -127,20 +127,21 @@ impl<'a> Writer<'a> {
     /// Plans the next line.
     pub fn take(&mut self, line: &ProgramLine) -> Result<PlannedLine, Leak> {
         self.count += 1;
-        let (number, before) = (self.count, self.reader.clone());
+        self.modes = self.modes.after(line);
+        let planned = self.plan_line(self.count, line);
         if let Some(reader) = &mut self.reader {
             // The program has no errors.
             let _understood = reader.read(&line.text);
         }
-        self.modes = self.modes.after(line);
+        planned
+    }
+
+    fn plan_line(&mut self, number: usize, line: &ProgramLine) -> Result<PlannedLine, Leak> {
         let Some(segment) = line.segment() else {
             return Ok(PlannedLine { block: None, text: self.whole(line, None)? });
         };
         let (mut block, profile) = self.plan(number, line, segment);
-        let texts = match (before, &profile) {
-            (Some(before), Some(profile)) => self.in_pieces(line, &mut block, profile, before),
-            _ => None,
-        };
+        let texts = profile.and_then(|profile| self.in_pieces(line, &mut block, &profile));
         let governed = block.sent.filter(|_| block.demand.is_some());
         if governed.is_some() {
             self.last_governed = Some(number);
@@ -213,14 +214,8 @@ impl<'a> Writer<'a> {
     }
 
     /// Texts of the pieces of a line's move; `None` in modes without pieces, or if the law has no finite demand.
-    fn in_pieces(
-        &mut self,
-        line: &ProgramLine,
-        block: &mut PlannedBlock,
-        profile: &Profile,
-        before: Reader,
-    ) -> Option<Vec<Vec<u8>>> {
-        let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
+    fn in_pieces(&mut self, line: &ProgramLine, block: &mut PlannedBlock, profile: &Profile) -> Option<Vec<Vec<u8>>> {
+        let (FeedPolicy::RewriteOnly(settings), Some(before)) = (&self.job.policy, &self.reader) else { return None };
         let teeth_per_min = block.teeth_per_min?;
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
         let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
