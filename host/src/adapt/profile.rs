@@ -122,6 +122,11 @@ impl Profile {
         }
     }
 
+    /// Whether one answer stands for the whole move.
+    pub fn is_uniform(&self) -> bool {
+        self.bounds.len() == 1
+    }
+
     /// The path per tooth demanded at `ratio` of the move, straight between two answers; `None` where one of them is no
     /// finite demand.
     pub fn demand_at(&self, ratio: f64) -> Option<f64> {

@@ -95,7 +95,7 @@ pub struct Governed<'a> {
     /// The modes after its G words.
     pub modes: Modes,
     /// The control before it.
-    pub before: Reader,
+    pub before: &'a Reader,
     /// Teeth that pass in a minute.
     pub teeth_per_min: f64,
     /// Largest feed over the least one.
@@ -128,6 +128,9 @@ impl Governed<'_> {
 
     /// The pieces with their ends; an error where it stays whole, for a reason or because one feed does for all of it.
     fn parts(&self, settings: &PieceSettings) -> Result<Vec<Part>, Option<Whole>> {
+        if self.profile.is_uniform() {
+            return Err(None);
+        }
         let plan = |settings: &PieceSettings| {
             let length_mm = self.segment.feed_length_mm();
             pieces::plan(self.profile, length_mm, settings, self.most_ratio)

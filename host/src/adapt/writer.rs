@@ -142,26 +142,30 @@ impl<'a> Writer<'a> {
     pub fn take(&mut self, line: &ProgramLine) -> Result<PlannedLine, Leak> {
         self.count += 1;
         let path = self.contours.as_mut().map_or(CenterPath::None, OffsetMoves::take);
-        let (number, before) = (self.count, self.reader.clone());
+        self.modes = self.modes.after(line);
+        let planned = self.plan_line(self.count, line, &path);
         if let Some(reader) = &mut self.reader {
             // The program has no errors.
             let _understood = reader.read(&line.text);
         }
-        self.modes = self.modes.after(line);
+        planned
+    }
+
+    fn plan_line(&mut self, number: usize, line: &ProgramLine, path: &CenterPath) -> Result<PlannedLine, Leak> {
         let is_certain = line.skipping.is_none_or(|skipping| skipping.is_harmless);
         let Some(segment) = line.segment() else {
             self.is_start_certain &= is_certain;
             return Ok(PlannedLine { block: None, text: self.whole(line, None)? });
         };
-        let (mut block, profile) = self.plan(number, line, segment, &path);
+        let (mut block, profile) = self.plan(number, line, segment, path);
         self.is_start_certain = is_certain;
-        let texts = match (before, &profile) {
-            (_, Some(profile)) if block.contour.is_some() => {
+        let texts = match &profile {
+            Some(profile) if block.contour.is_some() => {
                 self.in_one_piece(&mut block, profile);
                 None
             }
-            (Some(before), Some(profile)) => self.in_pieces(line, &mut block, profile, before),
-            _ => None,
+            Some(profile) => self.in_pieces(line, &mut block, profile),
+            None => None,
         };
         let governed = block.sent.filter(|_| block.demand.is_some());
         if governed.is_some() {
@@ -279,14 +283,8 @@ impl<'a> Writer<'a> {
     }
 
     /// Texts of the pieces of a line's move; `None` in modes without pieces, or if the law has no finite demand.
-    fn in_pieces(
-        &mut self,
-        line: &ProgramLine,
-        block: &mut PlannedBlock,
-        profile: &Profile,
-        before: Reader,
-    ) -> Option<Vec<Vec<u8>>> {
-        let FeedPolicy::RewriteOnly(settings) = &self.job.policy else { return None };
+    fn in_pieces(&mut self, line: &ProgramLine, block: &mut PlannedBlock, profile: &Profile) -> Option<Vec<Vec<u8>>> {
+        let (FeedPolicy::RewriteOnly(settings), Some(before)) = (&self.job.policy, &self.reader) else { return None };
         let teeth_per_min = block.teeth_per_min?;
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
         let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
