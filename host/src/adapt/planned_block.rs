@@ -89,7 +89,7 @@ impl PlannedBlock {
         block
     }
 
-    /// Its cut rule; under G41 and G42 with the side on which the tool runs there.
+    /// Cut rule of the block; under G41 and G42 with the side on which the tool runs there.
     pub fn cut_rule<'j>(&self, job: &'j Job) -> Option<Cow<'j, CutRule>> {
         let rule = job.rules.get(self.rule?)?;
         let side = self.contour.and_then(|place| place.side);
