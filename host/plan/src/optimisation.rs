@@ -7,7 +7,7 @@
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::infeasibility::Infeasible;
-use crate::cup_mill::plan::{AxisChoice, PreparedSlot, Roughing, SlotPlan};
+use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Roughing, SlotPlan};
 use crate::cup_mill::room::{Room, Rooms};
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
@@ -104,7 +104,13 @@ impl<'p> Problem<'p> {
 
     fn valued(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         let roughing = Roughing { axis, ..*self.roughing };
-        let (plan, Surroundings { pressure, suction, .. }) = self.prepared.plan(cutter, &roughing)?;
+        let (mut plan, mut around) = self.prepared.plan(cutter, &roughing, BaseLimits::Sides)?;
+        if around.cuts_edge(cutter, plan.base.centre)
+            && let Ok(whole) = self.prepared.plan(cutter, &roughing, BaseLimits::WholeBlades)
+        {
+            (plan, around) = whole;
+        }
+        let Surroundings { pressure, suction, .. } = around;
         let walls = SlotWalls::between([pressure, suction], &self.blisk.hub, roughing.allowance_mm, plan.turn);
         let stock = Stock { blank: &self.blisk.blank, to_slot: plan.turn };
         let floor = Floor::new(cutter, &plan.path.steps());

@@ -52,12 +52,13 @@ pub struct WholeBlade {
 }
 
 impl WholeBlade {
-    /// Blade of a rotor with its allowance.
-    pub fn new(blisk: &Blisk, allowance_mm: f64) -> Self {
+    /// Blade of a rotor with its allowance, from where its sides leave the hub: `feet`, of the pressure and the suction
+    /// side.
+    pub fn new(blisk: &Blisk, allowance_mm: f64, feet: [f64; 2]) -> Self {
         let nearer_mm = (allowance_mm * (1.0 - NEARER_RATIO) + PROOF_MM).min(allowance_mm);
-        let whole = [[0.0, 1.0], [0.0, 1.0]];
         let of_blade = |allowance_mm: f64| {
-            [&blisk.pressure, &blisk.suction].map(|face| offset_patch(face.clone(), allowance_mm, whole, STEPS))
+            [(&blisk.pressure, feet[0]), (&blisk.suction, feet[1])]
+                .map(|(face, foot)| offset_patch(face.clone(), allowance_mm, [[0.0, 1.0], [foot, 1.0]], STEPS))
         };
         let sides = [nearer_mm, allowance_mm].map(of_blade);
         let points = || sides[1].iter().flat_map(Patch::samples);

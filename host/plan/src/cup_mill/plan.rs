@@ -10,7 +10,7 @@ use crate::path::{Level, SlotPath};
 use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
-use super::base::{Base, settle};
+use super::base::{Base, Limits, settle};
 use super::depth::{levels_mm, top_mm};
 use super::infeasibility::{Infeasible, narrow};
 use super::interior::{InteriorPivot, interior};
@@ -49,6 +49,15 @@ pub enum AxisChoice {
     Given(Vector),
     /// Direction with a known room for the cutter.
     Found(Room),
+}
+
+/// Surfaces that the ring touches at the base position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseLimits {
+    /// The sides of the slot, as in the source.
+    Sides,
+    /// The sides, and the round edges behind them.
+    WholeBlades,
 }
 
 /// Plan of a slot.
@@ -96,7 +105,9 @@ pub struct PreparedSlot {
 /// # Errors
 /// The ring does not pass, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
+    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?
+        .plan(cutter, roughing, BaseLimits::Sides)
+        .map(|(plan, _)| plan)
 }
 
 impl PreparedSlot {
@@ -121,7 +132,7 @@ impl PreparedSlot {
         let walls = SidePoints::new(&pressure.side(&lying), &suction.side(&lying));
         let about = bearings(slot);
         let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
-        let blade = WholeBlade::new(blisk, allowance_mm);
+        let blade = WholeBlade::new(blisk, allowance_mm, [pressure.foot(), suction.foot()]);
         Ok(PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls })
     }
 
@@ -129,7 +140,12 @@ impl PreparedSlot {
     ///
     /// # Errors
     /// The ring does not pass, or does not reach the hub.
-    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Surroundings), Infeasible> {
+    pub fn plan(
+        &self,
+        cutter: &CupMill,
+        roughing: &Roughing,
+        limits: BaseLimits,
+    ) -> Result<(SlotPlan, Surroundings), Infeasible> {
         let PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let room = match roughing.axis {
@@ -152,7 +168,7 @@ impl PreparedSlot {
         let [pressure, suction] = sides;
         let around = Surroundings { pressure, suction, hub, blades };
         let level_context =
-            around.level_context(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+            around.level_context(cutter, roughing, limits).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
         let top_mm = top_mm(cutter, level_context.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
         let (stops, path) = level_context.levels(cutter, roughing, top_mm)?;
         let (base, interior) = (level_context.base, level_context.interior);
@@ -180,11 +196,23 @@ struct LevelContext<'a> {
 }
 
 impl Surroundings {
+    fn limits(&self, limits: BaseLimits) -> Limits<'_> {
+        let whole = |is_outside: bool| {
+            let own = self.blades.iter().filter(move |near| near.is_own && (near.blade == 0) == is_outside);
+            own.filter(move |_| limits == BaseLimits::WholeBlades).map(|near| &near.patch)
+        };
+        Limits {
+            outside: std::iter::once(&self.pressure.patch).chain(whole(true)).collect(),
+            inside: std::iter::once(&self.suction.patch).chain(whole(false)).collect(),
+            hollow: self.suction.tip_middle(),
+        }
+    }
+
     /// Base position and B1. `None` if no position touches both blades as required.
-    fn level_context(&self, cutter: &CupMill, roughing: &Roughing) -> Option<LevelContext<'_>> {
+    fn level_context(&self, cutter: &CupMill, roughing: &Roughing, limits: BaseLimits) -> Option<LevelContext<'_>> {
         let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
-        let base = settle([pressure, suction], cutter, lines)?;
+        let base = settle(&self.limits(limits), cutter, lines)?;
         // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
         let spoke = pressure.tip_middle() - base.exterior;
         let away = pressure.tip_middle() - suction.tip_middle();

@@ -80,6 +80,11 @@ impl SideRange {
         Some(SideRange { face: face.clone(), allowance_mm: above.allowance_mm, around, edges, foot })
     }
 
+    /// Value of v at which the side leaves the hub.
+    pub fn foot(&self) -> f64 {
+        self.foot
+    }
+
     /// The side after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
         let SideRange { allowance_mm, around, edges, foot, .. } = *self;

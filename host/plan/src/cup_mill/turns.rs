@@ -52,18 +52,25 @@ const HUB_ROUNDS: i32 = 2;
 const TOUCH_MM: f64 = 1e-4;
 
 impl Surroundings {
+    /// The ring at `base` cuts a blade of the slot beside its sides: at a round edge.
+    pub fn cuts_edge(&self, cutter: &CupMill, base: Flat) -> bool {
+        self.blades.iter().any(|near| near.is_own && is_cut(near, cutter, base))
+    }
+
     /// Surfaces that end turns: the slot's own first. A surface of these blades that the ring cuts at the base position
     /// ends no turn: the base position touches their sides, and the proof decides about their edges.
     fn obstacles(&self, cutter: &CupMill, base: Flat, with_hub: bool) -> Vec<(StopSurface, &Patch)> {
         let own = [(StopSurface::Pressure, &self.pressure.patch), (StopSurface::Suction, &self.suction.patch)];
         let hub = with_hub.then_some((StopSurface::Hub, &self.hub));
-        let radii_mm = cutter.inner_radius_mm + TOUCH_MM..cutter.outer_radius_mm - TOUCH_MM;
-        let is_cut =
-            |near: &Neighbour| near.patch.samples().any(|point| radii_mm.contains(&(point.xy() - base).norm()));
-        let counts = self.blades.iter().filter(|near| !near.is_own || !is_cut(near));
+        let counts = self.blades.iter().filter(|near| !near.is_own || !is_cut(near, cutter, base));
         let blades = counts.map(|near| (StopSurface::Blade(near.blade, near.side), &near.patch));
         own.into_iter().chain(hub).chain(blades).collect()
     }
+}
+
+fn is_cut(near: &Neighbour, cutter: &CupMill, base: Flat) -> bool {
+    let radii_mm = cutter.inner_radius_mm + TOUCH_MM..cutter.outer_radius_mm - TOUCH_MM;
+    near.patch.samples().any(|point| radii_mm.contains(&(point.xy() - base).norm()))
 }
 
 impl<'a> Turns<'a> {
