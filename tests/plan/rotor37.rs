@@ -3,13 +3,21 @@
 
 use std::fmt::Write;
 
+use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
+use arcfeed_plan::cup_mill::plan::AxisChoice;
+use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blade::RotorAxis;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::geometry::curves::{self, Curves, Texts};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::flaws::{flaws, nearest};
 use arcfeed_plan::geometry::point_file::PointFileFrame;
+use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Point;
+
+use crate::proof_cases::published_tool;
+use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 
 /// Place along the axis, radius, and the angles of both sides.
 type Row = [f64; 4];
@@ -82,6 +90,38 @@ fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
     let found = flaws(&blisk, 0.889);
     found.iter().for_each(|flaw| println!("{flaw}"));
     assert_eq!(found, []);
+}
+
+#[test]
+fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
+    let Some(surfaces) = surfaces() else { return };
+    let Curves { hub, blade, .. } = read(&surfaces);
+    let [pressure, suction] = blade.faces().unwrap();
+    let blisk = Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } };
+    let slot = blisk.slot();
+    let middle_mm = (published_tool().outer_radius_mm + published_tool().inner_radius_mm) / 2.0;
+    for width_mm in [8.0, 12.0] {
+        // The blades are 75 mm high: the cup is as deep.
+        let tool = CupMill {
+            outer_radius_mm: middle_mm + width_mm / 2.0,
+            inner_radius_mm: middle_mm - width_mm / 2.0,
+            cavity_depth_mm: 90.0,
+            height_mm: 110.0,
+            ..published_tool()
+        };
+        let problem = Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap();
+        let found = problem.along(AxisChoice::Blade).unwrap();
+        let (path, to_slot, allowance_mm) = (&found.plan.path, found.plan.turn, ALLOWANCE_MM);
+        let case = ProofCase { blisk: &blisk, tool: &tool, path, to_slot, allowance_mm, fixture: &[] };
+        let coarse = ProofResolution { grid: [2, 2], cell_mm: 2.0, ..ProofResolution::default() };
+        let proof = prove(&case, &coarse).unwrap();
+        for near in &proof.clearances {
+            println!("{width_mm} mm: {:?} {:?} {:.3?} mm", near.part, near.obstacle, near.bounds_mm);
+        }
+        let share = found.removed.share_ratio();
+        println!("{width_mm} mm: {} levels take {:.1} %", path.levels.len(), 100.0 * share);
+        assert!(proof.holds(allowance_mm, NEARER_RATIO * allowance_mm) && share > 0.3, "{width_mm}");
+    }
 }
 
 /// Least distance of the table's points on one blade and on the next.

@@ -7,7 +7,7 @@
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::infeasibility::Infeasible;
-use crate::cup_mill::plan::{AxisChoice, PreparedSlot, Roughing, SlotPlan};
+use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Roughing, SlotPlan};
 use crate::cup_mill::room::{Room, Rooms};
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
@@ -21,7 +21,7 @@ pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
     roughing: &'p Roughing,
-    prepared: PreparedSlot<'p>,
+    prepared: PreparedSlot,
 }
 
 /// Plan and its removed volumes.
@@ -68,12 +68,20 @@ impl<'p> Problem<'p> {
         Ok(Problem { blisk, cutter, roughing, prepared })
     }
 
-    /// Plan that removes most among those that `admits` accepts: along the blade's axis, the roomiest direction, and
-    /// others with at least half of its room.
+    /// Plan that removes most among those that `admits` accepts.
+    ///
+    /// # Errors
+    /// See [`Problem::ranked`].
+    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<ValuedPlan, Infeasible> {
+        self.ranked(admits).map(|mut ranked| ranked.swap_remove(0))
+    }
+
+    /// Plans that `admits` accepts, those that remove most first, at least one: along the blade's axis, the roomiest
+    /// direction, and others with at least half of its room.
     ///
     /// # Errors
     /// Reason for the roomiest axis, if there is no plan: the least missing width.
-    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<ValuedPlan, Infeasible> {
+    pub fn ranked(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Vec<ValuedPlan>, Infeasible> {
         let rooms = self.prepared.walls.rooms(self.cutter).ok_or(Infeasible::NoAxis)?;
         let along = |room: Room| self.along(AxisChoice::Found(room));
         let blade = || self.prepared.near_blade(self.cutter, || Some(rooms.roomiest)).map(along);
@@ -81,9 +89,9 @@ impl<'p> Problem<'p> {
         let others = if roomiest.is_ok() { ridge(&rooms) } else { Vec::new() };
         let mut tried: Vec<_> = others.into_par_iter().map(|axis| self.along(axis)).collect();
         tried.extend(blade.into_iter().chain([roomiest.clone()]));
-        let found = tried.into_iter().flatten().filter(|valued| admits(&valued.plan));
-        let best = found.max_by(|a, b| a.removed.share_ratio().total_cmp(&b.removed.share_ratio()));
-        best.map_or(roomiest, Ok)
+        let mut found: Vec<ValuedPlan> = tried.into_iter().flatten().filter(|valued| admits(&valued.plan)).collect();
+        found.sort_by(|a, b| b.removed.share_ratio().total_cmp(&a.removed.share_ratio()));
+        if found.is_empty() { roomiest.map(|plan| vec![plan]) } else { Ok(found) }
     }
 
     /// Plan with one axis.
@@ -96,7 +104,13 @@ impl<'p> Problem<'p> {
 
     fn valued(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         let roughing = Roughing { axis, ..*self.roughing };
-        let (plan, Surroundings { pressure, suction, .. }) = self.prepared.plan(cutter, &roughing)?;
+        let (mut plan, mut around) = self.prepared.plan(cutter, &roughing, BaseLimits::Sides)?;
+        if around.cuts_edge(cutter, plan.base.centre)
+            && let Ok(whole) = self.prepared.plan(cutter, &roughing, BaseLimits::WholeBlades)
+        {
+            (plan, around) = whole;
+        }
+        let Surroundings { pressure, suction, .. } = around;
         let walls = SlotWalls::between([pressure, suction], &self.blisk.hub, roughing.allowance_mm, plan.turn);
         let stock = Stock { blank: &self.blisk.blank, to_slot: plan.turn };
         let floor = Floor::new(cutter, &plan.path.steps());

@@ -12,9 +12,10 @@
 //! point.
 
 use crate::cutter::CupMill;
-use crate::vector::Flat;
+use crate::search::Minimum;
+use crate::vector::{Flat, Point};
 
-use super::side::OffsetSide;
+use super::patch::Patch;
 
 /// Triangle of the base position, slot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,31 +54,45 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
     Some(Base { exterior, interior, centre, alpha_rad })
 }
 
-/// Base position between two sides (pressure, suction), from the limit lines through `exterior` (PT1) and `interior`
-/// (PT3).
+/// Surfaces on both sides of the ring.
+pub struct Limits<'p> {
+    /// Outside of it: the pressure side, or its whole blade.
+    pub outside: Vec<&'p Patch>,
+    /// In its hollow: the suction side, or its whole blade.
+    pub inside: Vec<&'p Patch>,
+    /// Place in the hollow.
+    pub hollow: Flat,
+}
+
+/// Least value over several surfaces, and its point.
+fn least(patches: &[&Patch], f: impl Fn(&Point) -> f64 + Copy) -> Option<(f64, Flat)> {
+    let each = patches.iter().filter_map(|patch| patch.least(f).map(|least| (*patch, least)));
+    let (patch, Minimum { at: [u, v], value }) = each.min_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+    Some((value, patch.point(u, v).xy()))
+}
+
+/// Base position between the limits, from the limit lines through `exterior` (PT1) and `interior` (PT3).
 ///
-/// `None` if no position clears both sides.
-pub fn settle(sides: [&OffsetSide; 2], cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
-    let [pressure, suction] = sides;
+/// `None` if no position clears all of them.
+pub fn settle(limits: &Limits<'_>, cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
     let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
-    let inside = suction.tip_middle();
     let [mut exterior, mut interior] = lines;
     for _ in 0..EXCHANGES_MAX {
-        let base = triangle(exterior, interior, radii_mm, inside)?;
+        let base = triangle(exterior, interior, radii_mm, limits.hollow)?;
         let off = |place: Flat| (place - base.centre).norm();
         let (outer, inner) = rayon::join(
-            || pressure.patch.least(|p| off(p.xy()) - radii_mm[0]),
-            || suction.patch.least(|p| radii_mm[1] - off(p.xy())),
+            || least(&limits.outside, |p| off(p.xy()) - radii_mm[0]),
+            || least(&limits.inside, |p| radii_mm[1] - off(p.xy())),
         );
         let (outer, inner) = (outer?, inner?);
-        if outer.value >= -WITHIN_MM && inner.value >= -WITHIN_MM {
+        if outer.0 >= -WITHIN_MM && inner.0 >= -WITHIN_MM {
             return Some(base);
         }
         // One at a time: if both are exchanged, each may undo the other.
-        if outer.value < inner.value {
-            exterior = pressure.patch.point(outer.at[0], outer.at[1]).xy();
+        if outer.0 < inner.0 {
+            exterior = outer.1;
         } else {
-            interior = suction.patch.point(inner.at[0], inner.at[1]).xy();
+            interior = inner.1;
         }
     }
     None

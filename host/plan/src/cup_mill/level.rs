@@ -1,6 +1,7 @@
 //! Path of a level (PATHLOW, PATH; Petean, section 3.3.3): from the base position about A until the ring meets a blade
 //! or the hub (D), and likewise about B1 (E).
 
+use crate::geometry::flaws::BladeSide;
 use crate::search::Minimum;
 use crate::vector::{Flat, Point};
 
@@ -16,6 +17,8 @@ pub enum StopSurface {
     Suction,
     /// Hub with its allowance.
     Hub,
+    /// Side of any blade, with its round edges; counted as in [`Neighbour`](super::neighbours::Neighbour).
+    Blade(i32, BladeSide),
 }
 
 /// End of a turn.
@@ -32,12 +35,18 @@ pub struct Stop {
 /// Turn that leaves the slot, rad.
 pub const TURN_MAX_RAD: f64 = 0.6;
 
-/// End of a turn among `obstacles`.
+/// Excess of the turn at a sample over that between samples, rad: larger ones are not searched.
+const SLACK_RAD: f64 = 0.05;
+
+/// End of a turn among `obstacles`, those that end most turns first.
 pub fn stop(turning: &TurningTool<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);
-    let met =
-        obstacles.iter().filter_map(|(obstacle, patch)| patch.least(until).map(|least| (*obstacle, *patch, least)));
-    let first = met.min_by(|a, b| a.2.value.total_cmp(&b.2.value)).filter(|(.., least)| least.value < TURN_MAX_RAD);
+    let mut first: Option<(StopSurface, &Patch, Minimum)> = None;
+    for (obstacle, patch) in obstacles {
+        let so_far_rad = first.map_or(TURN_MAX_RAD, |(.., least)| least.value);
+        let least = patch.least_below(so_far_rad + SLACK_RAD, until).filter(|least| least.value < so_far_rad);
+        first = least.map(|least| (*obstacle, *patch, least)).or(first);
+    }
     match first {
         None => Stop { turn_rad: TURN_MAX_RAD, centre: turning.centre_after(TURN_MAX_RAD), at: None },
         Some((obstacle, patch, Minimum { at: [u, v], value })) => {

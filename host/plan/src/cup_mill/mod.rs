@@ -4,6 +4,8 @@ pub mod patch;
 
 pub mod side;
 
+pub mod neighbours;
+
 pub mod axis;
 
 pub mod room;

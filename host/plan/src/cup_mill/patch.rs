@@ -74,8 +74,13 @@ impl Patch {
 
     /// Minimum of a function over the points. Places where it is infinite are ignored.
     pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
+        self.least_below(f64::INFINITY, f)
+    }
+
+    /// The same if a sample is below `limit`, otherwise none: for surfaces that rarely matter.
+    pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
-        let mut candidates: Vec<Minimum> = valued.filter(|least| least.value.is_finite()).collect();
+        let mut candidates: Vec<Minimum> = valued.filter(|least| least.value < limit).collect();
         let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / self.steps[axis] as f64);
         let is_near = |a: &Minimum, b: &Minimum| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);
         let mut starts: Vec<Minimum> = Vec::with_capacity(STARTS);

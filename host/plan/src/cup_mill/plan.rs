@@ -10,11 +10,12 @@ use crate::path::{Level, SlotPath};
 use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
-use super::base::{Base, settle};
+use super::base::{Base, Limits, settle};
 use super::depth::{levels_mm, top_mm};
 use super::infeasibility::{Infeasible, narrow};
 use super::interior::{InteriorPivot, interior};
 use super::level::Stop;
+use super::neighbours::{Reach, WholeBlade};
 use super::patch::Patch;
 use super::room::{Room, SidePoints};
 use super::side::{FarEdge, Hub, SideRange, floor, roof};
@@ -50,6 +51,15 @@ pub enum AxisChoice {
     Found(Room),
 }
 
+/// Surfaces that the ring touches at the base position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaseLimits {
+    /// The sides of the slot, as in the source.
+    Sides,
+    /// The sides, and the round edges behind them.
+    WholeBlades,
+}
+
 /// Plan of a slot.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
@@ -73,13 +83,16 @@ pub struct SlotPlan {
     pub path: SlotPath,
 }
 
+/// Distance from the roomiest place to which the ring's axis moves at most, mm.
+const TRAVEL_MM: f64 = 40.0;
 /// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
 /// Data of a slot that are the same for every cutter and every direction of the tool.
-pub struct PreparedSlot<'s> {
-    pressure: SideRange<'s>,
-    suction: SideRange<'s>,
+pub struct PreparedSlot {
+    pressure: SideRange,
+    suction: SideRange,
+    blade: WholeBlade,
     hub: Patch,
     roof: Patch,
     blade_axis: Axis,
@@ -92,15 +105,17 @@ pub struct PreparedSlot<'s> {
 /// # Errors
 /// The ring does not pass, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?.plan(cutter, roughing).map(|(plan, _)| plan)
+    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?
+        .plan(cutter, roughing, BaseLimits::Sides)
+        .map(|(plan, _)| plan)
 }
 
-impl<'s> PreparedSlot<'s> {
+impl PreparedSlot {
     /// Prepares a slot with its allowance.
     ///
     /// # Errors
     /// A blade is not above the hub.
-    pub fn new(blisk: &'s Blisk, slot: &'s Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
+    pub fn new(blisk: &Blisk, slot: &Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
         let above = Hub { hub: &blisk.hub, allowance_mm };
         let trim = |face, far, name| SideRange::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
         let (sides, blade_axis) = rayon::join(
@@ -117,15 +132,21 @@ impl<'s> PreparedSlot<'s> {
         let walls = SidePoints::new(&pressure.side(&lying), &suction.side(&lying));
         let about = bearings(slot);
         let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
-        Ok(PreparedSlot { pressure, suction, hub, roof, blade_axis, walls })
+        let blade = WholeBlade::new(blisk, allowance_mm, [pressure.foot(), suction.foot()]);
+        Ok(PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls })
     }
 
     /// The plan, and the surroundings of the slot in its frame. The allowance is that for which the slot was prepared.
     ///
     /// # Errors
     /// The ring does not pass, or does not reach the hub.
-    pub fn plan(&self, cutter: &CupMill, roughing: &Roughing) -> Result<(SlotPlan, Surroundings), Infeasible> {
-        let PreparedSlot { pressure, suction, hub, roof, blade_axis, walls } = self;
+    pub fn plan(
+        &self,
+        cutter: &CupMill,
+        roughing: &Roughing,
+        limits: BaseLimits,
+    ) -> Result<(SlotPlan, Surroundings), Infeasible> {
+        let PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls } = self;
         let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let room = match roughing.axis {
             AxisChoice::Blade => self.near_blade(cutter, || walls.roomiest(cutter)),
@@ -135,13 +156,19 @@ impl<'s> PreparedSlot<'s> {
         };
         let room = room.ok_or(Infeasible::NoAxis)?;
         let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-        let around =
-            Surroundings { pressure: pressure.side(&turn), suction: suction.side(&turn), hub: hub.turned(&turn) };
+        let sides = [pressure.side(&turn), suction.side(&turn)];
         if room.room_mm < 0.0 {
-            return Err(narrow(&room, &around.pressure, &around.suction));
+            return Err(narrow(&room, &sides[0], &sides[1]));
         }
+        let hub = hub.turned(&turn);
+        let lowest_mm =
+            sides.iter().flat_map(|side| side.patch.samples()).map(|point| point.z).fold(f64::MAX, f64::min);
+        let reach = Reach { centre: room.centre, travel_mm: TRAVEL_MM, bottom_mm: lowest_mm };
+        let blades = blade.about(&turn, cutter, &reach);
+        let [pressure, suction] = sides;
+        let around = Surroundings { pressure, suction, hub, blades };
         let level_context =
-            around.level_context(cutter, roughing).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+            around.level_context(cutter, roughing, limits).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
         let top_mm = top_mm(cutter, level_context.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
         let (stops, path) = level_context.levels(cutter, roughing, top_mm)?;
         let (base, interior) = (level_context.base, level_context.interior);
@@ -169,11 +196,23 @@ struct LevelContext<'a> {
 }
 
 impl Surroundings {
+    fn limits(&self, limits: BaseLimits) -> Limits<'_> {
+        let whole = |is_outside: bool| {
+            let own = self.blades.iter().filter(move |near| near.is_own && (near.blade == 0) == is_outside);
+            own.filter(move |_| limits == BaseLimits::WholeBlades).map(|near| &near.patch)
+        };
+        Limits {
+            outside: std::iter::once(&self.pressure.patch).chain(whole(true)).collect(),
+            inside: std::iter::once(&self.suction.patch).chain(whole(false)).collect(),
+            hollow: self.suction.tip_middle(),
+        }
+    }
+
     /// Base position and B1. `None` if no position touches both blades as required.
-    fn level_context(&self, cutter: &CupMill, roughing: &Roughing) -> Option<LevelContext<'_>> {
+    fn level_context(&self, cutter: &CupMill, roughing: &Roughing, limits: BaseLimits) -> Option<LevelContext<'_>> {
         let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
-        let base = settle([pressure, suction], cutter, lines)?;
+        let base = settle(&self.limits(limits), cutter, lines)?;
         // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
         let spoke = pressure.tip_middle() - base.exterior;
         let away = pressure.tip_middle() - suction.tip_middle();

@@ -59,8 +59,8 @@ pub enum FarEdge {
 
 /// Relevant part of a blade's side, part frame: the same for every direction of the tool.
 #[derive(Debug)]
-pub struct SideRange<'f> {
-    face: &'f Face,
+pub struct SideRange {
+    face: Face,
     allowance_mm: f64,
     /// First and last u, with the round of the far edge.
     around: [f64; 2],
@@ -68,30 +68,40 @@ pub struct SideRange<'f> {
     foot: f64,
 }
 
-impl<'f> SideRange<'f> {
+impl SideRange {
     /// Part of `face` above the hub's allowance. `None` if the blade is nowhere above it.
-    pub fn new(face: &'f Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
+    pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
         let edges = edges(face);
         let around = match far {
             FarEdge::Leading => [0.0, edges[1]],
             FarEdge::Trailing => [edges[0], 1.0],
         };
         let foot = foot(face, above.hub, above.allowance_mm, edges)?;
-        Some(SideRange { face, allowance_mm: above.allowance_mm, around, edges, foot })
+        Some(SideRange { face: face.clone(), allowance_mm: above.allowance_mm, around, edges, foot })
+    }
+
+    /// Value of v at which the side leaves the hub.
+    pub fn foot(&self) -> f64 {
+        self.foot
     }
 
     /// The side after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
         let SideRange { allowance_mm, around, edges, foot, .. } = *self;
-        let face = self.face.turned(turn);
-        let high = 1.0 + allowance_mm / face.jet(0.5, 1.0).v.norm();
-        let patch = Patch::new([around, [foot, high]], SIDE_STEPS, move |u, v| {
-            let beyond = (v - 1.0).max(0.0);
-            let tip = face.offset(u, v, allowance_mm);
-            if beyond > 0.0 { tip + face.jet(u, 1.0).v * beyond } else { tip }
-        });
+        let patch = offset_patch(self.face.turned(turn), allowance_mm, [around, [foot, 1.0]], SIDE_STEPS);
         OffsetSide { patch, edges, foot }
     }
+}
+
+/// Offset surface of `face` over `ranges`, extended straight above the tip by the allowance.
+pub fn offset_patch(face: Face, allowance_mm: f64, ranges: [[f64; 2]; 2], steps: [usize; 2]) -> Patch {
+    let [around, [foot, tip]] = ranges;
+    let high = tip + allowance_mm / face.jet(0.5, 1.0).v.norm();
+    Patch::new([around, [foot, high]], steps, move |u, v| {
+        let beyond = (v - 1.0).max(0.0);
+        let tip = face.offset(u, v, allowance_mm);
+        if beyond > 0.0 { tip + face.jet(u, 1.0).v * beyond } else { tip }
+    })
 }
 
 impl OffsetSide {

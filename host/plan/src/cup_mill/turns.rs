@@ -11,6 +11,7 @@ use crate::vector::Flat;
 use super::depth::lowest_mm;
 use super::level::{Stop, StopSurface, stop};
 use super::link::{LowerEnd, shortened_rad};
+use super::neighbours::Neighbour;
 use super::patch::Patch;
 use super::side::OffsetSide;
 use super::turn::TurningTool;
@@ -24,6 +25,8 @@ pub struct Surroundings {
     pub suction: OffsetSide,
     /// Hub.
     pub hub: Patch,
+    /// Whole sides of all blades near the ring.
+    pub blades: Vec<Neighbour>,
 }
 
 /// Both turns out of the base position.
@@ -45,7 +48,32 @@ const HUB_STEPS: i32 = 12;
 /// Number of corrections of the lowest level for its arcs.
 const HUB_ROUNDS: i32 = 2;
 
-impl Turns<'_> {
+/// Depth up to which a side at the base position is not under the ring, mm.
+const TOUCH_MM: f64 = 1e-4;
+
+impl Surroundings {
+    /// The ring at `base` cuts a blade of the slot beside its sides: at a round edge.
+    pub fn cuts_edge(&self, cutter: &CupMill, base: Flat) -> bool {
+        self.blades.iter().any(|near| near.is_own && is_cut(near, cutter, base))
+    }
+
+    /// Surfaces that end turns: the slot's own first. A surface of these blades that the ring cuts at the base position
+    /// ends no turn: the base position touches their sides, and the proof decides about their edges.
+    fn obstacles(&self, cutter: &CupMill, base: Flat, with_hub: bool) -> Vec<(StopSurface, &Patch)> {
+        let own = [(StopSurface::Pressure, &self.pressure.patch), (StopSurface::Suction, &self.suction.patch)];
+        let hub = with_hub.then_some((StopSurface::Hub, &self.hub));
+        let counts = self.blades.iter().filter(|near| !near.is_own || !is_cut(near, cutter, base));
+        let blades = counts.map(|near| (StopSurface::Blade(near.blade, near.side), &near.patch));
+        own.into_iter().chain(hub).chain(blades).collect()
+    }
+}
+
+fn is_cut(near: &Neighbour, cutter: &CupMill, base: Flat) -> bool {
+    let radii_mm = cutter.inner_radius_mm + TOUCH_MM..cutter.outer_radius_mm - TOUCH_MM;
+    near.patch.samples().any(|point| radii_mm.contains(&(point.xy() - base).norm()))
+}
+
+impl<'a> Turns<'a> {
     fn turning(&self, pivot: Flat, bottom_mm: f64) -> TurningTool<'_> {
         TurningTool { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
     }
@@ -54,8 +82,8 @@ impl Turns<'_> {
     pub fn lowest_mm(&self) -> Option<f64> {
         let hub = &self.around.hub;
         let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
-        let blades =
-            [(StopSurface::Pressure, &self.around.pressure.patch), (StopSurface::Suction, &self.around.suction.patch)];
+        low_mm = self.blades_mm().map_or(low_mm, |(_, blades_mm)| blades_mm.max(low_mm));
+        let blades = self.around.obstacles(self.cutter, self.centre, false);
         // Higher up the turns are longer, so they are computed again.
         for _ in 0..HUB_ROUNDS {
             low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
@@ -65,6 +93,18 @@ impl Turns<'_> {
             });
         }
         Some(low_mm)
+    }
+
+    /// Lowest position that the blades allow at the base position, and the highest one under the ring.
+    pub fn blades_mm(&self) -> Option<(&'a Neighbour, f64)> {
+        // The sides that the ring touches at the base position are not under it.
+        let cutter = CupMill {
+            inner_radius_mm: self.cutter.inner_radius_mm + TOUCH_MM,
+            outer_radius_mm: self.cutter.outer_radius_mm - TOUCH_MM,
+            ..self.cutter.clone()
+        };
+        let low = |blade: &'a Neighbour| Some((blade, lowest_mm(&cutter, self.centre, &blade.patch)?));
+        self.around.blades.iter().filter(|blade| !blade.is_own).filter_map(low).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Lowest position that the hub allows along a whole turn.
@@ -82,9 +122,9 @@ impl Turns<'_> {
     /// Ends of the turns, level by level. If a turn meets nothing, the slot ends there, and the turn of the level below
     /// is used.
     pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
-        let Surroundings { pressure, suction, hub, .. } = self.around;
-        let obstacles =
-            [(StopSurface::Pressure, &pressure.patch), (StopSurface::Suction, &suction.patch), (StopSurface::Hub, hub)];
+        let obstacles = self.around.obstacles(self.cutter, self.centre, true);
+        let walls: Vec<&Patch> =
+            self.around.obstacles(self.cutter, self.centre, false).into_iter().map(|(_, patch)| patch).collect();
         let alone = |height_mm: &f64| self.pivots.map(|pivot| stop(&self.turning(pivot, *height_mm), &obstacles));
         let met: Vec<[Stop; 2]> = heights_mm.par_iter().map(alone).collect();
         let mut below: Option<([Stop; 2], f64)> = None;
@@ -103,7 +143,7 @@ impl Turns<'_> {
                     return met;
                 }
                 let below = LowerEnd { centre: below.centre, bottom_mm, turn_rad: below.turn_rad };
-                let turn_rad = shortened_rad(&turning, met.turn_rad, &below, &[&pressure.patch, &suction.patch]);
+                let turn_rad = shortened_rad(&turning, met.turn_rad, &below, &walls);
                 if turn_rad < met.turn_rad {
                     Stop { turn_rad, centre: turning.centre_after(turn_rad), at: None }
                 } else {

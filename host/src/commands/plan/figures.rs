@@ -174,6 +174,8 @@ pub fn stop_reason(stop: &Stop) -> String {
             StopSurface::Pressure => "pressure side".into(),
             StopSurface::Suction => "suction side".into(),
             StopSurface::Hub => "hub".into(),
+            // Blade 0 is that of the slot's pressure side.
+            StopSurface::Blade(blade, side) => format!("{side} of blade {blade:+}"),
         },
     }
 }

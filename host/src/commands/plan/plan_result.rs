@@ -1,5 +1,6 @@
 //! Plan with its proof, stock limits and times.
 
+use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
@@ -13,9 +14,6 @@ use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use crate::part::PartFile;
 use crate::report::page::plan::BaselineResult;
 
-/// Largest violation of the allowance by the ring, as a fraction of it: beside the round leading edge of a finished
-/// blade, about which the ring turns (docs/plan.md).
-pub const NEARER_RATIO: f64 = 0.15;
 /// Inverse time of indexing, as in the published listing: 1/50 min from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
 
@@ -57,22 +55,13 @@ impl PlanResult {
         let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
         let presents = |plan: &SlotPlan| placement(machine, &plan.turn).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
-        let valued = problem.and_then(|problem| match part.axis {
-            Some(axis) => problem.along(axis),
-            None => problem.best(presents),
+        let ranked = problem.and_then(|problem| match part.axis {
+            Some(axis) => problem.along(axis).map(|valued| vec![valued]),
+            None => problem.ranked(presents),
         });
-        let valued = valued.map_err(|why| why.to_string())?;
+        let (valued, proof) = best_safe(&part, ranked.map_err(|why| why.to_string())?)?;
         let plan = &valued.plan;
         let placement = placement(machine, &plan.turn).map_err(|error| error.to_string())?;
-        let case = ProofCase {
-            blisk: &part.blisk,
-            tool: &part.cutter,
-            path: &plan.path,
-            to_slot: plan.turn,
-            allowance_mm: part.roughing.allowance_mm,
-            fixture: &part.fixtures,
-        };
-        let proof = prove(&case, &ProofResolution::default()).ok_or("a blade is not above the hub")?;
         let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
         let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
@@ -85,8 +74,7 @@ impl PlanResult {
 
     /// The tool collides with nothing, and keeps the allowance except beside the leading edge.
     pub fn is_safe(&self) -> bool {
-        let allowance_mm = self.part.roughing.allowance_mm;
-        self.proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
+        is_safe(&self.part, &self.proof)
     }
 
     /// B of each slot, degrees.
@@ -94,6 +82,35 @@ impl PlanResult {
         let pitch_deg = 360.0 / f64::from(self.part.blisk.blades);
         (0..self.part.blisk.blades).map(|slot| self.placement.index_deg + pitch_deg * f64::from(slot)).collect()
     }
+}
+
+/// Number of plans that are proven before the search gives up.
+const PROVEN_MAX: usize = 6;
+
+fn is_safe(part: &PartFile, proof: &Proof) -> bool {
+    let allowance_mm = part.roughing.allowance_mm;
+    proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
+}
+
+/// First plan whose proof holds, or else the first one.
+fn best_safe(part: &PartFile, ranked: Vec<ValuedPlan>) -> Result<(ValuedPlan, Proof), String> {
+    let mut first = None;
+    for valued in ranked.into_iter().take(PROVEN_MAX) {
+        let case = ProofCase {
+            blisk: &part.blisk,
+            tool: &part.cutter,
+            path: &valued.plan.path,
+            to_slot: valued.plan.turn,
+            allowance_mm: part.roughing.allowance_mm,
+            fixture: &part.fixtures,
+        };
+        let proof = prove(&case, &ProofResolution::default()).ok_or("a blade is not above the hub")?;
+        if is_safe(part, &proof) {
+            return Ok((valued, proof));
+        }
+        first.get_or_insert((valued, proof));
+    }
+    first.ok_or_else(|| "there is no plan".into())
 }
 
 /// Feeds of the program.

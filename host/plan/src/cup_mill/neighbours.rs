@@ -1,0 +1,106 @@
+//! Whole blades about a slot: all surfaces of blades that the sides of the method leave out.
+//!
+//! The method knows one pressure side and one suction side, each with one of its round edges. The ring is large and
+//! passes other blades, too, and the edges behind its pivots. Of the two blades at the slot, the whole surface keeps
+//! all but [`NEARER_RATIO`] of the allowance: a ring cannot turn about a point of a round edge without cutting into the
+//! allowance there. All other blades keep the whole allowance.
+
+use core::f64::consts::TAU;
+
+use nalgebra::Rotation3;
+
+use crate::cutter::CupMill;
+use crate::geometry::blisk::Blisk;
+use crate::geometry::flaws::BladeSide;
+use crate::vector::{Flat, Point, Vector};
+
+use super::patch::Patch;
+use super::side::offset_patch;
+
+/// Largest violation of the allowance by the ring, as a fraction of it: beside the round edge of a finished blade,
+/// about which the ring turns (docs/plan.md).
+pub const NEARER_RATIO: f64 = 0.15;
+/// Distance by which the planner stays away from the limit of the proof, mm: what the proof loses to its triangles, and
+/// the planner on lines from level to level.
+const PROOF_MM: f64 = 0.025;
+/// Search steps of a side.
+const STEPS: [usize; 2] = [32, 16];
+
+/// Side of a blade about the slot, slot frame.
+#[derive(Debug)]
+pub struct Neighbour {
+    /// Blade, counted from that of the slot's pressure side by growing angle; negative before it.
+    pub blade: i32,
+    /// Side.
+    pub side: BladeSide,
+    /// The blade is one of the two at the slot.
+    pub is_own: bool,
+    /// Whole side with its allowance, with both edges.
+    pub patch: Patch,
+}
+
+/// Both sides of the first blade with the allowance of each kind, part frame: the same for every direction of the tool.
+#[derive(Debug)]
+pub struct WholeBlade {
+    /// As a blade at the slot, and as another one.
+    sides: [[Patch; 2]; 2],
+    /// Other blade at the slot.
+    across: i32,
+    blades: i32,
+    /// Centre of a ball about the blade, and its radius.
+    ball: (Point, f64),
+}
+
+impl WholeBlade {
+    /// Blade of a rotor with its allowance, from where its sides leave the hub: `feet`, of the pressure and the suction
+    /// side.
+    pub fn new(blisk: &Blisk, allowance_mm: f64, feet: [f64; 2]) -> Self {
+        let nearer_mm = (allowance_mm * (1.0 - NEARER_RATIO) + PROOF_MM).min(allowance_mm);
+        let of_blade = |allowance_mm: f64| {
+            [(&blisk.pressure, feet[0]), (&blisk.suction, feet[1])]
+                .map(|(face, foot)| offset_patch(face.clone(), allowance_mm, [[0.0, 1.0], [foot, 1.0]], STEPS))
+        };
+        let sides = [nearer_mm, allowance_mm].map(of_blade);
+        let points = || sides[1].iter().flat_map(Patch::samples);
+        let start = *points().next().unwrap_or(&Point::origin());
+        let (low, high) = points().fold((start, start), |(low, high), at| (low.inf(at), high.sup(at)));
+        let centre = nalgebra::center(&low, &high);
+        let radius_mm = points().map(|point| (point - centre).norm()).fold(0.0, f64::max);
+        WholeBlade { across: blisk.facing(), blades: blisk.blades.cast_signed(), ball: (centre, radius_mm), sides }
+    }
+
+    /// Sides of all blades that a ring near `centre` can meet, slot frame; its centre moves by `travel_mm` at most, and
+    /// its bottom stays above `bottom_mm`.
+    pub fn about(&self, turn: &Rotation3<f64>, cutter: &CupMill, reach: &Reach) -> Vec<Neighbour> {
+        let pitch_rad = TAU / f64::from(self.blades);
+        let (middle, radius_mm) = self.ball;
+        let first = -(self.blades - 1) / 2;
+        let placed = (first..first + self.blades)
+            .map(|blade| (blade, turn * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(blade) * pitch_rad)));
+        let near = placed.filter(|(_, turn)| {
+            let at = turn * middle;
+            let off_mm = (at.xy() - reach.centre).norm();
+            let slack_mm = radius_mm + reach.travel_mm;
+            at.z + radius_mm > reach.bottom_mm
+                && off_mm < cutter.outer_radius_mm + slack_mm
+                && off_mm > cutter.inner_radius_mm - slack_mm
+        });
+        let both = near.flat_map(|(blade, turn)| {
+            let is_own = blade == 0 || blade == self.across;
+            let sides = [BladeSide::Pressure, BladeSide::Suction].into_iter().zip(&self.sides[usize::from(!is_own)]);
+            sides.map(|(side, patch)| Neighbour { blade, side, is_own, patch: patch.turned(&turn) }).collect::<Vec<_>>()
+        });
+        both.collect()
+    }
+}
+
+/// Part of space that a ring reaches.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// Centre about which it moves.
+    pub centre: Flat,
+    /// Largest distance of its axis from there, mm.
+    pub travel_mm: f64,
+    /// Lowest place of its bottom, mm.
+    pub bottom_mm: f64,
+}
