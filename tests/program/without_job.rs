@@ -218,8 +218,9 @@ fn subprograms_come_from_a_folder() {
     let scratch = Scratch::new("without-job-library");
     let main = "%\nO1\nG21G17G90G94\n(T1 D=10. - FLAT END MILL)\nT1M6\nS8000M3\nG0X0Y0Z5.\nM98P2000\nG3X8.Y0I-8.F1300.\nM30\n%\n";
     let program = scratch.write("main.nc", main);
-    scratch.write("lib/O2000.nc", "O2000\nG1X8.Z-1.F900.\nM99\n");
     let folder = scratch.path("lib");
+    std::fs::create_dir(&folder).expect("a scratch folder");
+    scratch.write("lib/O2000.nc", "O2000\nG1X8.Z-1.F900.\nM99\n");
     for command in ["adapt", "simulate"] {
         let (code, said) = refused(&[command, &program]);
         assert!(code == Some(1) && said.contains("PS0078") && said.contains("--library"), "{said}");

@@ -8,8 +8,9 @@ use super::address::whole;
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
 use super::modal::{Cycle, Feed, Modal, Pose};
-use super::series::{Drill, HoleCircle, Levels, Polar, Series};
-use super::settings::Settings;
+use super::moves::Target;
+use super::series::{Drill, HoleCircle, Levels, Series};
+use super::settings::{Decimals, Settings};
 use arcfeed_units::{MicroDeg, Micros, Nm, US_PER_MS};
 
 /// Maximum number of repeats of a cycle.
@@ -50,10 +51,8 @@ impl Modal {
         if holes > REPEATS_MAX {
             return Err(Fault::alarm(Alarm::TooManyDigits, column));
         }
-        let before = self.polar;
         self.check_series(holes, block)?;
-        self.resolve_polar(block, &mut target, settings.decimals);
-        let circle = self.hole_circle(before, holes);
+        let circle = self.resolve_holes(block, &mut target, holes, settings.decimals);
         let mut above = target.end;
         if let (Some(level), Some(here)) = (above.linear.get_mut(normal), self.program.linear.get(normal)) {
             *level = *here;
@@ -87,11 +86,19 @@ impl Modal {
         Ok(Some(Series::Drill(drill)))
     }
 
-    /// Circle of repeated holes at an angle under G91, if polar coordinates were those `before`; the last hole's angle counts
+    /// Resolves polar coordinates, and returns the circle of holes that repeat an angle under G91; the last hole's angle counts
     /// from here on.
-    fn hole_circle(&mut self, before: Option<Polar>, holes: i64) -> Option<HoleCircle> {
+    fn resolve_holes(
+        &mut self,
+        block: &Block,
+        target: &mut Target,
+        holes: i64,
+        decimals: Decimals,
+    ) -> Option<HoleCircle> {
+        let start = self.polar?;
+        self.resolve_polar(block, target, decimals);
         let (absolute, polar) = (self.absolute, self.polar.as_mut()?);
-        let (first, start) = (*polar, before?);
+        let first = *polar;
         if absolute || holes == 1 {
             return None;
         }

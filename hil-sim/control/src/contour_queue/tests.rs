@@ -203,7 +203,7 @@ fn the_tool_is_offset_beside_a_rounded_corner() {
         assert!(found.contains(&wanted), "{wanted:?} in {found:?}");
     }
     // Beside the chamfer of 45 degrees the offset corners are 2 tan(22.5 degrees) beyond its ends.
-    let beyond = 15.0 + 2.0 * (std::f64::consts::PI / 8.0).tan();
+    let beyond = 15.0 + 2.0 * libm::tan(std::f64::consts::PI / 8.0);
     assert!(found.iter().any(|[x, y]| (x - 22.0).abs() < 1e-5 && (y - beyond).abs() < 1e-5), "{found:?}");
 }
 

@@ -163,7 +163,7 @@ fn moves_that_are_too_short_are_alarms_and_straight_joints_have_no_corner() {
 #[test]
 fn the_rest_of_an_arc_of_no_length_is_no_whole_turn() {
     let quarter = arc([[0.0, 0.0], [10.0, 10.0]], [0.0, 10.0], Turn::Ccw);
-    let chamfer = Corner::Chamfer(Nm::from_mm(200.0_f64.sqrt()));
+    let chamfer = Corner::Chamfer(Nm::from_mm(libm::sqrt(200.0)));
     let found = insert(&line([[0.0, 30.0], [0.0, 0.0]]), &quarter, chamfer).unwrap();
     assert!(found.second.length_mm() < 1e-5, "{found:?}");
 }
