@@ -1,0 +1,108 @@
+//! Override of a control whose input only reduces, as LinuxCNC's adaptive feed, so that 100 % stays safe.
+//!
+//! ```text
+//! feed = F dial adaptive                      dial: the control's own override; adaptive: 0 to 1, this output      (1)
+//! ```
+//! A feed above F needs a dial above 1. While the laws have the override the dial is raised to [`RAISED`], and
+//!
+//! ```text
+//! adaptive = override / max(RAISED, dial)     so feed <= F override for each dial                                  (2)
+//! ```
+//! The dial is raised only then. It changes with the delay of a user interface; (2) therefore applies from the request
+//! until the dial has read 1 or less for [`SETTLING`]. In between the feed is at most F override, whatever the dial is.
+//! A control on which the laws never act thus has its dial at 1 and an adaptive feed of 1.
+//!
+//! (2) fails if the control does not apply this output (M52 P0). While the dial is raised a velocity above F override
+//! that does not fall for [`EXCESS`] is a fault: the output is not in force, and no axis may feed.
+
+use arcfeed_firmware::supervisor::state::State;
+use arcfeed_units::{PERCENT, Span};
+
+use crate::values::{ArcfeedAdaptiveInput, ArcfeedAdaptiveOutput};
+
+/// Dial while the laws have the override.
+const RAISED: f64 = 2.0;
+/// Time for which the dial must read 1 or less before it counts as lowered: several periods of a user interface.
+const SETTLING: Span = Span::from_ms(1_000);
+/// Time for which a velocity may be too high without falling.
+const EXCESS: Span = Span::from_ms(20);
+/// Ratio of velocities above which one is too high.
+const EXCESS_RATIO: f64 = 1.02;
+/// Largest relative fall in a tick that is rounding.
+const FALL_RATIO: f64 = 1e-9;
+/// Motion type of a rapid.
+const RAPID: i32 = 1;
+/// Motion types of feed moves.
+const FEEDS: core::ops::RangeInclusive<i32> = 2..=3;
+
+/// Combination with the control's own override; state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AdaptiveFeed {
+    /// Dial requested last, %; `None` before the first request.
+    dial_percent: Option<u8>,
+    was_engaged: bool,
+    is_raised: bool,
+    lowered_for: Span,
+    excess_for: Span,
+    velocity: f64,
+}
+
+impl AdaptiveFeed {
+    /// Processes a tick with this state and override; the outputs, and whether the output is not in force.
+    pub fn update(
+        &mut self,
+        state: &State,
+        override_ratio: f32,
+        input: &ArcfeedAdaptiveInput,
+    ) -> (ArcfeedAdaptiveOutput, bool) {
+        let dial = if input.dial_ratio >= 0.0 { input.dial_ratio } else { f64::INFINITY };
+        self.request(state.is_engaged(), dial);
+        self.settle(state.is_engaged(), dial, Span(input.dt_us));
+        let has_failed = self.has_excess(override_ratio, input);
+        let is_faulted = matches!(state, State::Faulted { .. });
+        let divisor = if self.is_raised { dial.max(RAISED) } else { 1.0 };
+        let adaptive_feed = if is_faulted || has_failed {
+            0.0
+        } else if input.motion_type == RAPID {
+            // The control applies its rapid override instead of the dial.
+            1.0
+        } else {
+            (f64::from(override_ratio) / divisor).clamp(0.0, 1.0)
+        };
+        let dial_percent = i32::from(self.dial_percent.unwrap_or(PERCENT as u8));
+        let feed_inhibit = u8::from(is_faulted || has_failed);
+        (ArcfeedAdaptiveOutput { adaptive_feed, dial_percent, feed_inhibit }, has_failed)
+    }
+
+    /// Requests the dial: the operator's reduction keeps its share.
+    fn request(&mut self, is_engaged: bool, dial: f64) {
+        // The casts saturate.
+        let percent = f64::from(PERCENT);
+        match (self.was_engaged, is_engaged) {
+            (false, true) => self.dial_percent = Some((dial.min(1.0) * RAISED * percent) as u8),
+            (true, false) => self.dial_percent = Some(((dial / RAISED).min(1.0) * percent) as u8),
+            (false, false) | (true, true) => {}
+        }
+        self.was_engaged = is_engaged;
+    }
+
+    fn settle(&mut self, is_engaged: bool, dial: f64, dt: Span) {
+        let is_low = !is_engaged && dial <= 1.0;
+        self.lowered_for = if is_low { self.lowered_for.longer_by(dt) } else { Span(0) };
+        self.is_raised = is_engaged || self.is_raised && self.lowered_for < SETTLING;
+    }
+
+    fn has_excess(&mut self, override_ratio: f32, input: &ArcfeedAdaptiveInput) -> bool {
+        let ArcfeedAdaptiveInput { current_velocity, requested_velocity, .. } = *input;
+        let highest = requested_velocity * f64::from(override_ratio) * EXCESS_RATIO;
+        let is_feed = FEEDS.contains(&input.motion_type) && requested_velocity > 0.0;
+        let is_falling = current_velocity < self.velocity * (1.0 - FALL_RATIO);
+        self.velocity = current_velocity;
+        if !(self.is_raised && is_feed && current_velocity > highest) {
+            self.excess_for = Span(0);
+        } else if !is_falling {
+            self.excess_for = self.excess_for.longer_by(Span(input.dt_us));
+        }
+        self.excess_for > EXCESS
+    }
+}
