@@ -12,8 +12,10 @@
 //! until the dial has read 1 or less for [`SETTLING`]. In between the feed is at most F override, whatever the dial is.
 //! A control on which the laws never act thus has its dial at 1 and an adaptive feed of 1.
 //!
-//! (2) fails if the control does not apply this output (M52 P0). While the dial is raised a velocity above F override
-//! that does not fall for [`EXCESS`] is a fault: the output is not in force, and no axis may feed.
+//! (2) fails if the control does not apply this output (M52 P0). While the dial is raised it is a fault if both the
+//! velocity that the control commands and the present one are above F override for [`EXCESS`]: the output is not in
+//! force, and no axis may feed. Only the present velocity is above it while the axes brake, and only the commanded one
+//! where an axis limits the feed.
 
 use arcfeed_firmware::supervisor::state::State;
 use arcfeed_units::{PERCENT, Span};
@@ -24,12 +26,10 @@ use crate::values::{ArcfeedAdaptiveInput, ArcfeedAdaptiveOutput};
 const RAISED: f64 = 2.0;
 /// Time for which the dial must read 1 or less before it counts as lowered: several periods of a user interface.
 const SETTLING: Span = Span::from_ms(1_000);
-/// Time for which a velocity may be too high without falling.
-const EXCESS: Span = Span::from_ms(20);
+/// Time for which velocities may be too high: some periods of the control.
+const EXCESS: Span = Span::from_ms(5);
 /// Ratio of velocities above which one is too high.
 const EXCESS_RATIO: f64 = 1.02;
-/// Largest relative fall in a tick that is rounding.
-const FALL_RATIO: f64 = 1e-9;
 /// Motion type of a rapid.
 const RAPID: i32 = 1;
 /// Motion types of feed moves.
@@ -44,7 +44,6 @@ pub struct AdaptiveFeed {
     is_raised: bool,
     lowered_for: Span,
     excess_for: Span,
-    velocity: f64,
 }
 
 impl AdaptiveFeed {
@@ -93,16 +92,11 @@ impl AdaptiveFeed {
     }
 
     fn has_excess(&mut self, override_ratio: f32, input: &ArcfeedAdaptiveInput) -> bool {
-        let ArcfeedAdaptiveInput { current_velocity, requested_velocity, .. } = *input;
-        let highest = requested_velocity * f64::from(override_ratio) * EXCESS_RATIO;
-        let is_feed = FEEDS.contains(&input.motion_type) && requested_velocity > 0.0;
-        let is_falling = current_velocity < self.velocity * (1.0 - FALL_RATIO);
-        self.velocity = current_velocity;
-        if !(self.is_raised && is_feed && current_velocity > highest) {
-            self.excess_for = Span(0);
-        } else if !is_falling {
-            self.excess_for = self.excess_for.longer_by(Span(input.dt_us));
-        }
+        let highest = input.requested_velocity * f64::from(override_ratio) * EXCESS_RATIO;
+        let is_feed = FEEDS.contains(&input.motion_type) && input.requested_velocity > 0.0;
+        let is_above = input.commanded_velocity > highest && input.current_velocity > highest;
+        let has_excess = self.is_raised && is_feed && is_above;
+        self.excess_for = if has_excess { self.excess_for.longer_by(Span(input.dt_us)) } else { Span(0) };
         self.excess_for > EXCESS
     }
 }

@@ -155,9 +155,11 @@ pub struct ArcfeedOutput {
 pub struct ArcfeedAdaptiveInput {
     /// The control's own feed override in use, as a ratio.
     pub dial_ratio: f64,
-    /// Velocity along the path, in any unit.
+    /// Velocity along the path at present, in any unit.
     pub current_velocity: f64,
-    /// Velocity of the F in force without any override, in the same unit.
+    /// Velocity that the control commands: F with all of its overrides, in the same unit.
+    pub commanded_velocity: f64,
+    /// Velocity of F without any override, in the same unit.
     pub requested_velocity: f64,
     /// Time since the last call, us.
     pub dt_us: u32,
