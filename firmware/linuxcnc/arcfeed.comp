@@ -6,7 +6,7 @@ The moves come from the user-space half, arcfeed-program, through a HAL stream."
 option singleton yes;
 option extra_setup yes;
 option extra_cleanup yes;
-option extra_compile_args "-I$(ARCFEED_C)/include";
+option no_convenience_defines yes;
 
 pin in float position-x "Position of the axis in machine units";
 pin in float position-y;
@@ -58,105 +58,129 @@ author "arcfeed";
 license "GPL"; // this file may also be used under MIT or Apache-2.0
 ;;
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include "arcfeed.h"
 
 #define STREAM_KEY 0x4146
 #define STREAM_DEPTH 8192
 #define RECORDS_PER_PERIOD 32
 #define HEARTBEAT_MAX_US 1000000u
+#define LONGEST_US 1000000000u
 
-static unsigned moves_max = 20000;
+typedef struct __comp_state Pins;
+
+static int moves_max = 20000;
 RTAPI_MP_INT(moves_max, "Room for moves");
 
 static hal_stream_t stream;
 static ArcfeedController *controller;
 static void *memory;
 
-EXTRA_SETUP() {
-    size_t size = ARCFEED_CONTROLLER_SIZE + (size_t)moves_max * ARCFEED_MOVE_SIZE;
-    (void)__comp_inst; (void)prefix; (void)extra_arg;
-    memory = aligned_alloc(64, (size + 63) / 64 * 64);
+static int extra_setup(Pins *pins, char *prefix, long extra_arg) {
+    const size_t size = ARCFEED_CONTROLLER_SIZE + (size_t)(moves_max > 0 ? moves_max : 0) * ARCFEED_MOVE_SIZE;
+    (void)pins, (void)prefix, (void)extra_arg;
+    memory = calloc(1, size);
     if (!memory) return -ENOMEM;
-    memset(memory, 0, size);
     if (arcfeed_create(memory, size, &controller) != ARCFEED_STATUS_OK) return -EINVAL;
     return hal_stream_create(&stream, comp_id, STREAM_KEY, STREAM_DEPTH, "uu");
 }
 
-// What motion.adaptive-feed keeps is at most F with a dial of 2; the watchdog then stops the feed.
-EXTRA_CLEANUP() {
-    struct __comp_state *__comp_inst = __comp_first_inst;
-    if (__comp_inst && adaptive_feed > 0.5) adaptive_feed = 0.5;
+// motion.adaptive-feed keeps its last value: with a dial of 2, at most F. The watchdog then stops the feed.
+static void extra_cleanup(void) {
+    if (__comp_first_inst && *__comp_first_inst->adaptive_feed > 0.5) *__comp_first_inst->adaptive_feed = 0.5;
     hal_stream_destroy(&stream);
     free(memory);
 }
 
-// A record: 0 and anything for a new program, or the number of its bytes and up to four bytes.
-static void load(struct __comp_state *__comp_inst) {
+// A record of the stream: 0 and anything for a new program, or the number of its bytes and up to four bytes.
+static void load(Pins *pins) {
     union hal_stream_data record[2];
     for (int n = 0; n < RECORDS_PER_PERIOD && hal_stream_read(&stream, record, 0) == 0; n++) {
         if (record[0].u == 0) {
-            load_status = arcfeed_begin_program(controller);
-            if (load_status == ARCFEED_STATUS_OK) load_status = ARCFEED_STATUS_INCOMPLETE;
-        } else if (load_status >= 0 && record[0].u <= 4) {
+            const ArcfeedStatus begun = arcfeed_begin_program(controller);
+            *pins->load_status = begun == ARCFEED_STATUS_OK ? ARCFEED_STATUS_INCOMPLETE : begun;
+        } else if (*pins->load_status >= 0 && record[0].u <= 4) {
             uint8_t bytes[4];
             for (int at = 0; at < 4; at++) bytes[at] = record[1].u >> (8 * at);
-            load_status = arcfeed_load_program(controller, bytes, record[0].u);
+            *pins->load_status = arcfeed_load_program(controller, bytes, record[0].u);
         }
     }
 }
 
-FUNCTION(_) {
-    static int beat, was_idle;
-    static uint32_t beat_age_us;
+static uint32_t signals(const Pins *pins) {
+    static int was_idle;
+    const int is_over = *pins->program_idle && !was_idle;
+    const int may_arm = *pins->enable && *pins->program_valid;
+    was_idle = *pins->program_idle;
+    return (*pins->motion_type == 1 ? ARCFEED_SIGNAL_RAPID : 0) | (*pins->feed_hold ? ARCFEED_SIGNAL_FEED_HOLD : 0)
+        | (*pins->arm && may_arm ? ARCFEED_SIGNAL_ARM : 0) | (*pins->reset ? ARCFEED_SIGNAL_RESET : 0)
+        | (*pins->disarm || !may_arm || is_over ? ARCFEED_SIGNAL_DISARM : 0);
+}
+
+// Time since the user-space half was last heard, beyond the time that it may be silent.
+static uint32_t link_age_us(const Pins *pins, uint32_t dt_us) {
+    static hal_s32_t beat;
+    static uint32_t age_us;
+    age_us = *pins->program_heartbeat != beat ? 0 : age_us < LONGEST_US ? age_us + dt_us : age_us;
+    beat = *pins->program_heartbeat;
+    return age_us > HEARTBEAT_MAX_US ? age_us - HEARTBEAT_MAX_US : 0;
+}
+
+static ArcfeedInput inputs(const Pins *pins, uint32_t dt_us) {
+    const double unit = pins->mm_per_unit;
+    const ArcfeedInput in = {
+        .position_nm = {arcfeed_nm((*pins->position_x - *pins->offset_x) * unit),
+                        arcfeed_nm((*pins->position_y - *pins->offset_y) * unit),
+                        arcfeed_nm((*pins->position_z - *pins->offset_z) * unit)},
+        .position_microdeg = {arcfeed_microdeg(*pins->position_a - *pins->offset_a),
+                              arcfeed_microdeg(*pins->position_b - *pins->offset_b),
+                              arcfeed_microdeg(*pins->position_c - *pins->offset_c)},
+        .link_age_us = link_age_us(pins, dt_us),
+        .dt_us = dt_us,
+        .signals = signals(pins),
+        .line = *pins->motion_type == 0 ? ARCFEED_NO_LINE : *pins->program_line,
+        .spindle_rev_per_min = fabs(*pins->spindle_speed),
+        .operator_percent = 100, // the control applies its dial itself
+    };
+    return in;
+}
+
+static void put(Pins *pins, const ArcfeedOutput *out) {
+    const double feed = *pins->requested_velocity * out->override_ratio;
+    *pins->state = out->state;
+    *pins->armed = out->state == ARCFEED_STATE_ARMED || out->state == ARCFEED_STATE_RUNNING
+        || out->state == ARCFEED_STATE_HOLDING || out->state == ARCFEED_STATE_INHIBITED;
+    *pins->reason = out->reason;
+    if (out->refusal || *pins->armed) *pins->refusal = out->refusal;
+    *pins->override_ratio = out->override_ratio;
+    *pins->wanted_ratio = out->wanted_ratio;
+    *pins->chip_estimate = feed > 0 ? out->chip_ratio * *pins->current_velocity / feed : 0;
+    *pins->moves = arcfeed_moves(controller);
+    *pins->heartbeat = !*pins->heartbeat;
+}
+
+// FUNCTION(_): by this word halcompile finds that the functions are written out.
+static void _(Pins *pins, long period) {
     const uint32_t dt_us = period / 1000;
-    ArcfeedInput in = {0};
     ArcfeedOutput out;
-    ArcfeedAdaptiveInput control = {0};
     ArcfeedAdaptiveOutput feed;
 
-    load(__comp_inst);
-    beat_age_us = program_heartbeat != beat ? 0 : beat_age_us < UINT32_MAX - dt_us ? beat_age_us + dt_us : UINT32_MAX;
-    beat = program_heartbeat;
-    in.position_nm[0] = arcfeed_nm((position_x - offset_x) * mm_per_unit);
-    in.position_nm[1] = arcfeed_nm((position_y - offset_y) * mm_per_unit);
-    in.position_nm[2] = arcfeed_nm((position_z - offset_z) * mm_per_unit);
-    in.position_microdeg[0] = arcfeed_microdeg(position_a - offset_a);
-    in.position_microdeg[1] = arcfeed_microdeg(position_b - offset_b);
-    in.position_microdeg[2] = arcfeed_microdeg(position_c - offset_c);
-    in.link_age_us = beat_age_us > HEARTBEAT_MAX_US ? beat_age_us - HEARTBEAT_MAX_US : 0;
-    in.dt_us = dt_us;
-    in.line = motion_type == 0 ? ARCFEED_NO_LINE : program_line;
-    in.spindle_rev_per_min = fabs(spindle_speed);
-    in.operator_percent = 100; // the control applies the dial itself
-    if (motion_type == 1) in.signals |= ARCFEED_SIGNAL_RAPID;
-    if (feed_hold) in.signals |= ARCFEED_SIGNAL_FEED_HOLD;
-    if (arm && enable && program_valid) in.signals |= ARCFEED_SIGNAL_ARM;
-    if (disarm || !enable || !program_valid || (program_idle && !was_idle)) in.signals |= ARCFEED_SIGNAL_DISARM;
-    if (reset) in.signals |= ARCFEED_SIGNAL_RESET;
-    was_idle = program_idle;
+    load(pins);
+    const ArcfeedInput in = inputs(pins, dt_us);
     arcfeed_tick(controller, &in, &out);
-
-    control.dial_ratio = feed_override;
-    control.current_velocity = current_velocity;
-    control.commanded_velocity = commanded_velocity;
-    control.requested_velocity = requested_velocity;
-    control.dt_us = dt_us;
-    control.motion_type = motion_type;
+    const ArcfeedAdaptiveInput control = {
+        .dial_ratio = *pins->feed_override,
+        .current_velocity = *pins->current_velocity,
+        .commanded_velocity = *pins->commanded_velocity,
+        .requested_velocity = *pins->requested_velocity,
+        .dt_us = dt_us,
+        .motion_type = *pins->motion_type,
+    };
     arcfeed_adaptive_feed(controller, &control, &feed);
-
-    adaptive_feed = feed.adaptive_feed;
-    dial_percent = feed.dial_percent;
-    feed_inhibit = feed.feed_inhibit;
-    heartbeat = !heartbeat;
-    state = out.state;
-    armed = state == ARCFEED_STATE_ARMED || state == ARCFEED_STATE_RUNNING || state == ARCFEED_STATE_HOLDING
-        || state == ARCFEED_STATE_INHIBITED;
-    reason = out.reason;
-    if (out.refusal || armed) refusal = out.refusal;
-    override_ratio = out.override_ratio;
-    wanted_ratio = out.wanted_ratio;
-    chip_estimate = requested_velocity > 0 && out.override_ratio > 0
-        ? out.chip_ratio * current_velocity / (requested_velocity * out.override_ratio) : 0;
-    moves = arcfeed_moves(controller);
+    *pins->adaptive_feed = feed.adaptive_feed;
+    *pins->dial_percent = feed.dial_percent;
+    *pins->feed_inhibit = feed.feed_inhibit;
+    put(pins, &out);
 }
