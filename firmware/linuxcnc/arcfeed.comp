@@ -27,6 +27,7 @@ pin in float feed-override = 1.0 "halui.feed-override.value: the control's own o
 pin in float current-velocity "motion.current-vel";
 pin in float commanded-velocity "motion.feed-mm-per-second or motion.feed-inches-per-second, the one of machine units";
 pin in float requested-velocity "motion.requested-vel";
+pin in float distance-to-go "motion.distance-to-go: rapids are slow without it";
 pin in bit feed-hold "halui.program.is-paused";
 pin in bit program-idle "halui.program.is-idle: its rising edge disarms";
 pin in bit program-valid "From arcfeed-program: FALSE disarms";
@@ -175,6 +176,7 @@ static void _(Pins *pins, long period) {
         .current_velocity = *pins->current_velocity,
         .commanded_velocity = *pins->commanded_velocity,
         .requested_velocity = *pins->requested_velocity,
+        .remaining_distance = *pins->distance_to_go,
         .dt_us = dt_us,
         .motion_type = *pins->motion_type,
     };

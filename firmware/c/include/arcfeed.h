@@ -237,12 +237,14 @@ typedef struct ArcfeedOutput {
 typedef struct ArcfeedAdaptiveInput {
   // The control's own feed override in use, as a ratio.
   double dial_ratio;
-  // Velocity along the path at present, in any unit.
+  // Velocity along the path at present, in any unit per second.
   double current_velocity;
   // Velocity that the control commands: F with all of its overrides, in the same unit.
   double commanded_velocity;
   // Velocity of F without any override, in the same unit.
   double requested_velocity;
+  // Distance to the end of the move, in that unit's length; 0 if it is not known.
+  double remaining_distance;
   // Time since the last call, us.
   uint32_t dt_us;
   // LinuxCNC's `motion.motion-type`: 0 idle, 1 rapid, 2 line, 3 arc.

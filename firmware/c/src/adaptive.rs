@@ -12,6 +12,9 @@
 //! until the dial has read 1 or less for [`SETTLING`]. In between the feed is at most F override, whatever the dial is.
 //! A control on which the laws never act thus has its dial at 1 and an adaptive feed of 1.
 //!
+//! A rapid is not slowed down by the factor of [`RAISED`], except towards its end: the control applies the dial to the
+//! first period of the next feed move, before its type can be known here.
+//!
 //! (2) fails if the control does not apply this output (M52 P0). While the dial is raised it is a fault if both the
 //! velocity that the control commands and the present one are above F override for [`EXCESS`]: the output is not in
 //! force, and no axis may feed. Only the present velocity is above it while the axes brake, and only the commanded one
@@ -30,6 +33,8 @@ const SETTLING: Span = Span::from_ms(1_000);
 const EXCESS: Span = Span::from_ms(5);
 /// Ratio of velocities above which one is too high.
 const EXCESS_RATIO: f64 = 1.02;
+/// Time before the end of a rapid from which (2) applies to it: longer than blending with the next move.
+const RAPID_END_S: f64 = 0.5;
 /// Motion type of a rapid.
 const RAPID: i32 = 1;
 /// Motion types of feed moves.
@@ -44,6 +49,8 @@ pub struct AdaptiveFeed {
     is_raised: bool,
     lowered_for: Span,
     excess_for: Span,
+    /// Remaining distance of the rapid in execution, and whether it is near its end.
+    rapid: Option<(f64, bool)>,
 }
 
 impl AdaptiveFeed {
@@ -62,8 +69,7 @@ impl AdaptiveFeed {
         let divisor = if self.is_raised { dial.max(RAISED) } else { 1.0 };
         let adaptive_feed = if is_faulted || has_failed {
             0.0
-        } else if input.motion_type == RAPID {
-            // The control applies its rapid override instead of the dial.
+        } else if self.is_free_rapid(input) {
             1.0
         } else {
             (f64::from(override_ratio) / divisor).clamp(0.0, 1.0)
@@ -89,6 +95,16 @@ impl AdaptiveFeed {
         let is_low = !is_engaged && dial <= 1.0;
         self.lowered_for = if is_low { self.lowered_for.longer_by(dt) } else { Span(0) };
         self.is_raised = is_engaged || self.is_raised && self.lowered_for < SETTLING;
+    }
+
+    /// Whether a rapid is far from its end. Once it is not, it stays so until the distance grows: another rapid.
+    fn is_free_rapid(&mut self, input: &ArcfeedAdaptiveInput) -> bool {
+        let remaining = input.remaining_distance;
+        let (before, was_ending) = self.rapid.unwrap_or((0.0, false));
+        let is_far = remaining > input.current_velocity * RAPID_END_S && remaining > 0.0;
+        let is_ending = was_ending && remaining <= before || !is_far;
+        self.rapid = (input.motion_type == RAPID).then_some((remaining, is_ending));
+        self.rapid.is_some() && !is_ending
     }
 
     fn has_excess(&mut self, override_ratio: f32, input: &ArcfeedAdaptiveInput) -> bool {

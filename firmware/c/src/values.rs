@@ -155,12 +155,14 @@ pub struct ArcfeedOutput {
 pub struct ArcfeedAdaptiveInput {
     /// The control's own feed override in use, as a ratio.
     pub dial_ratio: f64,
-    /// Velocity along the path at present, in any unit.
+    /// Velocity along the path at present, in any unit per second.
     pub current_velocity: f64,
     /// Velocity that the control commands: F with all of its overrides, in the same unit.
     pub commanded_velocity: f64,
     /// Velocity of F without any override, in the same unit.
     pub requested_velocity: f64,
+    /// Distance to the end of the move, in that unit's length; 0 if it is not known.
+    pub remaining_distance: f64,
     /// Time since the last call, us.
     pub dt_us: u32,
     /// LinuxCNC's `motion.motion-type`: 0 idle, 1 rapid, 2 line, 3 arc.
