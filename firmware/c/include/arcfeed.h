@@ -10,10 +10,10 @@
 #include <stdint.h>
 
 // Size of a controller without moves, bytes.
-#define ARCFEED_CONTROLLER_SIZE 24576
+#define ARCFEED_CONTROLLER_SIZE 16384
 
 // Size of a move, bytes: the memory for n moves is `ARCFEED_CONTROLLER_SIZE` + n * `ARCFEED_MOVE_SIZE`.
-#define ARCFEED_MOVE_SIZE 640
+#define ARCFEED_MOVE_SIZE 512
 
 // Alignment of the memory, bytes.
 #define ARCFEED_ALIGNMENT 8

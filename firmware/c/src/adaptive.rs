@@ -97,14 +97,15 @@ impl AdaptiveFeed {
         self.is_raised = is_engaged || self.is_raised && self.lowered_for < SETTLING;
     }
 
-    /// Whether a rapid is far from its end. Once it is not, it stays so until the distance grows: another rapid.
+    /// Whether a rapid is far from its end. Once it is not, it stays so until the distance grows: another move, whose
+    /// type is known a period later.
     fn is_free_rapid(&mut self, input: &ArcfeedAdaptiveInput) -> bool {
         let remaining = input.remaining_distance;
-        let (before, was_ending) = self.rapid.unwrap_or((0.0, false));
-        let is_far = remaining > input.current_velocity * RAPID_END_S && remaining > 0.0;
-        let is_ending = was_ending && remaining <= before || !is_far;
+        let is_far = remaining > 0.0 && remaining > input.current_velocity * RAPID_END_S;
+        let same = self.rapid.filter(|(before, _)| remaining <= *before);
+        let is_ending = same.is_some_and(|(_, was_ending)| was_ending) || !is_far;
         self.rapid = (input.motion_type == RAPID).then_some((remaining, is_ending));
-        self.rapid.is_some() && !is_ending
+        self.rapid.is_some() && same.is_some() && !is_ending
     }
 
     fn has_excess(&mut self, override_ratio: f32, input: &ArcfeedAdaptiveInput) -> bool {
@@ -116,3 +117,6 @@ impl AdaptiveFeed {
         self.excess_for > EXCESS
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -140,7 +140,8 @@ impl Controller {
     /// Runs one tick. Returns whether all inputs were valid; an invalid one has had no effect.
     pub fn tick(&mut self, slots: &Slots, input: &ArcfeedInput) -> (ArcfeedOutput, bool) {
         let Checked { mut input, line, is_valid } = check(input);
-        self.invalid_in_row = if input.position.invalid_in_row == 0 { 0 } else { self.invalid_in_row.saturating_add(1) };
+        self.invalid_in_row =
+            if input.position.invalid_in_row == 0 { 0 } else { self.invalid_in_row.saturating_add(1) };
         input.position.invalid_in_row = self.invalid_in_row;
         let is_ready = self.is_ready();
         let asks_to_arm = input.signals.asks(Request::Arm);
@@ -292,7 +293,8 @@ fn faults_of(signals: Signals) -> Signals {
 fn values(output: &Output, begun: Option<&LineMove>, spindle: RevPerMin) -> ArcfeedOutput {
     let override_ratio = f32::from(output.feed_override.percent) / PERCENT;
     let wanted_ratio = begun.zip(output.ipt_center).and_then(|(begun, ipt)| begun.segment.ratio_of(ipt));
-    let chip_ratio = wanted_ratio.zip(begun).map(|(wanted, begun)| override_ratio / wanted * begun.spindle.0 / spindle.0);
+    let chip_ratio =
+        wanted_ratio.zip(begun).map(|(wanted, begun)| override_ratio / wanted * begun.spindle.0 / spindle.0);
     ArcfeedOutput {
         override_ratio,
         wanted_ratio: wanted_ratio.unwrap_or(0.0),

@@ -213,8 +213,8 @@ pub unsafe extern "C" fn arcfeed_tick(
     core::hint::black_box([1, 2, 3].get(core::hint::black_box(4_usize)).unwrap_or_else(|| unreachable!()));
     // SAFETY: as required of the caller.
     unsafe {
-        let ticked = value(input)
-            .and_then(|input| with(controller, |controller, slots| controller.tick(slots, &input)));
+        let ticked =
+            value(input).and_then(|input| with(controller, |controller, slots| controller.tick(slots, &input)));
         let (values, status) = match ticked {
             Ok((values, true)) => (values, ArcfeedStatus::Ok),
             Ok((values, false)) => (values, ArcfeedStatus::Input),
@@ -237,11 +237,10 @@ pub unsafe extern "C" fn arcfeed_adaptive_feed(
 ) -> ArcfeedStatus {
     // SAFETY: as required of the caller.
     unsafe {
-        let combined = value(input)
-            .and_then(|input| with(controller, |controller, _| controller.adaptive_feed(&input)));
+        let combined =
+            value(input).and_then(|input| with(controller, |controller, _| controller.adaptive_feed(&input)));
         let stopped = ArcfeedAdaptiveOutput { adaptive_feed: 0.0, dial_percent: 0, feed_inhibit: 1 };
-        let (values, status) =
-            combined.map_or_else(|status| (stopped, status), |values| (values, ArcfeedStatus::Ok));
+        let (values, status) = combined.map_or_else(|status| (stopped, status), |values| (values, ArcfeedStatus::Ok));
         write(output, values, status)
     }
 }
@@ -270,9 +269,7 @@ fn scaled(number: f64, parts: i64) -> i64 {
 /// `block` is aligned and leads to the size of a block.
 unsafe fn is_created(block: *mut Block) -> bool {
     // SAFETY: as required of the caller; both are numbers, for which all bytes are valid.
-    unsafe {
-        ptr::addr_of!((*block).magic).read() == MAGIC && ptr::addr_of!((*block).address).read() == block.addr()
-    }
+    unsafe { ptr::addr_of!((*block).magic).read() == MAGIC && ptr::addr_of!((*block).address).read() == block.addr() }
 }
 
 /// Calls `done` with a controller and its slots.
@@ -350,3 +347,6 @@ unsafe fn bytes<'a>(bytes: *const u8, length: usize) -> Result<&'a [u8], Arcfeed
 fn result(done: Result<(), ArcfeedStatus>) -> ArcfeedStatus {
     done.map_or_else(|status| status, |()| ArcfeedStatus::Ok)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,9 +1,9 @@
 //! Structs and constants of the interface. Every number of a struct may have any value; the calls check them.
 
 /// Size of a controller without moves, bytes.
-pub const ARCFEED_CONTROLLER_SIZE: usize = 24_576;
+pub const ARCFEED_CONTROLLER_SIZE: usize = 16_384;
 /// Size of a move, bytes: the memory for n moves is `ARCFEED_CONTROLLER_SIZE` + n * `ARCFEED_MOVE_SIZE`.
-pub const ARCFEED_MOVE_SIZE: usize = 640;
+pub const ARCFEED_MOVE_SIZE: usize = 512;
 /// Alignment of the memory, bytes.
 pub const ARCFEED_ALIGNMENT: usize = 8;
 

@@ -70,7 +70,11 @@ impl PreparedHeader {
 
     fn decode(bytes: &[u8]) -> Result<Self, PreparedError> {
         let word = |at: usize| {
-            bytes.get(at..).and_then(|rest| rest.first_chunk()).map(|word| u32::from_le_bytes(*word)).unwrap_or_default()
+            bytes
+                .get(at..)
+                .and_then(|rest| rest.first_chunk())
+                .map(|word| u32::from_le_bytes(*word))
+                .unwrap_or_default()
         };
         if bytes.first_chunk() != Some(&MAGIC) {
             return Err(PreparedError::Form);
@@ -125,13 +129,7 @@ impl Default for PreparedReader {
 impl PreparedReader {
     /// A reader before the first byte.
     pub const fn new() -> Self {
-        PreparedReader {
-            piece: Vec::new(),
-            header: None,
-            entries_left: 0,
-            digest: CRC.digest(),
-            result: Ok(false),
-        }
+        PreparedReader { piece: Vec::new(), header: None, entries_left: 0, digest: CRC.digest(), result: Ok(false) }
     }
 
     /// Header, once it has been read.
