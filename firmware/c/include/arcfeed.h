@@ -280,7 +280,7 @@ ArcfeedStatus arcfeed_create(void *memory,
 // `controller` is null, or leads to `ARCFEED_CONTROLLER_SIZE` bytes.
 ArcfeedStatus arcfeed_discard(struct ArcfeedController *controller);
 
-// Puts the parameters of a page of flash in force (`arcfeed board-page` writes it) and deletes all moves.
+// Puts the parameters of a page of flash in force (written by `arcfeed parameters`) and deletes all moves.
 //
 // # Safety
 // As of `arcfeed_discard`; `page` has `length` bytes.

@@ -110,7 +110,7 @@ pub unsafe extern "C" fn arcfeed_discard(controller: *mut ArcfeedController) -> 
     .unwrap_or_else(|status| status)
 }
 
-/// Puts the parameters of a page of flash in force (`arcfeed board-page` writes it) and deletes all moves.
+/// Puts the parameters of a page of flash in force (written by `arcfeed parameters`) and deletes all moves.
 ///
 /// # Safety
 /// As of `arcfeed_discard`; `page` has `length` bytes.
