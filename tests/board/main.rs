@@ -6,6 +6,8 @@
 
 mod budgets;
 
+mod c_interface;
+
 mod defmt_log;
 
 mod embassy;

@@ -30,6 +30,19 @@ pub fn built(folder: &str) -> PathBuf {
     target_dir().join(TARGET).join("release")
 }
 
+/// Builds the static library with the C interface, for this machine or for the chip, with these further features.
+pub fn static_library(for_chip: bool, features: &str) -> PathBuf {
+    let mut command = Command::new(env!("CARGO"));
+    command.args(["rustc", "--package", "arcfeed-c", "--lib", "--crate-type", "staticlib", "--locked", "--quiet"]);
+    command.args(["--profile", "static-library", "--features", &format!("static-library,{features}")]);
+    command.args(if for_chip { &["--target", TARGET][..] } else { &[] });
+    // A folder for each: without its features the library would have the same name.
+    let folder = target_dir().join(if features.is_empty() { "c" } else { "c-gate" });
+    let output = command.arg("--target-dir").arg(&folder).current_dir(root()).output().expect("cargo runs");
+    assert!(output.status.success(), "the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
+    folder.join(if for_chip { TARGET } else { "" }).join("static-library/libarcfeed_c.a")
+}
+
 /// An image of the emulated board by its name; builds all of them once.
 pub fn image(name: &str) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
