@@ -29,6 +29,8 @@ pub mod post;
 
 pub mod snippet;
 
+pub mod linuxcnc;
+
 pub mod engagement;
 
 pub mod job;

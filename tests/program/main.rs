@@ -18,6 +18,8 @@ mod helices;
 
 mod init;
 
+mod linuxcnc;
+
 mod macros;
 
 mod moves_rs274;

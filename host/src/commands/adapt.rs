@@ -16,6 +16,8 @@ use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
+use crate::job::JobFile;
+use crate::linuxcnc::dialect::translate;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::program::Source;
 
@@ -34,6 +36,10 @@ pub struct Adapt {
     /// Write a program with macro statements or calls as its blocks as executed, each with its own feed
     #[arg(long)]
     expand: bool,
+    /// Control that the program is written for: linuxcnc writes its dialect, and macros and calls as with --expand
+    /// (docs/linuxcnc.md)
+    #[arg(long = "for", value_enum, value_name = "CONTROL", requires = "output", conflicts_with = "diff")]
+    target: Option<TargetControl>,
     /// Print the lines that change
     #[arg(long, conflicts_with = "json")]
     diff: bool,
@@ -42,6 +48,13 @@ pub struct Adapt {
     json: bool,
     #[command(flatten)]
     input: JobInput,
+}
+
+/// Control with a dialect of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum TargetControl {
+    /// LinuxCNC
+    Linuxcnc,
 }
 
 /// Block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.
@@ -87,13 +100,17 @@ impl Adapt {
         let (file, source, may_leak) = self.input.load_text()?;
         refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
         let places = source.places.as_deref();
-        if self.expand {
+        let expands = self.expand || self.target.is_some();
+        if expands {
             check_expanded(&source.path, places)?;
+        }
+        if self.target.is_some() {
+            check_for_linuxcnc(&source, &file)?;
         }
         let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
         let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
-        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !self.expand);
+        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !expands);
         let keeps = self.output.is_some() || (self.diff && writes_back);
         let (mut text, mut line_ends) = (Vec::with_capacity(if keeps { source.bytes.len() } else { 0 }), Vec::new());
         let done = plan.each(|line, mut planned| {
@@ -131,6 +148,9 @@ impl Adapt {
             self.print_changes(&source, &text);
         }
         let Some(output) = &self.output else { return Ok(()) };
+        if self.target.is_some() {
+            text = for_linuxcnc(&source, text)?;
+        }
         write_whole(output, &text)
     }
 
@@ -141,6 +161,30 @@ impl Adapt {
             print_diff(&source.path, index + 1, old.text, new.text);
         }
     }
+}
+
+/// Checks that LinuxCNC can execute a program, and that its feeds need no override.
+fn check_for_linuxcnc(source: &Source, file: &JobFile) -> Result<(), Failure> {
+    if !matches!(file.job.policy, FeedPolicy::RewriteOnly(_)) {
+        let path = source.path.display();
+        return Err(Failure::Input(format!(
+            "{path}: --for linuxcnc writes feeds that need no override; write `mode = \"rewrite-only\"` in [override], or --mode \
+             rewrite-only"
+        )));
+    }
+    for_linuxcnc(source, source.bytes.clone()).map(drop)
+}
+
+/// Text of a program, in LinuxCNC's dialect.
+fn for_linuxcnc(source: &Source, bytes: Vec<u8>) -> Result<Vec<u8>, Failure> {
+    let places = if bytes == source.bytes { source.places.clone() } else { None };
+    let Source { path, settings, tables, .. } = source.clone();
+    let text = Source { path, bytes, settings, tables, macro_line: None, places };
+    translate(&text).map(|translation| translation.text).map_err(|refusals| {
+        let name = text.path.display();
+        let lines = refusals.into_iter().map(|refusal| format!("{name}:{}", text.in_file(refusal)));
+        Failure::Input(lines.collect::<Vec<_>>().join("\n"))
+    })
 }
 
 fn print_diff(path: &Path, number: usize, old: &[u8], sent: &[u8]) {
