@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_nc::settings::{Decimals, StartUp};
 use arcfeed_nc::text::Lines;
+use arcfeed_units::LengthUnit;
 
-use contours::ContourProgram;
 use canonical::theirs;
+use contours::ContourProgram;
 use moves::{Move, moving, off_mm, ours};
 
 mod compensated;
@@ -40,7 +41,7 @@ fn main() {
     let mut totals = [0_usize; 4];
     for file in programs(target) {
         let text = normalised(&std::fs::read(&file).expect("a program"));
-        let (theirs, ours) = (theirs(rs274, &text, 0.0), ours(&text, Decimals::Calculator));
+        let (theirs, ours) = (theirs(rs274, &text, 0.0), ours(&text, Decimals::Calculator, LengthUnit::Mm));
         let name = file.strip_prefix(target).ok().filter(|name| !name.as_os_str().is_empty()).unwrap_or(&file);
         let (class, verdict) = verdict(&theirs, &ours);
         totals[class] += 1;

@@ -16,9 +16,9 @@ use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
+use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::job::JobFile;
 use crate::linuxcnc::dialect::translate;
-use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::program::Source;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason

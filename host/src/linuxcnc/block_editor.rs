@@ -57,6 +57,7 @@ impl<'a> BlockEditor<'a> {
         let mut editor = BlockEditor { line, modal, decimals, edits, insert, later, codes, has_dropped: false };
         editor.edit_g_codes()?;
         editor.edit_one_shots()?;
+        editor.write_offsets();
         editor.set_motion(theirs)?;
         editor.edit_cycle()?;
         for word in &line.parsed.block.words {
@@ -143,6 +144,18 @@ impl<'a> BlockEditor<'a> {
         Ok(())
     }
 
+    /// Writes the numbers H and D of G43, G41 and G42, which LinuxCNC does not keep from earlier blocks.
+    fn write_offsets(&mut self) {
+        let Modal { length_offset, radius_offset, .. } = *self.modal;
+        let codes = [(3, b'H', length_offset), (2, b'D', radius_offset)];
+        for (group, letter, number) in codes {
+            let Some((word, code)) = self.code(Group::State(group)) else { continue };
+            if matches!(code, 410 | 420 | 430) && self.word(letter).is_none() {
+                self.edits.insert(word.column, format!("G{} {}{number}", code / 10, char::from(letter)));
+            }
+        }
+    }
+
     /// Writes the motion of a block that inherits it, where LinuxCNC has another one in force.
     fn set_motion(&mut self, theirs: &mut Option<i64>) -> Result<(), RefusedWord> {
         let is_one_shot = self.code(Group::OneShot).is_some();
@@ -225,6 +238,9 @@ impl<'a> BlockEditor<'a> {
         let is_table = self.code(Group::OneShot).is_some_and(|(_, code)| code == 100);
         let state = |group: u8| self.code(Group::State(group)).map(|(_, code)| code);
         match (word.letter, cycle) {
+            (b'A' | b'B' | b'C', Some(_)) => {
+                return Err((word.column, "LinuxCNC turns no axis in a cycle; write the word in a block before it"));
+            }
             (b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C', _) | (b'R', Some(_)) => self.spell(word),
             (b'F', _) if state(7).is_none() && self.feed_counts_otherwise(word.number) => {
                 return Err((word.column, "a feed per revolution without a decimal point; write the point"));
@@ -241,9 +257,9 @@ impl<'a> BlockEditor<'a> {
             (b'I' | b'J' | b'K', None) if is_arc => self.edit_center(word),
             (b'R', None) if is_arc || is_table => self.spell(word),
             (b'H', _) if state(3) == Some(430) => {}
-            (b'H', _) if state(3) == Some(490) => self.drop_word(word),
+            (b'H', _) if state(3) == Some(490) || self.modal.length_sign == 0 => self.drop_word(word),
             (b'D', _) if matches!(state(2), Some(410 | 420)) => {}
-            (b'D', _) if state(2) == Some(400) => self.drop_word(word),
+            (b'D', _) if self.modal.compensation.is_none() => self.drop_word(word),
             _ => return Err((word.column, UNUSED)),
         }
         Ok(())
@@ -296,7 +312,10 @@ impl<'a> BlockEditor<'a> {
             let code = word.number.as_whole().unwrap_or(-1);
             let group = m_group(code).map_err(|remedy| (word.column, remedy))?;
             if groups.contains(&group) {
-                return Err((word.column, "LinuxCNC takes one M code of a kind per block; write it in a block of its own"));
+                return Err((
+                    word.column,
+                    "LinuxCNC takes one M code of a kind per block; write it in a block of its own",
+                ));
             }
             groups.push(group);
             let is_end = matches!(code, 0..=2 | 30);

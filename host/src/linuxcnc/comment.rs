@@ -2,8 +2,20 @@
 
 /// First words of comments that LinuxCNC executes.
 const ACTIVE: [&str; 14] = [
-    "MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "LOGAPPEND", "LOGCLOSE", "PROBEOPEN", "PROBECLOSE", "PY", "PYRUN",
-    "PYRELOAD", "ABORT", "AXIS",
+    "MSG",
+    "DEBUG",
+    "PRINT",
+    "LOG",
+    "LOGOPEN",
+    "LOGAPPEND",
+    "LOGCLOSE",
+    "PROBEOPEN",
+    "PROBECLOSE",
+    "PY",
+    "PYRUN",
+    "PYRELOAD",
+    "ABORT",
+    "AXIS",
 ];
 
 /// A comment with this text, which LinuxCNC only displays.

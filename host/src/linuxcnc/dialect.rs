@@ -106,7 +106,9 @@ fn block(line: &ProgramLine, editor: &BlockEditor<'_>) -> Result<Vec<Vec<u8>>, R
             Token::BlockDelete(1) => {
                 return Err((column, "LinuxCNC has / at the beginning of a line only; write it there"));
             }
-            Token::BlockDelete(_) => return Err((column, "LinuxCNC has one block-delete switch; write / without a number")),
+            Token::BlockDelete(_) => {
+                return Err((column, "LinuxCNC has one block-delete switch; write / without a number"));
+            }
             Token::Comment { text: words, .. } => text.extend(comment(words)),
             Token::Assignment { .. } => return Err((column, "a macro statement; adapt the program with --expand")),
             Token::ProgramMark => {}
