@@ -150,6 +150,11 @@ impl ActiveSegment {
         Some(MmPerMin(sent.feed.0 * ratio))
     }
 
+    /// Ratio of a feed per tooth at the centre to that of the sent feed; `None` if the override does not act.
+    pub fn ratio_of(&self, ipt_center: MmPerTooth) -> Option<f32> {
+        self.sent.as_ref().map(|sent| ipt_center.0 / sent.ipt_center.0)
+    }
+
     /// Feed as sent to the control; `None` if the override must not act on it.
     pub(crate) fn sent(&self) -> Option<&SentFeed> {
         self.sent.as_ref()

@@ -20,9 +20,9 @@ pub struct Buffers {
     job: Job,
     has_job: bool,
     /// The parameter set being received.
-    pub(super) staging: Staging,
+    pub staging: Staging,
     /// Engaged arcs of the next segment, or of the one that waits for room.
-    pub(super) arcs: ReceivedArcs,
+    pub arcs: ReceivedArcs,
 }
 
 impl Default for Buffers {
@@ -38,19 +38,19 @@ impl Buffers {
     }
 
     /// Clears the buffers in place: they are too large to be built elsewhere and moved.
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
         self.arcs = ReceivedArcs::None;
     }
 
     /// The job in force.
-    pub(super) fn job(&self) -> Option<&Job> {
+    pub fn job(&self) -> Option<&Job> {
         self.has_job.then_some(&self.job)
     }
 
     /// Puts the job of the last committed set in force.
-    pub(super) fn put_in_force(&mut self) {
+    pub fn put_in_force(&mut self) {
         self.staging.swap_job(&mut self.job);
         self.has_job = true;
     }
@@ -59,7 +59,7 @@ impl Buffers {
     ///
     /// # Errors
     /// The reason why it does not belong to the job.
-    pub(super) fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
+    pub fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
         let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
         moves::decode(segment).map_err(|_| RefusalCode::Value)?;
@@ -67,7 +67,7 @@ impl Buffers {
     }
 
     /// Prepares a checked segment under its law and consumes its arcs; `None` only for a segment that was not checked.
-    pub(super) fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
+    pub fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
         let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;
         let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
@@ -87,7 +87,7 @@ impl Buffers {
     }
 
     /// Loads the job of a page of flash, if `suits` accepts it; returns the tapped line for which it was written.
-    pub(super) fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<TappedLine, PageError> {
+    pub fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<TappedLine, PageError> {
         let (job, tapped) = page::read(page, &mut self.staging)?;
         if !suits(job) {
             return Err(PageError::Set(RefusalCode::Value));

@@ -41,7 +41,7 @@ const BUSY: u8 = 0x08;
 const CLASS: u8 = 0x07;
 const VERSION_SHIFT: u32 = 4;
 
-static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
 /// Class of a frame: its purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

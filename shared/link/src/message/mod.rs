@@ -26,6 +26,8 @@ pub mod staging;
 
 pub mod page;
 
+pub mod prepared;
+
 use super::settings::{LinkSettings, Role};
 use arcfeed_units::Span;
 

@@ -1,0 +1,100 @@
+//! Moves by program line, and the one in execution.
+//!
+//! A line alone does not say that the control executes the prepared move: it may have been restarted in the middle of
+//! it, or have other offsets. Therefore a move counts as begun only if the axes are near its start when its line
+//! begins; otherwise no law governs it.
+
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::supervisor::input::Work;
+use arcfeed_link::message::codes::RefusalCode;
+use arcfeed_nc::modal::Pose;
+use arcfeed_units::{MicroDeg, Nm, RevPerMin};
+
+/// Largest distance of a linear axis from the start of a move when its line begins: blending, and the distance of a tick.
+const START_TOLERANCE: Nm = Nm(500_000);
+/// The same of a rotary axis.
+const START_TOLERANCE_ROTARY: MicroDeg = MicroDeg(100_000);
+
+/// A prepared move with its line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineMove {
+    /// Line of its block, from 1.
+    pub line: u32,
+    /// Start position.
+    pub start: Pose,
+    /// Commanded spindle speed.
+    pub spindle: RevPerMin,
+    /// The move.
+    pub segment: ActiveSegment,
+}
+
+/// Room for moves.
+pub type Slots = [Option<LineMove>];
+
+/// The block in execution; state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InWork {
+    /// None.
+    #[default]
+    Nothing,
+    /// A line without a move, or one that did not begin at the start of its move.
+    Ungoverned(u32),
+    /// A line whose move is in this slot, without a position since its beginning.
+    Awaited(u32, usize),
+    /// A line whose move is in this slot, followed from its start.
+    Begun(u32, usize),
+}
+
+/// Adds a move behind the `used` ones.
+///
+/// # Errors
+/// Its line is not after that of the last one, or there is no room.
+pub fn push(slots: &mut Slots, used: usize, added: LineMove) -> Result<(), RefusalCode> {
+    let last = used.checked_sub(1).and_then(|last| slots.get(last)).and_then(Option::as_ref);
+    if added.line == 0 || last.is_some_and(|last| last.line >= added.line) {
+        return Err(RefusalCode::Order);
+    }
+    *slots.get_mut(used).ok_or(RefusalCode::Full)? = Some(added);
+    Ok(())
+}
+
+impl InWork {
+    /// Processes the line in execution and the position, if it is new; `moves` are those in use.
+    pub fn update(self, line: Option<u32>, position: Option<&Pose>, moves: &Slots) -> InWork {
+        let Some(line) = line else { return InWork::Nothing };
+        let awaited = match self {
+            InWork::Ungoverned(same) | InWork::Begun(same, _) if same == line => return self,
+            InWork::Awaited(same, slot) if same == line => Some(slot),
+            _ => moves.binary_search_by_key(&line, |slot| slot.as_ref().map_or(0, |found| found.line)).ok(),
+        };
+        let Some(slot) = awaited else { return InWork::Ungoverned(line) };
+        let found = moves.get(slot).and_then(Option::as_ref);
+        match (found, position) {
+            (Some(found), Some(position)) if is_near(position, &found.start) => InWork::Begun(line, slot),
+            (Some(_), None) => InWork::Awaited(line, slot),
+            _ => InWork::Ungoverned(line),
+        }
+    }
+
+    /// The move in execution, if it began at its start.
+    pub fn begun(self, moves: &Slots) -> Option<&LineMove> {
+        match self {
+            InWork::Begun(_, slot) => moves.get(slot).and_then(Option::as_ref),
+            InWork::Nothing | InWork::Ungoverned(_) | InWork::Awaited(..) => None,
+        }
+    }
+}
+
+impl LineMove {
+    /// The move as the supervisor gets it.
+    pub fn work(&self) -> Work<'_> {
+        Some((self.line, &self.segment))
+    }
+}
+
+fn is_near(position: &Pose, start: &Pose) -> bool {
+    let mut linear = position.linear.iter().zip(&start.linear).map(|(at, from)| at.0.abs_diff(from.0));
+    let mut rotary = position.rotary.iter().zip(&start.rotary).map(|(at, from)| at.0.abs_diff(from.0));
+    linear.all(|distance| distance <= START_TOLERANCE.0.unsigned_abs())
+        && rotary.all(|distance| distance <= START_TOLERANCE_ROTARY.0.unsigned_abs())
+}
