@@ -29,8 +29,6 @@ pub mod post;
 
 pub mod snippet;
 
-pub mod linuxcnc;
-
 pub mod engagement;
 
 pub mod job;
@@ -47,6 +45,8 @@ pub mod port;
 pub mod dnc;
 
 pub mod board;
+
+pub mod linuxcnc;
 
 pub mod screen;
 

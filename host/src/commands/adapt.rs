@@ -12,13 +12,12 @@ use serde::Serialize;
 
 use super::executed_blocks::check_expanded;
 use super::job_input::{JobInput, KeptMoves, UnknownMoves};
+use super::for_control::{TargetControl, check_for_linuxcnc, prepared_path, write_for_linuxcnc};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
-use crate::job::JobFile;
-use crate::linuxcnc::dialect::translate;
 use crate::program::Source;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
@@ -48,13 +47,6 @@ pub struct Adapt {
     json: bool,
     #[command(flatten)]
     input: JobInput,
-}
-
-/// Control with a dialect of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum TargetControl {
-    /// LinuxCNC
-    Linuxcnc,
 }
 
 /// Block with a move, as JSON, by name in alphabetical order; feeds per minute and lengths in the job's unit.
@@ -98,7 +90,8 @@ impl Adapt {
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, source, may_leak) = self.input.load_text()?;
-        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
+        let prepared = self.output.as_deref().filter(|_| self.target.is_some()).map(prepared_path);
+        refuse_inputs(&[self.output.as_deref(), prepared.as_deref()], &file.inputs(&self.input.job))?;
         let places = source.places.as_deref();
         let expands = self.expand || self.target.is_some();
         if expands {
@@ -148,10 +141,10 @@ impl Adapt {
             self.print_changes(&source, &text);
         }
         let Some(output) = &self.output else { return Ok(()) };
-        if self.target.is_some() {
-            text = for_linuxcnc(&source, text)?;
+        match self.target {
+            Some(TargetControl::Linuxcnc) => write_for_linuxcnc(output, &source, &file, text),
+            None => write_whole(output, &text),
         }
-        write_whole(output, &text)
     }
 
     /// Prints the lines of the file that differ from those written back, if that is requested.
@@ -161,30 +154,6 @@ impl Adapt {
             print_diff(&source.path, index + 1, old.text, new.text);
         }
     }
-}
-
-/// Checks that LinuxCNC can execute a program, and that its feeds need no override.
-fn check_for_linuxcnc(source: &Source, file: &JobFile) -> Result<(), Failure> {
-    if !matches!(file.job.policy, FeedPolicy::RewriteOnly(_)) {
-        let path = source.path.display();
-        return Err(Failure::Input(format!(
-            "{path}: --for linuxcnc writes feeds that need no override; write `mode = \"rewrite-only\"` in [override], or --mode \
-             rewrite-only"
-        )));
-    }
-    for_linuxcnc(source, source.bytes.clone()).map(drop)
-}
-
-/// Text of a program, in LinuxCNC's dialect.
-fn for_linuxcnc(source: &Source, bytes: Vec<u8>) -> Result<Vec<u8>, Failure> {
-    let places = if bytes == source.bytes { source.places.clone() } else { None };
-    let Source { path, settings, tables, .. } = source.clone();
-    let text = Source { path, bytes, settings, tables, macro_line: None, places };
-    translate(&text).map(|translation| translation.text).map_err(|refusals| {
-        let name = text.path.display();
-        let lines = refusals.into_iter().map(|refusal| format!("{name}:{}", text.in_file(refusal)));
-        Failure::Input(lines.collect::<Vec<_>>().join("\n"))
-    })
 }
 
 fn print_diff(path: &Path, number: usize, old: &[u8], sent: &[u8]) {

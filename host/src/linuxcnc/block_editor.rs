@@ -9,7 +9,7 @@ use arcfeed_nc::settings::Decimals;
 use arcfeed_nc::word::Word;
 use arcfeed_units::LengthUnit;
 
-use super::codes::{GRule, Group, OFFSET_REMEDY, g_rule, m_group};
+use super::codes::{FeedSource, GRule, CodeGroup, OFFSET_REMEDY, g_rule, m_group};
 
 /// Tolerance of the path at corners, in millimetres and in inches.
 const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
@@ -37,7 +37,7 @@ pub struct BlockEditor<'a> {
     /// Words that follow in a block of their own.
     pub later: String,
     /// G codes that stay, with their groups.
-    codes: Vec<(Word, i64, Group)>,
+    codes: Vec<(Word, i64, CodeGroup)>,
     has_dropped: bool,
 }
 
@@ -67,6 +67,28 @@ impl<'a> BlockEditor<'a> {
         Ok(editor)
     }
 
+    /// Checks that the component follows the block, if it has the feed.
+    ///
+    /// # Errors
+    /// The word that it does not follow.
+    pub fn check(&self, feed: FeedSource) -> Result<(), RefusedWord> {
+        if feed == FeedSource::Words {
+            return Ok(());
+        }
+        let shifts = self.codes.iter().find(|(_, code, _)| matches!(code, 100 | 520 | 920 | 921));
+        if let Some((word, ..)) = shifts {
+            return Err((word.column, "the component follows no shift within a program; use G54 to G59, set before it runs"));
+        }
+        if let Some((word, ..)) = self.codes.iter().find(|(_, code, _)| *code == 950) {
+            return Err((word.column, "the component has feeds per minute; write G94"));
+        }
+        let switches = self.words().iter().find(|word| word.letter == b'M' && matches!(word.number.as_whole(), Some(48 | 49)));
+        match switches {
+            Some(word) => Err((word.column, "the component needs the feed override; remove the code, or use rewrite-only")),
+            None => Ok(()),
+        }
+    }
+
     fn words(&self) -> &'a [Word] {
         &self.line.parsed.block.words
     }
@@ -75,7 +97,7 @@ impl<'a> BlockEditor<'a> {
         self.line.parsed.block.word(letter)
     }
 
-    fn code(&self, of: Group) -> Option<(Word, i64)> {
+    fn code(&self, of: CodeGroup) -> Option<(Word, i64)> {
         self.codes.iter().find(|(.., group)| *group == of).map(|(word, code, _)| (*word, *code))
     }
 
@@ -99,22 +121,22 @@ impl<'a> BlockEditor<'a> {
                     self.drop_word(word);
                 }
                 GRule::Keep(group) if self.code(group).is_some() => self.drop_word(word),
-                GRule::Keep(Group::Path) if tenths != 610 => {
+                GRule::Keep(CodeGroup::Path) if tenths != 610 => {
                     self.edits.insert(word.column, path_control(self.modal.unit));
-                    self.codes.push((*word, tenths, Group::Path));
+                    self.codes.push((*word, tenths, CodeGroup::Path));
                 }
                 GRule::Keep(group) => self.codes.push((*word, tenths, group)),
             }
         }
-        if let (Some((motion, _)), Some(_)) = (self.code(Group::Motion), self.code(Group::Cycle)) {
+        if let (Some((motion, _)), Some(_)) = (self.code(CodeGroup::Motion), self.code(CodeGroup::Cycle)) {
             return Err((motion.column, "LinuxCNC has G0 to G3 and the cycles in one group; write them in two blocks"));
         }
         Ok(())
     }
 
     fn edit_one_shots(&mut self) -> Result<(), RefusedWord> {
-        let Some((word, code)) = self.code(Group::OneShot) else { return Ok(()) };
-        if let Some((motion, _)) = self.code(Group::Motion) {
+        let Some((word, code)) = self.code(CodeGroup::OneShot) else { return Ok(()) };
+        if let Some((motion, _)) = self.code(CodeGroup::Motion) {
             self.drop_word(&motion);
         }
         let whole = |word: Option<&Word>| word.and_then(|word| word.number.as_whole());
@@ -149,7 +171,7 @@ impl<'a> BlockEditor<'a> {
         let Modal { length_offset, radius_offset, .. } = *self.modal;
         let codes = [(3, b'H', length_offset), (2, b'D', radius_offset)];
         for (group, letter, number) in codes {
-            let Some((word, code)) = self.code(Group::State(group)) else { continue };
+            let Some((word, code)) = self.code(CodeGroup::State(group)) else { continue };
             if matches!(code, 410 | 420 | 430) && self.word(letter).is_none() {
                 self.edits.insert(word.column, format!("G{} {}{number}", code / 10, char::from(letter)));
             }
@@ -158,20 +180,20 @@ impl<'a> BlockEditor<'a> {
 
     /// Writes the motion of a block that inherits it, where LinuxCNC has another one in force.
     fn set_motion(&mut self, theirs: &mut Option<i64>) -> Result<(), RefusedWord> {
-        let is_one_shot = self.code(Group::OneShot).is_some();
+        let is_one_shot = self.code(CodeGroup::OneShot).is_some();
         let moves = !is_one_shot && self.words().iter().any(|word| b"XYZABCIJK".contains(&word.letter));
-        if let Some((end, _)) = self.code(Group::CycleEnd) {
-            if moves || self.code(Group::Motion).is_some() {
+        if let Some((end, _)) = self.code(CodeGroup::CycleEnd) {
+            if moves || self.code(CodeGroup::Motion).is_some() {
                 self.drop_word(&end);
             } else {
                 *theirs = None;
             }
         }
-        let explicit = self.code(Group::Motion).filter(|_| !is_one_shot).or(self.code(Group::Cycle));
+        let explicit = self.code(CodeGroup::Motion).filter(|_| !is_one_shot).or(self.code(CodeGroup::Cycle));
         if let Some((_, code)) = explicit {
             *theirs = Some(code / 10);
         }
-        if let Some((machine, _)) = self.code(Group::Machine) {
+        if let Some((machine, _)) = self.code(CodeGroup::Machine) {
             if !self.modal.absolute {
                 return Err((machine.column, "LinuxCNC has no G53 under G91; write G90 before it"));
             }
@@ -208,7 +230,7 @@ impl<'a> BlockEditor<'a> {
     }
 
     fn edit_cycle(&mut self) -> Result<(), RefusedWord> {
-        let Some((word, code)) = self.code(Group::Cycle) else { return Ok(()) };
+        let Some((word, code)) = self.code(CodeGroup::Cycle) else { return Ok(()) };
         if self.word(b'R').is_none() || self.word(b'Z').is_none() {
             return Err((word.column, "LinuxCNC does not keep R and Z from one cycle to the next; repeat them"));
         }
@@ -233,10 +255,10 @@ impl<'a> BlockEditor<'a> {
             self.drop_word(word);
             return Ok(());
         }
-        let cycle = self.modal.cycle.filter(|_| self.code(Group::OneShot).is_none()).map(|cycle| cycle.code);
+        let cycle = self.modal.cycle.filter(|_| self.code(CodeGroup::OneShot).is_none()).map(|cycle| cycle.code);
         let is_arc = matches!(self.modal.motion, MotionKind::Arc(_)) && cycle.is_none();
-        let is_table = self.code(Group::OneShot).is_some_and(|(_, code)| code == 100);
-        let state = |group: u8| self.code(Group::State(group)).map(|(_, code)| code);
+        let is_table = self.code(CodeGroup::OneShot).is_some_and(|(_, code)| code == 100);
+        let state = |group: u8| self.code(CodeGroup::State(group)).map(|(_, code)| code);
         match (word.letter, cycle) {
             (b'A' | b'B' | b'C', Some(_)) => {
                 return Err((word.column, "LinuxCNC turns no axis in a cycle; write the word in a block before it"));

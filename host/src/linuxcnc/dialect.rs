@@ -9,6 +9,7 @@ use arcfeed_nc::word::{Token, Words};
 use arcfeed_units::LengthUnit;
 
 use super::block_editor::{BlockEditor, RefusedWord, path_control};
+use super::codes::FeedSource;
 use super::comment::comment;
 use crate::program::{Diagnostic, ProgramLine, Severity, Source};
 
@@ -20,7 +21,7 @@ const LINE_MAX: usize = 254;
 pub struct Translation {
     /// The text.
     pub text: Vec<u8>,
-    /// Line of the text, counted from 1, at which each line of the program begins.
+    /// Line of the text, counted from 1, of each line of the program.
     pub first_lines: Vec<usize>,
 }
 
@@ -28,24 +29,26 @@ pub struct Translation {
 ///
 /// # Errors
 /// Every line that LinuxCNC cannot execute.
-pub fn translate(source: &Source) -> Result<Translation, Vec<Diagnostic>> {
+pub fn translate(source: &Source, feed: FeedSource) -> Result<Translation, Vec<Diagnostic>> {
     let (mut translation, mut refusals) = (Translation::default(), Vec::new());
     let (mut lines, mut count, mut motion, mut has_state, mut has_ended) = (source.lines(), 1, None, false, false);
     let mut number = 0;
     while lines.read_line() {
         number += 1;
-        translation.first_lines.push(count);
         let (line, modal) = (lines.line(), *lines.control().modal());
         let kind = line.meaning.as_ref().map(|meaning| meaning.parsed.line);
         let is_mark = kind == Some(LineKind::ProgramMark);
         if has_ended {
+            translation.first_lines.push(count);
             continue;
         }
         let mut texts: Vec<Vec<u8>> = Vec::new();
         if !has_state && !is_mark && !line.text.is_empty() {
             texts.push(state(&source.settings).into_bytes());
+            texts.extend((feed == FeedSource::Component).then(|| b"M52 P1".to_vec()));
             has_state = true;
         }
+        translation.first_lines.push(count + texts.len());
         match (kind, &line.meaning) {
             (Some(LineKind::ProgramMark), _) => {
                 has_ended = has_state;
@@ -54,7 +57,7 @@ pub fn translate(source: &Source) -> Result<Translation, Vec<Diagnostic>> {
             (Some(LineKind::Title), _) => texts.push(comment(&line.text)),
             (_, Some(meaning)) => {
                 let editor = BlockEditor::new(meaning, &modal, source.settings.decimals, &mut motion);
-                match editor.and_then(|editor| block(line, &editor)) {
+                match editor.and_then(|editor| editor.check(feed).and_then(|()| block(line, &editor))) {
                     Ok(blocks) => texts.extend(blocks),
                     Err(refused) => refusals.push(refusal(number, line, refused)),
                 }
