@@ -35,7 +35,7 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 3] = [
+const NEEDS: [Need; 4] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
@@ -58,6 +58,14 @@ const NEEDS: [Need; 3] = [
         package: "linuxcnc-uspace",
         shown_by: &[&["sh", "-c", "command -v rs274"]],
         elsewhere: "install LinuxCNC 2.9",
+        runs_unpacked: false,
+        is_optional: true,
+    },
+    Need {
+        what: "LinuxCNC's compiler of components",
+        package: "linuxcnc-uspace-dev",
+        shown_by: &[&["sh", "-c", "command -v halcompile"]],
+        elsewhere: "install LinuxCNC 2.9 with its headers",
         runs_unpacked: false,
         is_optional: true,
     },
