@@ -46,6 +46,8 @@ pub mod dnc;
 
 pub mod board;
 
+pub mod linuxcnc;
+
 pub mod screen;
 
 pub mod report;

@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, parameters::Parameters,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure, parameters::Parameters,
     plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
@@ -31,6 +31,7 @@ enum Command {
     Stream(Stream),
     Verify(Verify),
     Simulate(Simulate),
+    Measure(Measure),
     Serve(Serve),
     Ports(Ports),
     Board(BoardCommand),
@@ -48,6 +49,7 @@ fn main() -> ExitCode {
         Command::Stream(command) => command.run(),
         Command::Verify(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Measure(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Ports(command) => command.run(),
         Command::Board(command) => command.run(),

@@ -20,6 +20,8 @@ mod helices;
 
 mod init;
 
+mod linuxcnc;
+
 mod macros;
 
 mod moves_rs274;

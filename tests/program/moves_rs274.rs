@@ -50,7 +50,7 @@ fn assert_all_as_expected(case: &str, ours: &[Move], limit_mm: f64) {
 }
 
 fn read(case: &str) -> Vec<Move> {
-    moving(&ours(program(case).as_bytes()).expect("it is read"))
+    moving(&ours(program(case).as_bytes(), Decimals::Calculator, LengthUnit::Mm).expect("it is read"))
 }
 
 /// The moves that the simulated control's axes make.

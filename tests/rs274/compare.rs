@@ -6,12 +6,12 @@
 //! decimals of the unit it prints. One line a program: what both read, or who refuses it and why.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use arcfeed_nc::settings::StartUp;
+use arcfeed_nc::settings::{Decimals, StartUp};
 use arcfeed_nc::text::Lines;
-use arcfeed_units::MM_PER_INCH;
+use arcfeed_units::LengthUnit;
 
+use canonical::theirs;
 use contours::ContourProgram;
 use moves::{Move, moving, off_mm, ours};
 
@@ -21,8 +21,7 @@ mod contours;
 
 mod moves;
 
-/// Tools in rs274's table, without length.
-const TOOLS: u32 = 99;
+mod canonical;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -42,7 +41,7 @@ fn main() {
     let mut totals = [0_usize; 4];
     for file in programs(target) {
         let text = normalised(&std::fs::read(&file).expect("a program"));
-        let (theirs, ours) = (theirs(rs274, &text, 0.0), ours(&text));
+        let (theirs, ours) = (theirs(rs274, &text, 0.0), ours(&text, Decimals::Calculator, LengthUnit::Mm));
         let name = file.strip_prefix(target).ok().filter(|name| !name.as_os_str().is_empty()).unwrap_or(&file);
         let (class, verdict) = verdict(&theirs, &ours);
         totals[class] += 1;
@@ -132,73 +131,6 @@ fn normalised(bytes: &[u8]) -> Vec<u8> {
         text.extend(b"M2\n");
     }
     text
-}
-
-/// Moves of a program as rs274 reads it, with tools of this radius.
-fn theirs(rs274: &str, text: &[u8], radius_mm: f64) -> Result<Vec<Move>, String> {
-    let folder = std::env::temp_dir().join(format!("rs274-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    std::fs::write(folder.join("p.ngc"), text).expect("a program");
-    let tools: String =
-        (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D{}\n", 2.0 * radius_mm / MM_PER_INCH)).collect();
-    std::fs::write(folder.join("t.tbl"), tools).expect("a table");
-    std::fs::write(folder.join("v.var"), "").expect("variables");
-    let arguments = ["20", rs274, "-t", "t.tbl", "-v", "v.var", "-g", "p.ngc"];
-    let output = Command::new("timeout").args(arguments).current_dir(&folder).output().expect("rs274 runs");
-    std::fs::remove_dir_all(&folder).expect("our own folder");
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    if !said.contains("PROGRAM_END") {
-        let complaint = String::from_utf8_lossy(&output.stderr).into_owned() + "\n" + &said;
-        let mut lines = complaint
-            .lines()
-            .map(str::trim)
-            .filter(|line| !line.is_empty() && *line != "executing" && !line.contains("N....."));
-        return Err(lines.next().unwrap_or("no end of program").to_owned());
-    }
-    Ok(canonical(&said))
-}
-
-/// The moves among canonical commands.
-fn canonical(said: &str) -> Vec<Move> {
-    let (mut scale, mut plane, mut moves) = (1.0, (0, 1, 2), Vec::new());
-    let (mut work, mut preset) = ([0.0; 3], [0.0; 3]);
-    for line in said.lines() {
-        // `   12 N0030  STRAIGHT_FEED(1.0000, ...)`
-        let command =
-            line.split_whitespace().nth(2).and_then(|word| Some((word.split_once('(')?.0, line.split_once('(')?.1)));
-        let Some((name, rest)) = command else { continue };
-        let numbers: Vec<f64> =
-            rest.trim_end_matches(')').split(',').filter_map(|part| part.trim().parse().ok()).collect();
-        let shift: [f64; 3] = std::array::from_fn(|axis| work[axis] + preset[axis]);
-        match name {
-            "USE_LENGTH_UNITS" => scale = if rest.contains("INCH") { 25.4 } else { 1.0 },
-            "SET_G5X_OFFSET" => work = std::array::from_fn(|axis| numbers[axis + 1] * scale),
-            "SET_G92_OFFSET" => preset = std::array::from_fn(|axis| numbers[axis] * scale),
-            "SELECT_PLANE" => {
-                plane = match rest.trim_end_matches(')') {
-                    "CANON_PLANE_XZ" | "CANON_PLANE::XZ" => (2, 0, 1),
-                    "CANON_PLANE_YZ" | "CANON_PLANE::YZ" => (1, 2, 0),
-                    _ => (0, 1, 2),
-                }
-            }
-            "STRAIGHT_TRAVERSE" | "STRAIGHT_FEED" => moves.push(Move {
-                kind: i8::from(name == "STRAIGHT_FEED"),
-                end_mm: std::array::from_fn(|axis| numbers[axis] * scale + shift[axis]),
-                center_mm: [0.0; 2],
-            }),
-            "ARC_FEED" => {
-                let (first, second, normal) = plane;
-                let mut end_mm = shift;
-                for (axis, value) in [(first, numbers[0]), (second, numbers[1]), (normal, numbers[5])] {
-                    end_mm[axis] += value * scale;
-                }
-                let center_mm = [numbers[2] * scale + shift[first], numbers[3] * scale + shift[second]];
-                moves.push(Move { kind: 2 * numbers[4].signum() as i8, end_mm, center_mm });
-            }
-            _ => {}
-        }
-    }
-    moves
 }
 
 fn verdict(theirs: &Result<Vec<Move>, String>, ours: &Result<Vec<Move>, String>) -> (usize, String) {

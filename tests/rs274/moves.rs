@@ -32,10 +32,10 @@ pub struct Move {
 }
 
 /// Moves of our reader, with macro statements evaluated. A missing M02 or M30 at the end does not matter here.
-pub fn ours(text: &[u8]) -> Result<Vec<Move>, String> {
-    let mut settings = Settings::preset(Preset::Fanuc31i, LengthUnit::Mm, Reading::Lenient);
+pub fn ours(text: &[u8], decimals: Decimals, unit: LengthUnit) -> Result<Vec<Move>, String> {
+    let mut settings = Settings::preset(Preset::Fanuc31i, unit, Reading::Lenient);
     settings.scope = Scope::Everything;
-    settings.decimals = Decimals::Calculator;
+    settings.decimals = decimals;
     (settings.peck_clearance, settings.peck_return) = (CLEARANCE, CLEARANCE);
     let mut reader = Reader::with(settings, Tables::default());
     let mut moves = Vec::new();

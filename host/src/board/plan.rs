@@ -13,7 +13,7 @@ use arcfeed_link::message::moves::{MoveError, encode, encode_arcs};
 use arcfeed_link::message::{Message, table};
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::Job;
-use arcfeed_nc::modal::Pose;
+use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc::series::SeriesAction;
 use arcfeed_units::{Nm, RevPerMin};
@@ -49,16 +49,48 @@ impl MoveBounds {
 
     /// Bounds of the moves of an adapted program, by line; moves without a bound are left out.
     pub fn of(adapted: &Adapted) -> HashMap<usize, MoveBounds> {
-        let of_block = |block: &PlannedBlock| {
-            let limit = block.limit.filter(|_| block.demand.is_some());
-            let bounds = MoveBounds {
-                max_feed: limit.map(|limit| Nm::from_mm(limit.feed_mm_per_min)),
-                end_percent: Some(block.end_percent).filter(|percent| *percent != FeedOverride::PROGRAMMED.percent),
-            };
-            (bounds != MoveBounds::NONE).then_some((block.line, bounds))
-        };
-        adapted.blocks.iter().filter_map(of_block).collect()
+        let bounds = adapted.blocks.iter().map(|block| (block.line, MoveBounds::of_block(block)));
+        bounds.filter(|(_, bounds)| *bounds != MoveBounds::NONE).collect()
     }
+
+    fn of_block(block: &PlannedBlock) -> MoveBounds {
+        let limit = block.limit.filter(|_| block.demand.is_some());
+        MoveBounds {
+            max_feed: limit.map(|limit| Nm::from_mm(limit.feed_mm_per_min)),
+            end_percent: Some(block.end_percent).filter(|percent| *percent != FeedOverride::PROGRAMMED.percent),
+        }
+    }
+}
+
+/// Messages of a planned move with the feed that it is sent with: its engaged arcs, then the move.
+///
+/// # Errors
+/// Numbers out of range.
+pub fn planned_move(block: &PlannedBlock, job: &Job) -> Result<Vec<Message>, MoveError> {
+    let feed = block.sent.map_or(block.segment.feed, Feed::PerMinute);
+    encode_move(&Segment { feed, ..block.segment }, 0, MoveRule::of(block, job), MoveBounds::of_block(block))
+}
+
+fn encode_move(
+    segment: &Segment,
+    number: u32,
+    governed: Option<MoveRule<'_>>,
+    bounds: MoveBounds,
+) -> Result<Vec<Message>, MoveError> {
+    let mut messages = Vec::new();
+    for knot in governed.iter().filter_map(|governed| governed.along).flat_map(EngagedTable::knots) {
+        messages.push(encode_arcs(knot)?.into());
+    }
+    let rule = governed.and_then(|governed| u8::try_from(governed.rule).ok());
+    let speed = governed.and_then(|governed| governed.spindle);
+    let message = table::Segment {
+        spindle: speed.map(|speed| Q40::of(speed.0).ok_or(MoveError::Range)).transpose()?,
+        max_feed: bounds.max_feed.filter(|_| governed.is_some()).map(|Nm(feed)| feed),
+        end_percent: bounds.end_percent,
+        ..encode(segment, number, rule)?
+    };
+    messages.push(message.into());
+    Ok(messages)
 }
 
 /// Rule that governs a move.
@@ -68,6 +100,16 @@ struct MoveRule<'a> {
     /// Spindle speed, if it differs from the tool's.
     spindle: Option<RevPerMin>,
     along: Option<&'a EngagedTable>,
+}
+
+impl<'a> MoveRule<'a> {
+    /// Rule that governs a planned move.
+    fn of(block: &'a PlannedBlock, job: &Job) -> Option<Self> {
+        let rule = block.rule.filter(|_| block.demand.is_some())?;
+        let of_tool = job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
+        let spindle = block.spindle.filter(|spindle| Some(*spindle) != of_tool);
+        Some(MoveRule { rule, spindle, along: block.along.as_ref() })
+    }
 }
 
 /// Move that cannot be sent to a board.
@@ -120,13 +162,7 @@ impl BoardPlan {
             }
             let fault = |why| PlanError { source, why: MoveFault::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
-                let rule = block.rule.filter(|_| block.demand.is_some());
-                let of_tool = |rule| job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
-                let governed = rule.map(|rule| MoveRule {
-                    rule,
-                    spindle: block.spindle.filter(|spindle| Some(*spindle) != of_tool(rule)),
-                    along: block.along.as_ref(),
-                });
+                let governed = MoveRule::of(block, job);
                 let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);
                 plan.add(index, &block.segment, governed, bounds).map_err(fault)?;
             }
@@ -144,18 +180,7 @@ impl BoardPlan {
         governed: Option<MoveRule<'_>>,
         bounds: MoveBounds,
     ) -> Result<(), MoveError> {
-        for knot in governed.iter().filter_map(|governed| governed.along).flat_map(EngagedTable::knots) {
-            self.messages.push(encode_arcs(knot)?.into());
-        }
-        let rule = governed.and_then(|governed| u8::try_from(governed.rule).ok());
-        let speed = governed.and_then(|governed| governed.spindle);
-        let message = table::Segment {
-            spindle: speed.map(|speed| Q40::of(speed.0).ok_or(MoveError::Range)).transpose()?,
-            max_feed: bounds.max_feed.filter(|_| governed.is_some()).map(|Nm(feed)| feed),
-            end_percent: bounds.end_percent,
-            ..encode(segment, self.moves() as u32, rule)?
-        };
-        self.messages.push(message.into());
+        self.messages.extend(encode_move(segment, self.moves() as u32, governed, bounds)?);
         self.ends.push(self.messages.len());
         self.lines.push(line);
         Ok(())
@@ -211,7 +236,6 @@ fn series(line: &ProgramLine) -> Vec<Segment> {
 #[cfg(test)]
 mod tests {
     use arcfeed_model::engaged::{EngagedInterval, EngagedKnot};
-    use arcfeed_nc::modal::Feed;
     use arcfeed_nc::segment::Path;
     use arcfeed_units::Mm;
 

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::executed_blocks::check_expanded;
 use super::job_input::{JobInput, KeptMoves, UnknownMoves};
+use super::for_control::{TargetControl, check_for_linuxcnc, prepared_path, write_for_linuxcnc};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
@@ -34,6 +35,10 @@ pub struct Adapt {
     /// Write a program with macro statements or calls as its blocks as executed, each with its own feed
     #[arg(long)]
     expand: bool,
+    /// Control that the program is written for: linuxcnc writes its dialect, and macros and calls as with --expand
+    /// (docs/linuxcnc.md)
+    #[arg(long = "for", value_enum, value_name = "CONTROL", requires = "output", conflicts_with = "diff")]
+    target: Option<TargetControl>,
     /// Print the lines that change
     #[arg(long, conflicts_with = "json")]
     diff: bool,
@@ -85,15 +90,20 @@ impl Adapt {
     /// The job or the program is at fault, or the output cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
         let (file, source, may_leak) = self.input.load_text()?;
-        refuse_inputs(&[self.output.as_deref()], &file.inputs(&self.input.job))?;
+        let prepared = self.output.as_deref().filter(|_| self.target.is_some()).map(prepared_path);
+        refuse_inputs(&[self.output.as_deref(), prepared.as_deref()], &file.inputs(&self.input.job))?;
         let places = source.places.as_deref();
-        if self.expand {
+        let expands = self.expand || self.target.is_some();
+        if expands {
             check_expanded(&source.path, places)?;
+        }
+        if self.target.is_some() {
+            check_for_linuxcnc(&source, &file)?;
         }
         let plan = LinePlan::new(&source, may_leak, &file.job, Known::of(&file));
         let table = (!self.json && !self.diff && self.output.is_none()).then(|| Table::begin(&file.job));
         let (mut table, mut unknown, mut number) = (table, UnknownMoves::default(), 0);
-        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !self.expand);
+        let (mut kept, writes_back) = (KeptMoves::new(source.places.clone()), places.is_some() && !expands);
         let keeps = self.output.is_some() || (self.diff && writes_back);
         let (mut text, mut line_ends) = (Vec::with_capacity(if keeps { source.bytes.len() } else { 0 }), Vec::new());
         let done = plan.each(|line, mut planned| {
@@ -131,7 +141,10 @@ impl Adapt {
             self.print_changes(&source, &text);
         }
         let Some(output) = &self.output else { return Ok(()) };
-        write_whole(output, &text)
+        match self.target {
+            Some(TargetControl::Linuxcnc) => write_for_linuxcnc(output, &source, &file, text),
+            None => write_whole(output, &text),
+        }
     }
 
     /// Prints the lines of the file that differ from those written back, if that is requested.

@@ -18,9 +18,13 @@ pub mod post;
 
 pub mod init;
 
+mod for_control;
+
 pub mod adapt;
 
 pub mod simulate;
+
+pub mod measure;
 
 pub mod engage;
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arcfeed_nc::alarm::{Alarm, Fault};
+use arcfeed_nc::reader::Reader;
 use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
@@ -51,6 +52,21 @@ impl SourceLines<'_> {
     /// The next line, if there is one more.
     pub fn next_line(&mut self) -> Option<&ProgramLine> {
         self.read_next().then_some(&self.line)
+    }
+
+    /// Reads the next line, if there is one more: see [`SourceLines::line`].
+    pub fn read_line(&mut self) -> bool {
+        self.read_next()
+    }
+
+    /// The last line read.
+    pub fn line(&self) -> &ProgramLine {
+        &self.line
+    }
+
+    /// The control behind that line.
+    pub fn control(&self) -> &Reader {
+        self.reader.control()
     }
 
     fn read_next(&mut self) -> bool {

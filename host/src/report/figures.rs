@@ -57,6 +57,8 @@ pub struct RunReport {
     pub restart: Option<RestartFigures>,
     /// Simulated time over wall time.
     pub real_time_factor: Option<f64>,
+    /// Largest distance of the positions of governed moves from their programmed path.
+    pub path_error: Option<f64>,
 }
 
 /// Restart: functions given before its block, which the control does not send again, and the state before the block.

@@ -32,6 +32,9 @@ impl fmt::Display for RunSummary<'_> {
         if let Some(chip_load) = &report.chip_load {
             write_chips(f, report, chip_load)?;
         }
+        if let Some(error) = report.path_error {
+            writeln!(f, "  largest distance from the programmed path: {error:.6} {}", report.unit)?;
+        }
         if let Some(material) = &report.material {
             write!(f, "{material}")?;
         }

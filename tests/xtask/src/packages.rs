@@ -18,6 +18,8 @@ struct Need {
     elsewhere: &'static str,
     /// Whether it also runs from the build directory.
     runs_unpacked: bool,
+    /// Whether the tests that need it skip themselves, with a message, where it is missing.
+    is_optional: bool,
 }
 
 /// Rights to install packages.
@@ -33,13 +35,14 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 2] = [
+const NEEDS: [Need; 4] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
         shown_by: &[&["qemu-system-arm", "--version"]],
         elsewhere: "install QEMU with its Arm target",
         runs_unpacked: true,
+        is_optional: false,
     },
     Need {
         what: "pyserial, to talk to",
@@ -48,6 +51,23 @@ const NEEDS: [Need; 2] = [
         shown_by: &[&["python3", "-c", "import serial.rfc2217"], &["/usr/bin/python3", "-c", "import serial.rfc2217"]],
         elsewhere: "run `python3 -m pip install pyserial`",
         runs_unpacked: false,
+        is_optional: false,
+    },
+    Need {
+        what: "LinuxCNC, to compare with and to run on",
+        package: "linuxcnc-uspace",
+        shown_by: &[&["sh", "-c", "command -v rs274"]],
+        elsewhere: "install LinuxCNC 2.9",
+        runs_unpacked: false,
+        is_optional: true,
+    },
+    Need {
+        what: "LinuxCNC's compiler of components",
+        package: "linuxcnc-uspace-dev",
+        shown_by: &[&["sh", "-c", "command -v halcompile"]],
+        elsewhere: "install LinuxCNC 2.9 with its headers",
+        runs_unpacked: false,
+        is_optional: true,
     },
 ];
 
@@ -97,8 +117,18 @@ fn install_one(need: &Need) -> Result<(), Failure> {
         }
         false => Err(failure),
     });
-    installed.map_err(|failure| explain(need, failure))?;
-    if is_there(need) { Ok(()) } else { Err(explain(need, Failure::new("installed, but does not run"))) }
+    let found = match installed {
+        Ok(()) if is_there(need) => Ok(()),
+        Ok(()) => Err(explain(need, Failure::new("installed, but does not run"))),
+        Err(failure) => Err(explain(need, failure)),
+    };
+    match found {
+        Err(failure) if need.is_optional => {
+            announce(&format!("WITHOUT {}", failure.what));
+            Ok(())
+        }
+        found => found,
+    }
 }
 
 fn install_with_apt(package: &str) -> Result<(), Failure> {
@@ -182,7 +212,14 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_noticed() {
-        let need = |shown_by| Need { what: "x", package: "x", shown_by, elsewhere: "x", runs_unpacked: false };
+        let need = |shown_by| Need {
+            what: "x",
+            package: "x",
+            shown_by,
+            elsewhere: "x",
+            runs_unpacked: false,
+            is_optional: false,
+        };
         assert!(is_there(&need(&[&["no-such-program"], &["true"]])));
         assert!(!is_there(&need(&[&["no-such-program"], &["false"]])));
     }
@@ -201,8 +238,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_installed_is_named_with_what_to_do_by_hand() {
-        let [qemu, serial] = &NEEDS;
-        for need in [qemu, serial] {
+        for need in &NEEDS {
             let Failure { what, code } = explain(need, Failure { what: "that takes root".into(), code: 100 });
             let by_hand = format!("apt-get install --no-remove {}", need.package);
             assert!(what.contains(&by_hand) && what.contains("that takes root") && code == 100, "{what}");

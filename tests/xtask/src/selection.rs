@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::command::{Failure, cargo, output};
 
 /// The test programs, those that take longest first.
-const PROGRAMS: [&str; 7] = ["board", "feed", "line", "machine", "plan", "program", "architecture"];
+const PROGRAMS: [&str; 8] = ["board", "linuxcnc", "feed", "line", "machine", "plan", "program", "architecture"];
 /// The test programs that `quick` runs.
 const QUICK: [&str; 12] = [
     "--lib",

@@ -31,8 +31,8 @@ pub fn compare(report: &mut RunReport, baseline: RunReport) {
 
 /// Figures of everything that the simulation has executed so far.
 pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunReport {
-    let moves: Vec<(&MoveChips, &MoveOverride)> =
-        simulation.meter().moves().iter().zip(simulation.overrides()).collect();
+    let moves: Vec<(&MoveChips, Option<&MoveOverride>)> =
+        simulation.meter().moves().iter().zip(simulation.overrides().iter().map(Some)).collect();
     let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();
     let alarm =
         simulation.control().alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
@@ -45,7 +45,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
         cycle_time_s: Some(simulation.cycle_time().to_s()),
         chip_load: chip_load(job, simulation.meter().moves(), &|_| true),
         tools: tools(job, simulation.meter().moves()),
-        r#override: overrides(moves.iter().map(|(_, figures)| *figures)),
+        r#override: overrides(moves.iter().filter_map(|(_, figures)| *figures)),
         movements,
         axis_limited: simulation.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
         restart: simulation.control().restart_list().map(|list| RestartFigures {
@@ -55,6 +55,18 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
             feed: list.feed().map(|feed| feed.0 as f64 / job.unit.nm() as f64),
             g: list.codes(),
         }),
+        ..RunReport::default()
+    }
+}
+
+/// Figures of measured chips alone.
+pub fn of_chips(job: &Job, chips: &[MoveChips]) -> RunReport {
+    let moves: Vec<(&MoveChips, Option<&MoveOverride>)> = chips.iter().map(|chips| (chips, None)).collect();
+    RunReport {
+        unit: job.unit.label(),
+        chip_load: chip_load(job, chips, &|_| true),
+        tools: tools(job, chips),
+        movements: (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect(),
         ..RunReport::default()
     }
 }
@@ -77,7 +89,7 @@ fn axis_limit(unit: LengthUnit, limited: &AxisLimited) -> AxisLimitFigures {
     }
 }
 
-fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> MovementFigures {
+fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, Option<&MoveOverride>)]) -> MovementFigures {
     let of_rule = || moves.iter().filter(move |(chips, _)| chips.rule == rule);
     let thickest = |circle: usize| {
         let ratios = of_rule().filter(|(chips, _)| chips.thickest[circle].samples > 0);
@@ -98,8 +110,8 @@ fn movement(job: &Job, rule: usize, moves: &[(&MoveChips, &MoveOverride)]) -> Mo
         chip_load: chip_load(job, moves.iter().map(|(chips, _)| *chips), &|other| std::ptr::eq(other, cut)),
         baseline_chip_load: None,
         thickest_ratio: [thickest(0), thickest(1)],
-        r#override: overrides(of_rule().map(|(_, figures)| *figures)),
-        changes_per_arc: of_rule().map(|(_, figures)| figures.changes).collect(),
+        r#override: overrides(of_rule().filter_map(|(_, figures)| *figures)),
+        changes_per_arc: of_rule().filter_map(|(_, figures)| *figures).map(|figures| figures.changes).collect(),
     }
 }
 

@@ -1,0 +1,360 @@
+//! Words of one block, as LinuxCNC reads them.
+
+use std::collections::BTreeMap;
+
+use arcfeed_nc::modal::{Modal, MotionKind, Plane, Turn};
+use arcfeed_nc::number::Number;
+use arcfeed_nc::reader::InterpretedLine;
+use arcfeed_nc::settings::Decimals;
+use arcfeed_nc::word::Word;
+use arcfeed_units::LengthUnit;
+
+use super::codes::{FeedSource, GRule, CodeGroup, OFFSET_REMEDY, g_rule, m_group};
+
+/// Tolerance of the path at corners, in millimetres and in inches.
+const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
+const UNUSED: &str = "LinuxCNC has no use for this word here; remove it";
+
+/// Refused word: its column, and the remedy.
+pub type RefusedWord = (u16, &'static str);
+
+/// Path control with the tolerance at corners; without merging of moves, so that each move keeps its line.
+pub fn path_control(unit: LengthUnit) -> String {
+    let [mm, inch] = PATH_TOLERANCE;
+    format!("G64 P{} Q0", if unit == LengthUnit::Mm { mm } else { inch })
+}
+
+/// Block of a Fanuc, and what to change in it.
+pub struct BlockEditor<'a> {
+    line: &'a InterpretedLine,
+    /// State of the control behind the block.
+    modal: &'a Modal,
+    decimals: Decimals,
+    /// New text of words, by column; empty without the word.
+    pub edits: BTreeMap<u16, String>,
+    /// Text before the first word.
+    pub insert: String,
+    /// Words that follow in a block of their own.
+    pub later: String,
+    /// G codes that stay, with their groups.
+    codes: Vec<(Word, i64, CodeGroup)>,
+    has_dropped: bool,
+}
+
+impl<'a> BlockEditor<'a> {
+    /// Editor of a block that leaves the control in the state `modal`. `theirs` is the motion or cycle that is in force
+    /// on LinuxCNC.
+    ///
+    /// # Errors
+    /// The first word that LinuxCNC does not read, or reads as something else.
+    pub fn new(
+        line: &'a InterpretedLine,
+        modal: &'a Modal,
+        decimals: Decimals,
+        theirs: &mut Option<i64>,
+    ) -> Result<Self, RefusedWord> {
+        let (edits, insert, later, codes) = (BTreeMap::new(), String::new(), String::new(), Vec::new());
+        let mut editor = BlockEditor { line, modal, decimals, edits, insert, later, codes, has_dropped: false };
+        editor.edit_g_codes()?;
+        editor.edit_one_shots()?;
+        editor.write_offsets();
+        editor.set_motion(theirs)?;
+        editor.edit_cycle()?;
+        for word in &line.parsed.block.words {
+            editor.edit_word(word)?;
+        }
+        editor.edit_m_codes()?;
+        Ok(editor)
+    }
+
+    /// Checks that the component follows the block, if it has the feed.
+    ///
+    /// # Errors
+    /// The word that it does not follow.
+    pub fn check(&self, feed: FeedSource) -> Result<(), RefusedWord> {
+        if feed == FeedSource::Words {
+            return Ok(());
+        }
+        let shifts = self.codes.iter().find(|(_, code, _)| matches!(code, 100 | 520 | 920 | 921));
+        if let Some((word, ..)) = shifts {
+            return Err((word.column, "the component follows no shift within a program; use G54 to G59, set before it runs"));
+        }
+        if let Some((word, ..)) = self.codes.iter().find(|(_, code, _)| *code == 950) {
+            return Err((word.column, "the component has feeds per minute; write G94"));
+        }
+        let switches = self.words().iter().find(|word| word.letter == b'M' && matches!(word.number.as_whole(), Some(48 | 49)));
+        match switches {
+            Some(word) => Err((word.column, "the component needs the feed override; remove the code, or use rewrite-only")),
+            None => Ok(()),
+        }
+    }
+
+    fn words(&self) -> &'a [Word] {
+        &self.line.parsed.block.words
+    }
+
+    fn word(&self, letter: u8) -> Option<&'a Word> {
+        self.line.parsed.block.word(letter)
+    }
+
+    fn code(&self, of: CodeGroup) -> Option<(Word, i64)> {
+        self.codes.iter().find(|(.., group)| *group == of).map(|(word, code, _)| (*word, *code))
+    }
+
+    fn drop_word(&mut self, word: &Word) {
+        self.edits.insert(word.column, String::new());
+    }
+
+    fn has_axis(&self) -> bool {
+        self.words().iter().any(|word| b"XYZABC".contains(&word.letter))
+    }
+
+    /// Sorts the G codes; the last one of a group counts.
+    fn edit_g_codes(&mut self) -> Result<(), RefusedWord> {
+        for word in self.words().iter().rev().filter(|word| word.letter == b'G') {
+            let tenths = word.number.as_tenths().unwrap_or(-1);
+            match g_rule(tenths) {
+                GRule::Refuse(remedy) => return Err((word.column, remedy)),
+                GRule::DropAlone if self.has_axis() => return Err((word.column, UNUSED)),
+                GRule::Drop | GRule::DropAlone => {
+                    self.has_dropped = true;
+                    self.drop_word(word);
+                }
+                GRule::Keep(group) if self.code(group).is_some() => self.drop_word(word),
+                GRule::Keep(CodeGroup::Path) if tenths != 610 => {
+                    self.edits.insert(word.column, path_control(self.modal.unit));
+                    self.codes.push((*word, tenths, CodeGroup::Path));
+                }
+                GRule::Keep(group) => self.codes.push((*word, tenths, group)),
+            }
+        }
+        if let (Some((motion, _)), Some(_)) = (self.code(CodeGroup::Motion), self.code(CodeGroup::Cycle)) {
+            return Err((motion.column, "LinuxCNC has G0 to G3 and the cycles in one group; write them in two blocks"));
+        }
+        Ok(())
+    }
+
+    fn edit_one_shots(&mut self) -> Result<(), RefusedWord> {
+        let Some((word, code)) = self.code(CodeGroup::OneShot) else { return Ok(()) };
+        if let Some((motion, _)) = self.code(CodeGroup::Motion) {
+            self.drop_word(&motion);
+        }
+        let whole = |word: Option<&Word>| word.and_then(|word| word.number.as_whole());
+        match code {
+            40 => {
+                let seconds = self.line.step.dwell.map_or(0.0, |dwell| dwell.to_s());
+                let place = self.words().iter().find(|word| b"XPU".contains(&word.letter));
+                if let Some(place) = place {
+                    self.edits.insert(place.column, format!("P{seconds}"));
+                }
+            }
+            100 => {
+                let is_work = whole(self.word(b'L')) == Some(2) && self.modal.absolute;
+                if !is_work || !whole(self.word(b'P')).is_some_and(|number| (1..=6).contains(&number)) {
+                    return Err((word.column, OFFSET_REMEDY));
+                }
+            }
+            300 if !matches!(whole(self.word(b'P')), None | Some(2)) => {
+                return Err((word.column, "LinuxCNC has two reference points; write G28 or G30"));
+            }
+            300 => self.word(b'P').into_iter().for_each(|word| self.drop_word(word)),
+            520 | 920 if self.modal.local != Default::default() && self.modal.preset != Default::default() => {
+                return Err((word.column, "LinuxCNC keeps G52 and G92 in one register; use one of them"));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Writes the numbers H and D of G43, G41 and G42, which LinuxCNC does not keep from earlier blocks.
+    fn write_offsets(&mut self) {
+        let Modal { length_offset, radius_offset, .. } = *self.modal;
+        let codes = [(3, b'H', length_offset), (2, b'D', radius_offset)];
+        for (group, letter, number) in codes {
+            let Some((word, code)) = self.code(CodeGroup::State(group)) else { continue };
+            if matches!(code, 410 | 420 | 430) && self.word(letter).is_none() {
+                self.edits.insert(word.column, format!("G{} {}{number}", code / 10, char::from(letter)));
+            }
+        }
+    }
+
+    /// Writes the motion of a block that inherits it, where LinuxCNC has another one in force.
+    fn set_motion(&mut self, theirs: &mut Option<i64>) -> Result<(), RefusedWord> {
+        let is_one_shot = self.code(CodeGroup::OneShot).is_some();
+        let moves = !is_one_shot && self.words().iter().any(|word| b"XYZABCIJK".contains(&word.letter));
+        if let Some((end, _)) = self.code(CodeGroup::CycleEnd) {
+            if moves || self.code(CodeGroup::Motion).is_some() {
+                self.drop_word(&end);
+            } else {
+                *theirs = None;
+            }
+        }
+        let explicit = self.code(CodeGroup::Motion).filter(|_| !is_one_shot).or(self.code(CodeGroup::Cycle));
+        if let Some((_, code)) = explicit {
+            *theirs = Some(code / 10);
+        }
+        if let Some((machine, _)) = self.code(CodeGroup::Machine) {
+            if !self.modal.absolute {
+                return Err((machine.column, "LinuxCNC has no G53 under G91; write G90 before it"));
+            }
+            if explicit.is_some() && *theirs != Some(0) {
+                return Err((machine.column, "a Fanuc moves in rapid under G53, LinuxCNC at F; write G0"));
+            }
+            if *theirs != Some(0) {
+                self.insert = "G0 ".into();
+                *theirs = Some(0);
+            }
+            return Ok(());
+        }
+        let wanted = self.wanted_motion();
+        if moves && *theirs != Some(wanted) {
+            if self.modal.cycle.is_some() {
+                let column = self.words().first().map_or(1, |word| word.column);
+                return Err((column, "repeat the cycle's G code with R and Z here"));
+            }
+            self.insert = format!("G{wanted} ");
+            *theirs = Some(wanted);
+        }
+        Ok(())
+    }
+
+    /// Motion or cycle in force on the Fanuc.
+    fn wanted_motion(&self) -> i64 {
+        match (self.modal.cycle, self.modal.motion) {
+            (Some(cycle), _) => i64::from(cycle.code),
+            (None, MotionKind::Rapid) => 0,
+            (None, MotionKind::Line) => 1,
+            (None, MotionKind::Arc(Turn::Cw)) => 2,
+            (None, MotionKind::Arc(Turn::Ccw)) => 3,
+        }
+    }
+
+    fn edit_cycle(&mut self) -> Result<(), RefusedWord> {
+        let Some((word, code)) = self.code(CodeGroup::Cycle) else { return Ok(()) };
+        if self.word(b'R').is_none() || self.word(b'Z').is_none() {
+            return Err((word.column, "LinuxCNC does not keep R and Z from one cycle to the next; repeat them"));
+        }
+        match code {
+            730 | 830 if self.word(b'Q').is_none() => {
+                Err((word.column, "LinuxCNC does not keep Q from one cycle to the next; repeat it"))
+            }
+            820 | 860 | 890 if self.word(b'P').is_none() => {
+                self.edits.insert(word.column, format!("G{} P0", code / 10));
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn edit_word(&mut self, word: &Word) -> Result<(), RefusedWord> {
+        let is_last = self.word(word.letter).is_some_and(|last| last.column == word.column);
+        if self.edits.contains_key(&word.column) || matches!(word.letter, b'G' | b'M') {
+            return Ok(());
+        }
+        if !is_last || (self.has_dropped && matches!(word.letter, b'P' | b'Q')) {
+            self.drop_word(word);
+            return Ok(());
+        }
+        let cycle = self.modal.cycle.filter(|_| self.code(CodeGroup::OneShot).is_none()).map(|cycle| cycle.code);
+        let is_arc = matches!(self.modal.motion, MotionKind::Arc(_)) && cycle.is_none();
+        let is_table = self.code(CodeGroup::OneShot).is_some_and(|(_, code)| code == 100);
+        let state = |group: u8| self.code(CodeGroup::State(group)).map(|(_, code)| code);
+        match (word.letter, cycle) {
+            (b'A' | b'B' | b'C', Some(_)) => {
+                return Err((word.column, "LinuxCNC turns no axis in a cycle; write the word in a block before it"));
+            }
+            (b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C', _) | (b'R', Some(_)) => self.spell(word),
+            (b'F', _) if state(7).is_none() && self.feed_counts_otherwise(word.number) => {
+                return Err((word.column, "a feed per revolution without a decimal point; write the point"));
+            }
+            (b'S' | b'T' | b'F', _) => {}
+            (b'P', Some(82 | 86 | 89)) => self.in_seconds(word)?,
+            (b'Q', Some(73 | 83)) => self.spell(word),
+            (b'P' | b'Q', Some(_)) => self.drop_word(word),
+            (b'K' | b'L', Some(_)) => match word.number.as_whole() {
+                Some(count) if count > 0 => drop(self.edits.insert(word.column, format!("L{count}"))),
+                _ => return Err((word.column, "LinuxCNC stores no cycle; remove the block")),
+            },
+            (b'L' | b'P', None) if is_table => {}
+            (b'I' | b'J' | b'K', None) if is_arc => self.edit_center(word),
+            (b'R', None) if is_arc || is_table => self.spell(word),
+            (b'H', _) if state(3) == Some(430) => {}
+            (b'H', _) if state(3) == Some(490) || self.modal.length_sign == 0 => self.drop_word(word),
+            (b'D', _) if matches!(state(2), Some(410 | 420)) => {}
+            (b'D', _) if self.modal.compensation.is_none() => self.drop_word(word),
+            _ => return Err((word.column, UNUSED)),
+        }
+        Ok(())
+    }
+
+    fn feed_counts_otherwise(&self, number: Number) -> bool {
+        self.modal.feed_mode == arcfeed_nc::modal::FeedMode::PerRevolution && !number.has_point()
+    }
+
+    /// A word of an arc's centre: R counts before it, and LinuxCNC refuses the one across the plane.
+    fn edit_center(&mut self, word: &Word) {
+        let across = match self.modal.plane {
+            Plane::Xy => b'K',
+            Plane::Zx => b'J',
+            Plane::Yz => b'I',
+        };
+        if word.letter == across || self.word(b'R').is_some() {
+            self.drop_word(word);
+        } else {
+            self.spell(word);
+        }
+    }
+
+    /// Writes a number in least increments with its decimal point.
+    fn spell(&mut self, word: &Word) {
+        if self.decimals == Decimals::Calculator || word.number.has_point() {
+            return;
+        }
+        let is_inch = self.modal.unit == LengthUnit::Inch && !b"ABC".contains(&word.letter);
+        let places = if is_inch { 4 } else { 3 };
+        let value = word.number.as_whole().unwrap_or_default();
+        let (sign, digits) = (if value < 0 { "-" } else { "" }, format!("{:0width$}", value.abs(), width = places + 1));
+        let (whole, fraction) = digits.split_at(digits.len() - places);
+        let letter = char::from(word.letter);
+        self.edits.insert(word.column, format!("{letter}{sign}{whole}.{}", fraction.trim_end_matches('0')));
+    }
+
+    /// Writes milliseconds as seconds.
+    fn in_seconds(&mut self, word: &Word) -> Result<(), RefusedWord> {
+        let ms = word.number.as_whole().filter(|_| !word.number.has_point());
+        let ms = ms.ok_or((word.column, "a dwell P is in milliseconds, without a decimal point; write it so"))?;
+        self.edits.insert(word.column, format!("P{}", ms as f64 / 1e3));
+        Ok(())
+    }
+
+    /// M codes: LinuxCNC stops spindle and coolant before the move of their block, so those words follow behind it.
+    fn edit_m_codes(&mut self) -> Result<(), RefusedWord> {
+        let (mut groups, mut ends) = (Vec::new(), false);
+        for word in self.words().iter().filter(|word| word.letter == b'M') {
+            let code = word.number.as_whole().unwrap_or(-1);
+            let group = m_group(code).map_err(|remedy| (word.column, remedy))?;
+            if groups.contains(&group) {
+                return Err((
+                    word.column,
+                    "LinuxCNC takes one M code of a kind per block; write it in a block of its own",
+                ));
+            }
+            groups.push(group);
+            let is_end = matches!(code, 0..=2 | 30);
+            ends |= matches!(code, 5 | 9);
+            if self.has_axis() && (matches!(code, 5 | 9) || is_end) {
+                self.later += &format!("M{code} ");
+            }
+        }
+        if !ends {
+            self.later.clear();
+        }
+        for word in self.words().iter().filter(|word| word.letter == b'M') {
+            let is_late = matches!(word.number.as_whole(), Some(0..=2 | 5 | 9 | 30));
+            if !self.later.is_empty() && is_late {
+                self.drop_word(word);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,103 @@
+//! G and M codes of a Fanuc on LinuxCNC: which are the same there, which mean nothing, which are refused.
+//!
+//! Source: LinuxCNC's documents on G codes and M codes; every rule is confirmed by its `rs274` in `tests/program/linuxcnc.rs`.
+
+/// Source of the feed while the program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FeedSource {
+    /// The F words alone.
+    Words,
+    /// The component `arcfeed` too, through LinuxCNC's adaptive feed.
+    Component,
+}
+
+/// Modal group of a G code on LinuxCNC; two codes of one group cannot be in a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CodeGroup {
+    /// Groups of state: plane, unit, distance and the like, by a number of our own.
+    State(u8),
+    /// G0 to G3.
+    Motion,
+    /// Canned cycles.
+    Cycle,
+    /// G80.
+    CycleEnd,
+    /// Codes that use the axis words of their block themselves.
+    OneShot,
+    /// G53.
+    Machine,
+    /// G61, G62 and G64.
+    Path,
+}
+
+/// Rule for a G code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GRule {
+    /// The same on LinuxCNC.
+    Keep(CodeGroup),
+    /// Without an effect there, with the words P and Q of its block.
+    Drop,
+    /// Without an effect there if the block has no axis words.
+    DropAlone,
+    /// Refused, with the remedy.
+    Refuse(&'static str),
+}
+
+const TAPPING: &str = "LinuxCNC taps with G33.1 Z K, and K is the pitch; write that";
+const OFFSET: &str = "set the offset in LinuxCNC's tool table or with G10 L2 P1 to P6";
+const POINTS: &str = "LinuxCNC has no such transformation; post the program without it";
+const BORING: &str = "LinuxCNC has no such cycle; post its moves";
+
+/// Rule for a G code, in tenths.
+pub fn g_rule(tenths: i64) -> GRule {
+    use GRule::{Drop, DropAlone, Keep, Refuse};
+    match tenths {
+        0 | 10 | 20 | 30 => Keep(CodeGroup::Motion),
+        40 | 280 | 300 | 520 | 920 | 921 | 100 => Keep(CodeGroup::OneShot),
+        50 | 51 | 80 | 110 | 131 | 150 | 230 | 670 | 690 => Drop,
+        90 => Refuse("LinuxCNC stops exactly under G61.1 only; write G61.1 before the block and G64 behind it"),
+        160 => Refuse("LinuxCNC writes polar coordinates as @ and ^; post the points"),
+        170 | 180 | 190 => Keep(CodeGroup::State(0)),
+        200 | 210 => Keep(CodeGroup::State(1)),
+        220 | 500 => DropAlone,
+        400 | 410 | 420 => Keep(CodeGroup::State(2)),
+        430 | 490 => Keep(CodeGroup::State(3)),
+        440 => Refuse("write G43, and the length with the other sign in LinuxCNC's tool table"),
+        430..=439 => Refuse("LinuxCNC has no tool centre point control; post the moves of the axes"),
+        510 | 501 | 511 | 680 | 682 | 683 | 684 => Refuse(POINTS),
+        530 => Keep(CodeGroup::Machine),
+        540 | 550 | 560 | 570 | 580 | 590 => Keep(CodeGroup::State(4)),
+        541 => Refuse("write G54 to G59.3, LinuxCNC's nine coordinate systems"),
+        610 | 620 | 640 => Keep(CodeGroup::Path),
+        630 | 740 | 840 => Refuse(TAPPING),
+        730 | 810 | 820 | 830 | 850 | 860 | 890 => Keep(CodeGroup::Cycle),
+        760 | 870 | 880 => Refuse(BORING),
+        800 => Keep(CodeGroup::CycleEnd),
+        900 | 910 => Keep(CodeGroup::State(5)),
+        901 | 911 => Keep(CodeGroup::State(6)),
+        930 | 940 | 950 => Keep(CodeGroup::State(7)),
+        970 => Keep(CodeGroup::State(8)),
+        980 | 990 => Keep(CodeGroup::State(9)),
+        _ => Refuse("LinuxCNC has no such G code; remove it, or post the program for LinuxCNC"),
+    }
+}
+
+/// Remedy for G10, whose tables are LinuxCNC's own.
+pub const OFFSET_REMEDY: &str = OFFSET;
+
+/// Modal group of an M code on LinuxCNC.
+///
+/// # Errors
+/// LinuxCNC does not have it: the remedy.
+pub fn m_group(code: i64) -> Result<u8, &'static str> {
+    match code {
+        0 | 1 | 2 | 30 => Ok(0),
+        3..=5 => Ok(1),
+        6 => Ok(2),
+        7..=9 => Ok(3),
+        19 => Ok(4),
+        48 | 49 => Ok(5),
+        29 => Err(TAPPING),
+        _ => Err("LinuxCNC has no such M code; remove it, or write one of its M100 to M199 after the adaptation"),
+    }
+}

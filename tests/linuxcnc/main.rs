@@ -1,0 +1,10 @@
+//! LinuxCNC, headless, runs our programs with and without the component `arcfeed` in its servo thread; the chip meter measures
+//! the positions that it commands, every servo period.
+
+mod machine;
+
+mod faults;
+
+mod pocket;
+
+mod slot;
