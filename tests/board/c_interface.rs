@@ -54,7 +54,7 @@ fn job() -> Job {
 }
 
 fn write_page(scratch: &Scratch) {
-    scratch.write("page.bin", &page::write(&job(), TappedLine::default()).expect("a page"));
+    scratch.write("page.bin", page::write(&job(), TappedLine::default()).expect("a page"));
 }
 
 /// Compiles the example with this library; the emulator is to run `image`.

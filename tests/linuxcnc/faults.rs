@@ -15,7 +15,10 @@ fn with(machine: &Machine, events: Value) -> (f64, Ran) {
     let ran = machine.run(true, events.clone());
     let figures = machine.measure(&job, &ran.samples, INCH_MM);
     let most = figures["chip_load"]["error_ratio_max_all"].as_f64().expect("a figure");
-    println!("{events}: largest chip {most:+.4} over its target, {} samples in the cut", figures["chip_load"]["samples"]);
+    println!(
+        "{events}: largest chip {most:+.4} over its target, {} samples in the cut",
+        figures["chip_load"]["samples"]
+    );
     (most, ran)
 }
 
