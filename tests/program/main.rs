@@ -8,6 +8,7 @@ mod cli_check;
 
 mod compensation;
 
+mod bolt_circles;
 mod cycles;
 
 mod everyday;
