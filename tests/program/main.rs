@@ -10,6 +10,7 @@ mod command_help;
 
 mod compensation;
 
+mod bolt_circles;
 mod cycles;
 
 mod everyday;

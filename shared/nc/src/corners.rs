@@ -8,11 +8,8 @@ use super::alarm::{Alarm, Fault, NotModelled};
 use super::block::Block;
 use super::modal::{Corner, Feed, Modal, Motion, MotionKind, Step};
 use super::settings::Decimals;
-use super::word::{CHAMFER, ROUNDING, Word};
+use super::word::{CHAMFER, ROUNDING};
 use arcfeed_units::Nm;
-
-/// G codes, in tenths, that may stand in the block behind a corner.
-const BEHIND: [i64; 14] = [0, 10, 20, 30, 90, 400, 410, 420, 610, 640, 900, 910, 940, 950];
 
 impl Modal {
     /// Interprets the corner that a block ends in, and checks a block behind one.
@@ -25,19 +22,39 @@ impl Modal {
         step: &mut Step,
     ) -> Result<(), Fault> {
         let is_behind = self.ends_in_corner && !block.words.is_empty();
-        if is_behind {
-            self.check_behind(block, step)?;
-            self.ends_in_corner = false;
-        }
-        let mut words = block.words.iter().filter(|word| matches!(word.letter, CHAMFER | ROUNDING));
-        if let Some(word) = words.next() {
-            if let Some(second) = words.next() {
-                return Err(Fault::alarm(Alarm::TwoCorners, second.column));
+        let motion = step.motion.as_ref().filter(|motion| stays_in_plane(motion));
+        let mut corner = None;
+        for word in &block.words {
+            // G codes that may stand behind a corner.
+            let is_other =
+                || !matches!(word.number.as_whole(), Some(0..=3 | 9 | 40..=42 | 61 | 64 | 90 | 91 | 94 | 95));
+            match word.letter {
+                CHAMFER | ROUNDING if corner.is_some() => return Err(Fault::alarm(Alarm::TwoCorners, word.column)),
+                CHAMFER | ROUNDING => corner = Some(word),
+                b'G' if is_behind && is_other() => return Err(Fault::not_modelled(NotModelled::Corner, word.column)),
+                _ => {}
             }
-            if is_start_up || !self.allows_corner(step) {
+        }
+        let is_cut = motion.is_some_and(|motion| motion.kind != MotionKind::Rapid);
+        if is_behind && !is_cut {
+            let is_rapid = motion.is_some();
+            let alarm = if is_rapid { Alarm::NoCutBehindCorner } else { Alarm::NoMoveBehindCorner };
+            return Err(Fault::alarm(alarm, 0));
+        }
+        if let Some(word) = corner {
+            let is_timed = motion.is_some_and(|motion| matches!(motion.feed, Feed::InverseTime(_)));
+            let is_other = is_start_up || is_timed || self.follows_tool_center || self.frame.scaling().is_some();
+            if !is_cut || is_other || step.stop.is_some() {
                 return Err(Fault::not_modelled(NotModelled::Corner, word.column));
             }
-            step.corner = self.corner(word, decimals)?;
+            if word.number.is_negative() {
+                return Err(Fault::alarm(Alarm::MinusSign, word.column));
+            }
+            let size = Nm(self.length(word.number, decimals));
+            let corner = if word.letter == CHAMFER { Corner::Chamfer(size) } else { Corner::Rounding(size) };
+            step.corner = Some(corner).filter(|_| size.0 != 0);
+        }
+        if !block.words.is_empty() {
             self.ends_in_corner = step.corner.is_some();
         }
         if (is_behind || step.corner.is_some()) && step.is_plain() {
@@ -45,45 +62,14 @@ impl Modal {
         }
         Ok(())
     }
-
-    /// Corner of a word; `None` for one of no size.
-    fn corner(&self, word: &Word, decimals: Decimals) -> Result<Option<Corner>, Fault> {
-        if word.number.is_negative() {
-            return Err(Fault::alarm(Alarm::MinusSign, word.column));
-        }
-        let size = Nm(self.length(word.number, decimals));
-        let corner = if word.letter == CHAMFER { Corner::Chamfer(size) } else { Corner::Rounding(size) };
-        Ok((size.0 != 0).then_some(corner))
-    }
-
-    fn check_behind(&self, block: &Block, step: &Step) -> Result<(), Fault> {
-        let is_other =
-            |word: &&Word| word.letter == b'G' && word.number.as_tenths().is_none_or(|g| !BEHIND.contains(&g));
-        if let Some(word) = block.words.iter().find(is_other) {
-            return Err(Fault::not_modelled(NotModelled::Corner, word.column));
-        }
-        match &step.motion {
-            Some(motion) if motion.kind == MotionKind::Rapid => Err(Fault::alarm(Alarm::NoCutBehindCorner, 0)),
-            Some(motion) if stays_in_plane(motion) => Ok(()),
-            Some(_) | None => Err(Fault::alarm(Alarm::NoMoveBehindCorner, 0)),
-        }
-    }
-
-    /// Whether the move of a block may end in a corner: a cutting move in the plane whose F is a speed, with lengths that
-    /// G51 does not change, and without a stop behind it.
-    fn allows_corner(&self, step: &Step) -> bool {
-        let is_scaled =
-            || self.frame.scaling().is_some_and(|scaling| scaling.thousandths.iter().any(|by| by.abs() != 1_000));
-        let is_cut = |motion: &Motion| motion.kind != MotionKind::Rapid && !matches!(motion.feed, Feed::InverseTime(_));
-        let is_plain = !self.follows_tool_center && step.stop.is_none() && !is_scaled();
-        step.motion.is_some_and(|motion| is_cut(&motion) && stays_in_plane(&motion)) && is_plain
-    }
 }
 
 /// Whether a move travels in the plane and nowhere else.
 fn stays_in_plane(motion: &Motion) -> bool {
-    let (first, second, normal) = motion.plane.axes();
-    let moves = |axis: usize| motion.start.linear.get(axis) != motion.end.linear.get(axis);
-    let is_arc = matches!(motion.kind, MotionKind::Arc(_));
-    (is_arc || moves(first) || moves(second)) && !moves(normal) && motion.start.rotary == motion.end.rotary
+    let (.., normal) = motion.plane.axes();
+    let (start, end) = (&motion.start, &motion.end);
+    let axes = start.linear.iter().zip(&end.linear).enumerate();
+    let moved = axes.fold(0, |moved, (axis, (from, to))| moved | usize::from(from != to) << axis);
+    let is_in_plane = moved != 0 || matches!(motion.kind, MotionKind::Arc(_));
+    is_in_plane && moved >> normal & 1 == 0 && start.rotary == end.rotary
 }

@@ -41,6 +41,7 @@ pub struct CoordinateFrame {
 
 impl CoordinateRotation {
     /// A rotation; exact for quarter turns.
+    #[inline(never)]
     pub fn new(plane: Plane, center: [Nm; 2], angle: MicroDeg) -> Self {
         const QUARTER: i64 = 90_000_000;
         let (sin, cos) = match (angle.0 % QUARTER, angle.0.div_euclid(QUARTER).rem_euclid(4)) {
@@ -51,6 +52,11 @@ impl CoordinateRotation {
             _ => libm::sincos(angle.to_deg().to_radians()),
         };
         CoordinateRotation { plane, center, angle, cos, sin }
+    }
+
+    /// Turns a point about the centre.
+    pub(crate) fn apply(&self, axes: &mut [Nm; 3]) {
+        self.turn(axes, self.center, self.sin);
     }
 
     fn turn(&self, axes: &mut [Nm; 3], center: [Nm; 2], sin: f64) {
@@ -107,7 +113,7 @@ impl CoordinateFrame {
             scaling.apply(&mut program.linear);
         }
         if let Some(rotation) = &self.rotation {
-            rotation.turn(&mut program.linear, rotation.center, rotation.sin);
+            rotation.apply(&mut program.linear);
         }
         program.plus(self.shift)
     }

@@ -116,8 +116,7 @@ impl Modal {
     pub(super) fn resolve_polar(&mut self, block: &Block, target: &mut Target, decimals: Decimals) {
         let Some(polar) = &mut self.polar else { return };
         let (first, second, _) = self.plane.axes();
-        let number = |index: usize| block.word(b'X' + index as u8).map(|word| word.number);
-        let (radius, angle) = (number(first), number(second));
+        let (radius, angle) = (axis_number(block, first), axis_number(block, second));
         if radius.is_none() && angle.is_none() {
             return;
         }
@@ -225,4 +224,10 @@ impl Modal {
 /// An angle word, microdegrees.
 pub(super) fn rotary(number: Number, decimals: Decimals) -> i64 {
     Scale::of_angles(decimals).of(number)
+}
+
+/// Number of a linear axis in a block.
+#[inline(never)]
+fn axis_number(block: &Block, index: usize) -> Option<Number> {
+    block.word(b'X' + index as u8).map(|word| word.number)
 }

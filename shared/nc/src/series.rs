@@ -4,7 +4,7 @@
 //! which rapid changes to feed, Z the bottom. The lists follow the manual (B-63534EN, 13.1). G88 is missing, because
 //! in it the operator retracts the tool by hand.
 
-use super::frame::CoordinateFrame;
+use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
 use arcfeed_units::{MicroDeg, Micros, Nm};
 
@@ -97,14 +97,16 @@ pub struct Polar {
 
 impl Polar {
     /// Moves a position to this point, in the plane.
+    #[inline(never)]
     pub(crate) fn place(&self, end: &mut Pose, plane: Plane) {
         let (first, second, _) = plane.axes();
-        let (sin, cos) = libm::sincos(self.angle.to_deg().to_radians());
-        for ((index, part), pole) in [(first, cos), (second, sin)].into_iter().zip(self.pole) {
+        let [x, y] = self.pole;
+        for (index, value) in [(first, x.0.saturating_add(self.radius.0)), (second, y.0)] {
             if let Some(axis) = end.linear.get_mut(index) {
-                *axis = Nm(pole.0.saturating_add(libm::round(part * self.radius.0 as f64) as i64));
+                axis.0 = value;
             }
         }
+        CoordinateRotation::new(plane, self.pole, self.angle).apply(&mut end.linear);
     }
 }
 

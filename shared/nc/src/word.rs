@@ -150,11 +150,7 @@ impl<'a> Words<'a> {
     }
 
     fn word(&mut self, letter: u8) -> Result<Token<'a>, Fault> {
-        self.word_from(letter, self.at - 1)
-    }
-
-    /// Reads the number of a word that begins at byte `start`.
-    fn word_from(&mut self, letter: u8, start: usize) -> Result<Token<'a>, Fault> {
+        let start = self.at - 1;
         if matches!(self.peek(), Some(b'#' | b'[')) {
             return Err(Fault::not_modelled(NotModelled::Macro, column(self.at)));
         }
@@ -245,20 +241,20 @@ impl<'a> Words<'a> {
         Token::BlockDelete(digit - b'0')
     }
 
-    /// Reads a word after its comma: a chamfer or a rounded corner.
+    /// Reads a chamfer or a rounded corner after its comma, at byte `start`.
     #[cold]
-    fn corner(&mut self) -> Result<Token<'a>, Fault> {
-        let start = self.at - 1;
-        while self.is_tolerant() && self.peek().is_some_and(is_ignored) {
-            self.at += 1;
-        }
-        let next = self.peek().unwrap_or(b',');
-        self.at += 1;
-        match if next.is_ascii_lowercase() { self.small_letter(next) } else { Some(next) } {
-            Some(b'C') => self.word_from(CHAMFER, start),
-            Some(b'R') => self.word_from(ROUNDING, start),
-            _ => Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
-        }
+    fn corner(&mut self, start: usize) -> Result<Token<'a>, Fault> {
+        let word = match self.next() {
+            Some(Ok(Piece { token: Token::Word(word), .. })) => word,
+            Some(Err(fault)) => return Err(fault),
+            Some(Ok(_)) | None => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
+        };
+        let letter = match word.letter {
+            b'C' => CHAMFER,
+            b'R' => ROUNDING,
+            _ => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
+        };
+        Ok(Token::Word(Word { letter, column: column(start), len: self.at.saturating_sub(start) as u8, ..word }))
     }
 
     #[cold]
@@ -292,7 +288,7 @@ impl<'a> Iterator for Words<'a> {
             b'#' => self.assignment(),
             b'/' => Ok(self.block_delete()),
             b'%' => Ok(Token::ProgramMark),
-            b',' => self.corner(),
+            b',' => self.corner(start),
             _ => match self.small_letter(byte) {
                 Some(letter) => self.word(letter),
                 None if self.is_end_sign(byte) => return self.next(),
