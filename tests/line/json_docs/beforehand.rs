@@ -122,10 +122,26 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         .replace("'lines'", "'arcs'\ndirection = 'ccw'");
     let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", contour.replace("outside", "inside"))]);
     reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
+    reasons.extend(along_contours(&scratch, &contour.replace("outside", "inside")));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
     };
     assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
     assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
+}
+
+/// Reasons of arcs under G41 in a job for the program `roll.nc`: another mode, no radius of D, a wrong one.
+fn along_contours(scratch: &Scratch, job: &str) -> BTreeSet<String> {
+    scratch.write("contour.nc", "G21G90G94\nG0X0Y0\nG41D1G1X20.F500.\nG3X40.Y20.J20.\nG1Y30.\nG40Y60.\nM30\n");
+    scratch.write("machine.toml", "unit = 'mm'\n[radius]\n1 = 2.0\n");
+    let job = job.replace("roll.nc", "contour.nc");
+    let rewriting = job.replace("limits =", "override = { mode = 'rewrite-only' }\nlimits =");
+    let jobs = [
+        job.clone(),
+        rewriting.clone(),
+        rewriting.replace("limits =", "control = { settings = 'machine.toml' }\nlimits ="),
+    ];
+    let blocks = jobs.iter().flat_map(|job| objects(&["adapt", &scratch.write("contour.toml", job)]).1);
+    blocks.map(|block| block["reason"].to_string()).collect()
 }
