@@ -114,8 +114,8 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
                 [[cut]]\nmoves = 'lines'\nside = 'outside'\nradial_depth = 5\n";
     let (_, at_unknown_position) = objects(&["adapt", &scratch.write("line.toml", line)]);
     reasons.extend(at_unknown_position.iter().map(|block| block["reason"].to_string()));
-    // A corner roll of 3 um.
-    scratch.write("roll.nc", "G21G90G94\nG0X0Y0\nG3X.003Y.003I0J.003F1000.\nM30\n");
+    // A corner roll of 3 um, and a corner in which the floor of the law decides.
+    scratch.write("roll.nc", "G21G90G94\nG0X0Y0\nG3X.003Y.003I0J.003F1000.\nG3X1.003I.5J0F50.\nM30\n");
     let contour = line
         .replace("line.nc", "roll.nc")
         .replace("engagement", "contour")
