@@ -33,13 +33,20 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 2] = [
+const NEEDS: [Need; 3] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
         shown_by: &[&["qemu-system-arm", "--version"]],
         elsewhere: "install QEMU with its Arm target",
         runs_unpacked: true,
+    },
+    Need {
+        what: "compiler of C for the chip",
+        package: "gcc-arm-none-eabi",
+        shown_by: &[&["arm-none-eabi-gcc", "--version"]],
+        elsewhere: "install the Arm GNU toolchain for arm-none-eabi",
+        runs_unpacked: false,
     },
     Need {
         what: "pyserial, to talk to",
@@ -201,8 +208,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_installed_is_named_with_what_to_do_by_hand() {
-        let [qemu, serial] = &NEEDS;
-        for need in [qemu, serial] {
+        for need in &NEEDS {
             let Failure { what, code } = explain(need, Failure { what: "that takes root".into(), code: 100 });
             let by_hand = format!("apt-get install --no-remove {}", need.package);
             assert!(what.contains(&by_hand) && what.contains("that takes root") && code == 100, "{what}");
