@@ -1,7 +1,7 @@
 component arcfeed "Feed override that keeps the chip load constant, for motion.adaptive-feed";
 description """
 Follows the program line and the position, and sets motion.adaptive-feed and the dial so that the feed is F times the
-override that the feed law of the job demands. docs/linuxcnc.md of arcfeed describes its wiring and its safety.
+override that the feed law of the job demands. docs/linuxcnc-safety.md of arcfeed describes its wiring and its safety.
 The moves come from the user-space half, arcfeed-program, through a HAL stream.""";
 option singleton yes;
 option extra_setup yes;

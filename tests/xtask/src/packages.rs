@@ -35,13 +35,21 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 4] = [
+const NEEDS: [Need; 5] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
         shown_by: &[&["qemu-system-arm", "--version"]],
         elsewhere: "install QEMU with its Arm target",
         runs_unpacked: true,
+        is_optional: false,
+    },
+    Need {
+        what: "compiler of C for the chip",
+        package: "gcc-arm-none-eabi",
+        shown_by: &[&["arm-none-eabi-gcc", "--version"]],
+        elsewhere: "install the Arm GNU toolchain for arm-none-eabi",
+        runs_unpacked: false,
         is_optional: false,
     },
     Need {
