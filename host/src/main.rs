@@ -4,8 +4,9 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure, parameters::Parameters,
-    plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate, stream::Stream, verify::Verify,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure,
+    parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate,
+    stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 

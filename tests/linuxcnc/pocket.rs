@@ -42,10 +42,14 @@ fn the_edge_keeps_its_feed_on_inside_arcs_on_linuxcnc() {
         machine.adapt(&job);
         let ran = machine.run(mode == "safe-base", json!([]));
         let feeds = edge_feeds(&ran.samples, [42.0, -17.0]);
-        let (least, most) = feeds.iter().fold((f64::MAX, 0.0_f64), |(least, most), feed| (least.min(*feed), most.max(*feed)));
-        println!("{mode}: edge feed in the first corner {least:.1} to {most:.1} mm/min of {EDGE_MM_PER_MIN}, {} samples", feeds.len());
+        let (least, most) =
+            feeds.iter().fold((f64::MAX, 0.0_f64), |(least, most), feed| (least.min(*feed), most.max(*feed)));
+        println!(
+            "{mode}: edge feed in the first corner {least:.1} to {most:.1} mm/min of {EDGE_MM_PER_MIN}, {} samples",
+            feeds.len()
+        );
         let figures = machine.measure(&job, &ran.samples, 1.0);
-        println!("{mode}: {}", figures["chip_load"]);
+        println!("{mode}: {}, path {} mm", figures["chip_load"], figures["path_error"]);
         assert!(feeds.len() > 100 && most <= 1.005 * EDGE_MM_PER_MIN && most >= 0.98 * EDGE_MM_PER_MIN, "{mode}");
         assert!(figures["chip_load"]["error_ratio_max_all"].as_f64().expect("a figure") <= 0.005, "{mode}: {figures}");
     }

@@ -70,7 +70,12 @@ fn linuxcnc_cuts_the_slot_at_its_target_with_f_words_and_with_the_component() {
         assert!(after["path_error"].as_f64().expect("a length") < PATH_ERROR_IN, "{mode}: {after}");
         assert!(after["cycle_time_s"].as_f64() < before["cycle_time_s"].as_f64(), "{mode}");
         println!("{mode}: {:.1} % of the samples below the target by more than 2 %", 1e2 * thin);
-        println!("component {} clocks, at most {}; motion-controller {}", ran.last("time"), ran.last("most"), ran.last("motion"));
+        println!(
+            "component {} clocks, at most {}; motion-controller {}",
+            ran.last("time"),
+            ran.last("most"),
+            ran.last("motion")
+        );
     }
     assert!(shares_thin[1] < 0.06, "as on sim: {shares_thin:?}");
     let most = before["chip_load"]["error_ratio_max_all"].as_f64().expect("a figure");

@@ -11,8 +11,8 @@ use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
 use super::executed_blocks::check_expanded;
-use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::for_control::{TargetControl, check_for_linuxcnc, prepared_path, write_for_linuxcnc};
+use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;

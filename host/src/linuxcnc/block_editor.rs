@@ -9,7 +9,7 @@ use arcfeed_nc::settings::Decimals;
 use arcfeed_nc::word::Word;
 use arcfeed_units::LengthUnit;
 
-use super::codes::{FeedSource, GRule, CodeGroup, OFFSET_REMEDY, g_rule, m_group};
+use super::codes::{CodeGroup, FeedSource, GRule, OFFSET_REMEDY, g_rule, m_group};
 
 /// Tolerance of the path at corners, in millimetres and in inches.
 const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
@@ -77,14 +77,20 @@ impl<'a> BlockEditor<'a> {
         }
         let shifts = self.codes.iter().find(|(_, code, _)| matches!(code, 100 | 520 | 920 | 921));
         if let Some((word, ..)) = shifts {
-            return Err((word.column, "the component follows no shift within a program; use G54 to G59, set before it runs"));
+            return Err((
+                word.column,
+                "the component follows no shift within a program; use G54 to G59, set before it runs",
+            ));
         }
         if let Some((word, ..)) = self.codes.iter().find(|(_, code, _)| *code == 950) {
             return Err((word.column, "the component has feeds per minute; write G94"));
         }
-        let switches = self.words().iter().find(|word| word.letter == b'M' && matches!(word.number.as_whole(), Some(48 | 49)));
+        let switches =
+            self.words().iter().find(|word| word.letter == b'M' && matches!(word.number.as_whole(), Some(48 | 49)));
         match switches {
-            Some(word) => Err((word.column, "the component needs the feed override; remove the code, or use rewrite-only")),
+            Some(word) => {
+                Err((word.column, "the component needs the feed override; remove the code, or use rewrite-only"))
+            }
             None => Ok(()),
         }
     }

@@ -44,8 +44,7 @@ pub fn prepare(translation: &Translation, blocks: &[PlannedBlock], job: &Job) ->
         moves += 1;
     }
     let text = &translation.text;
-    let (program_check, program_len, entries_len) =
-        (FILE_CRC.checksum(text), text.len() as u32, entries.len() as u32);
+    let (program_check, program_len, entries_len) = (FILE_CRC.checksum(text), text.len() as u32, entries.len() as u32);
     let mut bytes = PreparedHeader { program_check, program_len, moves, entries_len }.encode().to_vec();
     bytes.extend(entries);
     bytes.extend(seal(&bytes));
