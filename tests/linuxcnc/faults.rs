@@ -32,11 +32,11 @@ fn states(ran: &Ran) -> Vec<i64> {
 fn no_fault_and_no_action_of_the_operator_puts_the_chip_above_its_target() {
     let Some(machine) = Machine::or_skip("linuxcnc-faults") else { return };
     for (name, events) in [
-        ("feed hold and resume", json!([[5, "pause"], [6, "resume"]])),
-        ("user-space half frozen", json!([[5, "kill", "arcfeed-program"]])),
-        ("component no longer called", json!([[5, "halcmd", "delf", "arcfeed", "servo-thread"], [7, "abort"]])),
-        ("disarmed by the operator", json!([[5, "press", "arcfeed.disarm"]])),
-        ("abort in the cut", json!([[5, "abort"]])),
+        ("feed hold and resume", json!([[9, "pause"], [10, "resume"]])),
+        ("user-space half frozen", json!([[9, "kill", "arcfeed-program"]])),
+        ("component no longer called", json!([[9, "halcmd", "delf", "arcfeed", "servo-thread"], [11, "abort"]])),
+        ("disarmed by the operator", json!([[9, "press", "arcfeed.disarm"]])),
+        ("abort in the cut", json!([[10, "abort"]])),
     ] {
         let (most, ran) = with(&machine, events);
         println!("{name}: states {:?}, ended {}", states(&ran), ran.last("ended"));

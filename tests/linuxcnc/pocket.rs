@@ -49,7 +49,7 @@ fn the_edge_keeps_its_feed_on_inside_arcs_on_linuxcnc() {
             feeds.len()
         );
         let figures = machine.measure(&job, &ran.samples, 1.0);
-        println!("{mode}: {}", figures["chip_load"]);
+        println!("{mode}: {}, path {} mm", figures["chip_load"], figures["path_error"]);
         assert!(feeds.len() > 100 && most <= 1.005 * EDGE_MM_PER_MIN && most >= 0.98 * EDGE_MM_PER_MIN, "{mode}");
         assert!(figures["chip_load"]["error_ratio_max_all"].as_f64().expect("a figure") <= 0.005, "{mode}: {figures}");
     }

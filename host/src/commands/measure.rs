@@ -165,6 +165,8 @@ struct MeasuredRun<'a> {
     meter: ChipMeter,
     /// Block in execution, and the number of blocks so far.
     current: Option<&'a PlannedBlock>,
+    /// The machine is past the end of its move: a period that ends one move and begins the next has one line.
+    is_past: bool,
     count: u32,
     first_s: Option<f64>,
     last: Option<Row>,
@@ -174,7 +176,16 @@ struct MeasuredRun<'a> {
 impl<'a> MeasuredRun<'a> {
     fn new(job: &'a Job) -> Self {
         let meter = ChipMeter::new(job.tools.first());
-        MeasuredRun { job, meter, current: None, count: 0, first_s: None, last: None, path_error_mm: 0.0 }
+        MeasuredRun {
+            job,
+            meter,
+            current: None,
+            is_past: false,
+            count: 0,
+            first_s: None,
+            last: None,
+            path_error_mm: 0.0,
+        }
     }
 
     fn add(&mut self, row: Row, block: Option<&'a PlannedBlock>) {
@@ -183,7 +194,8 @@ impl<'a> MeasuredRun<'a> {
         }
         let unit_mm = self.job.unit.mm();
         let position_mm = row.position.map(|value| value * unit_mm);
-        if let Some(block) = self.current {
+        self.is_past |= self.passes_end(position_mm);
+        if let Some(block) = self.current.filter(|_| !self.is_past) {
             self.first_s.get_or_insert(row.time_s);
             let governing = block.rule.filter(|_| block.demand.is_some()).and_then(|rule| self.job.rules.get(rule));
             let setup = governing.map(|rule| self.job.tool_of(rule));
@@ -205,6 +217,17 @@ impl<'a> MeasuredRun<'a> {
         self.last = Some(row);
     }
 
+    /// Whether the machine has passed the end of its move since the last sample.
+    fn passes_end(&self, position_mm: [f64; 3]) -> bool {
+        let (Some(block), Some(last)) = (self.current, self.last) else { return false };
+        let end_mm = block.segment.end.linear.map(Nm::to_mm);
+        let from_mm = last.position.map(|value| value * self.job.unit.mm());
+        let along = direction_at_end(&block.segment);
+        let beyond = |at_mm: [f64; 3]| dot(minus(at_mm, end_mm), along);
+        let (offset, travel) = (minus(position_mm, end_mm), minus(position_mm, from_mm));
+        beyond(from_mm) <= 0.0 && beyond(position_mm) > 0.0 && dot(offset, offset) <= dot(travel, travel)
+    }
+
     /// Commanded feed, or the measured one.
     fn feed(&self, row: &Row) -> f64 {
         let Some(last) = self.last else { return 0.0 };
@@ -213,7 +236,7 @@ impl<'a> MeasuredRun<'a> {
     }
 
     fn begin(&mut self, block: Option<&'a PlannedBlock>) {
-        self.current = block;
+        (self.current, self.is_past) = (block, false);
         let Some(block) = block else { return };
         self.count += 1;
         let index = block.rule.filter(|_| block.demand.is_some());
@@ -252,11 +275,29 @@ fn distance_mm(segment: &Segment, position_mm: [f64; 3]) -> f64 {
         let radius_mm = |at: [f64; 3]| libm::hypot(at[first] - center_mm[0], at[second] - center_mm[1]);
         return (radius_mm(position_mm) - radius_mm(start_mm)).abs(); // (1)
     }
-    let end_mm = segment.end.linear.map(Nm::to_mm);
-    let along: [f64; 3] = std::array::from_fn(|axis| end_mm[axis] - start_mm[axis]);
-    let offset: [f64; 3] = std::array::from_fn(|axis| position_mm[axis] - start_mm[axis]);
-    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let along = minus(segment.end.linear.map(Nm::to_mm), start_mm);
+    let offset = minus(position_mm, start_mm);
     let share = dot(offset, along) / dot(along, along).max(f64::MIN_POSITIVE);
     let across: [f64; 3] = std::array::from_fn(|axis| offset[axis] - share * along[axis]);
     libm::sqrt(dot(across, across)) // (2)
+}
+
+/// Direction of a move at its end, of any length.
+fn direction_at_end(segment: &Segment) -> [f64; 3] {
+    let [start_mm, end_mm] = [segment.start, segment.end].map(|pose| pose.linear.map(Nm::to_mm));
+    let Some(arc) = segment.arc() else { return minus(end_mm, start_mm) };
+    let (first, second, _) = arc.plane.axes();
+    let sign = f64::from(arc.turn.sign());
+    let mut direction = [0.0; 3];
+    direction[first] = -sign * (end_mm[second] - arc.center[1].to_mm());
+    direction[second] = sign * (end_mm[first] - arc.center[0].to_mm());
+    direction
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
