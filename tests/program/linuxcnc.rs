@@ -199,12 +199,29 @@ fn what_linuxcnc_cannot_execute_is_refused_by_name_with_its_place_and_a_remedy()
     }
 }
 
+/// CRC-32 as in zlib, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for byte in bytes {
+        crc ^= u32::from(*byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { (crc >> 1) ^ 0xedb8_8320 } else { crc >> 1 };
+        }
+    }
+    !crc
+}
+
 #[test]
-fn a_job_that_needs_an_override_is_refused() {
+fn a_job_that_needs_the_override_writes_its_moves_beside_the_program() {
     let job = root().join("examples/ibr-slot/job.toml").display().to_string();
     let scratch = Scratch::new("linuxcnc-mode");
     let output = run(&["adapt", &job, "--for", "linuxcnc", "-o", &scratch.path("out.ngc")]);
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(stderr.contains("rewrite-only") && scratch.files().is_empty(), "{stderr}");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(scratch.files(), ["out.ngc", "out.ngc.arcfeed"]);
+    let [program, prepared] =
+        ["out.ngc", "out.ngc.arcfeed"].map(|file| std::fs::read(scratch.path(file)).expect("it is written"));
+    assert!(String::from_utf8_lossy(&program).contains("\nM52 P1\n"), "adaptive feed is on");
+    let number = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|byte| prepared[at + byte]));
+    assert_eq!(prepared[..4], *b"AFPR");
+    assert_eq!((number(8), number(12)), (crc32(&program), program.len() as u32));
 }
