@@ -12,11 +12,9 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 #[path = "../rs274/canonical.rs"]
 mod canonical;
 
-#[path = "../rs274/moves.rs"]
-mod moves;
-
 use canonical::theirs;
-use moves::{Move, moving, off_mm, ours};
+
+use crate::moves_rs274::moves::{self, Move, moving, off_mm, ours};
 
 const CORPUS: &str = "tests/corpus/everyday";
 /// Half of the last decimal that rs274 prints in inches, and our nanometre, for a sum of two.

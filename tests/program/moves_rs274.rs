@@ -9,7 +9,7 @@ use arcfeed_units::{LengthUnit, Micros, MmPerMin, Nm};
 use moves::{CLEARANCE, Move, moving, off_mm, ours};
 
 #[path = "../rs274/moves.rs"]
-mod moves;
+pub mod moves;
 
 /// Half of the last decimal that rs274 prints, in inches where the program is.
 const PRINTED_MM: f64 = 0.000_05 * 25.4;

@@ -137,11 +137,8 @@ fn along_contours(scratch: &Scratch, job: &str) -> BTreeSet<String> {
     scratch.write("machine.toml", "unit = 'mm'\n[radius]\n1 = 2.0\n");
     let job = job.replace("roll.nc", "contour.nc");
     let rewriting = job.replace("limits =", "override = { mode = 'rewrite-only' }\nlimits =");
-    let jobs = [
-        job.clone(),
-        rewriting.clone(),
-        rewriting.replace("limits =", "control = { settings = 'machine.toml' }\nlimits ="),
-    ];
+    let jobs =
+        [job, rewriting.clone(), rewriting.replace("limits =", "control = { settings = 'machine.toml' }\nlimits =")];
     let blocks = jobs.iter().flat_map(|job| objects(&["adapt", &scratch.write("contour.toml", job)]).1);
     blocks.map(|block| block["reason"].to_string()).collect()
 }
