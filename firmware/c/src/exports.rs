@@ -102,9 +102,9 @@ pub unsafe extern "C" fn arcfeed_create(
 pub unsafe extern "C" fn arcfeed_discard(controller: *mut ArcfeedController) -> ArcfeedStatus {
     // SAFETY: as required of the caller; nothing needs to be dropped.
     unsafe {
-        with(controller, |_, _| ArcfeedStatus::Ok).and_then(|_| {
+        with(controller, |_, _| ArcfeedStatus::Ok).map(|_| {
             ptr::addr_of_mut!((*controller.cast::<Block>()).magic).write(0);
-            Ok(ArcfeedStatus::Ok)
+            ArcfeedStatus::Ok
         })
     }
     .unwrap_or_else(|status| status)

@@ -227,8 +227,8 @@ fn load(controller: *mut ArcfeedController, bytes: &[u8]) -> ArcfeedStatus {
     // SAFETY: a controller, bytes and their length.
     unsafe {
         assert_eq!(arcfeed_begin_program(controller), ArcfeedStatus::Ok);
-        let parts = bytes.chunks(4).map(|part| arcfeed_load_program(controller, part.as_ptr(), part.len()));
-        parts.last().unwrap_or(ArcfeedStatus::Incomplete)
+        let load_part = |part: &[u8]| arcfeed_load_program(controller, part.as_ptr(), part.len());
+        bytes.chunks(4).fold(ArcfeedStatus::Incomplete, |_, part| load_part(part))
     }
 }
 
