@@ -3,20 +3,20 @@
 //! ```text
 //! feed = F dial adaptive                      dial: the control's own override; adaptive: 0 to 1, this output      (1)
 //! ```
-//! A feed above F needs a dial above 1. While the laws have the override the dial is raised to [`RAISED`], and
+//! A feed above F needs a dial above 1. While the laws have the override the dial is raised to `RAISED`, and
 //!
 //! ```text
 //! adaptive = override / max(RAISED, dial)     so feed <= F override for each dial                                  (2)
 //! ```
 //! The dial is raised only then. It changes with the delay of a user interface; (2) therefore applies from the request
-//! until the dial has read 1 or less for [`SETTLING`]. In between the feed is at most F override, whatever the dial is.
+//! until the dial has read 1 or less for `SETTLING`. In between the feed is at most F override, whatever the dial is.
 //! A control on which the laws never act thus has its dial at 1 and an adaptive feed of 1.
 //!
-//! A rapid is not slowed down by the factor of [`RAISED`], except towards its end: the control applies the dial to the
+//! A rapid is not slowed down by the factor of `RAISED`, except towards its end: the control applies the dial to the
 //! first period of the next feed move, before its type can be known here.
 //!
 //! (2) fails if the control does not apply this output (M52 P0). While the dial is raised it is a fault if both the
-//! velocity that the control commands and the present one are above F override for [`EXCESS`]: the output is not in
+//! velocity that the control commands and the present one are above F override for `EXCESS`: the output is not in
 //! force, and no axis may feed. Only the present velocity is above it while the axes brake, and only the commanded one
 //! where an axis limits the feed.
 
