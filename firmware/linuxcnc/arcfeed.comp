@@ -173,15 +173,15 @@ static void _(Pins *pins, long period) {
     arcfeed_tick(controller, &in, &out);
     const ArcfeedAdaptiveInput control = {
         .dial_ratio = *pins->feed_override,
-        .current_velocity = *pins->current_velocity,
-        .commanded_velocity = *pins->commanded_velocity,
-        .requested_velocity = *pins->requested_velocity,
-        .remaining_distance = *pins->distance_to_go,
+        .current_units_per_s = *pins->current_velocity,
+        .commanded_units_per_s = *pins->commanded_velocity,
+        .requested_units_per_s = *pins->requested_velocity,
+        .remaining_units = *pins->distance_to_go,
         .dt_us = dt_us,
         .motion_type = *pins->motion_type,
     };
     arcfeed_adaptive_feed(controller, &control, &feed);
-    *pins->adaptive_feed = feed.adaptive_feed;
+    *pins->adaptive_feed = feed.adaptive_feed_ratio;
     *pins->dial_percent = feed.dial_percent;
     *pins->feed_inhibit = feed.feed_inhibit;
     put(pins, &out);

@@ -26,8 +26,13 @@ const ALONE: [(&str, &[&str]); 5] = [
 const MEASURING: [&str; 3] = ["arcfeed-dexel", "arcfeed-modal", "arcfeed-milling"];
 
 /// Files or folders in which the host composes the simulator for `sim:`.
-const COMPOSITION_ROOT: [&str; 4] =
-    ["host/src/commands/stream", "host/src/commands/simulate", "host/src/commands/engage", "host/src/commands/serve"];
+const COMPOSITION_ROOT: [&str; 5] = [
+    "host/src/commands/stream",
+    "host/src/commands/simulate",
+    "host/src/commands/engage",
+    "host/src/commands/serve",
+    "host/src/commands/measure",
+];
 
 /// Lints against panics.
 const PANICS: [&str; 4] = ["unwrap_used", "expect_used", "panic", "indexing_slicing"];

@@ -238,13 +238,13 @@ typedef struct ArcfeedAdaptiveInput {
   // The control's own feed override in use, as a ratio.
   double dial_ratio;
   // Velocity along the path at present, in any unit per second.
-  double current_velocity;
+  double current_units_per_s;
   // Velocity that the control commands: F with all of its overrides, in the same unit.
-  double commanded_velocity;
+  double commanded_units_per_s;
   // Velocity of F without any override, in the same unit.
-  double requested_velocity;
+  double requested_units_per_s;
   // Distance to the end of the move, in that unit's length; 0 if it is not known.
-  double remaining_distance;
+  double remaining_units;
   // Time since the last call, us.
   uint32_t dt_us;
   // LinuxCNC's `motion.motion-type`: 0 idle, 1 rapid, 2 line, 3 arc.
@@ -254,7 +254,7 @@ typedef struct ArcfeedAdaptiveInput {
 // Outputs of the combination.
 typedef struct ArcfeedAdaptiveOutput {
   // Reduction for the control's input, 0 to 1.
-  double adaptive_feed;
+  double adaptive_feed_ratio;
   // Value to which the control's own override is to be set when this number changes, %.
   int32_t dial_percent;
   // 1 if no axis may feed.

@@ -67,7 +67,7 @@ impl AdaptiveFeed {
         let has_failed = self.has_excess(override_ratio, input);
         let is_faulted = matches!(state, State::Faulted { .. });
         let divisor = if self.is_raised { dial.max(RAISED) } else { 1.0 };
-        let adaptive_feed = if is_faulted || has_failed {
+        let adaptive_feed_ratio = if is_faulted || has_failed {
             0.0
         } else if self.is_free_rapid(input) {
             1.0
@@ -76,7 +76,7 @@ impl AdaptiveFeed {
         };
         let dial_percent = i32::from(self.dial_percent.unwrap_or(PERCENT as u8));
         let feed_inhibit = u8::from(is_faulted || has_failed);
-        (ArcfeedAdaptiveOutput { adaptive_feed, dial_percent, feed_inhibit }, has_failed)
+        (ArcfeedAdaptiveOutput { adaptive_feed_ratio, dial_percent, feed_inhibit }, has_failed)
     }
 
     /// Requests the dial: the operator's reduction keeps its share.
@@ -100,8 +100,8 @@ impl AdaptiveFeed {
     /// Whether a rapid is far from its end. Once it is not, it stays so until the distance grows: another move, whose
     /// type is known a period later.
     fn is_free_rapid(&mut self, input: &ArcfeedAdaptiveInput) -> bool {
-        let remaining = input.remaining_distance;
-        let is_far = remaining > 0.0 && remaining > input.current_velocity * RAPID_END_S;
+        let remaining = input.remaining_units;
+        let is_far = remaining > 0.0 && remaining > input.current_units_per_s * RAPID_END_S;
         let same = self.rapid.filter(|(before, _)| remaining <= *before);
         let is_ending = same.is_some_and(|(_, was_ending)| was_ending) || !is_far;
         self.rapid = (input.motion_type == RAPID).then_some((remaining, is_ending));
@@ -109,9 +109,9 @@ impl AdaptiveFeed {
     }
 
     fn has_excess(&mut self, override_ratio: f32, input: &ArcfeedAdaptiveInput) -> bool {
-        let highest = input.requested_velocity * f64::from(override_ratio) * EXCESS_RATIO;
-        let is_feed = FEEDS.contains(&input.motion_type) && input.requested_velocity > 0.0;
-        let is_above = input.commanded_velocity > highest && input.current_velocity > highest;
+        let highest = input.requested_units_per_s * f64::from(override_ratio) * EXCESS_RATIO;
+        let is_feed = FEEDS.contains(&input.motion_type) && input.requested_units_per_s > 0.0;
+        let is_above = input.commanded_units_per_s > highest && input.current_units_per_s > highest;
         let has_excess = self.is_raised && is_feed && is_above;
         self.excess_for = if has_excess { self.excess_for.longer_by(Span(input.dt_us)) } else { Span(0) };
         self.excess_for > EXCESS

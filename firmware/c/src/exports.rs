@@ -239,7 +239,7 @@ pub unsafe extern "C" fn arcfeed_adaptive_feed(
     unsafe {
         let combined =
             value(input).and_then(|input| with(controller, |controller, _| controller.adaptive_feed(&input)));
-        let stopped = ArcfeedAdaptiveOutput { adaptive_feed: 0.0, dial_percent: 0, feed_inhibit: 1 };
+        let stopped = ArcfeedAdaptiveOutput { adaptive_feed_ratio: 0.0, dial_percent: 0, feed_inhibit: 1 };
         let (values, status) = combined.map_or_else(|status| (stopped, status), |values| (values, ArcfeedStatus::Ok));
         write(output, values, status)
     }

@@ -156,13 +156,13 @@ pub struct ArcfeedAdaptiveInput {
     /// The control's own feed override in use, as a ratio.
     pub dial_ratio: f64,
     /// Velocity along the path at present, in any unit per second.
-    pub current_velocity: f64,
+    pub current_units_per_s: f64,
     /// Velocity that the control commands: F with all of its overrides, in the same unit.
-    pub commanded_velocity: f64,
+    pub commanded_units_per_s: f64,
     /// Velocity of F without any override, in the same unit.
-    pub requested_velocity: f64,
+    pub requested_units_per_s: f64,
     /// Distance to the end of the move, in that unit's length; 0 if it is not known.
-    pub remaining_distance: f64,
+    pub remaining_units: f64,
     /// Time since the last call, us.
     pub dt_us: u32,
     /// LinuxCNC's `motion.motion-type`: 0 idle, 1 rapid, 2 line, 3 arc.
@@ -174,7 +174,7 @@ pub struct ArcfeedAdaptiveInput {
 #[repr(C)]
 pub struct ArcfeedAdaptiveOutput {
     /// Reduction for the control's input, 0 to 1.
-    pub adaptive_feed: f64,
+    pub adaptive_feed_ratio: f64,
     /// Value to which the control's own override is to be set when this number changes, %.
     pub dial_percent: i32,
     /// 1 if no axis may feed.

@@ -1,5 +1,7 @@
 //! Words of one block, as LinuxCNC reads them.
 
+mod m_codes;
+
 use std::collections::BTreeMap;
 
 use arcfeed_nc::modal::{Modal, MotionKind, Plane, Turn};
@@ -9,7 +11,7 @@ use arcfeed_nc::settings::Decimals;
 use arcfeed_nc::word::Word;
 use arcfeed_units::LengthUnit;
 
-use super::codes::{CodeGroup, FeedSource, GRule, OFFSET_REMEDY, g_rule, m_group};
+use super::codes::{CodeGroup, FeedSource, GRule, OFFSET_REMEDY, g_rule};
 
 /// Tolerance of the path at corners, in millimetres and in inches.
 const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
@@ -330,37 +332,6 @@ impl<'a> BlockEditor<'a> {
         let ms = word.number.as_whole().filter(|_| !word.number.has_point());
         let ms = ms.ok_or((word.column, "a dwell P is in milliseconds, without a decimal point; write it so"))?;
         self.edits.insert(word.column, format!("P{}", ms as f64 / 1e3));
-        Ok(())
-    }
-
-    /// M codes: LinuxCNC stops spindle and coolant before the move of their block, so those words follow behind it.
-    fn edit_m_codes(&mut self) -> Result<(), RefusedWord> {
-        let (mut groups, mut ends) = (Vec::new(), false);
-        for word in self.words().iter().filter(|word| word.letter == b'M') {
-            let code = word.number.as_whole().unwrap_or(-1);
-            let group = m_group(code).map_err(|remedy| (word.column, remedy))?;
-            if groups.contains(&group) {
-                return Err((
-                    word.column,
-                    "LinuxCNC takes one M code of a kind per block; write it in a block of its own",
-                ));
-            }
-            groups.push(group);
-            let is_end = matches!(code, 0..=2 | 30);
-            ends |= matches!(code, 5 | 9);
-            if self.has_axis() && (matches!(code, 5 | 9) || is_end) {
-                self.later += &format!("M{code} ");
-            }
-        }
-        if !ends {
-            self.later.clear();
-        }
-        for word in self.words().iter().filter(|word| word.letter == b'M') {
-            let is_late = matches!(word.number.as_whole(), Some(0..=2 | 5 | 9 | 30));
-            if !self.later.is_empty() && is_late {
-                self.drop_word(word);
-            }
-        }
         Ok(())
     }
 }

@@ -76,7 +76,7 @@ fn the_feed_is_never_above_the_override_whatever_the_delay_of_the_dial() {
             }
             (output, _) = adaptive.update(&state, level, &input(control.reading(age)));
             // A person who turns the own dial up while no law is engaged has what they asked for.
-            let feed = output.adaptive_feed * control.dial;
+            let feed = output.adaptive_feed_ratio * control.dial;
             assert!(
                 feed <= f64::from(level).max(0.0) * (1.0 + 1e-12),
                 "seed {seed}, {now} ms, {state:?}: {feed} {level}"
@@ -101,9 +101,10 @@ fn a_reduction_of_the_dial_keeps_its_share() {
 #[test]
 fn the_dial_counts_as_lowered_only_after_it_has_read_so_for_a_second() {
     let mut adaptive = AdaptiveFeed::default();
-    assert_eq!(adaptive.update(&State::Idle, 1.0, &input(1.0)).0.adaptive_feed, 1.0);
-    assert_eq!(adaptive.update(&State::Armed, 1.0, &input(1.0)).0.adaptive_feed, 0.5);
-    let lowered = |adaptive: &mut AdaptiveFeed, dial| adaptive.update(&DISARMED, 1.0, &input(dial)).0.adaptive_feed;
+    assert_eq!(adaptive.update(&State::Idle, 1.0, &input(1.0)).0.adaptive_feed_ratio, 1.0);
+    assert_eq!(adaptive.update(&State::Armed, 1.0, &input(1.0)).0.adaptive_feed_ratio, 0.5);
+    let lowered =
+        |adaptive: &mut AdaptiveFeed, dial| adaptive.update(&DISARMED, 1.0, &input(dial)).0.adaptive_feed_ratio;
     for dial in [1.0; 999] {
         assert_eq!(lowered(&mut adaptive, dial), 0.5);
     }
@@ -115,16 +116,16 @@ fn the_dial_counts_as_lowered_only_after_it_has_read_so_for_a_second() {
 fn a_dial_above_two_and_one_that_is_no_number_never_raise_the_feed() {
     for (dial, expected) in [(2.0, 0.75), (4.0, 0.375), (f64::NAN, 0.0), (-1.0, 0.0), (f64::INFINITY, 0.0)] {
         let mut adaptive = AdaptiveFeed::default();
-        assert_eq!(adaptive.update(&State::Running, 1.5, &input(dial)).0.adaptive_feed, expected, "{dial}");
+        assert_eq!(adaptive.update(&State::Running, 1.5, &input(dial)).0.adaptive_feed_ratio, expected, "{dial}");
     }
 }
 
 #[test]
 fn an_output_that_is_not_in_force_stops_the_feed() {
-    let at = |commanded_velocity, current_velocity| ArcfeedAdaptiveInput {
-        commanded_velocity,
-        current_velocity,
-        requested_velocity: 10.0,
+    let at = |commanded_units_per_s, current_units_per_s| ArcfeedAdaptiveInput {
+        commanded_units_per_s,
+        current_units_per_s,
+        requested_units_per_s: 10.0,
         ..input(2.0)
     };
     for (commanded, current, fails) in [
@@ -143,9 +144,9 @@ fn an_output_that_is_not_in_force_stops_the_feed() {
     }
     let mut adaptive = AdaptiveFeed::default();
     let outputs: Vec<_> = (0..6).map(|_| adaptive.update(&State::Running, 1.0, &at(20.0, 20.0)).0).collect();
-    assert_eq!((outputs[5].adaptive_feed, outputs[5].feed_inhibit), (0.0, 1));
+    assert_eq!((outputs[5].adaptive_feed_ratio, outputs[5].feed_inhibit), (0.0, 1));
     let (faulted, _) = adaptive.update(&State::Faulted { fault: BoardFault::Hardware }, 0.0, &at(0.0, 0.0));
-    assert_eq!((faulted.adaptive_feed, faulted.feed_inhibit), (0.0, 1));
+    assert_eq!((faulted.adaptive_feed_ratio, faulted.feed_inhibit), (0.0, 1));
     // Without a raised dial the operator may do as ever.
     let mut idle = AdaptiveFeed::default();
     assert!((0..50).all(|_| !idle.update(&State::Idle, 1.0, &at(20.0, 20.0)).1));
@@ -155,9 +156,9 @@ fn an_output_that_is_not_in_force_stops_the_feed() {
 #[test]
 fn a_rapid_is_fast_until_half_a_second_before_its_end_and_the_next_move_never_begins_fast() {
     let mut adaptive = AdaptiveFeed::default();
-    let mut feed = |motion_type, remaining_distance, current_velocity| {
-        let input = ArcfeedAdaptiveInput { motion_type, remaining_distance, current_velocity, ..input(2.0) };
-        adaptive.update(&State::Armed, 1.0, &input).0.adaptive_feed
+    let mut feed = |motion_type, remaining_units, current_units_per_s| {
+        let input = ArcfeedAdaptiveInput { motion_type, remaining_units, current_units_per_s, ..input(2.0) };
+        adaptive.update(&State::Armed, 1.0, &input).0.adaptive_feed_ratio
     };
     let fed = [(0, 0.0, 0.0), (1, 20.0, 0.0), (1, 19.9, 1.0), (1, 10.0, 19.0), (1, 9.0, 18.1), (1, 8.9, 1.0)];
     assert_eq!(fed.map(|(motion, left, velocity)| feed(motion, left, velocity)), [0.5, 0.5, 1.0, 1.0, 0.5, 0.5]);

@@ -361,7 +361,7 @@ fn every_misuse_has_an_error() {
             assert_eq!(arcfeed_moves(wrong), 0);
             assert_eq!(arcfeed_tick(wrong, &input, &raw mut output), status);
             assert_eq!(arcfeed_adaptive_feed(wrong, &ArcfeedAdaptiveInput::default(), &raw mut feed), status);
-            assert_eq!((output.override_percent, feed.adaptive_feed, feed.feed_inhibit), (0, 0.0, 1));
+            assert_eq!((output.override_percent, feed.adaptive_feed_ratio, feed.feed_inhibit), (0, 0.0, 1));
         }
         assert_eq!(arcfeed_load_page(controller, ptr::null(), 8), ArcfeedStatus::Null);
         assert_eq!(arcfeed_load_page(controller, [0_u8; 8].as_ptr(), usize::MAX), ArcfeedStatus::Size);
