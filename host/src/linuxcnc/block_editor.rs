@@ -15,6 +15,7 @@ use super::codes::{CodeGroup, FeedSource, GRule, OFFSET_REMEDY, g_rule};
 
 /// Tolerance of the path at corners, in millimetres and in inches.
 const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
+const NO_CORNER: &str = "LinuxCNC inserts no chamfer or rounded corner; write it as a block of its own";
 const UNUSED: &str = "LinuxCNC has no use for this word here; remove it";
 
 /// Refused word: its column, and the remedy.
@@ -290,6 +291,7 @@ impl<'a> BlockEditor<'a> {
             (b'H', _) if state(3) == Some(490) || self.modal.length_sign == 0 => self.drop_word(word),
             (b'D', _) if matches!(state(2), Some(410 | 420)) => {}
             (b'D', _) if self.modal.compensation.is_none() => self.drop_word(word),
+            (b',', _) => return Err((word.column, NO_CORNER)),
             _ => return Err((word.column, UNUSED)),
         }
         Ok(())
