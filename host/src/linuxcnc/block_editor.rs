@@ -8,7 +8,7 @@ use arcfeed_nc::modal::{Modal, MotionKind, Plane, Turn};
 use arcfeed_nc::number::Number;
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::settings::Decimals;
-use arcfeed_nc::word::Word;
+use arcfeed_nc::word::{CHAMFER, ROUNDING, Word};
 use arcfeed_units::LengthUnit;
 
 use super::codes::{CodeGroup, FeedSource, GRule, OFFSET_REMEDY, g_rule};
@@ -291,7 +291,7 @@ impl<'a> BlockEditor<'a> {
             (b'H', _) if state(3) == Some(490) || self.modal.length_sign == 0 => self.drop_word(word),
             (b'D', _) if matches!(state(2), Some(410 | 420)) => {}
             (b'D', _) if self.modal.compensation.is_none() => self.drop_word(word),
-            (b',', _) => return Err((word.column, NO_CORNER)),
+            (CHAMFER | ROUNDING, _) => return Err((word.column, NO_CORNER)),
             _ => return Err((word.column, UNUSED)),
         }
         Ok(())
