@@ -1,8 +1,8 @@
 //! Moves of the tool centre under G41 and G42, line by line, as a control executes them.
 //!
 //! The end of a move depends on the corner behind it. Therefore this reader is ahead of the lines that are planned, by as
-//! many blocks as a control reads together. A block-delete switch (`/`) may change the corners of a contour, so the rest of a
-//! contour behind one is not known.
+//! many blocks as a control reads together. A block-delete switch (`/`) may change the corners of a contour, and a chamfer or
+//! rounded corner (`,C`, `,R`) does, so the rest of a contour from such a block on is not known.
 
 use std::collections::VecDeque;
 
@@ -141,8 +141,10 @@ impl<'a> OffsetMoves<'a> {
         let command = ContourCommand::of(&self.line, self.reader.modal(), self.reader.tables());
         let sign = side_sign(self.reader.modal());
         let is_unknown = self.line.step.motion.is_some() && self.line.segment.is_none();
-        let is_deleted = self.line.parsed.block.delete.is_some() && (sign != 0 || self.compensator.is_active());
-        if is_unknown || is_deleted || (self.is_lost && sign != 0) {
+        // A chamfer or rounded corner has the feed of its block, and is not among these moves.
+        let is_other = self.line.parsed.block.delete.is_some() || self.line.step.corner.is_some();
+        let is_other_contour = is_other && (sign != 0 || self.compensator.is_active());
+        if is_unknown || is_other_contour || (self.is_lost && sign != 0) {
             self.lose();
             return;
         }
