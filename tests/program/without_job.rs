@@ -117,6 +117,20 @@ fn a_contour_under_compensation_needs_the_radius_of_its_d() {
 }
 
 #[test]
+fn a_corner_in_a_contour_has_the_feed_of_its_block_so_no_law_governs_there() {
+    let scratch = Scratch::new("without-job-corner");
+    let settings = scratch.write("machine.toml", "unit = 'mm'\n[radius]\n7 = 5.0\n");
+    let options = ["--tool", "10", "--max", "150", "--settings", &settings];
+    let contour = "G90G94G21G17\nS5000M3\nG0X0Y0\nG41D7G1X20.F900.\nX40.\nG2X50.Y-10.J-10.\nG1X80.\nG40Y0\nM30\n";
+    // An outside arc of radius 10 with a centre path of 15: half as fast again.
+    let path = scratch.write("p.nc", contour);
+    assert_eq!(adapted(&path, &options), contour.replace("J-10.", "J-10.F1350.").replace("G1X80.", "G1X80.F900."));
+    let with_corner = contour.replace("J-10.", "J-10.,R2.");
+    let path = scratch.write("q.nc", &with_corner);
+    assert_eq!(adapted(&path, &options), with_corner);
+}
+
+#[test]
 fn the_floor_of_the_law_is_named_where_it_decides() {
     let scratch = Scratch::new("without-job-floor");
     let text = "G21G90G94G17\nS5000M3\nG0X0Y0Z0\nG3X2.Y0I1.F300.\nG3X4.6I1.3\nG2X6.6I1.\nG1X9.\nM30\n";
