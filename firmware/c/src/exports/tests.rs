@@ -1,6 +1,7 @@
 //! The calls as C makes them: the same results as the Rust controller to the bit, and an error for each misuse.
 
 use super::*;
+use crate::random::Random;
 use crate::values::{
     ARCFEED_NO_LINE, ARCFEED_NO_RULE, ARCFEED_PATH_CCW_XY, ARCFEED_PATH_CW_XY, ARCFEED_PATH_LINE, ARCFEED_SIGNAL_ARM,
     ARCFEED_SIGNAL_DISARM, ARCFEED_SIGNAL_FEED_HOLD, ARCFEED_STATE_ARMED, ARCFEED_STATE_FALLBACK,
@@ -47,18 +48,6 @@ impl Place {
         let status = unsafe { arcfeed_create(self.0.as_mut_ptr().cast(), size, &raw mut controller) };
         assert_eq!(status, ArcfeedStatus::Ok);
         controller
-    }
-}
-
-/// Random numbers (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (mixed ^ (mixed >> 31)) % end
     }
 }
 
