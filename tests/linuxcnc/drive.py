@@ -1,7 +1,8 @@
 """Screen of a LinuxCNC without one: runs an NC program, arms the component, takes a sample each servo period.
 
-Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, events ([seconds after the start,
-command, arguments]), seconds. Reports one JSON object a line.
+Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, events, seconds. Reports one JSON
+object a line. Events come in their order: [{"line": the line in execution}, command, arguments], or with {"after":
+seconds since the event before}. The machine is not in step with the clock of the wall, so that only a line gives its place.
 """
 
 import json
@@ -33,6 +34,10 @@ def press(name):
     set_pin(name, 1)
     time.sleep(0.1)
     set_pin(name, 0)
+
+
+def is_due(when, line, waited):
+    return line >= when["line"] if "line" in when else waited >= when["after"]
 
 
 def main():
@@ -85,14 +90,16 @@ def main():
         sampler = subprocess.Popen(["halsampler", "-c", "0", "-t"], stdout=file)
         time.sleep(0.2)
         command.auto(linuxcnc.AUTO_RUN, 0)
-        started, events = time.time(), sorted(wanted["events"])
+        started = last = time.time()
+        events = list(wanted["events"])
         time.sleep(0.5)
         while time.time() - started < wanted["seconds"]:
             stat.poll()
             report_errors()
-            while events and time.time() - started >= events[0][0]:
+            while events and is_due(events[0][0], stat.motion_line, time.time() - last):
                 _, name, *arguments = events.pop(0)
                 actions[name](*arguments)
+                last = time.time()
                 say(event=name, state=pin("arcfeed.state"), feed=pin("arcfeed.adaptive-feed"))
             if stat.interp_state == linuxcnc.INTERP_IDLE and not events:
                 break

@@ -87,6 +87,14 @@ impl Machine {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
+    /// Line of an arc of `program.ngc`, from 1; the first arc is number 0.
+    pub fn arc_line(&self, number: usize) -> usize {
+        let program = fs::read_to_string(self.path("program.ngc")).expect("the program");
+        let is_arc = |line: &str| line.contains("G2X") || line.contains("G3X");
+        let arcs = program.lines().enumerate().filter(|(_, line)| is_arc(line));
+        arcs.map(|(index, _)| index + 1).nth(number).expect("an arc")
+    }
+
     /// Runs `program.ngc`; `events` are as `drive.py` has them.
     pub fn run(&self, arms: bool, events: Value) -> Ran {
         let [program, samples, report, drive] =
@@ -100,8 +108,11 @@ impl Machine {
         let command = format!(
             "cd {folder} && HOME={folder} ARCFEED_DRIVE={drive} timeout -k 5 {SECONDS_MAX} linuxcnc headless.ini"
         );
-        let output = Command::new("su").args([USER, "-s", "/bin/sh", "-c", &command]).stdin(Stdio::null()).output();
-        let output = output.expect("su runs");
+        // Before the other tests: without a real-time kernel a component that gets no time has lost its link.
+        let mut nice = Command::new("nice");
+        let output =
+            nice.args(["-n", "-15", "su", USER, "-s", "/bin/sh", "-c", &command]).stdin(Stdio::null()).output();
+        let output = output.expect("nice runs");
         let text = fs::read_to_string(&report).unwrap_or_default();
         let reports: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("a report")).collect();
         let has_ended = reports.iter().any(|report| report.get("ended").is_some());
