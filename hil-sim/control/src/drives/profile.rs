@@ -19,8 +19,8 @@
 use super::brake::{Brake, Motion, fastest_within, fits};
 use super::limits::PathLimits;
 
-/// Halvings of a time interval, down to a billionth of a period.
-const HALVINGS_OF_TIME: usize = 30;
+/// Width of the interval of time that ends the halvings, as a fraction of a period.
+const NARROW_RATIO: f64 = 1e-9;
 /// Ratio of acceleration to speed below which the acceleration is set to zero. Halved every period, it would become
 /// subnormal, which is slow on processors.
 const NO_ACCELERATION_PER_S: f64 = 1e-290;
@@ -220,10 +220,15 @@ impl SpeedProfile<'_> {
         let Step { distance, motion, .. } = step;
         let left = |ahead: &Ahead| self.left(ahead) - distance;
         let arrives = |ahead: &Ahead| arrives(motion, &ahead.limits, left(ahead), self.here.jerk);
-        if motion.speed < 0.0 || !(eases(motion, &self.least()) || self.ahead.iter().all(arrives)) {
+        let least = self.least();
+        if motion.speed < 0.0 || !(eases(motion, &least) || self.ahead.iter().all(arrives)) {
             return Err(None);
         }
-        let fits = |ahead: &Ahead, speed: f64| fits(speed, motion, &ahead.limits_before, left(ahead) + EQUAL);
+        // Every span before allows at least this jerk.
+        let highest = motion.highest(least.jerk);
+        let fits = |ahead: &Ahead, speed: f64| {
+            highest <= speed || fits(speed, motion, &ahead.limits_before, left(ahead) + EQUAL)
+        };
         let is_secure = |ahead: &Ahead, safe: f64| settles(motion, ahead) <= left(ahead).max(0.0) && fits(ahead, safe);
         let too_fast = self.kept(keep).find(|(ahead, _)| !fits(ahead, ahead.speed)).map(|(ahead, _)| ahead);
         // From the end, because the axes can mostly rest there.
@@ -277,13 +282,13 @@ impl Step {
         };
         let root_s = newton(newton(newton(duration_s)));
         let near_s = NEAR_RATIO * duration_s;
-        let is_root = at(root_s - near_s).0 < distance && at(root_s + near_s).0 >= distance;
-        let (mut before, mut behind) = (0.0, duration_s);
-        for _ in 0..HALVINGS_OF_TIME {
+        let close = [root_s - near_s, root_s + near_s];
+        let is_root =
+            close[0] >= 0.0 && close[1] <= duration_s && at(close[0]).0 < distance && at(close[1]).0 >= distance;
+        let [mut before, mut behind] = if is_root { close } else { [0.0, duration_s] };
+        while behind - before > NARROW_RATIO * duration_s {
             let middle = 0.5 * (before + behind);
-            let is_far = is_root && (middle - root_s).abs() > near_s;
-            let is_before = if is_far { middle < root_s } else { at(middle).0 < distance };
-            if is_before { before = middle } else { behind = middle }
+            if at(middle).0 < distance { before = middle } else { behind = middle }
         }
         let (distance, motion) = at(behind);
         Step { distance, motion, left_s: duration_s - behind, period_motion: self.period_motion }
