@@ -141,11 +141,11 @@ impl<D: OverrideSource> Simulation<D> {
     /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
     pub fn step(&mut self) {
         self.now = self.now.after(STEP);
-        let before = self.control.active().map(|(count, segment)| (count, *segment));
+        let before = self.control.moves_begun();
         self.control.step(self.now, STEP, self.output.percent);
         let active = self.control.active().map(|(count, segment)| (count, *segment));
         self.context = self.control.context().copied().unwrap_or(self.context);
-        if let Some((count, segment)) = active.filter(|_| active != before) {
+        if let Some((count, segment)) = active.filter(|_| self.control.moves_begun() != before) {
             self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.context.origin)));
         }
         if active.is_none() {

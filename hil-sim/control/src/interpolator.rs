@@ -29,6 +29,7 @@ pub struct Interpolator {
     dry_run_mm_per_s: f64,
     queue: VecDeque<QueuedBlock>,
     active: Option<ActiveMove>,
+    moves_begun: u64,
     axes: [f64; AXES],
     position: Pose,
     commanded: MmPerMin,
@@ -72,6 +73,7 @@ impl Interpolator {
             dry_run_mm_per_s: f64::from(settings.dry_run_feed.0) / S_PER_MIN,
             queue: VecDeque::new(),
             active: None,
+            moves_begun: 0,
             axes: [0.0; AXES],
             position: Pose::default(),
             commanded: MmPerMin(0.0),
@@ -113,8 +115,7 @@ impl Interpolator {
         let QueuedBlock { block, prepared } = self.queue.pop_front()?;
         if let Some(prepared) = prepared {
             let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
-            self.active =
-                Some(ActiveMove { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
+            self.activate(ActiveMove { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
         }
         Some(block)
     }
@@ -124,8 +125,13 @@ impl Interpolator {
         let prepared = PreparedMove::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         if prepared.travel.length_mm > 0.0 {
-            self.active = Some(ActiveMove { prepared, done_mm: 0.0, count, context, ends_at_rest: true });
+            self.activate(ActiveMove { prepared, done_mm: 0.0, count, context, ends_at_rest: true });
         }
+    }
+
+    fn activate(&mut self, active: ActiveMove) {
+        self.active = Some(active);
+        self.moves_begun += 1;
     }
 
     /// Moves the axes for `dt_s` or to the end of the block; returns the remaining time.
@@ -188,6 +194,11 @@ impl Interpolator {
     /// The active move and the count of blocks executed up to and including it.
     pub fn active(&self) -> Option<(u32, &Segment)> {
         self.active.as_ref().map(|active| (active.count, &active.prepared.travel.segment))
+    }
+
+    /// Number of moves begun since power-on.
+    pub fn moves_begun(&self) -> u64 {
+        self.moves_begun
     }
 
     /// Context of the active move.

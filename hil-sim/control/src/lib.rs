@@ -265,6 +265,11 @@ impl Control {
         self.interpolator.active()
     }
 
+    /// Number of moves begun since power-on: the active move is another one when it has changed.
+    pub fn moves_begun(&self) -> u64 {
+        self.interpolator.moves_begun()
+    }
+
     /// Context of the active move.
     pub fn context(&self) -> Option<&MoveContext> {
         self.interpolator.context()

@@ -17,6 +17,8 @@ pub struct MoveLog {
     pub feeds: Curve,
     /// Measured chip load over its target.
     pub chips: Curve,
+    /// Moves that the control had begun at the last one logged.
+    moves_begun: u64,
 }
 
 /// One move of a run.
@@ -43,8 +45,9 @@ impl MoveLog {
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         let (now, control) = (simulation.now(), simulation.control());
         let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
-        if self.moves.last().is_none_or(|last| (last.block, &last.segment) != (block, segment)) {
+        if control.moves_begun() != self.moves_begun {
             let is_governed = simulation.rule().is_some();
+            self.moves_begun = control.moves_begun();
             self.moves.push(LoggedMove { block, segment: *segment, is_governed, began: now, feed_max_mm_per_min: 0.0 });
         }
         let Some(last) = self.moves.last_mut().filter(|last| last.segment.path != Path::Rapid) else { return };
