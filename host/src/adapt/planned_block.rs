@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
+use arcfeed_law::table::Table;
 use arcfeed_model::cut::{ContourSide, CutRule, Work};
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, LawKind};
@@ -33,7 +34,7 @@ pub struct PlannedBlock {
     pub segment: Segment,
     /// Conditions of its law there.
     pub contour: Option<ContourPlace>,
-    /// Index of the cut rule that fits it.
+    /// Index of the cut rule that fits it; `None` where the plunge law governs it.
     pub rule: Option<usize>,
     /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
     pub along: Option<EngagedTable>,
@@ -148,6 +149,11 @@ impl PlannedBlock {
         Some(Diagnostic::of_feed_kept(self.line, line, why))
     }
 
+    /// Whether the plunge law governs it.
+    pub fn is_governed_descent(&self) -> bool {
+        self.rule.is_none() && self.demand.is_some()
+    }
+
     /// As written in tables and JSON.
     pub fn kind(&self) -> &'static str {
         match self.segment.path {
@@ -161,6 +167,21 @@ impl PlannedBlock {
 
 /// Raise of a target that is the programmed F: the law counts in f32, and a factor of one must not round F down.
 const F32_MARGIN: f64 = 3e-7;
+
+/// Sets the feed of a move that descends along the tool's axis by the table of the plunge law, and the reason for that.
+/// Returns the answers of the law in all cells.
+pub fn govern_descent(
+    block: &mut PlannedBlock,
+    table: &Table,
+    job: &Job,
+    (spindle, unit): (RevPerMin, LengthUnit),
+) -> Option<Profile> {
+    let mut knots_mm = Vec::new();
+    table.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
+    let profile = Profile::ask(table, &MovePlaces::of(&block.segment), &knots_mm, &AskedCells::all());
+    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tools.first().tool.active_teeth());
+    plan_feed(block, &profile, job, (spindle, teeth_per_min, unit)).map(|_| profile)
+}
 
 /// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
 /// cells where the move may be cut into pieces.
@@ -181,7 +202,23 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let has_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
     let cells = if has_pieces { AskedCells::all() } else { AskedCells::deciding(&law, &places, &knots_mm) };
     let profile = Profile::ask(&law, &places, &knots_mm, &cells);
-    let Some(demand) = DemandRange::of(&profile, teeth_per_min) else {
+    let demand = plan_feed(block, &profile, job, (spindle, teeth_per_min, unit))?;
+    if matches!(block.reason, PlanReason::Law | PlanReason::LawInPart)
+        && is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand)
+    {
+        block.reason = PlanReason::LawFloor;
+    }
+    has_pieces.then_some(profile)
+}
+
+/// Sets the feed of a block by the answers of its law, and the reason for that.
+fn plan_feed(
+    block: &mut PlannedBlock,
+    profile: &Profile,
+    job: &Job,
+    (spindle, teeth_per_min, unit): (RevPerMin, f64, LengthUnit),
+) -> Option<DemandRange> {
+    let Some(demand) = DemandRange::of(profile, teeth_per_min) else {
         block.reason = PlanReason::NoDemand;
         return None;
     };
@@ -201,11 +238,10 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         Some(LimitedBy::ArcClamp) if is_limited => PlanReason::ArcClamp,
         Some(LimitedBy::Axis) if is_limited => PlanReason::Axis,
         Some(LimitedBy::Ceiling) if is_limited => PlanReason::FeedCeiling,
-        _ if is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand) => PlanReason::LawFloor,
         _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
-    has_pieces.then_some(profile)
+    Some(demand)
 }
 
 /// Whether the floor of the contour law decides. Its demand is then this share of the target, to the last bit.

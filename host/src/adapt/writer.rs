@@ -17,14 +17,15 @@ use arcfeed_units::{Nm, PERCENT};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
-use super::planned_block::{PlannedBlock, govern};
+use super::descents::{Descending, Descents};
+use super::planned_block::{PlannedBlock, govern, govern_descent};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
 use super::rule_match::match_move;
 use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
-use crate::job::JobFile;
+use crate::job::{JobFile, Plunge, SpindleLimits};
 use crate::program::ProgramLine;
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
@@ -42,6 +43,8 @@ pub struct Known<'a> {
     pub map: Option<&'a EngagementMap>,
     /// Accelerations of X, Y and Z.
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
+    /// The plunge law, with the limits of the spindle.
+    pub plunge: Option<(Plunge, SpindleLimits)>,
 }
 
 impl<'a> Known<'a> {
@@ -53,6 +56,7 @@ impl<'a> Known<'a> {
             map: file.map.as_ref(),
             accelerations_mm_per_s2: drives
                 .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
+            plunge: file.plunge.map(|plunge| (plunge, file.spindle)),
         }
     }
 }
@@ -95,6 +99,7 @@ pub(super) struct Writer<'a> {
     machine: Option<&'a Machine>,
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
+    descents: Option<Descents<'a>>,
     /// Lines so far.
     count: usize,
     feeds: FeedRewriter,
@@ -121,6 +126,7 @@ impl<'a> Writer<'a> {
             machine: known.machine,
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
+            descents: Descents::of(&known),
             count: 0,
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -196,7 +202,12 @@ impl<'a> Writer<'a> {
         let mut block = new();
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
         block.along = self.engagement_along(&segment, line.machining.tool);
-        let reason = match match_move(self.job, self.machine, line, &segment) {
+        let matched = match_move(self.job, self.machine, line, &segment);
+        let descent = self.descents.as_mut().and_then(|descents| descents.next(&segment, &matched));
+        if let Some(descent) = descent.filter(|_| under.is_none() && !line.follows_tip) {
+            return self.plan_descent(line, block, descent);
+        }
+        let reason = match matched {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             // Under G43.4 rotary axes turn as a matter of course.
@@ -226,6 +237,34 @@ impl<'a> Writer<'a> {
             block.rule = self.job.rule_for(&segment, line.machining.tool).map(|(index, _)| index);
             block.under = under;
         }
+        (block, None)
+    }
+
+    /// Plan of a descending move that no cut rule governs.
+    fn plan_descent(
+        &self,
+        line: &ProgramLine,
+        mut block: PlannedBlock,
+        descent: Descending<'_>,
+    ) -> (PlannedBlock, Option<Profile>) {
+        let setup = self.job.tools.first();
+        block.reason = match setup.speed(line.machining.spindle) {
+            _ if matches!(block.segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
+            _ if self.job.tool_in(line.machining.tool).is_none() => PlanReason::OtherTool,
+            _ if line.skipping.is_some() => PlanReason::BlockDelete,
+            _ if self.kept.contains(block.line) => PlanReason::FeedLeak,
+            _ if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
+            None => PlanReason::Spindle,
+            Some(spindle) => {
+                let profile = descent.table(setup, spindle).and_then(|table| {
+                    govern_descent(&mut block, &table, self.job, (spindle, self.modes.unit))
+                });
+                if profile.is_none() {
+                    block.reason = PlanReason::NoDemand;
+                }
+                return (block, profile);
+            }
+        };
         (block, None)
     }
 
