@@ -31,7 +31,8 @@ struct Law {
 #[derive(Clone, Copy, Debug)]
 pub struct Descending<'a> {
     law: Law,
-    sections: &'a [Section],
+    /// `None` if the map does not know the move.
+    pub sections: Option<&'a [Section]>,
     length_mm: f64,
     descent: Descent,
 }
@@ -51,7 +52,7 @@ impl<'a> Descents<'a> {
         if !descent.is_plunge() && !self.law.plunge.has_ramps {
             return None;
         }
-        let sections = self.lookup.next(segment)?;
+        let sections = self.lookup.next(segment);
         Some(Descending { law: self.law, sections, length_mm: segment.length_mm(), descent })
     }
 }
@@ -71,6 +72,6 @@ impl Descending<'_> {
             force,
             torque_max_n_m: torque_max_n_m(limits.torque_n_m, limits.power_w, f64::from(spindle.0)),
         };
-        law.table(self.sections, self.length_mm, (self.descent.sine, self.descent.is_plunge()))
+        law.table(self.sections?, self.length_mm, (self.descent.sine, self.descent.is_plunge()))
     }
 }

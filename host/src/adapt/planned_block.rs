@@ -25,6 +25,9 @@ use super::rewrite;
 use super::split::{ChipError, SentPiece, Whole};
 use crate::program::{Diagnostic, FeedKept, ProgramLine};
 
+/// Why a descending move under G93 keeps its feed.
+const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a feed per minute";
+
 /// One block with a move.
 #[derive(Clone, Debug)]
 pub struct PlannedBlock {
@@ -34,8 +37,10 @@ pub struct PlannedBlock {
     pub segment: Segment,
     /// Conditions of its law there.
     pub contour: Option<ContourPlace>,
-    /// Index of the cut rule that fits it; `None` where the plunge law governs it.
+    /// Index of the cut rule that fits it.
     pub rule: Option<usize>,
+    /// Whether the plunge law is to govern it; it has no cut rule then.
+    pub is_descent: bool,
     /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
     pub along: Option<EngagedTable>,
     /// Demand of the law along it.
@@ -72,6 +77,7 @@ impl PlannedBlock {
             segment,
             contour: None,
             rule: None,
+            is_descent: false,
             along: None,
             demand: None,
             sent: None,
@@ -139,19 +145,17 @@ impl PlannedBlock {
         sent < programmed && self.segment.length_mm() < (from * from - to * to) / (2.0 * acceleration_mm_per_s2)
     }
 
-    /// A warning of its line, where a cut rule speaks of it and it keeps its own feed all the same.
+    /// A warning of its line, where a law of the job is for it and it keeps its own feed all the same.
     pub fn left_alone(&self, line: &ProgramLine) -> Option<Diagnostic> {
-        self.rule?;
+        if self.rule.is_none() && !self.is_descent {
+            return None;
+        }
         let why = match (self.reason, self.under) {
             (PlanReason::Special, Some(under)) => FeedKept::Under(under),
+            (PlanReason::InverseTime, _) if self.is_descent => FeedKept::Because(INVERSE_TIME),
             (reason, _) => FeedKept::Because(reason.keeps_feed()?),
         };
         Some(Diagnostic::of_feed_kept(self.line, line, why))
-    }
-
-    /// Whether the plunge law governs it.
-    pub fn is_governed_descent(&self) -> bool {
-        self.rule.is_none() && self.demand.is_some()
     }
 
     /// As written in tables and JSON.

@@ -248,6 +248,7 @@ impl<'a> Writer<'a> {
         descent: Descending<'_>,
     ) -> (PlannedBlock, Option<Profile>) {
         let setup = self.job.tools.first();
+        block.is_descent = true;
         block.reason = match setup.speed(line.machining.spindle) {
             _ if matches!(block.segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             _ if self.job.tool_in(line.machining.tool).is_none() => PlanReason::OtherTool,
@@ -255,14 +256,16 @@ impl<'a> Writer<'a> {
             _ if self.kept.contains(block.line) => PlanReason::FeedLeak,
             _ if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
             None => PlanReason::Spindle,
+            Some(_) if descent.sections.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
+                let mut governed = block.clone();
                 let profile = descent.table(setup, spindle).and_then(|table| {
-                    govern_descent(&mut block, &table, self.job, (spindle, self.modes.unit))
+                    govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit))
                 });
-                if profile.is_none() {
-                    block.reason = PlanReason::NoDemand;
+                match profile {
+                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => return (governed, Some(profile)),
+                    _ => PlanReason::Overload,
                 }
-                return (block, profile);
             }
         };
         (block, None)
@@ -327,7 +330,8 @@ impl<'a> Writer<'a> {
         let teeth_per_min = block.teeth_per_min?;
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
         let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
-        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
+        let is_descent = block.is_descent;
+        let governed = Governed { line, segment, is_descent, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
         let split = governed.split(settings, &mut self.feeds)?;
         block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
         block.sent = split.pieces.iter().map(|piece| piece.feed).min();

@@ -192,7 +192,7 @@ impl<'a> Table<'a> {
             self.governed += 1;
             self.pieces += block.pieces.len();
         }
-        if block.rule.is_none() && block.demand.is_none() {
+        if block.rule.is_none() && !block.is_descent {
             return;
         }
         let figures = BlockFigures::new(block, self.job);
@@ -266,7 +266,7 @@ impl BlockFigures {
             rotation: rule.and_then(|rule| rotation_word(rule.moves)),
             side: rule.map(|rule| side_word(&rule.work)),
             tool: setup.and_then(|setup| setup.number),
-            law: setup.map(|setup| law_word(setup.law)).or(block.is_governed_descent().then_some(plunge::LAW)),
+            law: setup.map(|setup| law_word(setup.law)).or(block.is_descent.then_some(plunge::LAW)),
             programmed_feed: programmed.map(feed),
             sent_feed: block.sent.map(feed),
             feed_min: demand.map(|demand| demand.feed_min_mm_per_min / unit_mm),

@@ -56,6 +56,8 @@ pub struct Engage {
 struct Report {
     map: String,
     moves: Vec<MoveFigures>,
+    /// Descending moves with sections, and those of which nothing is known.
+    descents: [usize; 2],
     left_out: Vec<LeftOutBlocks>,
 }
 
@@ -92,12 +94,16 @@ impl Engage {
             )));
         };
         let meter = run(&file, &program, &setup)?;
-        let map = EngagementMap { descents: descents(&file, &setup, &program, &meter), ..map(&file, &program, &meter, self.alike)? };
+        let map = map(&file, &program, &meter, self.alike)?;
+        let map = EngagementMap { descents: descents(&file, &setup, (&program, self.alike), &meter), ..map };
         let left_out = meter.left_out().iter();
         let left_out = left_out.map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks));
         let report = Report {
             map: output.display().to_string(),
             moves: map.moves.iter().map(MoveFigures::new).collect(),
+            descents: [false, true].map(|is_unknown| {
+                map.descents.moves.iter().filter(|moved| moved.sections.is_empty() == is_unknown).count()
+            }),
             left_out: left_out.collect(),
         };
         write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
@@ -181,9 +187,15 @@ fn sections(file: &JobFile, setup: &Setup<'_>, plunge: Plunge) -> SectionSetting
 }
 
 /// Descending moves of the map, by the moves of the program.
-fn descents(file: &JobFile, setup: &Setup<'_>, program: &Program, meter: &EngagementMeter) -> MappedDescents {
+fn descents(
+    file: &JobFile,
+    setup: &Setup<'_>,
+    (program, positions_alike): (&Program, bool),
+    meter: &EngagementMeter,
+) -> MappedDescents {
     let planned = adapt(program, &file.job).blocks;
     let mut found = meter.descents();
+    let mut by_way = HashMap::new();
     let moves = planned.iter().filter_map(|block| {
         let key = key(&block.segment);
         let moved = found.clone().position(|moved| self::key(&moved.segment) == key).and_then(|at| found.nth(at))?;
@@ -192,7 +204,9 @@ fn descents(file: &JobFile, setup: &Setup<'_>, program: &Program, meter: &Engage
             end_mm2: sample.end_mm2,
             side_mm2: sample.side_mm2,
         };
-        let sections = moved.samples.iter().map(section).collect();
+        let own: Vec<Section> = moved.samples.iter().map(section).collect();
+        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
+        let sections = if own.is_empty() && positions_alike { known.clone() } else { own };
         Some(MappedDescent { line: program.line_in_file(block.line), sequence: block.segment.sequence, key, sections })
     });
     MappedDescents { force: setup.force.unwrap_or_default(), moves: moves.collect() }
@@ -217,7 +231,7 @@ impl Report {
             let (outer, inner) = (range(*outer_deg), range(*inner_deg));
             say(format_args!("{line:>7}  {n:<7}{knots:>7}{outer:>20}{inner:>20}"));
         }
-        let unknown = self.moves.iter().filter(|found| found.knots == 0).count();
+        let unknown = self.moves.iter().filter(|found| found.knots == 0).count() + self.descents[1];
         for left_out in &self.left_out {
             note(format_args!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words()));
         }
@@ -227,7 +241,11 @@ impl Report {
                  positions of the rotary axes: --alike)"
             ));
         }
-        say(format_args!("{}: {} moves", self.map, self.moves.len()));
+        let descents = match self.descents {
+            [0, 0] => String::new(),
+            [known, _] => format!(", {known} descending moves"),
+        };
+        say(format_args!("{}: {} moves{descents}", self.map, self.moves.len()));
     }
 }
 

@@ -157,7 +157,7 @@ impl KeptMoves {
     /// Adds a block if it is one of these moves; of the executions of a line the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
-        if block.rule.is_none() {
+        if block.rule.is_none() && !block.is_descent {
             return;
         }
         let mut number = block.line;
