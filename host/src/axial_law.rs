@@ -12,7 +12,16 @@
 //! exit    s <= a / 2 in the last millimetre of a plunge                              (4)
 //! ```
 //!
-//! No chip is thicker than the path per tooth, on a ramp either. In (2) both moments are the largest over a turn, so T and
+//! On a ramp an edge passes a place at the radius r later than the one before by more than a pitch, because the tool has
+//! moved across its axis meanwhile. Its chip is thicker by the ratio
+//!
+//! ```text
+//! q = s C z / (2 pi r)                                                               (5)
+//! ```
+//!
+//! at most. So (2) has s C (1 + q) on the side, and on the end the moment with r + q r in place of r, for the material as
+//! near to the axis as its moment allows: end + s C z / (2 pi) sqrt(2 end Z). Otherwise no chip is thicker than the path per
+//! tooth. In (2) both moments are the largest over a turn, so T and
 //! P hold for every tooth, not only in the mean. On the end of a ring all inserts count: thin chips have the larger specific
 //! force. With the mean moment Z area / (2 pi) and f = kc h, (2) is the torque kc F area / (2 pi n) and the power kc area F.
 //!
@@ -82,8 +91,13 @@ impl AxialLaw {
     /// Largest torque of a turn at a path per tooth. (2)
     pub fn torque_n_m(&self, path_mm: f64, section: &Section, sine: f64) -> f64 {
         let cosine = libm::sqrt((1.0 - sine * sine).max(0.0));
-        let end = self.force.n_per_mm(path_mm * self.edges.side * sine / self.edges.end) * section.end_mm2;
-        let side = if section.side_mm2 > 0.0 { self.force.n_per_mm(path_mm * cosine) * section.side_mm2 } else { 0.0 };
+        let Edges { side: side_edges, end: end_edges } = self.edges;
+        let across_mm = path_mm * cosine;
+        let late_mm = across_mm * side_edges / TAU; // (5)
+        let end_mm2 = section.end_mm2 + late_mm * libm::sqrt(2.0 * section.end_mm2 * end_edges);
+        let end = self.force.n_per_mm(path_mm * side_edges * sine / end_edges) * end_mm2;
+        let side_mm = across_mm * (1.0 + late_mm / (self.diameter_mm / 2.0));
+        let side = if section.side_mm2 > 0.0 { self.force.n_per_mm(side_mm) * section.side_mm2 } else { 0.0 };
         (end + side) / MM_PER_M
     }
 
@@ -115,7 +129,10 @@ impl AxialLaw {
             };
             near(index).iter().map(of).try_fold(f64::INFINITY, |least, path_mm| Some(least.min(path_mm?)))
         });
-        below(&sections.iter().map(|section| section.at_mm).zip(values.collect::<Option<Vec<_>>>()?).collect::<Vec<_>>(), length_mm)
+        below(
+            &sections.iter().map(|section| section.at_mm).zip(values.collect::<Option<Vec<_>>>()?).collect::<Vec<_>>(),
+            length_mm,
+        )
     }
 
     /// End of the entry: the first place at which the section has its size within the tool's diameter behind the contact;
@@ -199,7 +216,10 @@ mod tests {
         let section = Section { at_mm: 0.0, end_mm2: 20.0, side_mm2: 10.0 };
         let law = law(5.0);
         let path_mm = law.path_mm(0.1, &section, 0.6).expect("a path");
-        let by_hand = 2_000.0 * (libm::pow(path_mm * 0.6, 0.75) * 20.0 + libm::pow(path_mm * 0.8, 0.75) * 10.0) / 1e3;
+        let late_mm = path_mm * 0.8 * 4.0 / TAU;
+        let end = libm::pow(path_mm * 0.6, 0.75) * (20.0 + late_mm * libm::sqrt(160.0));
+        let side = libm::pow(path_mm * 0.8 * (1.0 + late_mm / 5.0), 0.75) * 10.0;
+        let by_hand = 2_000.0 * (end + side) / 1e3;
         assert!((by_hand - 5.0).abs() < 1e-9, "{by_hand}");
         let table = law.table(&[section, Section { at_mm: 8.0, ..section }], 8.0, (0.6, false)).expect("a table");
         assert!((at(&table, 0.0) / path_mm - 1.0).abs() < 2e-6 && at(&table, 0.0) <= path_mm);
@@ -207,7 +227,10 @@ mod tests {
 
     #[test]
     fn a_material_that_rubs_above_the_limit_at_any_feed_has_no_table() {
-        let law = AxialLaw { force: TangentialForce { edge_n_per_mm: 100.0, exponent_ratio: 0.0, specific_mpa: 1.0 }, ..law(1.0) };
+        let law = AxialLaw {
+            force: TangentialForce { edge_n_per_mm: 100.0, exponent_ratio: 0.0, specific_mpa: 1.0 },
+            ..law(1.0)
+        };
         let section = |at_mm| Section { at_mm, end_mm2: 20.0, side_mm2: 0.0 };
         assert_eq!(law.table(&[section(0.0), section(8.0)], 8.0, (1.0, true)), None);
         assert_eq!(law.table(&[], 8.0, (1.0, true)), None);

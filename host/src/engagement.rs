@@ -273,7 +273,8 @@ mod tests {
 
     #[test]
     fn a_move_finds_the_next_of_its_kind_and_passes_those_that_never_come() {
-        let map = EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)], ..EngagementMap::default() };
+        let map =
+            EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)], ..EngagementMap::default() };
         let mut lookup = map.lookup();
         let path = |table: Option<&EngagedTable>| table.map(|table| table.knots()[1].travelled.0);
         assert_eq!(path(lookup.next(&line_to(7))), Some(2.0));

@@ -124,7 +124,8 @@ impl SectionSettings {
         let of_layer = |(slice, nth): (&Slice, i64)| {
             let sides = [(Edge::Outer, slice.outer_mm), (Edge::Inner, slice.inner_mm)];
             let sides = sides.into_iter().filter(|(_, radius_mm)| *radius_mm > 0.0);
-            let in_material = |(side, radius_mm)| radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), motion_rad);
+            let in_material =
+                |(side, radius_mm)| radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), motion_rad);
             layers.rise_mm() * sides.map(in_material).sum::<f64>()
         };
         slices.iter().zip(lowest..).map(of_layer).sum()

@@ -112,12 +112,12 @@ impl PlanReason {
             PlanReason::NeedsRewriting => Some(
                 "it is under G41 or G42, where a law works through F words only: write mode = \"rewrite-only\" in [override]",
             ),
-            PlanReason::Overload => {
-                Some("no feed of it keeps max_power and max_torque in [spindle]: the material rubs too much, or they are too low")
-            }
-            PlanReason::Unmapped => {
-                Some("the engagement map has no sections of it: make it anew with `arcfeed engage`, or see its warnings")
-            }
+            PlanReason::Overload => Some(
+                "no feed of it keeps max_power and max_torque in [spindle]: the material rubs too much, or they are too low",
+            ),
+            PlanReason::Unmapped => Some(
+                "the engagement map has no sections of it: make it anew with `arcfeed engage`, or see its warnings",
+            ),
             PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
             _ => None,
         }

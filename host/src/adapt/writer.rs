@@ -14,10 +14,10 @@ use arcfeed_nc::reader::Reader;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Nm, PERCENT};
 
+use super::descents::{Descending, Descents};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
-use super::descents::{Descending, Descents};
 use super::planned_block::{PlannedBlock, govern, govern_descent};
 use super::profile::Profile;
 use super::reason::PlanReason;
@@ -259,11 +259,13 @@ impl<'a> Writer<'a> {
             Some(_) if descent.sections.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
                 let mut governed = block.clone();
-                let profile = descent.table(setup, spindle).and_then(|table| {
-                    govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit))
-                });
+                let profile = descent
+                    .table(setup, spindle)
+                    .and_then(|table| govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit)));
                 match profile {
-                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => return (governed, Some(profile)),
+                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
+                        return (governed, Some(profile));
+                    }
                     _ => PlanReason::Overload,
                 }
             }
@@ -331,7 +333,8 @@ impl<'a> Writer<'a> {
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
         let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
         let is_descent = block.is_descent;
-        let governed = Governed { line, segment, is_descent, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
+        let governed =
+            Governed { line, segment, is_descent, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
         let split = governed.split(settings, &mut self.feeds)?;
         block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
         block.sent = split.pieces.iter().map(|piece| piece.feed).min();

@@ -143,9 +143,13 @@ impl MappedDescent {
         let rows = table.section.as_ref();
         let grows = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         if !grows || rows.iter().flatten().any(|number| !number.is_finite() || *number < -1.0) {
-            return Err(wrong(table.section.span().start, "the path must grow from section to section, with loads from 0"));
+            return Err(wrong(
+                table.section.span().start,
+                "the path must grow from section to section, with loads from 0",
+            ));
         }
-        let section = |[at_mm, end_mm2, side_mm2]: &[f64; 3]| Section { at_mm: *at_mm, end_mm2: *end_mm2, side_mm2: *side_mm2 };
+        let section =
+            |[at_mm, end_mm2, side_mm2]: &[f64; 3]| Section { at_mm: *at_mm, end_mm2: *end_mm2, side_mm2: *side_mm2 };
         Ok(MappedDescent { line: table.line, sequence: table.n, key, sections: rows.iter().map(section).collect() })
     }
 }

@@ -145,10 +145,12 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
         ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
         ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
-        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed" | plunge::LAW, ..) => Err(at(
-            &table.kind,
-            "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
-        )),
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed" | plunge::LAW, ..) => {
+            Err(at(
+                &table.kind,
+                "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
+            ))
+        }
         _ => Err(at(
             &table.kind,
             "no such law; write \"circumference\" (cup mills), \"contour\" or \"engagement\" (end mills), \"engaged-arc\", \

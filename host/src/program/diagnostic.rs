@@ -100,7 +100,9 @@ impl Diagnostic {
             FeedKept::Under(under) => {
                 format!("a cut rule matches {under}, but no law describes it: it keeps its programmed feed")
             }
-            FeedKept::Because(why) => format!("a law of the job is for this move, but it keeps its programmed feed: {why}"),
+            FeedKept::Because(why) => {
+                format!("a law of the job is for this move, but it keeps its programmed feed: {why}")
+            }
         };
         diagnostic
     }

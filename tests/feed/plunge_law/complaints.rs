@@ -50,8 +50,8 @@ fn descents_that_keep_their_feed_are_named() {
     assert!(run(&["engage", &job]).status.success());
     let output = run(&["adapt", &job]);
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("program.nc:9:") && said.contains("inverse time"), "{said}");
-    assert!(said.contains("program.nc:12:") && said.contains("block-delete"), "{said}");
+    assert!(output.status.success() && said.contains("program.nc:8:") && said.contains("inverse time"), "{said}");
+    assert!(said.contains("program.nc:11:") && said.contains("block-delete"), "{said}");
 }
 
 #[test]
@@ -66,6 +66,9 @@ fn a_torque_below_what_rubs_leaves_the_feed_and_says_so() {
     assert!(run(&["engage", &path]).status.success());
     let output = run(&["adapt", &path, "--json"]);
     let (text, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(text.lines().any(|line| line.contains("\"reason\":\"overload\"") && line.contains("\"sent_feed\":100.0")), "{text}");
+    assert!(
+        text.lines().any(|line| line.contains("\"reason\":\"overload\"") && line.contains("\"sent_feed\":100.0")),
+        "{text}"
+    );
     assert!(said.contains("no feed of it keeps max_power and max_torque"), "{said}");
 }

@@ -32,7 +32,6 @@ pub struct Found {
     /// After and before.
     pub loads: [Vec<Load>; 2],
     pub time_s: [f64; 2],
-    pub report: Value,
     /// `adapt --json`.
     pub adapted: Vec<Value>,
 }
@@ -72,7 +71,7 @@ impl PlungeJob<'_> {
         });
         let time_s = ["cycle_time_s", "baseline_cycle_time_s"].map(|key| report[key].as_f64().expect("a time"));
         let adapted = adapted.lines().map(|line| serde_json::from_str(line).expect("an object")).collect();
-        Found { loads, time_s, report, adapted }
+        Found { loads, time_s, adapted }
     }
 }
 

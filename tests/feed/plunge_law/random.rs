@@ -34,7 +34,8 @@ impl RandomPlunges {
         let (specific, exponent) = (between(random, 400.0, 2_500.0), between(random, 0.0, 0.3));
         let feed_per_tooth_mm = between(random, 0.02, 0.12);
         // The torque of a full section at the wanted chip, and a share of it.
-        let full_n_m = specific * libm::pow(feed_per_tooth_mm, 1.0 - exponent) * f64::from(teeth) * diameter * diameter / 8e3;
+        let full_n_m =
+            specific * libm::pow(feed_per_tooth_mm, 1.0 - exponent) * f64::from(teeth) * diameter * diameter / 8e3;
         let torque_n_m = full_n_m * between(random, 0.2, 1.3);
         let power_w = full_n_m * between(random, 0.2, 1.3) * std::f64::consts::TAU * f64::from(rev_per_min) / 60.0;
         let is_ring = random.u8(..3) == 0;
@@ -59,7 +60,9 @@ impl RandomPlunges {
             tool,
             workpiece: format!("{workpiece}\nstep = 0.4"),
             cutting: format!("{cutting}\naxial_depth = 3\nlayers = {}", random.u8(2..=6)),
-            spindle: format!("rev_per_min = {rev_per_min}\nmax_power = \"{power_w:.2} W\"\nmax_torque = \"{torque_n_m:.4} Nm\""),
+            spindle: format!(
+                "rev_per_min = {rev_per_min}\nmax_power = \"{power_w:.2} W\"\nmax_torque = \"{torque_n_m:.4} Nm\""
+            ),
             program: program(random, rev_per_min),
             feed_per_tooth_mm,
             max_raise: between(random, 1.0, 3.0),
@@ -113,7 +116,12 @@ fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
             program: &sample.program,
         };
         let found = job.found();
-        let context = || format!("program {seed}, {mode}\n{}\n{}\n{}\n{}", sample.tool, sample.cutting, sample.spindle, sample.program);
+        let context = || {
+            format!(
+                "program {seed}, {mode}\n{}\n{}\n{}\n{}",
+                sample.tool, sample.cutting, sample.spindle, sample.program
+            )
+        };
         for block in found.adapted.iter().filter(|block| block["law"] == "plunge") {
             let number = |key: &str| block[key].as_f64();
             let Some(sent) = number("sent_feed").filter(|_| number("feed_min").is_some()) else { continue };
@@ -122,7 +130,8 @@ fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
             assert!(sent > 0.0 && sent <= most_feed, "{sent} {most_feed}: {}", context());
         }
         let limits = [sample.power_w, sample.torque_n_m, sample.feed_per_tooth_mm * CHIP_RATIO];
-        let loads = [found.most(|load| load.power_w), found.most(|load| load.torque_n_m), found.most(|load| load.chip_mm)];
+        let loads =
+            [found.most(|load| load.power_w), found.most(|load| load.torque_n_m), found.most(|load| load.chip_mm)];
         above_before += usize::from(loads.iter().zip(limits).any(|(load, limit)| load[1] > limit));
         for ((load, limit), most) in loads.iter().zip(limits).zip(&mut most) {
             *most = most.max(load[0] / limit);

@@ -38,7 +38,8 @@ impl Stock {
         }
         if let Some([normal_rad, offset]) = self.half_plane {
             let along = libm::cos(angle_rad - normal_rad);
-            let [low, high] = if along > 0.0 { [offset / along, f64::INFINITY] } else { [f64::NEG_INFINITY, offset / along] };
+            let [low, high] =
+                if along > 0.0 { [offset / along, f64::INFINITY] } else { [f64::NEG_INFINITY, offset / along] };
             parts = parts.into_iter().flat_map(|part| without(part, [low, high])).collect();
         }
         parts
@@ -70,9 +71,11 @@ fn sections_beside_discs_and_half_planes_are_those_of_an_independent_program() {
         let (stock, radius_mm) = (Stock::of(&row), row.number("R_mm"));
         let section = EngagedSection::new(RAYS, |angle_rad| stock.parts(angle_rad, radius_mm));
         let mut found = vec![("area_mm2", section.area_mm2()), ("width_max_mm", section.width_max_mm())];
-        for (edges, [width, moment]) in
-            [(2, ["width_sum_z2", "moment_sum_z2"]), (3, ["width_sum_z3", "moment_sum_z3"]), (4, ["width_sum_z4", "moment_sum_z4"])]
-        {
+        for (edges, [width, moment]) in [
+            (2, ["width_sum_z2", "moment_sum_z2"]),
+            (3, ["width_sum_z3", "moment_sum_z3"]),
+            (4, ["width_sum_z4", "moment_sum_z4"]),
+        ] {
             found.push((width, section.width_sum_max_mm(edges)));
             found.push((moment, section.moment_sum_max_mm2(edges)));
         }
@@ -95,7 +98,9 @@ fn sections_beside_discs_and_half_planes_are_those_of_an_independent_program() {
             assert!((section.engaged_rad() - arc_rad).abs() < 2.01 * TAU / RAYS as f64);
         }
     }
-    println!("an_engagement: {values} values, largest error {worst:.1e}, of arcs {worst_deg:.4} deg; {crescents} crescents in closed form");
+    println!(
+        "an_engagement: {values} values, largest error {worst:.1e}, of arcs {worst_deg:.4} deg; {crescents} crescents in closed form"
+    );
     assert_eq!((values, crescents), (18 * 9, 3));
 }
 

@@ -9,7 +9,8 @@ pub struct Row(HashMap<String, String>);
 pub fn rows(text: &str) -> Vec<Row> {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let row = |line: &str| Row(names.iter().map(|name| (*name).to_owned()).zip(line.split(',').map(str::to_owned)).collect());
+    let row =
+        |line: &str| Row(names.iter().map(|name| (*name).to_owned()).zip(line.split(',').map(str::to_owned)).collect());
     lines.map(row).collect()
 }
 

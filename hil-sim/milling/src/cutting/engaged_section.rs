@@ -43,8 +43,8 @@ impl EngagedSection {
         let edge = |direction: usize| {
             let parts_mm = parts_mm((direction as f64 + 0.5) * TAU / directions as f64);
             EngagedEdge {
-                width_mm: parts_mm.iter().map(|[from, to]| to - from).sum(),                         // (1)
-                moment_mm2: parts_mm.iter().map(|[from, to]| (to * to - from * from) / 2.0).sum(),   // (2)
+                width_mm: parts_mm.iter().map(|[from, to]| to - from).sum(), // (1)
+                moment_mm2: parts_mm.iter().map(|[from, to]| (to * to - from * from) / 2.0).sum(), // (2)
             }
         };
         EngagedSection { by_direction: (0..directions).map(edge).collect() }
