@@ -7,6 +7,8 @@
 
 pub mod knot_cover;
 
+pub mod sections;
+
 use std::fmt::Write;
 use std::path::Path;
 
@@ -19,6 +21,7 @@ use toml::Spanned;
 use crate::checksum::fingerprint;
 use crate::file_error::FileError;
 use crate::place::place;
+use sections::{DescentTables, MappedDescents};
 
 /// Remedy for nearly every fault.
 const AGAIN: &str = "make the map anew with `arcfeed engage`";
@@ -28,6 +31,8 @@ const AGAIN: &str = "make the map anew with `arcfeed engage`";
 pub struct EngagementMap {
     /// Moves in the order of execution.
     pub moves: Vec<MappedMove>,
+    /// Descending moves with their sections, for the plunge law.
+    pub descents: MappedDescents,
 }
 
 /// Move of a map.
@@ -55,6 +60,7 @@ struct MapTable {
     made_of: Spanned<String>,
     #[serde(default)]
     r#move: Vec<MoveTable>,
+    plunge: Option<DescentTables>,
 }
 
 #[derive(Deserialize)]
@@ -129,7 +135,8 @@ impl EngagementMap {
             return Err((table.made_of.span().start, message));
         }
         let moves = table.r#move.iter().map(MappedMove::parse);
-        Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()? })
+        let descents = table.plunge.as_ref().map(MappedDescents::parse).transpose()?.unwrap_or_default();
+        Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()?, descents })
     }
 
     /// Text of the map's file.
@@ -151,6 +158,7 @@ impl EngagementMap {
                 let _ = writeln!(text, "engaged = [\n    {},\n]", rows.join(",\n    "));
             }
         }
+        self.descents.write(&mut text);
         text
     }
 
@@ -221,6 +229,7 @@ fn hex(text: &Spanned<String>) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use super::sections::{MappedDescent, Section, TangentialForce};
     use super::*;
     use arcfeed_nc::modal::{Feed, Pose};
 
@@ -237,16 +246,35 @@ mod tests {
         MappedMove { line: 3, sequence: Some(x), key: key(&line_to(x)), table }
     }
 
+    fn descents() -> MappedDescents {
+        let section = |at_mm, end_mm2| Section { at_mm, end_mm2, side_mm2: 0.125 };
+        let sections = vec![section(0.0, 0.0), section(1.5, 12.345)];
+        let known = MappedDescent { line: 4, sequence: Some(9), key: key(&line_to(2)), sections };
+        let unknown = MappedDescent { line: 6, sequence: None, key: key(&line_to(3)), sections: Vec::new() };
+        let force = TangentialForce { specific_mpa: 800.0, exponent_ratio: 0.25, edge_n_per_mm: 0.0 };
+        MappedDescents { force, moves: vec![known, unknown] }
+    }
+
+    #[test]
+    fn a_descending_move_finds_the_next_of_its_kind() {
+        let descents = descents();
+        let mut lookup = descents.lookup();
+        assert_eq!(lookup.next(&line_to(5)), None);
+        assert_eq!(lookup.next(&line_to(2)).map(<[Section]>::len), Some(2));
+        assert_eq!((lookup.next(&line_to(2)), lookup.next(&line_to(3))), (None, None));
+    }
+
     #[test]
     fn a_map_comes_back_to_the_bit() {
         let unknown = MappedMove { table: None, sequence: None, ..moved(9, 1.0) };
-        let map = EngagementMap { moves: vec![moved(5, 0.1), unknown, moved(7, 12.345_679)] };
+        let map = EngagementMap { moves: vec![moved(5, 0.1), unknown, moved(7, 12.345_679)], descents: descents() };
         assert_eq!(EngagementMap::parse(&map.text(77), 77), Ok(map));
     }
 
     #[test]
     fn a_move_finds_the_next_of_its_kind_and_passes_those_that_never_come() {
-        let map = EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)] };
+        let map =
+            EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)], ..EngagementMap::default() };
         let mut lookup = map.lookup();
         let path = |table: Option<&EngagedTable>| table.map(|table| table.knots()[1].travelled.0);
         assert_eq!(path(lookup.next(&line_to(7))), Some(2.0));
@@ -257,7 +285,7 @@ mod tests {
 
     #[test]
     fn what_is_no_map_of_this_is_refused_with_its_place() {
-        let text = EngagementMap { moves: vec![moved(5, 1.0)] }.text(77);
+        let text = EngagementMap { moves: vec![moved(5, 1.0)], ..EngagementMap::default() }.text(77);
         let said = |text: &str, made_of| {
             let (offset, message) = EngagementMap::parse(text, made_of).unwrap_err();
             format!("{:?} {message}", place(text, offset))

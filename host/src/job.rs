@@ -20,6 +20,8 @@ mod tool;
 
 mod spindle;
 
+pub mod plunge;
+
 mod rules;
 
 pub mod workpiece;
@@ -50,6 +52,7 @@ use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
+pub use plunge::Plunge;
 use schema::JobTable;
 pub(crate) use schema::Quantity;
 #[cfg(feature = "plan")]
@@ -96,6 +99,8 @@ pub struct JobFile {
     pub workpiece: Option<Workpiece>,
     /// Cutting edges and forces, if the job describes them.
     pub cutting: Option<Cutting>,
+    /// The law for descending moves, if the job has one.
+    pub plunge: Option<Plunge>,
     /// Limits of the spindle.
     pub spindle: SpindleLimits,
     /// The DNC line.
@@ -231,6 +236,7 @@ impl JobFile {
             map: None,
             workpiece: None,
             cutting: None,
+            plunge: None,
             spindle: SpindleLimits::default(),
             serial,
             dnc: DncSettings::default(),
@@ -308,6 +314,8 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
     let (map, rule_places) = (None, Vec::new());
+    let spindle = spindle::build(table)?;
+    let plunge = plunge::build(table, &job, &spindle)?;
     Ok(JobFile {
         job,
         program,
@@ -323,7 +331,8 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         map,
         workpiece,
         cutting,
-        spindle: spindle::build(table)?,
+        plunge,
+        spindle,
         serial,
         dnc,
         rule_places,

@@ -31,6 +31,8 @@ pub mod snippet;
 
 pub mod engagement;
 
+pub mod axial_law;
+
 pub mod job;
 
 #[cfg(feature = "plan")]

@@ -24,6 +24,8 @@ mod macros;
 
 mod main_job;
 
+mod plunge_law;
+
 mod pocket;
 
 mod progress_noise;

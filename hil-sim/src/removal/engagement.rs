@@ -28,6 +28,7 @@ use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
 use super::placement::{WorkpiecePlacement, between};
+use super::sections::{SectionSettings, SectionedMove, ToolAt, travelled_mm};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
@@ -56,6 +57,8 @@ pub struct EngagementSettings {
     pub rules: Vec<bool>,
     /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
+    /// Settings of the sections of descending moves; `None` without the plunge law.
+    pub sections: Option<SectionSettings>,
 }
 
 /// A move with the engaged arcs of the outer and the inner circle along it.
@@ -89,6 +92,8 @@ pub struct EngagementMeter {
     /// Position at which the material was cleared last.
     cleared_mm: Option<Vector>,
     moves: Vec<EngagedMove>,
+    /// Descending moves with the count of their blocks.
+    descents: Vec<(u32, SectionedMove)>,
     left_out: Vec<LeftOut>,
 }
 
@@ -124,18 +129,23 @@ impl EngagementMeter {
             last: None,
             cleared_mm: None,
             moves: Vec::new(),
+            descents: Vec::new(),
             left_out: Vec::new(),
         }
     }
 
     /// Processes a period of the run.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
-        let in_execution = BlockRef::in_execution(simulation).map(|(block, _)| block);
+        let executed = BlockRef::in_execution(simulation);
+        let in_execution = executed.map(|(block, _)| block);
         if self.last.is_some_and(|last| in_execution.is_some_and(|block| block != last.block)) {
             self.end();
         }
         if let Some(block) = in_execution.filter(|block| self.is_sampled(block)) {
             self.open(block);
+        }
+        if let Some((block, segment)) = executed {
+            self.open_descent(block, segment);
         }
         if let Some(period) = self.periods.observe(simulation) {
             self.process_period(&period);
@@ -146,12 +156,18 @@ impl EngagementMeter {
     pub fn end(&mut self) {
         if let Some(reached) = self.last.take() {
             self.sample(&reached, END_RATIO * self.settings.every_mm);
+            self.sample_section(&reached, END_RATIO * self.settings.every_mm);
         }
     }
 
     /// Moves with samples, in order of execution.
     pub fn moves(&self) -> &[EngagedMove] {
         &self.moves
+    }
+
+    /// Descending moves with their sections, in order of execution.
+    pub fn descents(&self) -> impl Iterator<Item = &SectionedMove> + Clone {
+        self.descents.iter().map(|(_, moved)| moved)
     }
 
     /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
@@ -169,6 +185,17 @@ impl EngagementMeter {
         }
     }
 
+    fn open_descent(&mut self, block: BlockRef, segment: &Segment) {
+        let is_open = self.descents.last().is_some_and(|(count, _)| *count == block.count);
+        if !is_open && self.settings.sections.is_some_and(|sections| sections.include(segment)) {
+            self.descents.push((block.count, SectionedMove { segment: *segment, samples: Vec::new() }));
+        }
+    }
+
+    fn is_descent(&self, block: &BlockRef) -> bool {
+        self.descents.last().is_some_and(|(count, _)| *count == block.count)
+    }
+
     fn process_period(&mut self, Period { section, segment, axes }: &Period) {
         let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
             None => return,
@@ -180,10 +207,11 @@ impl EngagementMeter {
         for step in 1..=count as u64 {
             let part = step as f64 / count;
             let tip_mm = between(&ends, part);
-            if self.is_sampled(&section.block) {
+            if self.is_sampled(&section.block) || self.is_descent(&section.block) {
                 let axes = std::array::from_fn(|axis| axes[0][axis] + (axes[1][axis] - axes[0][axis]) * part);
                 let reached = Reached { block: section.block, segment: *segment, axes, tip_mm };
                 self.sample(&reached, self.settings.every_mm);
+                self.sample_section(&reached, self.settings.every_mm);
                 self.last = Some(reached);
             }
             if self.cleared_mm.is_none_or(|last| length(difference(tip_mm, last)) >= fine_mm) {
@@ -215,8 +243,23 @@ impl EngagementMeter {
         self.settings.layers.layers().first().map_or(f64::INFINITY, |layer| layer.step_mm())
     }
 
+    /// Takes a sample of the section at a position that is `apart_mm` or more from the last one.
+    fn sample_section(&mut self, reached: &Reached, apart_mm: f64) {
+        let at_mm = travelled_mm(&reached.segment, &reached.axes);
+        let Some((sections, (count, moved))) = self.settings.sections.zip(self.descents.last_mut()) else { return };
+        if *count != reached.block.count || moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {
+            return;
+        }
+        let EngagementSettings { layers, ahead_mm, .. } = &self.settings;
+        let tool = ToolAt { layers, slices: &self.slices, ahead_mm: *ahead_mm, tip_mm: reached.tip_mm };
+        moved.samples.push(sections.sample(&tool, &reached.segment, at_mm));
+    }
+
     /// Takes a sample at a position that is `apart_mm` or more from the last one.
     fn sample(&mut self, reached: &Reached, apart_mm: f64) {
+        if !self.is_sampled(&reached.block) {
+            return;
+        }
         let Some(heading) = Heading::of(&reached.segment, &reached.axes) else { return };
         let Some(last) = self.moves.last().map(|moved| moved.samples.last().map(|sample| sample.at_mm)) else { return };
         if last.is_some_and(|last_mm| heading.travelled_mm < last_mm + apart_mm) {

@@ -23,6 +23,8 @@ pub mod offset_moves;
 
 mod rule_match;
 
+mod descents;
+
 pub mod unused_rules;
 
 pub mod reason;

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
+use arcfeed_law::table::Table;
 use arcfeed_model::cut::{ContourSide, CutRule, Work};
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, LawKind};
@@ -24,6 +25,9 @@ use super::rewrite;
 use super::split::{ChipError, SentPiece, Whole};
 use crate::program::{Diagnostic, FeedKept, ProgramLine};
 
+/// Why a descending move under G93 keeps its feed.
+const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a feed per minute";
+
 /// One block with a move.
 #[derive(Clone, Debug)]
 pub struct PlannedBlock {
@@ -35,6 +39,8 @@ pub struct PlannedBlock {
     pub contour: Option<ContourPlace>,
     /// Index of the cut rule that fits it.
     pub rule: Option<usize>,
+    /// Whether the plunge law is to govern it; it has no cut rule then.
+    pub is_descent: bool,
     /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
     pub along: Option<EngagedTable>,
     /// Demand of the law along it.
@@ -71,6 +77,7 @@ impl PlannedBlock {
             segment,
             contour: None,
             rule: None,
+            is_descent: false,
             along: None,
             demand: None,
             sent: None,
@@ -138,11 +145,14 @@ impl PlannedBlock {
         sent < programmed && self.segment.length_mm() < (from * from - to * to) / (2.0 * acceleration_mm_per_s2)
     }
 
-    /// A warning of its line, where a cut rule speaks of it and it keeps its own feed all the same.
+    /// A warning of its line, where a law of the job is for it and it keeps its own feed all the same.
     pub fn left_alone(&self, line: &ProgramLine) -> Option<Diagnostic> {
-        self.rule?;
+        if self.rule.is_none() && !self.is_descent {
+            return None;
+        }
         let why = match (self.reason, self.under) {
             (PlanReason::Special, Some(under)) => FeedKept::Under(under),
+            (PlanReason::InverseTime, _) if self.is_descent => FeedKept::Because(INVERSE_TIME),
             (reason, _) => FeedKept::Because(reason.keeps_feed()?),
         };
         Some(Diagnostic::of_feed_kept(self.line, line, why))
@@ -161,6 +171,21 @@ impl PlannedBlock {
 
 /// Raise of a target that is the programmed F: the law counts in f32, and a factor of one must not round F down.
 const F32_MARGIN: f64 = 3e-7;
+
+/// Sets the feed of a move that descends along the tool's axis by the table of the plunge law, and the reason for that.
+/// Returns the answers of the law in all cells.
+pub fn govern_descent(
+    block: &mut PlannedBlock,
+    table: &Table,
+    job: &Job,
+    (spindle, unit): (RevPerMin, LengthUnit),
+) -> Option<Profile> {
+    let mut knots_mm = Vec::new();
+    table.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
+    let profile = Profile::ask(table, &MovePlaces::of(&block.segment), &knots_mm, &AskedCells::all());
+    let teeth_per_min = f64::from(spindle.0) * f64::from(job.tools.first().tool.active_teeth());
+    plan_feed(block, &profile, job, (spindle, teeth_per_min, unit)).map(|_| profile)
+}
 
 /// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
 /// cells where the move may be cut into pieces.
@@ -181,7 +206,23 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let has_pieces = matches!(job.policy, FeedPolicy::RewriteOnly(_));
     let cells = if has_pieces { AskedCells::all() } else { AskedCells::deciding(&law, &places, &knots_mm) };
     let profile = Profile::ask(&law, &places, &knots_mm, &cells);
-    let Some(demand) = DemandRange::of(&profile, teeth_per_min) else {
+    let demand = plan_feed(block, &profile, job, (spindle, teeth_per_min, unit))?;
+    if matches!(block.reason, PlanReason::Law | PlanReason::LawInPart)
+        && is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand)
+    {
+        block.reason = PlanReason::LawFloor;
+    }
+    has_pieces.then_some(profile)
+}
+
+/// Sets the feed of a block by the answers of its law, and the reason for that.
+fn plan_feed(
+    block: &mut PlannedBlock,
+    profile: &Profile,
+    job: &Job,
+    (spindle, teeth_per_min, unit): (RevPerMin, f64, LengthUnit),
+) -> Option<DemandRange> {
+    let Some(demand) = DemandRange::of(profile, teeth_per_min) else {
         block.reason = PlanReason::NoDemand;
         return None;
     };
@@ -201,11 +242,10 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         Some(LimitedBy::ArcClamp) if is_limited => PlanReason::ArcClamp,
         Some(LimitedBy::Axis) if is_limited => PlanReason::Axis,
         Some(LimitedBy::Ceiling) if is_limited => PlanReason::FeedCeiling,
-        _ if is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand) => PlanReason::LawFloor,
         _ if demand.covers_all => PlanReason::Law,
         _ => PlanReason::LawInPart,
     };
-    has_pieces.then_some(profile)
+    Some(demand)
 }
 
 /// Whether the floor of the contour law decides. Its demand is then this share of the target, to the last bit.

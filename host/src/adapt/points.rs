@@ -1,4 +1,5 @@
-//! Points of division of an arc that NC words give exactly.
+//! Points of division of a move that NC words give exactly. A line is divided only if it runs along one axis: then each
+//! point of the grid on that axis lies on it.
 //!
 //! A control knows positions in its least increment (0.001 mm, 0.0001 in): rounded to it, a point may lie 1.8 um off the
 //! arc. But the place of a division matters little, so it is moved on along the arc, into the faster of the two pieces (the
@@ -13,7 +14,7 @@
 //! proportion to the angle, as controls execute it: the points lie on that curve.
 
 use arcfeed_nc::modal::{Pose, Turn};
-use arcfeed_nc::segment::{Arc, Segment};
+use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::Nm;
 
 use super::pieces::{Piece, join, start};
@@ -43,6 +44,40 @@ pub struct Part {
     pub piece: Piece,
     /// End point.
     pub end: Pose,
+}
+
+/// Axis of a line along one axis.
+pub fn axis_of(segment: &Segment) -> Option<usize> {
+    let moves = |axis: &usize| segment.start.linear[*axis] != segment.end.linear[*axis];
+    let mut axes = (0..3).filter(moves);
+    axes.next().filter(|_| axes.next().is_none() && segment.path == Path::Line)
+}
+
+/// Finds the ends of the pieces of a line along an axis, on the grid and exactly on the line: each end lies in the faster one
+/// of its two pieces. A piece without a point of its own is joined with the next.
+pub fn divide_line(segment: &Segment, axis: usize, grid: Grid, mut pieces: Vec<Piece>) -> Option<Vec<Part>> {
+    let (from, to) = (segment.start.linear[axis].0, segment.end.linear[axis].0);
+    let (mut parts, mut index, mut last) = (Vec::new(), 0, from);
+    while index + 1 < pieces.len() {
+        let (piece, next) = (pieces[index], pieces[index + 1]);
+        let at = from as f64 + (to - from) as f64 * piece.until_ratio - grid.origin[axis].0 as f64;
+        let steps = at / grid.step_nm as f64;
+        let is_up = (piece.path_mm_per_tooth < next.path_mm_per_tooth) == (to > from);
+        let steps = if is_up { libm::ceil(steps) } else { libm::floor(steps) };
+        let at = steps as i64 * grid.step_nm + grid.origin[axis].0;
+        let is_between = if to > from { last < at && at < to } else { to < at && at < last };
+        if !is_between {
+            join(&mut pieces, index);
+            continue;
+        }
+        let mut end = segment.end;
+        end.linear[axis] = Nm(at);
+        pieces[index].until_ratio = (at - from) as f64 / (to - from) as f64;
+        parts.push(Part { piece: pieces[index], end });
+        (last, index) = (at, index + 1);
+    }
+    parts.push(Part { piece: *pieces.last()?, end: segment.end });
+    Some(parts)
 }
 
 /// A point of the grid beside the arc.

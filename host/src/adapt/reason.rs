@@ -43,6 +43,10 @@ pub enum PlanReason {
     NeedsRewriting,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
     NoDemand,
+    /// It descends, but the plunge law has no feed that keeps the limits of the spindle.
+    Overload,
+    /// It descends, but the engagement map has no sections of it.
+    Unmapped,
     /// No cut rule speaks of it.
     NoRule,
     /// Positioning.
@@ -77,6 +81,8 @@ impl PlanReason {
             PlanReason::OtherRadius => "other-radius",
             PlanReason::NeedsRewriting => "needs-rewriting",
             PlanReason::NoDemand => "no-demand",
+            PlanReason::Overload => "overload",
+            PlanReason::Unmapped => "unmapped",
             PlanReason::NoRule => "no-rule",
             PlanReason::Rapid => "rapid",
             PlanReason::InverseTime => "inverse-time",
@@ -105,6 +111,12 @@ impl PlanReason {
             ),
             PlanReason::NeedsRewriting => Some(
                 "it is under G41 or G42, where a law works through F words only: write mode = \"rewrite-only\" in [override]",
+            ),
+            PlanReason::Overload => Some(
+                "no feed of it keeps max_power and max_torque in [spindle]: the material rubs too much, or they are too low",
+            ),
+            PlanReason::Unmapped => Some(
+                "the engagement map has no sections of it: make it anew with `arcfeed engage`, or see its warnings",
             ),
             PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
             _ => None,

@@ -17,8 +17,8 @@ use super::rewrite::Edit;
 const AXES: [u8; 3] = *b"XYZ";
 const OFFSETS: [u8; 3] = *b"IJK";
 /// Words that a block may have to be written in pieces: what they do holds for all pieces, or has no harm done twice.
-const G_WORDS: [i64; 25] =
-    [2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
+const G_WORDS: [i64; 26] =
+    [1, 2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
 
 /// Least increment, nm.
 pub const fn increment_nm(unit: LengthUnit) -> i64 {
@@ -34,18 +34,27 @@ pub struct Spelling<'a> {
     text: &'a [u8],
     block: &'a Block,
     modes: Modes,
-    plane: Plane,
+    shape: Shape,
+}
+
+/// Move that is written in pieces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// An arc in this plane.
+    Arc(Plane),
+    /// A line along this axis.
+    Line(usize),
 }
 
 impl<'a> Spelling<'a> {
-    /// The spelling of an arc's block; `None` if it has words that pieces cannot share.
-    pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, plane: Plane) -> Option<Self> {
+    /// The spelling of a move's block; `None` if it has words that pieces cannot share.
+    pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, shape: Shape) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code)),
             letter => b"XYZIJKRF".contains(&letter),
         };
         let is_plain = block.words.iter().all(is_shared) && !block.assigns && block.program.is_none();
-        is_plain.then_some(Spelling { text, block, modes, plane })
+        is_plain.then_some(Spelling { text, block, modes, shape })
     }
 
     /// Reports whether the block gives the centre of the arc by R.
@@ -75,7 +84,7 @@ impl<'a> Spelling<'a> {
     }
 
     /// A piece behind the first, but for its F; `None` if a number cannot be written.
-    pub fn later(&self, start: &Pose, end: &Pose, arc: &Arc, rises: bool) -> Option<String> {
+    pub fn later(&self, start: &Pose, end: &Pose, arc: Option<&Arc>, rises: bool) -> Option<String> {
         let mut text = match self.block.delete {
             Some(1) => "/".to_owned(),
             Some(switch) => format!("/{switch}"),
@@ -94,7 +103,8 @@ impl<'a> Spelling<'a> {
         if self.is_by_radius() {
             return Some(text + &self.radius()?);
         }
-        let (first, second, _) = self.plane.axes();
+        let Some(arc) = arc else { return Some(text) };
+        let (first, second, _) = arc.plane.axes();
         for (axis, center) in [(first, arc.center[0]), (second, arc.center[1])] {
             text += &self.word(OFFSETS[axis], center.0 - start.linear[axis].0)?;
         }
@@ -103,8 +113,11 @@ impl<'a> Spelling<'a> {
 
     /// The axes that every piece names, in the order X, Y, Z.
     fn axes(&self, rises: bool) -> impl Iterator<Item = usize> + use<> {
-        let (_, _, normal) = self.plane.axes();
-        (0..3).filter(move |axis| rises || *axis != normal)
+        let shape = self.shape;
+        (0..3).filter(move |axis| match shape {
+            Shape::Arc(plane) => rises || *axis != plane.axes().2,
+            Shape::Line(along) => *axis == along,
+        })
     }
 
     fn coordinate(&self, axis: usize, start: &Pose, end: &Pose) -> Option<String> {

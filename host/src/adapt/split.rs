@@ -1,7 +1,7 @@
-//! `rewrite-only`: an arc's block as several, each with its own F.
+//! `rewrite-only`: the block of an arc, or of a plunge, as several, each with its own F.
 //!
-//! The text of the pieces is read back as the control will read it: each piece must be an arc of the same sense about the same
-//! centre, each must begin at the end of the one before, and the last must end at the programmed point. A move that does not
+//! The text of the pieces is read back as the control will read it: each piece must be a line, or an arc of the same sense
+//! about the same centre, each must begin at the end of the one before, and the last must end at the programmed point. A move that does not
 //! read back so, or cannot be written in pieces, stays whole and is sent with the least feed that the law demands on it.
 
 use arcfeed_model::job::PieceSettings;
@@ -15,10 +15,10 @@ use arcfeed_units::Nm;
 use super::asked_cells::CELLS;
 use super::modes::Modes;
 use super::pieces::{self, Piece};
-use super::points::{Divider, Grid, Part};
+use super::points::{Divider, Grid, Part, axis_of, divide_line};
 use super::profile::Profile;
 use super::rewrite::{Edit, FeedRewriter, apply, round_down};
-use super::spelling::{Spelling, increment_nm};
+use super::spelling::{Shape, Spelling, increment_nm};
 use crate::program::ProgramLine;
 
 /// Largest distance of a piece's centre from the arc's, nm: R and two points on the arc give it no better.
@@ -27,7 +27,7 @@ const CENTER_MAX_NM: i64 = 20_000;
 /// Why a move that a law wants in pieces stays whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
-    /// Only arcs are cut into pieces.
+    /// Of lines only plunges are cut into pieces.
     Line,
     /// The block has words that pieces cannot share: M, T, a variable, another G.
     Words,
@@ -90,6 +90,8 @@ pub struct Governed<'a> {
     pub line: &'a ProgramLine,
     /// Geometry of the move.
     pub segment: &'a Segment,
+    /// Whether the plunge law governs it.
+    pub is_descent: bool,
     /// Answers of the law along it.
     pub profile: &'a Profile,
     /// The modes after its G words.
@@ -137,21 +139,29 @@ impl Governed<'_> {
                 .filter(|pieces| pieces.len() > 1)
                 .ok_or(None)
         };
-        let Some(arc) = self.segment.arc() else { return Err(plan(settings).is_ok().then_some(Whole::Line)) };
+        let axis = axis_of(self.segment).filter(|_| self.is_descent);
+        if self.segment.arc().is_none() && axis.is_none() {
+            return Err(plan(settings).is_ok().then_some(Whole::Line));
+        }
         if !self.is_in_program() {
             return Err(plan(settings).is_ok().then_some(Whole::Coordinates));
         }
+        let spelling = || self.spelling().ok_or(Some(Whole::Words));
+        let Some(arc) = self.segment.arc() else {
+            let pieces = plan(settings)?;
+            spelling()?;
+            let parts = axis.and_then(|axis| divide_line(self.segment, axis, self.grid(), pieces));
+            return parts.filter(|parts| parts.len() > 1).ok_or(Some(Whole::Digits));
+        };
         let divider = Divider::new(self.segment, arc, self.grid(), settings.least_length.to_mm());
         let longer = Nm::from_mm(settings.least_length.to_mm() + divider.allowance_mm());
         let pieces: Vec<Piece> = plan(&PieceSettings { least_length: longer, ..*settings })?;
-        let spelling = self.spelling(arc).ok_or(Some(Whole::Words))?;
-        let parts = divider.divide(pieces, spelling.is_by_radius()).ok_or(Some(Whole::Digits))?;
+        let parts = divider.divide(pieces, spelling()?.is_by_radius()).ok_or(Some(Whole::Digits))?;
         if parts.len() > 1 { Ok(parts) } else { Err(Some(Whole::Digits)) }
     }
 
     fn write(&self, parts: &[Part], rewriter: &mut FeedRewriter) -> Result<Split, Option<Whole>> {
-        let arc = self.segment.arc().ok_or(Some(Whole::Line))?;
-        let spelling = self.spelling(arc).ok_or(Some(Whole::Words))?;
+        let spelling = self.spelling().ok_or(Some(Whole::Words))?;
         let rises = self.segment.rise() != Nm(0);
         let (mut texts, mut pieces, mut start) = (Vec::new(), Vec::new(), self.segment.start);
         for (index, Part { piece, end }) in parts.iter().enumerate() {
@@ -161,14 +171,14 @@ impl Governed<'_> {
                 edits.extend(rewriter.edit(self.line, Some(feed), self.modes).map_err(|_| Some(Whole::Words))?);
                 apply(&self.line.text, &edits)
             } else {
-                let words = spelling.later(&start, end, arc, rises).ok_or(Some(Whole::Digits))?;
+                let words = spelling.later(&start, end, self.segment.arc(), rises).ok_or(Some(Whole::Digits))?;
                 (words + &rewriter.added(feed, self.modes.unit)).into_bytes()
             };
             texts.push(text);
             pieces.push(SentPiece { until_ratio: piece.until_ratio, feed });
             start = *end;
         }
-        if !self.reads_back(arc, &texts, parts) {
+        if !self.reads_back(&texts, parts) {
             return Err(Some(Whole::ReadBack));
         }
         Ok(Split { pieces, texts, whole: None })
@@ -183,8 +193,12 @@ impl Governed<'_> {
         is_from_start && frame.is_shift() && frame.shift() == self.line.origin
     }
 
-    fn spelling(&self, arc: &Arc) -> Option<Spelling<'_>> {
-        Spelling::of(&self.line.text, self.block()?, self.modes, arc.plane)
+    fn spelling(&self) -> Option<Spelling<'_>> {
+        let shape = match self.segment.arc() {
+            Some(arc) => Shape::Arc(arc.plane),
+            None => Shape::Line(axis_of(self.segment)?),
+        };
+        Spelling::of(&self.line.text, self.block()?, self.modes, shape)
     }
 
     fn block(&self) -> Option<&Block> {
@@ -196,23 +210,30 @@ impl Governed<'_> {
         Grid { step_nm: increment_nm(self.modes.unit), origin }
     }
 
-    fn reads_back(&self, arc: &Arc, texts: &[Vec<u8>], parts: &[Part]) -> bool {
+    fn reads_back(&self, texts: &[Vec<u8>], parts: &[Part]) -> bool {
         let (mut reader, mut at) = (self.before.clone(), self.segment.start);
         let mut turned = 0.0;
         let as_meant = texts.iter().zip(parts).all(|(text, part)| {
             let Some(read) = reader.read(text).ok().and_then(|understood| understood.segment) else { return false };
             let segment = read.shifted(Pose::ORIGIN.minus(self.line.origin));
-            let Some(piece) = segment.arc() else { return false };
             let starts = segment.start == at;
             at = segment.end;
-            turned += piece.sweep_rad();
-            let apart = |axis: usize| (piece.center[axis].0 - arc.center[axis].0).abs();
-            let is_same_circle =
-                piece.plane == arc.plane && piece.turn == arc.turn && apart(0).max(apart(1)) <= CENTER_MAX_NM;
-            starts && segment.end == part.end && is_same_circle
+            turned += segment.arc().map_or(0.0, Arc::sweep_rad);
+            let is_of_move = match (segment.arc(), self.segment.arc()) {
+                (Some(piece), Some(arc)) => is_same_circle(piece, arc),
+                _ => segment.path == self.segment.path,
+            };
+            starts && segment.end == part.end && is_of_move
         });
-        as_meant && at == self.segment.end && libm::fabs(turned - arc.sweep_rad()) < 1e-3
+        let sweep_rad = self.segment.arc().map_or(0.0, Arc::sweep_rad);
+        as_meant && at == self.segment.end && libm::fabs(turned - sweep_rad) < 1e-3
     }
+}
+
+/// Whether a piece runs on the circle of its arc.
+fn is_same_circle(piece: &Arc, arc: &Arc) -> bool {
+    let apart = |axis: usize| (piece.center[axis].0 - arc.center[axis].0).abs();
+    piece.plane == arc.plane && piece.turn == arc.turn && apart(0).max(apart(1)) <= CENTER_MAX_NM
 }
 
 impl ChipError {

@@ -14,17 +14,18 @@ use arcfeed_nc::reader::Reader;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Nm, PERCENT};
 
+use super::descents::{Descending, Descents};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
-use super::planned_block::{PlannedBlock, govern};
+use super::planned_block::{PlannedBlock, govern, govern_descent};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
 use super::rule_match::match_move;
 use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
-use crate::job::JobFile;
+use crate::job::{JobFile, Plunge, SpindleLimits};
 use crate::program::ProgramLine;
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
@@ -42,6 +43,8 @@ pub struct Known<'a> {
     pub map: Option<&'a EngagementMap>,
     /// Accelerations of X, Y and Z.
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
+    /// The plunge law, with the limits of the spindle.
+    pub plunge: Option<(Plunge, SpindleLimits)>,
 }
 
 impl<'a> Known<'a> {
@@ -53,6 +56,7 @@ impl<'a> Known<'a> {
             map: file.map.as_ref(),
             accelerations_mm_per_s2: drives
                 .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
+            plunge: file.plunge.map(|plunge| (plunge, file.spindle)),
         }
     }
 }
@@ -95,6 +99,7 @@ pub(super) struct Writer<'a> {
     machine: Option<&'a Machine>,
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
+    descents: Option<Descents<'a>>,
     /// Lines so far.
     count: usize,
     feeds: FeedRewriter,
@@ -121,6 +126,7 @@ impl<'a> Writer<'a> {
             machine: known.machine,
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
+            descents: Descents::of(&known),
             count: 0,
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -196,7 +202,12 @@ impl<'a> Writer<'a> {
         let mut block = new();
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
         block.along = self.engagement_along(&segment, line.machining.tool);
-        let reason = match match_move(self.job, self.machine, line, &segment) {
+        let matched = match_move(self.job, self.machine, line, &segment);
+        let descent = self.descents.as_mut().and_then(|descents| descents.next(&segment, &matched));
+        if let Some(descent) = descent.filter(|_| under.is_none() && !line.follows_tip) {
+            return self.plan_descent(line, block, descent);
+        }
+        let reason = match matched {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             // Under G43.4 rotary axes turn as a matter of course.
@@ -226,6 +237,39 @@ impl<'a> Writer<'a> {
             block.rule = self.job.rule_for(&segment, line.machining.tool).map(|(index, _)| index);
             block.under = under;
         }
+        (block, None)
+    }
+
+    /// Plan of a descending move that no cut rule governs.
+    fn plan_descent(
+        &self,
+        line: &ProgramLine,
+        mut block: PlannedBlock,
+        descent: Descending<'_>,
+    ) -> (PlannedBlock, Option<Profile>) {
+        let setup = self.job.tools.first();
+        block.is_descent = true;
+        block.reason = match setup.speed(line.machining.spindle) {
+            _ if matches!(block.segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
+            _ if self.job.tool_in(line.machining.tool).is_none() => PlanReason::OtherTool,
+            _ if line.skipping.is_some() => PlanReason::BlockDelete,
+            _ if self.kept.contains(block.line) => PlanReason::FeedLeak,
+            _ if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
+            None => PlanReason::Spindle,
+            Some(_) if descent.sections.is_none() => PlanReason::Unmapped,
+            Some(spindle) => {
+                let mut governed = block.clone();
+                let profile = descent
+                    .table(setup, spindle)
+                    .and_then(|table| govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit)));
+                match profile {
+                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
+                        return (governed, Some(profile));
+                    }
+                    _ => PlanReason::Overload,
+                }
+            }
+        };
         (block, None)
     }
 
@@ -288,7 +332,9 @@ impl<'a> Writer<'a> {
         let teeth_per_min = block.teeth_per_min?;
         let most_ratio = f64::from(self.job.limits.max_percent) / f64::from(PERCENT);
         let (segment, modes, limit_mm_per_min) = (&block.segment, self.modes, block.limit_mm_per_min());
-        let governed = Governed { line, segment, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
+        let is_descent = block.is_descent;
+        let governed =
+            Governed { line, segment, is_descent, profile, modes, before, teeth_per_min, most_ratio, limit_mm_per_min };
         let split = governed.split(settings, &mut self.feeds)?;
         block.chip_error = ChipError::of(&split.pieces, profile, teeth_per_min);
         block.sent = split.pieces.iter().map(|piece| piece.feed).min();

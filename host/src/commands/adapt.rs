@@ -18,6 +18,7 @@ use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
+use crate::job::plunge;
 use crate::program::Source;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
@@ -191,7 +192,7 @@ impl<'a> Table<'a> {
             self.governed += 1;
             self.pieces += block.pieces.len();
         }
-        if block.rule.is_none() {
+        if block.rule.is_none() && !block.is_descent {
             return;
         }
         let figures = BlockFigures::new(block, self.job);
@@ -265,7 +266,7 @@ impl BlockFigures {
             rotation: rule.and_then(|rule| rotation_word(rule.moves)),
             side: rule.map(|rule| side_word(&rule.work)),
             tool: setup.and_then(|setup| setup.number),
-            law: setup.map(|setup| law_word(setup.law)),
+            law: setup.map(|setup| law_word(setup.law)).or(block.is_descent.then_some(plunge::LAW)),
             programmed_feed: programmed.map(feed),
             sent_feed: block.sent.map(feed),
             feed_min: demand.map(|demand| demand.feed_min_mm_per_min / unit_mm),

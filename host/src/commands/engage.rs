@@ -7,8 +7,11 @@ use std::path::PathBuf;
 use arcfeed_control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::engagement::{EngagedMove, EngagedSample, EngagementMeter, EngagementSettings};
+use arcfeed_hil_sim::removal::sections::{EdgeCounts, SectionSample, SectionSettings};
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::{EngagedKnot, EngagedTable};
+use arcfeed_model::tool::Tool;
+use arcfeed_units::Nm;
 use serde::Serialize;
 
 use super::job_input::made_of;
@@ -19,10 +22,12 @@ use super::simulate::material_figures::left_out_figures;
 use super::simulate::observer::run_observed;
 use super::simulate::setup::Setup;
 use crate::adapt::{PlanReason, PlannedBlock, adapt};
+use crate::axial_law::Edges;
 use crate::console::note;
 use crate::engagement::knot_cover::{self, Sample};
+use crate::engagement::sections::{MappedDescent, MappedDescents, Section};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
-use crate::job::JobFile;
+use crate::job::{JobFile, Plunge};
 use crate::program::Program;
 use crate::report::material::LeftOutBlocks;
 
@@ -51,6 +56,8 @@ pub struct Engage {
 struct Report {
     map: String,
     moves: Vec<MoveFigures>,
+    /// Descending moves with sections, and those of which nothing is known.
+    descents: [usize; 2],
     left_out: Vec<LeftOutBlocks>,
 }
 
@@ -88,11 +95,15 @@ impl Engage {
         };
         let meter = run(&file, &program, &setup)?;
         let map = map(&file, &program, &meter, self.alike)?;
+        let map = EngagementMap { descents: descents(&file, &setup, (&program, self.alike), &meter), ..map };
         let left_out = meter.left_out().iter();
         let left_out = left_out.map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks));
         let report = Report {
             map: output.display().to_string(),
             moves: map.moves.iter().map(MoveFigures::new).collect(),
+            descents: [false, true].map(|is_unknown| {
+                map.descents.moves.iter().filter(|moved| moved.sections.is_empty() == is_unknown).count()
+            }),
             left_out: left_out.collect(),
         };
         write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
@@ -113,6 +124,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         every_mm: setup.workpiece.step_mm,
         rules: file.job.rules.iter().map(CutRule::expects_engagement_per_move).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
+        sections: file.plunge.map(|plunge| sections(file, setup, plunge)),
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
     run_observed(&mut simulation, Some("looking"), |simulation| {
@@ -155,7 +167,49 @@ fn map(
         let line = program.line_in_file(block.line);
         MappedMove { line, sequence: block.segment.sequence, key: key(&block.segment), table }
     });
-    Ok(EngagementMap { moves: moves.collect() })
+    Ok(EngagementMap { moves: moves.collect(), ..EngagementMap::default() })
+}
+
+/// Settings of the sections of descending moves.
+fn sections(file: &JobFile, setup: &Setup<'_>, plunge: Plunge) -> SectionSettings {
+    let tool = &file.job.tools.first().tool;
+    let radii = match tool {
+        Tool::CupMill(cup) => [cup.inner_radius, cup.outer_radius],
+        Tool::EndMill(mill) => [Nm(0), mill.radius],
+    };
+    let Edges { side, end } = Edges::of(tool);
+    SectionSettings {
+        edges: EdgeCounts { end: end as usize, side: side as usize },
+        radii_mm: radii.map(Nm::to_mm),
+        corner_mm: setup.workpiece.body.corner_mm,
+        has_ramps: plunge.has_ramps,
+    }
+}
+
+/// Descending moves of the map, by the moves of the program.
+fn descents(
+    file: &JobFile,
+    setup: &Setup<'_>,
+    (program, positions_alike): (&Program, bool),
+    meter: &EngagementMeter,
+) -> MappedDescents {
+    let planned = adapt(program, &file.job).blocks;
+    let mut found = meter.descents();
+    let mut by_way = HashMap::new();
+    let moves = planned.iter().filter_map(|block| {
+        let key = key(&block.segment);
+        let moved = found.clone().position(|moved| self::key(&moved.segment) == key).and_then(|at| found.nth(at))?;
+        let section = |sample: &SectionSample| Section {
+            at_mm: sample.at_mm,
+            end_mm2: sample.end_mm2,
+            side_mm2: sample.side_mm2,
+        };
+        let own: Vec<Section> = moved.samples.iter().map(section).collect();
+        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
+        let sections = if own.is_empty() && positions_alike { known.clone() } else { own };
+        Some(MappedDescent { line: program.line_in_file(block.line), sequence: block.segment.sequence, key, sections })
+    });
+    MappedDescents { force: setup.force.unwrap_or_default(), moves: moves.collect() }
 }
 
 fn table_of(found: &EngagedMove) -> Option<EngagedTable> {
@@ -177,7 +231,7 @@ impl Report {
             let (outer, inner) = (range(*outer_deg), range(*inner_deg));
             say(format_args!("{line:>7}  {n:<7}{knots:>7}{outer:>20}{inner:>20}"));
         }
-        let unknown = self.moves.iter().filter(|found| found.knots == 0).count();
+        let unknown = self.moves.iter().filter(|found| found.knots == 0).count() + self.descents[1];
         for left_out in &self.left_out {
             note(format_args!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words()));
         }
@@ -187,7 +241,11 @@ impl Report {
                  positions of the rotary axes: --alike)"
             ));
         }
-        say(format_args!("{}: {} moves", self.map, self.moves.len()));
+        let descents = match self.descents {
+            [0, 0] => String::new(),
+            [known, _] => format!(", {known} descending moves"),
+        };
+        say(format_args!("{}: {} moves{descents}", self.map, self.moves.len()));
     }
 }
 

@@ -14,6 +14,7 @@ use crate::checksum::fingerprint;
 use crate::console::note;
 use crate::engagement::EngagementMap;
 use crate::job::JobFile;
+use crate::job::cutting::Coefficients;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
 use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
@@ -94,6 +95,13 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     made_of.extend(
         format!("{:?}", (job.unit, job.tools.first().tool, job.tools.first().feed_per_tooth, body, depth)).bytes(),
     );
+    if let Some(plunge) = &file.plunge {
+        let material = cutting.as_ref().map(|cutting| match &cutting.coefficients {
+            Coefficients::Material { name, .. } => name.clone(),
+            numbers => format!("{numbers:?}"),
+        });
+        made_of.extend(format!("{:?}", (plunge.has_ramps, material)).bytes());
+    }
     match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
         Some(Blank::Stl(StlFile { path, unit })) => {
             made_of.extend(format!("{unit:?}").bytes());
@@ -149,7 +157,7 @@ impl KeptMoves {
     /// Adds a block if it is one of these moves; of the executions of a line the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
-        if block.rule.is_none() {
+        if block.rule.is_none() && !block.is_descent {
             return;
         }
         let mut number = block.line;

@@ -13,6 +13,7 @@ use crate::control::{CenterConvention, Convention};
 pub use super::cut_table::{CutTable, DirectionWord, MovesWord, RotationWord, SideWord, StockTable};
 pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
+pub use super::plunge::PlungeTable;
 pub use super::quantity::{Quantity, TargetFeed};
 
 #[derive(Debug, Deserialize)]
@@ -23,6 +24,7 @@ pub struct JobTable {
     pub tool: ToolTables,
     pub workpiece: Option<Spanned<WorkpieceTable>>,
     pub cutting: Option<Spanned<CuttingTable>>,
+    pub plunge: Option<Spanned<PlungeTable>>,
     pub spindle: Option<SpindleTable>,
     pub law: Option<LawTable>,
     #[serde(default)]

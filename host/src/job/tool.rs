@@ -6,7 +6,7 @@ use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use super::schema::{JobTable, LawTable, TargetFeed, ToolTable};
-use super::{Complaint, at, length_mm, positive};
+use super::{Complaint, at, length_mm, plunge, positive};
 
 /// Largest T number: eight digits.
 const NUMBER_MAX: i64 = 99_999_999;
@@ -123,7 +123,7 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     let kind = table.kind.as_ref().as_str();
     let settings = (&table.edges, table.inside_only, &table.floor);
     match (kind, tool, settings) {
-        ("programmed", _, (None, None, None)) => Ok(LawKind::Programmed),
+        ("programmed" | plunge::LAW, _, (None, None, None)) => Ok(LawKind::Programmed),
         ("table", _, (None, None, None)) => Ok(LawKind::Table),
         ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
         ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
@@ -145,14 +145,16 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
         ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
         ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
-        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed", ..) => Err(at(
-            &table.kind,
-            "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
-        )),
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed" | plunge::LAW, ..) => {
+            Err(at(
+                &table.kind,
+                "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",
+            ))
+        }
         _ => Err(at(
             &table.kind,
             "no such law; write \"circumference\" (cup mills), \"contour\" or \"engagement\" (end mills), \"engaged-arc\", \
-             \"table\" or \"programmed\"",
+             \"table\", \"plunge\" or \"programmed\"",
         )),
     }
 }

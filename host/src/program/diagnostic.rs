@@ -47,7 +47,7 @@ pub enum Severity {
     Warning,
 }
 
-/// Reason for which a move that a cut rule matches keeps its programmed feed.
+/// Reason for which a move keeps its programmed feed although a law of the job is for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedKept {
     /// A function in force there that no law covers.
@@ -100,7 +100,9 @@ impl Diagnostic {
             FeedKept::Under(under) => {
                 format!("a cut rule matches {under}, but no law describes it: it keeps its programmed feed")
             }
-            FeedKept::Because(why) => format!("a cut rule matches this move, but it keeps its programmed feed: {why}"),
+            FeedKept::Because(why) => {
+                format!("a law of the job is for this move, but it keeps its programmed feed: {why}")
+            }
         };
         diagnostic
     }

@@ -5,6 +5,7 @@
 //!
 //! ```text
 //! plunge, ramp, helix:  |path along the axis| > sin(1 degree) * path       (1)
+//!                       of these a plunge: path across the axis <= 0.001 * path along it, straight   (2)
 //! roll-in:              an arc whose plane contains the tool's axis
 //! rotary:               A, B or C turns with it, and F counts degrees
 //! other tool:           T and M6 have loaded one that the job doesn't have, or an unknown one
@@ -17,11 +18,15 @@ use crate::cut::CutRule;
 use crate::job::{Job, LawKind, SpeedSource, ToolAxis, ToolSetup};
 use crate::machine::{FeedLimit, LimitedBy};
 use arcfeed_nc::machining::{Machining, SpindleCommand, ToolInSpindle};
+use arcfeed_nc::modal::Pose;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{MmPerMin, Nm, RevPerMin};
 
 /// Largest sine of the angle between a governed path and the plane across the tool's axis: 1 degree. (1)
 pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
+
+/// Largest path across the tool's axis of a plunge, over that along it. (2)
+pub const PLUNGE_OFF_MAX: f64 = 1e-3;
 
 /// Result of matching a move with a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,6 +139,29 @@ impl ToolSetup {
     }
 }
 
+/// A straight move towards the tip of the tool, not across its axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Descent {
+    /// Sine of its angle from the plane across the axis: 1 along the axis.
+    pub sine: f64,
+}
+
+impl Descent {
+    /// The descent of a move; `None` for other moves, and where a rotary axis turns.
+    pub fn of(segment: &Segment, axis: ToolAxis) -> Option<Self> {
+        let along = |pose: &Pose| pose.linear.get(axis.index()).copied().unwrap_or_default().to_mm();
+        let down_mm = along(&segment.start) - along(&segment.end);
+        let is_straight = segment.path == Path::Line && segment.start.rotary == segment.end.rotary;
+        let sine = down_mm / segment.length_mm();
+        (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine })
+    }
+
+    /// Whether it runs along the axis. (2)
+    pub fn is_plunge(&self) -> bool {
+        libm::sqrt((1.0 - self.sine * self.sine).max(0.0)) <= PLUNGE_OFF_MAX * self.sine
+    }
+}
+
 /// Whether a move stays across the tool's axis. (1)
 pub fn is_across(segment: &Segment, axis: ToolAxis) -> bool {
     let ends = [&segment.start, &segment.end].map(|pose| pose.linear.get(axis.index()).copied().unwrap_or_default());
@@ -153,7 +181,7 @@ mod tests {
     use crate::knots::Knots;
     use crate::machine::MachineLimits;
     use crate::tool::{EndMill, Tool};
-    use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
+    use arcfeed_nc::modal::{Feed, Plane, Turn};
     use arcfeed_nc::segment::Arc;
     use arcfeed_units::{LengthUnit, MmPerTooth};
 
@@ -233,6 +261,27 @@ mod tests {
             }
             assert_eq!(why(&job(LawKind::Table), &segment, &ON), None, "a table follows any path: {segment:?}");
         }
+    }
+
+    #[test]
+    fn a_descent_is_straight_and_downwards_and_a_plunge_is_one_along_the_axis() {
+        let descent = |segment: &Segment| Descent::of(segment, ToolAxis::Z).map(|descent| descent.is_plunge());
+        for (to_mm, expected) in [
+            ([0.0, 0.0, -5.0], Some(true)),
+            ([0.004, 0.0, -5.0], Some(true)),
+            ([0.006, 0.0, -5.0], Some(false)),
+            ([0.0, 0.0, 5.0], None),
+            ([10.0, 0.0, -0.174], None),
+            ([10.0, 0.0, -0.175], Some(false)),
+            ([0.0; 3], None),
+        ] {
+            assert_eq!(descent(&line(to_mm)), expected, "{to_mm:?}");
+        }
+        assert_eq!(descent(&arc(Plane::Xy, -5.0)), None);
+        assert_eq!(descent(&Segment { path: Path::Rapid, ..line([0.0, 0.0, -5.0]) }), None);
+        let mut turns = line([0.0, 0.0, -5.0]);
+        turns.end.rotary[0].0 = 1;
+        assert_eq!(descent(&turns), None);
     }
 
     #[test]

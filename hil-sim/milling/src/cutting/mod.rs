@@ -29,3 +29,5 @@ pub mod pose;
 pub mod edge_engagement;
 
 pub mod engaged_arcs;
+
+pub mod engaged_section;

@@ -10,7 +10,7 @@ use arcfeed_milling::cutting::edge_engagement::{EdgeEngagement, slices};
 use arcfeed_milling::cutting::edges::meridian::Pieces;
 use arcfeed_milling::cutting::edges::{Cutter, EdgeError, EndMill, Ring};
 use arcfeed_milling::cutting::layers::Layers;
-use arcfeed_milling::cutting::material::{Cutting as Forces, Kienzle, MATERIALS};
+use arcfeed_milling::cutting::material::{Cutting as Forces, Kienzle, Linear, MATERIALS};
 use arcfeed_milling::process::Process;
 use arcfeed_modal::dynamics::modal::Mode;
 use arcfeed_modal::dynamics::transition::Rule;
@@ -19,6 +19,7 @@ use arcfeed_model::tool::Tool;
 use arcfeed_units::{Nm, S_PER_MIN};
 
 use super::body::{self, SetupFault};
+use crate::engagement::sections::TangentialForce;
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
@@ -169,6 +170,21 @@ pub fn tangential(name: &str, offset: usize) -> Result<Kienzle, SetupFault> {
     found.map(|material| material.tangential).ok_or_else(|| {
         let names = MATERIALS.map(|material| format!("\"{}\"", material.name)).join(", ");
         (Some(offset), format!("no coefficients are known of `{name}`; write one of {names}, or kc11 and mc"))
+    })
+}
+
+/// Tangential force of a chip under these coefficients.
+///
+/// # Errors
+/// The material is unknown.
+pub fn tangential_force(coefficients: &Coefficients) -> Result<TangentialForce, SetupFault> {
+    Ok(match forces(coefficients)? {
+        Forces::Kienzle([Kienzle { specific_mpa, exponent_ratio }, ..]) => {
+            TangentialForce { specific_mpa, exponent_ratio, edge_n_per_mm: 0.0 }
+        }
+        Forces::Linear([Linear { specific_mpa, edge_n_per_mm }, ..]) => {
+            TangentialForce { specific_mpa, exponent_ratio: 0.0, edge_n_per_mm }
+        }
     })
 }
 

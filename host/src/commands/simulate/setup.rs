@@ -20,6 +20,7 @@ use super::body;
 use super::edges;
 use super::mark_figures::MarkReference;
 use super::surface;
+use crate::engagement::sections::TangentialForce;
 use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
@@ -41,6 +42,8 @@ pub struct Setup<'a> {
     pub loads: Option<LoadSettings>,
     /// Reference for the marks of those edges.
     pub truth: Option<MarkReference>,
+    /// Tangential force of the edges, if the job has `[cutting]`.
+    pub force: Option<TangentialForce>,
     /// Specific cutting force of the workpiece's material, if the job names it.
     pub material: Option<Kienzle>,
 }
@@ -76,6 +79,9 @@ impl<'a> Setup<'a> {
         let wrong = |(offset, message): body::SetupFault, table: usize| {
             Failure::Input(format!("{}: {message}", located(offset.unwrap_or(table))))
         };
+        let force = file.cutting.as_ref().map(|cutting| {
+            edges::tangential_force(&cutting.coefficients).map_err(|fault| wrong(fault, cutting.offset))
+        });
         let edges = file.cutting.as_ref().map(|cutting| edges(cutting).map_err(|fault| wrong(fault, cutting.offset)));
         let material = workpiece
             .material
@@ -85,7 +91,7 @@ impl<'a> Setup<'a> {
         let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
         let settings = StockCutterSettings { stock, tool, machine, tolerance_mm };
         let material = material.transpose()?;
-        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth, material }))
+        Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth, force: force.transpose()?, material }))
     }
 
     /// Meter for the loads of the edges in a run.

@@ -1,0 +1,77 @@
+//! Moves that descend along the tool's axis under the plunge law: which they are, and the table of the law for each.
+
+use arcfeed_law::table::Table;
+use arcfeed_model::governed::Descent;
+use arcfeed_model::job::{ToolAxis, ToolSetup};
+use arcfeed_model::tool::Tool;
+use arcfeed_nc::segment::Segment;
+use arcfeed_units::{Nm, RevPerMin};
+
+use super::PlanReason;
+use super::writer::Known;
+use crate::axial_law::{AxialLaw, Edges, torque_max_n_m};
+use crate::engagement::sections::{DescentLookup, Section, TangentialForce};
+use crate::job::{Plunge, SpindleLimits};
+
+/// Plunge law of a job with the sections of its moves; state.
+#[derive(Clone, Debug)]
+pub struct Descents<'a> {
+    law: Law,
+    lookup: DescentLookup<'a>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    plunge: Plunge,
+    limits: SpindleLimits,
+    force: TangentialForce,
+}
+
+/// A descending move with its sections.
+#[derive(Clone, Copy, Debug)]
+pub struct Descending<'a> {
+    law: Law,
+    /// `None` if the map does not know the move.
+    pub sections: Option<&'a [Section]>,
+    length_mm: f64,
+    descent: Descent,
+}
+
+impl<'a> Descents<'a> {
+    /// The law before the first move; `None` without `[plunge]` in the job, or without a map.
+    pub fn of(known: &Known<'a>) -> Option<Self> {
+        let ((plunge, limits), map) = known.plunge.zip(known.map)?;
+        let law = Law { plunge, limits, force: map.descents.force };
+        Some(Descents { law, lookup: map.descents.lookup() })
+    }
+
+    /// The next move, if it descends and no cut rule governs it.
+    pub fn next<R>(&mut self, segment: &Segment, matched: &Result<R, PlanReason>) -> Option<Descending<'a>> {
+        let is_free = matches!(matched, Err(PlanReason::NoRule | PlanReason::Axial));
+        let descent = Descent::of(segment, ToolAxis::Z).filter(|_| is_free)?;
+        if !descent.is_plunge() && !self.law.plunge.has_ramps {
+            return None;
+        }
+        let sections = self.lookup.next(segment);
+        Some(Descending { law: self.law, sections, length_mm: segment.length_mm(), descent })
+    }
+}
+
+impl Descending<'_> {
+    /// Path per tooth along the move at a spindle speed; `None` if no feed keeps the limits.
+    pub fn table(&self, setup: &ToolSetup, spindle: RevPerMin) -> Option<Table> {
+        let Law { plunge, limits, force } = self.law;
+        let radius = match &setup.tool {
+            Tool::CupMill(cup) => cup.outer_radius,
+            Tool::EndMill(mill) => mill.radius,
+        };
+        let law = AxialLaw {
+            feed_per_tooth_mm: plunge.feed_per_tooth_mm,
+            edges: Edges::of(&setup.tool),
+            diameter_mm: 2.0 * Nm::to_mm(radius),
+            force,
+            torque_max_n_m: torque_max_n_m(limits.torque_n_m, limits.power_w, f64::from(spindle.0)),
+        };
+        law.table(self.sections?, self.length_mm, (self.descent.sine, self.descent.is_plunge()))
+    }
+}

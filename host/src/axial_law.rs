@@ -1,0 +1,238 @@
+//! Feed of a move that descends along the tool's axis, or at an angle to it.
+//!
+//! On the end of a tool a chip is as thick as the path per edge, whatever the engaged width. Torque and power do depend on
+//! the width: with the force per width f(h) of a chip h thick, the path per tooth s, z teeth on each side and Z on the
+//! end, the sine S and the cosine C of the angle from the plane across the axis, and the moments of the engaged section
+//! (`engagement/sections.rs`):
+//!
+//! ```text
+//! chip    s <= a                                                                     (1)
+//! torque  f(s z S / Z) * end + f(s C) * side <= min(T, P / (2 pi n))                 (2)
+//! entry   s <= a / 2 in the air, and while the section of a plunge grows             (3)
+//! exit    s <= a / 2 in the last millimetre of a plunge                              (4)
+//! ```
+//!
+//! On a ramp an edge passes a place at the radius r later than the one before by more than a pitch, because the tool has
+//! moved across its axis meanwhile. Its chip is thicker by the ratio
+//!
+//! ```text
+//! q = s C z / (2 pi r)                                                               (5)
+//! ```
+//!
+//! at most. So (2) has s C (1 + q) on the side, and on the end the moment with r + q r in place of r, for the material as
+//! near to the axis as its moment allows: end + s C z / (2 pi) sqrt(2 end Z). Otherwise no chip is thicker than the path per
+//! tooth. In (2) both moments are the largest over a turn, so T and
+//! P hold for every tooth, not only in the mean. On the end of a ring all inserts count: thin chips have the larger specific
+//! force. With the mean moment Z area / (2 pi) and f = kc h, (2) is the torque kc F area / (2 pi n) and the power kc area F.
+//!
+//! Source: own; docs/laws.md#plunge.
+
+use std::f64::consts::TAU;
+
+use arcfeed_law::table::Table;
+use arcfeed_model::knots::{Knot, TABLE_KNOTS_MAX};
+use arcfeed_model::tool::Tool;
+use arcfeed_units::{Mm, MmPerTooth, S_PER_MIN};
+
+use crate::engagement::sections::{Section, TangentialForce};
+
+/// Share of the chip at entry and exit. (3), (4)
+const GENTLE_RATIO: f64 = 0.5;
+/// Length of the exit. (4)
+const EXIT_MM: f64 = 1.0;
+/// Share of the largest moment within the tool's diameter at which a section counts as grown. (3)
+const GROWN_RATIO: f64 = 0.9;
+/// Halvings in the search for the path per tooth.
+const HALVINGS: usize = 48;
+/// Reduction of the table's values, which are stored as f32.
+const F32_RATIO: f64 = 1.0 - 1e-6;
+/// Newton millimetres in a newton metre.
+const MM_PER_M: f64 = 1e3;
+
+/// Numbers of edges that pass a place in a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Edges {
+    /// z: on a side of the tool.
+    pub side: f64,
+    /// Z: on its end.
+    pub end: f64,
+}
+
+impl Edges {
+    /// Edges of a tool. On a ring the inserts of both circles reach across its end.
+    pub fn of(tool: &Tool) -> Self {
+        let side = f64::from(tool.active_teeth());
+        Edges { side, end: if matches!(tool, Tool::CupMill(_)) { 2.0 * side } else { side } }
+    }
+}
+
+/// Limits of the law at a spindle speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxialLaw {
+    /// a: thickest chip.
+    pub feed_per_tooth_mm: f64,
+    /// Edges of the tool.
+    pub edges: Edges,
+    /// Diameter of the tool.
+    pub diameter_mm: f64,
+    /// Tangential force of the material.
+    pub force: TangentialForce,
+    /// Largest torque of the spindle at the speed, N m: the lower of its own and that of its power.
+    pub torque_max_n_m: f64,
+}
+
+/// Largest torque at a spindle speed, N m: by the torque and the power of the spindle; infinite without limits.
+pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min: f64) -> f64 {
+    let by_power = power_w.map_or(f64::INFINITY, |power_w| power_w / (TAU * rev_per_min / S_PER_MIN));
+    by_power.min(torque_n_m.unwrap_or(f64::INFINITY))
+}
+
+impl AxialLaw {
+    /// Largest torque of a turn at a path per tooth. (2)
+    pub fn torque_n_m(&self, path_mm: f64, section: &Section, sine: f64) -> f64 {
+        let cosine = libm::sqrt((1.0 - sine * sine).max(0.0));
+        let Edges { side: side_edges, end: end_edges } = self.edges;
+        let across_mm = path_mm * cosine;
+        let late_mm = across_mm * side_edges / TAU; // (5)
+        let end_mm2 = section.end_mm2 + late_mm * libm::sqrt(2.0 * section.end_mm2 * end_edges);
+        let end = self.force.n_per_mm(path_mm * side_edges * sine / end_edges) * end_mm2;
+        let side_mm = across_mm * (1.0 + late_mm / (self.diameter_mm / 2.0));
+        let side = if section.side_mm2 > 0.0 { self.force.n_per_mm(side_mm) * section.side_mm2 } else { 0.0 };
+        (end + side) / MM_PER_M
+    }
+
+    /// Largest path per tooth up to `most_mm` that keeps the torque; `None` if no feed does.
+    pub fn path_mm(&self, most_mm: f64, section: &Section, sine: f64) -> Option<f64> {
+        let is_kept = |path_mm: f64| self.torque_n_m(path_mm, section, sine) <= self.torque_max_n_m;
+        if is_kept(most_mm) {
+            return Some(most_mm);
+        }
+        let (mut low_mm, mut high_mm) = (0.0, most_mm);
+        for _ in 0..HALVINGS {
+            let middle_mm = (low_mm + high_mm) / 2.0;
+            *(if is_kept(middle_mm) { &mut low_mm } else { &mut high_mm }) = middle_mm;
+        }
+        (low_mm > 0.0).then_some(low_mm)
+    }
+
+    /// Paths per tooth along a move of this length, by its sections; `is_plunge` if it runs along the axis. `None` if no
+    /// feed keeps the torque somewhere, or nothing is known of the move.
+    pub fn table(&self, sections: &[Section], length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
+        let entry_mm = if is_plunge { self.entry_mm(sections) } else { f64::NEG_INFINITY };
+        let gentle_from_mm = if is_plunge { length_mm - EXIT_MM } else { f64::INFINITY };
+        // Each sample stands for its surroundings up to the neighbours.
+        let near = |index: usize| &sections[index.saturating_sub(1)..(index + 2).min(sections.len())];
+        let values = (0..sections.len()).map(|index| {
+            let of = |section: &Section| {
+                let is_gentle = section.at_mm <= entry_mm || section.at_mm > gentle_from_mm;
+                self.path_mm(self.feed_per_tooth_mm * if is_gentle { GENTLE_RATIO } else { 1.0 }, section, sine)
+            };
+            near(index).iter().map(of).try_fold(f64::INFINITY, |least, path_mm| Some(least.min(path_mm?)))
+        });
+        below(
+            &sections.iter().map(|section| section.at_mm).zip(values.collect::<Option<Vec<_>>>()?).collect::<Vec<_>>(),
+            length_mm,
+        )
+    }
+
+    /// End of the entry: the first place at which the section has its size within the tool's diameter behind the contact;
+    /// the end of the move if it meets nothing. (3)
+    fn entry_mm(&self, sections: &[Section]) -> f64 {
+        let last_mm = sections.last().map_or(0.0, |section| section.at_mm);
+        let Some(contact) = sections.iter().position(|section| section.end_mm2 > 0.0) else { return last_mm };
+        let ahead = &sections[contact..];
+        let is_near = |section: &&Section| section.at_mm <= ahead[0].at_mm + self.diameter_mm;
+        let most_mm2 = ahead.iter().take_while(is_near).map(|section| section.end_mm2).fold(0.0, f64::max);
+        let grown = ahead.iter().find(|section| section.end_mm2 >= GROWN_RATIO * most_mm2);
+        grown.map_or(last_mm, |section| section.at_mm)
+    }
+}
+
+/// Table whose lines are nowhere above the values around them: the move in equal parts, at whose borders stands the lower
+/// of both parts' least values.
+fn below(values: &[(f64, f64)], length_mm: f64) -> Option<Table> {
+    let parts = (TABLE_KNOTS_MAX - 1).min(values.len());
+    let part_of = |at_mm: f64| ((at_mm / length_mm * parts as f64).max(0.0) as usize).min(parts - 1);
+    let mut least = vec![f64::INFINITY; parts];
+    for pair in values.windows(2) {
+        for part in part_of(pair[0].0)..=part_of(pair[1].0) {
+            least[part] = least[part].min(pair[0].1).min(pair[1].1);
+        }
+    }
+    let (first, last) = (values.first()?, values.last()?);
+    (0..=part_of(first.0)).for_each(|part| least[part] = least[part].min(first.1));
+    (part_of(last.0)..parts).for_each(|part| least[part] = least[part].min(last.1));
+    let knot = |border: usize| -> Knot {
+        let around = &least[border.saturating_sub(1)..(border + 1).min(parts)];
+        let path_mm = around.iter().copied().fold(f64::INFINITY, f64::min) * F32_RATIO;
+        (Mm((length_mm * border as f64 / parts as f64) as f32), MmPerTooth(path_mm as f32))
+    };
+    Table::new(&(0..=parts).map(knot).collect::<Vec<_>>()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_law::{FeedLaw, Place};
+
+    fn law(torque_max_n_m: f64) -> AxialLaw {
+        let force = TangentialForce { specific_mpa: 2_000.0, exponent_ratio: 0.25, edge_n_per_mm: 0.0 };
+        let edges = Edges { side: 4.0, end: 4.0 };
+        AxialLaw { feed_per_tooth_mm: 0.1, edges, diameter_mm: 10.0, force, torque_max_n_m }
+    }
+
+    fn at(table: &Table, at_mm: f64) -> f64 {
+        let place = Place { center_mm: [0.0; 2], motion: [0.0; 2], towards: [0.0; 2], travelled_mm: at_mm as f32 };
+        f64::from(table.demand(&place).expect("a demand").path_mm_per_tooth)
+    }
+
+    #[test]
+    fn entry_and_exit_are_gentle_and_the_torque_is_kept_everywhere() {
+        let moment = |at_mm: f64| if at_mm < 5.0 { 0.0 } else { 50.0 * ((at_mm - 5.0) / 3.0).min(1.0) };
+        let sections: Vec<Section> = (0..=120)
+            .map(|at| f64::from(at) * 0.25)
+            .map(|at_mm| Section { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 })
+            .collect();
+        for (torque_max_n_m, largest) in [(f64::INFINITY, 0.1), (9.0, 0.0592)] {
+            let law = law(torque_max_n_m);
+            let table = law.table(&sections, 30.0, (1.0, true)).expect("a table");
+            let mut most = 0.0_f64;
+            for step in 0..=300 {
+                let at_mm = f64::from(step) * 0.1;
+                let path_mm = at(&table, at_mm);
+                most = most.max(path_mm);
+                let section = Section { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 };
+                assert!(law.torque_n_m(path_mm, &section, 1.0) <= torque_max_n_m, "{at_mm}: {path_mm}");
+                if at_mm <= 5.0 + 0.9 * 3.0 || at_mm > 29.0 {
+                    assert!(path_mm <= 0.05, "{at_mm}: {path_mm}");
+                }
+            }
+            assert!((most / largest - 1.0).abs() < 0.02, "{most} {largest}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_has_the_load_of_its_end_and_its_sides_and_no_gentle_parts() {
+        let section = Section { at_mm: 0.0, end_mm2: 20.0, side_mm2: 10.0 };
+        let law = law(5.0);
+        let path_mm = law.path_mm(0.1, &section, 0.6).expect("a path");
+        let late_mm = path_mm * 0.8 * 4.0 / TAU;
+        let end = libm::pow(path_mm * 0.6, 0.75) * (20.0 + late_mm * libm::sqrt(160.0));
+        let side = libm::pow(path_mm * 0.8 * (1.0 + late_mm / 5.0), 0.75) * 10.0;
+        let by_hand = 2_000.0 * (end + side) / 1e3;
+        assert!((by_hand - 5.0).abs() < 1e-9, "{by_hand}");
+        let table = law.table(&[section, Section { at_mm: 8.0, ..section }], 8.0, (0.6, false)).expect("a table");
+        assert!((at(&table, 0.0) / path_mm - 1.0).abs() < 2e-6 && at(&table, 0.0) <= path_mm);
+    }
+
+    #[test]
+    fn a_material_that_rubs_above_the_limit_at_any_feed_has_no_table() {
+        let law = AxialLaw {
+            force: TangentialForce { edge_n_per_mm: 100.0, exponent_ratio: 0.0, specific_mpa: 1.0 },
+            ..law(1.0)
+        };
+        let section = |at_mm| Section { at_mm, end_mm2: 20.0, side_mm2: 0.0 };
+        assert_eq!(law.table(&[section(0.0), section(8.0)], 8.0, (1.0, true)), None);
+        assert_eq!(law.table(&[], 8.0, (1.0, true)), None);
+    }
+}

@@ -1,0 +1,37 @@
+//! Rows of plunges into a round bar: peaks and time at a constant feed and under the law.
+
+use crate::plunge_law::plunge_job::PlungeJob;
+
+/// Four plunges 4 mm apart, 30 mm deep into the back of a bar.
+const PROGRAM: &str = "%\nG21G17G90G94\nS800M3\nN1G0X0.Y3.Z5.\nN2G1Z-30.F160.\nN3G0Z5.\nN4X4.\nN5G1Z-30.F160.\nN6G0Z5.\nN7X8.\n\
+                       N8G1Z-30.F160.\nN9G0Z5.\nN10X12.\nN11G1Z-30.F160.\nN12G0Z5.\nN13M30\n%\n";
+
+#[test]
+fn plunges_under_the_law_keep_power_and_torque_in_both_modes() {
+    for mode in ["mode = \"safe-base\"", "mode = \"rewrite-only\""] {
+        let job = PlungeJob {
+            name: "row",
+            tool: "kind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 40",
+            workpiece: "round = { from = [-20, 0, -40], to = [30, 0, -40], radius = 40 }\nstep = 0.25",
+            cutting: "material = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 2\nlayers = 2",
+            spindle: "rev_per_min = 800\nmax_power = \"0.6 kW\"\nmax_torque = \"9 Nm\"",
+            mode,
+            feed_per_tooth_mm: 0.08,
+            max_raise: 2.0,
+            program: PROGRAM,
+        };
+        let found = job.found();
+        let (power, torque) = (found.most(|load| load.power_w), found.most(|load| load.torque_n_m));
+        let chip = found.most(|load| load.chip_mm);
+        println!(
+            "{mode}: power {:.0} W for {:.0}, torque {:.2} Nm for {:.2}, chip {:.4} mm for {:.4}, time {:.1} s for {:.1}",
+            power[0], power[1], torque[0], torque[1], chip[0], chip[1], found.time_s[0], found.time_s[1]
+        );
+        assert!(power[0] <= 600.0 && torque[0] <= 9.0 && chip[0] <= 0.08 * 1.005, "{power:?} {torque:?} {chip:?}");
+        assert!(power[1] > 600.0, "the constant feed is too fast: {power:?}");
+        let pieces: u64 = found.adapted.iter().filter_map(|block| block["pieces"].as_u64()).sum();
+        assert_eq!(pieces > 4, mode.contains("rewrite-only"), "{pieces} pieces");
+        let laws = found.adapted.iter().filter(|block| block["law"] == "plunge").count();
+        assert_eq!(laws, 4);
+    }
+}
