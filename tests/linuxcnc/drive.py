@@ -1,8 +1,8 @@
-"""Screen of a LinuxCNC without one: runs an NC program, arms the component, takes a sample each servo period.
+"""Run of an NC program on the LinuxCNC of `display.py`: arms the component, takes a sample each servo period.
 
-Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, events, seconds. Reports one JSON
-object a line. Events come in their order: [{"line": the line in execution}, command, arguments], or with {"after":
-seconds since the event before}. The machine is not in step with the clock of the wall, so that only a line gives its place.
+Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, line (to begin with; 0 for the whole
+program), steps (single block), events, seconds. Reports one JSON object a line. Events come in their order: [WHEN, command,
+arguments], WHEN being {"line": the line in execution}, {"after": seconds since the event before} or {"idle": true}. The machine is not in step with the clock of the wall, so that only a line gives its place.
 """
 
 import json
@@ -16,6 +16,7 @@ import linuxcnc
 with open(os.environ["ARCFEED_DRIVE"]) as arguments:
     WANTED = json.load(arguments)
 REPORT = open(WANTED["report"], "w")
+FUNCTIONS = ["arcfeed", "motion-command-handler", "motion-controller"]
 
 
 def say(**what):
@@ -26,8 +27,12 @@ def pin(name):
     return subprocess.run(["halcmd", "getp", name], capture_output=True, text=True).stdout.strip()
 
 
+def halcmd(*words):
+    subprocess.run(["halcmd", *words], check=True, capture_output=True)
+
+
 def set_pin(name, value):
-    subprocess.run(["halcmd", "setp", name, str(value)], check=True, capture_output=True)
+    halcmd("setp", name, str(value))
 
 
 def press(name):
@@ -36,8 +41,14 @@ def press(name):
     set_pin(name, 0)
 
 
-def is_due(when, line, waited):
-    return line >= when["line"] if "line" in when else waited >= when["after"]
+def is_due(when, stat, waited):
+    if "idle" in when:
+        return waited > 0.5 and stat.interp_state == linuxcnc.INTERP_IDLE
+    return stat.motion_line >= when["line"] if "line" in when else waited >= when["after"]
+
+
+def stop(signal, name):
+    subprocess.run(["pkill", signal, "-u", str(os.getuid()), "-f", name], check=True)
 
 
 def main():
@@ -52,67 +63,78 @@ def main():
         command.mode(linuxcnc.MODE_AUTO)
         command.wait_complete()
 
+    def power():
+        for state in (linuxcnc.STATE_OFF, linuxcnc.STATE_ON):
+            command.state(state)
+            command.wait_complete()
+
     actions = {
+        "power": power,
         "pin": lambda name, value: set_pin(name, value),
         "press": press,
         "pause": lambda: command.auto(linuxcnc.AUTO_PAUSE),
         "resume": lambda: command.auto(linuxcnc.AUTO_RESUME),
         "step": lambda: command.auto(linuxcnc.AUTO_STEP),
         "abort": lambda: command.abort(),
+        "dial": lambda ratio: command.feedrate(ratio),
+        "arm": lambda: press("arcfeed.arm"),
         "run": lambda line: (run_mode(), command.auto(linuxcnc.AUTO_RUN, line)),
-        "halcmd": lambda *words: subprocess.run(["halcmd", *words], check=True, capture_output=True),
-        "kill": lambda name: subprocess.run(["pkill", "-STOP", "-u", str(os.getuid()), "-f", name], check=True),
+        "halcmd": halcmd,
+        "freeze": lambda name: stop("-STOP", name),
+        "thaw": lambda name: stop("-CONT", name),
     }
-    command.state(linuxcnc.STATE_ESTOP_RESET)
-    command.wait_complete()
-    command.state(linuxcnc.STATE_ON)
-    command.wait_complete()
-    command.mode(linuxcnc.MODE_MANUAL)
-    command.wait_complete()
-    stat.poll()
-    for joint in range(stat.joints):
-        command.home(joint)
-    for _ in range(100):
-        time.sleep(0.05)
-        stat.poll()
-        if all(stat.homed[: stat.joints]):
-            break
     run_mode()
     command.program_open(wanted["program"])
     command.wait_complete()
-    time.sleep(1.0)
+    stat.poll()
+    for _ in range(40):
+        if stat.file == wanted["program"] and pin("arcfeed.moves") != "0" and pin("arcfeed-program.valid") == "TRUE":
+            break
+        time.sleep(0.05)
+        stat.poll()
     if wanted["arm"]:
         press("arcfeed.arm")
         time.sleep(0.3)
     say(moves=pin("arcfeed.moves"), load=pin("arcfeed.load-status"), state=pin("arcfeed.state"),
         refusal=pin("arcfeed.refusal"), inhibit=pin("motion.feed-inhibit"))
+    times = {name: [] for name in FUNCTIONS}
+    most = {name: pin(name + ".tmax") for name in FUNCTIONS}
     with open(wanted["samples"], "w") as file:
+        say(old_rows=int(pin("sampler.0.curr-depth")))
         sampler = subprocess.Popen(["halsampler", "-c", "0", "-t"], stdout=file)
-        time.sleep(0.2)
-        command.auto(linuxcnc.AUTO_RUN, 0)
+        while int(pin("sampler.0.curr-depth")) > 1000:
+            time.sleep(0.05)
+        overruns = int(pin("sampler.0.overruns"))
+        if wanted["steps"]:
+            command.auto(linuxcnc.AUTO_STEP)
+        else:
+            command.auto(linuxcnc.AUTO_RUN, wanted["line"])
         started = last = time.time()
         events = list(wanted["events"])
         time.sleep(0.5)
         while time.time() - started < wanted["seconds"]:
             stat.poll()
             report_errors()
-            while events and is_due(events[0][0], stat.motion_line, time.time() - last):
+            while events and is_due(events[0][0], stat, time.time() - last):
                 _, name, *arguments = events.pop(0)
                 actions[name](*arguments)
                 last = time.time()
                 say(event=name, state=pin("arcfeed.state"), feed=pin("arcfeed.adaptive-feed"))
             if stat.interp_state == linuxcnc.INTERP_IDLE and not events:
                 break
-            time.sleep(0.02)
+            if wanted["steps"] and stat.paused and stat.inpos:
+                command.auto(linuxcnc.AUTO_STEP)
+            for name in FUNCTIONS:
+                times[name].append(pin(name + ".time"))
         time.sleep(0.3)
+        overruns = int(pin("sampler.0.overruns")) - overruns
         sampler.terminate()
         sampler.wait()
     report_errors()
     say(ended=stat.interp_state == linuxcnc.INTERP_IDLE, seconds=time.time() - started, state=pin("arcfeed.state"),
-        reason=pin("arcfeed.reason"), time=pin("arcfeed.time"), most=pin("arcfeed.tmax"),
-        motion=pin("motion-controller.time"), motion_most=pin("motion-controller.tmax"))
+        reason=pin("arcfeed.reason"), missing=overruns, times=times, most=most)
     command.abort()
-    command.state(linuxcnc.STATE_OFF)
+    command.wait_complete()
 
 
 main()

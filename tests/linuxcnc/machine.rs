@@ -1,48 +1,26 @@
-//! LinuxCNC with the sample configuration, without a screen and as a user of its own; one run at a time.
+//! LinuxCNC with the sample configuration, without a screen and as a user of its own; one at a time.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use arcfeed_tests::{Scratch, root, run, skip_loudly};
-use arcfeed_units::MM_PER_INCH;
-use serde_json::{Value, json};
 
 /// User that LinuxCNC runs as: it refuses root.
 const USER: &str = "arcfeed-cnc";
-/// Longest run of LinuxCNC, from its start to its end.
-const SECONDS_MAX: &str = "150";
-/// Longest wait for a LinuxCNC that is in use.
+/// Longest life of a LinuxCNC.
+const SECONDS_MAX: &str = "400";
+/// Longest wait for a LinuxCNC that is in use, and for one to start.
 const OTHERS_SECONDS: u32 = 120;
-/// Longest run of a program, seconds.
-const PROGRAM_SECONDS: u32 = 90;
+const START_SECONDS: u32 = 60;
 
-/// Machine that programs run on.
+/// Running LinuxCNC, switched on and homed.
 pub struct Machine {
     scratch: Scratch,
+    linuxcnc: Child,
     _only: MutexGuard<'static, ()>,
-}
-
-/// Sample of a servo period.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample {
-    pub time_s: f64,
-    pub position_mm: [f64; 3],
-    pub velocity_mm_per_s: f64,
-    /// Adaptive feed times the feed override.
-    pub ratio: f64,
-    pub spindle: f64,
-    pub line: i64,
-    pub state: i64,
-}
-
-/// Result of a run.
-pub struct Ran {
-    pub samples: Vec<Sample>,
-    /// Reports of the driver.
-    pub reports: Vec<Value>,
 }
 
 impl Machine {
@@ -64,15 +42,17 @@ impl Machine {
         for part in ["examples/linuxcnc", "firmware/linuxcnc"] {
             copy(&root().join(part), &folder.join(part));
         }
-        let machine = Machine { scratch, _only: only };
-        let ini = fs::read_to_string(machine.path("arcfeed.ini")).expect("the sample configuration");
-        let is_screen = |line: &&str| ["PYVCP", "POSTGUI_HALFILE", "DISPLAY ="].iter().any(|key| line.starts_with(key));
-        let lines = ini.lines().filter(|line| !is_screen(line));
-        let headless = lines.collect::<Vec<_>>().join("\n").replace("[DISPLAY]", "[DISPLAY]\nDISPLAY = ./display.sh");
-        fs::write(machine.path("headless.ini"), headless + "\n").expect("a file");
-        fs::copy(root().join("tests/linuxcnc/drive.py"), machine.path("drive.py")).expect("the driver");
-        fs::write(machine.path("display.sh"), "#!/bin/sh\nexec /usr/bin/python3 drive.py\n").expect("a file");
-        shell(&format!("chmod +x {}", machine.path("display.sh"))).expect("it was just written");
+        let folder = folder.join("examples/linuxcnc");
+        write_headless(&folder);
+        own(&folder);
+        let linuxcnc = as_user(&folder, &format!("timeout -k 5 {SECONDS_MAX} linuxcnc headless.ini"))
+            .stdin(Stdio::null())
+            .stdout(File::create(folder.join("log")).expect("a file"))
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("nice runs");
+        let machine = Machine { scratch, linuxcnc, _only: only };
+        machine.wait_until_ready();
         Some(machine)
     }
 
@@ -87,90 +67,62 @@ impl Machine {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
-    /// Line of an arc of `program.ngc`, from 1; the first arc is number 0.
-    pub fn arc_line(&self, number: usize) -> usize {
-        let program = fs::read_to_string(self.path("program.ngc")).expect("the program");
-        let is_arc = |line: &str| line.contains("G2X") || line.contains("G3X");
-        let arcs = program.lines().enumerate().filter(|(_, line)| is_arc(line));
-        arcs.map(|(index, _)| index + 1).nth(number).expect("an arc")
+    /// A command as the user of LinuxCNC, in the folder of the configuration, which it owns.
+    pub fn command(&self, command: &str) -> Command {
+        let folder = PathBuf::from(self.path(""));
+        own(&folder);
+        as_user(&folder, command)
     }
 
-    /// Runs `program.ngc`; `events` are as `drive.py` has them.
-    pub fn run(&self, arms: bool, events: Value) -> Ran {
-        let [program, samples, report, drive] =
-            ["program.ngc", "samples", "report", "drive.json"].map(|file| self.path(file));
-        let arguments = json!({
-            "program": program, "samples": samples, "report": report, "arm": arms, "events": events, "seconds": PROGRAM_SECONDS
-        });
-        fs::write(&drive, arguments.to_string()).expect("a file");
-        shell(&format!("chown -R {USER} {}", self.scratch.path(""))).expect("root gives files away");
-        let folder = Path::new(&drive).parent().expect("a folder").display().to_string();
-        let command = format!(
-            "cd {folder} && HOME={folder} ARCFEED_DRIVE={drive} timeout -k 5 {SECONDS_MAX} linuxcnc headless.ini"
-        );
-        // Before the other tests: without a real-time kernel a component that gets no time has lost its link.
-        let mut nice = Command::new("nice");
-        let output =
-            nice.args(["-n", "-15", "su", USER, "-s", "/bin/sh", "-c", &command]).stdin(Stdio::null()).output();
-        let output = output.expect("nice runs");
-        let text = fs::read_to_string(&report).unwrap_or_default();
-        let reports: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("a report")).collect();
-        let has_ended = reports.iter().any(|report| report.get("ended").is_some());
-        assert!(has_ended, "{text}{}", String::from_utf8_lossy(&output.stdout));
-        reports.iter().for_each(|report| println!("{report}"));
-        Ran { samples: read_samples(&fs::read_to_string(&samples).expect("samples")), reports }
+    /// Ends LinuxCNC.
+    pub fn stop(&mut self) {
+        let _unwritten = fs::write(self.path("stop"), "");
+        let _ended = self.linuxcnc.wait();
     }
 
-    /// Figures of a run of a job's program, by `arcfeed measure`.
-    pub fn measure(&self, job: &str, samples: &[Sample], unit_mm: f64) -> Value {
-        let row = |sample: &Sample| {
-            let [x, y, z] = sample.position_mm.map(|mm| mm / unit_mm);
-            let feed = sample.velocity_mm_per_s * 60.0 / unit_mm;
-            format!("{:.3},{x:.9},{y:.9},{z:.9},{},{feed:.9},{}\n", sample.time_s, sample.line, sample.spindle)
-        };
-        let rows: String = samples.iter().map(row).collect();
-        let positions = self.path("positions.csv");
-        fs::write(&positions, "time,x,y,z,line,feed,spindle\n".to_owned() + &rows).expect("a file");
-        let output = run(&["measure", job, "--for", "linuxcnc", "--positions", &positions, "--json"]);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        serde_json::from_slice(&output.stdout).expect("figures")
+    fn wait_until_ready(&self) {
+        for _ in 0..10 * START_SECONDS {
+            if Path::new(&self.path("ready")).exists() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("LinuxCNC has not started: {}", fs::read_to_string(self.path("log")).unwrap_or_default());
     }
 }
 
-/// Inches of a program on a machine in millimetres.
-pub const INCH_MM: f64 = MM_PER_INCH;
-
-impl Ran {
-    /// A figure of the driver's last report.
-    pub fn last(&self, key: &str) -> String {
-        let found = self.reports.iter().rev().find_map(|report| report.get(key));
-        found.map_or(String::new(), |value| value.as_str().map_or(value.to_string(), str::to_owned))
+impl Drop for Machine {
+    fn drop(&mut self) {
+        self.stop();
     }
 }
 
-/// Samples without a gap: the sampler counts every servo period.
-fn read_samples(text: &str) -> Vec<Sample> {
-    let mut samples = Vec::new();
-    let mut count = None;
-    for line in text.lines() {
-        let fields: Vec<f64> = line.split_whitespace().filter_map(|field| field.parse().ok()).collect();
-        let [tag, x, y, z, velocity, adaptive, dial, spindle, line, _kind, state, _reason, _chip] = fields[..] else {
-            // The sampler is stopped within its last line.
-            continue;
-        };
-        assert!(count.is_none_or(|count: f64| tag == count + 1.0), "samples are missing before {tag}");
-        count = Some(tag);
-        samples.push(Sample {
-            time_s: tag * 1e-3,
-            position_mm: [x, y, z],
-            velocity_mm_per_s: velocity,
-            ratio: adaptive * dial,
-            spindle,
-            line: line as i64,
-            state: state as i64,
-        });
+/// Writes the sample configuration without panel and screen.
+fn write_headless(folder: &Path) {
+    let ini = fs::read_to_string(folder.join("arcfeed.ini")).expect("the sample configuration");
+    let is_screen = |line: &&str| ["PYVCP", "POSTGUI_HALFILE", "DISPLAY ="].iter().any(|key| line.starts_with(key));
+    let lines = ini.lines().filter(|line| !is_screen(line));
+    let headless = lines.collect::<Vec<_>>().join("\n").replace("[DISPLAY]", "[DISPLAY]\nDISPLAY = ./display.sh");
+    fs::write(folder.join("headless.ini"), headless + "\n").expect("a file");
+    for script in ["display.py", "drive.py"] {
+        fs::copy(root().join("tests/linuxcnc").join(script), folder.join(script)).expect("a script");
     }
-    samples
+    let display = folder.join("display.sh");
+    fs::write(&display, "#!/bin/sh\nexec /usr/bin/python3 display.py\n").expect("a file");
+    shell(&format!("chmod +x {}", display.display())).expect("it was just written");
+}
+
+/// A command as the user, before the other tests: without a real-time kernel a component that gets no time has lost its link.
+fn as_user(folder: &Path, command: &str) -> Command {
+    let folder = folder.display();
+    let mut nice = Command::new("nice");
+    nice.args(["-n", "-15", "su", USER, "-s", "/bin/sh", "-c", &format!("cd {folder} && HOME={folder} {command}")]);
+    nice
+}
+
+/// Passes a folder to the user.
+fn own(folder: &Path) {
+    shell(&format!("chown -R {USER} {}", folder.display())).expect("root gives files away");
 }
 
 /// Whether no other LinuxCNC runs, after a while at the latest.

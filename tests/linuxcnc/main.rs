@@ -3,8 +3,12 @@
 
 mod machine;
 
+mod run;
+
 mod faults;
 
 mod pocket;
 
 mod slot;
+
+mod streaming;

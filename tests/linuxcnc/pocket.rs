@@ -3,9 +3,9 @@
 use std::fs;
 
 use arcfeed_tests::root;
-use serde_json::json;
 
-use super::machine::{Machine, Sample};
+use super::machine::Machine;
+use super::run::{Run, Sample};
 
 /// Contour radius of the corners and the tool's radius, mm.
 const CONTOUR_MM: f64 = 8.0;
@@ -40,7 +40,7 @@ fn the_edge_keeps_its_feed_on_inside_arcs_on_linuxcnc() {
         let job = machine.path("job.toml");
         fs::write(&job, format!("{text}\n[override]\nmode = \"{mode}\"\n")).expect("a file");
         machine.adapt(&job);
-        let ran = machine.run(mode == "safe-base", json!([]));
+        let ran = machine.run(&Run::whole(mode == "safe-base"));
         let feeds = edge_feeds(&ran.samples, [42.0, -17.0]);
         let (least, most) =
             feeds.iter().fold((f64::MAX, 0.0_f64), |(least, most), feed| (least.min(*feed), most.max(*feed)));

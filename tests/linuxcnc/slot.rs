@@ -2,82 +2,239 @@
 
 use std::fs;
 
-use arcfeed_tests::root;
-use serde_json::{Value, json};
+use arcfeed_tests::{of_full_set, recording, root};
+use libm::fabs;
+use serde_json::Value;
 
-use super::machine::{INCH_MM, Machine, Ran};
+use super::machine::Machine;
+use super::run::{INCH_MM, Ran, Run, Sample};
 
-/// Largest chip over its target, and least without the thin side, of all samples in the cut.
+/// Largest chip over its target, of all samples in the cut.
 const OVER: f64 = 0.005;
+/// Deviation from the feed of F and override from which on a sample is slow.
+const SLOW: f64 = 0.02;
 /// Largest distance from the programmed arcs, inches: their coordinates have four decimals.
 const PATH_ERROR_IN: f64 = 0.000_1;
+/// Acceleration of the axes, mm/s2, and the least share of it along the path. LinuxCNC halves it for moves that blend, and keeps a part
+/// of that for the curvature of arcs.
+const ACCELERATION: f64 = 2_000.0;
+const ALONG_SHARE: f64 = 0.4;
+/// Step of the simulated control's override.
+const STEP: f64 = 0.01;
 
-/// Writes the slot with one pair of its levels, and the job of the example in this mode; answers the job's path.
-pub fn job(machine: &Machine, mode: &str) -> String {
+/// Levels of the slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Levels {
+    /// Every level.
+    All,
+    /// N142 to N152, with an arc of each movement, without the retract.
+    Two,
+}
+
+/// Writes the slot, and the job of the example in this mode; answers the job's path.
+pub fn job(machine: &Machine, mode: &str, levels: Levels) -> String {
     let folder = root().join("examples/ibr-slot");
     let program = fs::read_to_string(folder.join("ibr-slot.nc")).expect("the example");
-    let number = |line: &str| line.strip_prefix('N')?.split_once('G')?.0.parse::<u32>().ok();
-    let is_kept =
-        |line: &&str| number(line).is_none_or(|number| !(128..142).contains(&number) && !(154..204).contains(&number));
-    let program = program.lines().filter(is_kept).collect::<Vec<_>>().join("\n");
-    // The level begins with a line in the feed mode of those before it.
-    let program = program.replace("N142G1", "N142G94F25.G1");
+    let number = |line: &str| line.strip_prefix('N')?.split_once(['G', 'M'])?.0.parse::<u32>().ok();
+    let is_left_out = |number| (128..142).contains(&number) || (154..206).contains(&number) || number == 210;
+    let is_kept = |line: &&str| levels == Levels::All || !number(line).is_some_and(is_left_out);
+    let mut program = program.lines().filter(is_kept).collect::<Vec<_>>().join("\n");
+    if levels == Levels::Two {
+        // The level begins with a line in the feed mode of those before it.
+        program = program.replace("N142G1", "N142G94F25.G1");
+    }
     fs::write(machine.path("ibr-slot.nc"), program).expect("a file");
     let job = fs::read_to_string(folder.join("job.toml")).expect("the example");
     let path = machine.path(&format!("{mode}.toml"));
-    fs::write(&path, job.replace("safe-base", mode)).expect("a file");
+    // LinuxCNC follows its adaptive feed in the next servo period.
+    let job = job.replace("safe-base", mode).replace("slew_down = 200", "slew_down = 1000");
+    fs::write(&path, job).expect("a file");
     path
 }
 
 /// Figures of the slot in a mode, with or without the component's feed.
-fn figures(machine: &Machine, mode: &str, arms: bool) -> (Ran, Value) {
-    let job = job(machine, mode);
+fn figures(machine: &Machine, mode: &str, levels: Levels) -> (Ran, Value) {
+    let job = job(machine, mode, levels);
     machine.adapt(&job);
-    let ran = machine.run(arms, json!([]));
+    let arms = mode == "safe-base";
+    let ran = machine.run(&Run::whole(arms));
     let figures = machine.measure(&job, &ran.samples, INCH_MM);
-    let ranges: Vec<String> = figures["movements"].as_array().expect("movements").iter().map(range).collect();
     println!(
-        "{mode}, component {arms}: {} samples, {} in the cut; chip over target {}; all samples {:+.4}; {:.1} s; path {:.6} in",
+        "{mode}, component {arms}, levels {levels:?}: {} samples, none missing, {} in the cut; chip over target {}; all samples \
+         {:+.4}; {:.1} s; path {:.6} in",
         ran.samples.len(),
         figures["chip_load"]["samples"],
-        ranges.join(", "),
-        figures["chip_load"]["error_ratio_max_all"].as_f64().expect("a ratio"),
-        figures["cycle_time_s"].as_f64().expect("a time"),
-        figures["path_error"].as_f64().expect("a length"),
+        figures["movements"].as_array().expect("movements").iter().map(range).collect::<Vec<_>>().join(", "),
+        number(&figures["chip_load"], "error_ratio_max_all"),
+        number(&figures, "cycle_time_s"),
+        number(&figures, "path_error"),
     );
     (ran, figures)
 }
 
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key}: {value}"))
+}
+
 fn range(movement: &Value) -> String {
-    let chip = |key: &str| movement["chip_load"][key].as_f64().unwrap_or(f64::NAN);
-    format!("{}: {:+.4} .. {:+.4}", movement["rule"], chip("error_ratio_min"), chip("error_ratio_max"))
+    let chip = &movement["chip_load"];
+    let share = 1e2 * number(chip, "samples_thin") / number(chip, "samples");
+    format!(
+        "{}: {:+.4} .. {:+.4}, {share:.1} % thin",
+        movement["rule"],
+        number(chip, "error_ratio_min"),
+        number(chip, "error_ratio_max")
+    )
+}
+
+/// Samples of one arc that are slower than F times the override, and the largest distance of one from an end of the arc.
+struct SlowSamples {
+    count: usize,
+    farthest_mm: f64,
+    /// Highest feed of the arc, mm/s.
+    feed_max: f64,
+}
+
+fn slow_samples(samples: &[&Sample], f_mm_per_s: f64) -> SlowSamples {
+    let along = lengths(samples.iter().map(|sample| sample.position_mm));
+    let total = along.last().copied().unwrap_or(0.0);
+    let mut slow = SlowSamples { count: 0, farthest_mm: 0.0, feed_max: 0.0 };
+    for (sample, along) in samples.iter().zip(along) {
+        let feed = f_mm_per_s * sample.ratio;
+        slow.feed_max = slow.feed_max.max(feed);
+        if sample.velocity_mm_per_s < (1.0 - SLOW) * feed {
+            slow.count += 1;
+            slow.farthest_mm = slow.farthest_mm.max(along.min(total - along));
+        }
+    }
+    slow
+}
+
+/// Length of the path up to each position.
+fn lengths(positions: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
+    let (mut along, mut last) = (0.0, None);
+    let lengths = positions.map(|at: [f64; 3]| {
+        let from = last.replace(at).unwrap_or(at);
+        along += libm::sqrt(at.iter().zip(from).map(|(a, b)| (a - b) * (a - b)).sum());
+        along
+    });
+    lengths.collect()
+}
+
+/// Lines of the program with an arc, each with its F in mm/s.
+fn arcs(program: &str) -> Vec<(i64, f64)> {
+    let (mut feed, mut arcs) = (0.0, Vec::new());
+    for (index, line) in program.lines().enumerate().filter(|(_, line)| !line.starts_with('(')) {
+        if let Some((_, rest)) = line.split_once('F') {
+            let end = rest.find(|letter: char| !letter.is_ascii_digit() && letter != '.').unwrap_or(rest.len());
+            feed = rest[..end].parse::<f64>().expect("a number") * INCH_MM / 60.0;
+        }
+        if line.contains("G2X") || line.contains("G3X") {
+            arcs.push((index as i64 + 1, feed));
+        }
+    }
+    arcs
+}
+
+/// Checks that everything below the law's feed is acceleration from and to the ends of arcs, where the tool turns back.
+fn check_slow_samples(machine: &Machine, samples: &[Sample]) {
+    let program = fs::read_to_string(machine.path("program.ngc")).expect("the program");
+    let (mut count, mut farthest) = (0, 0.0_f64);
+    for (line, feed) in arcs(&program) {
+        let of_line: Vec<&Sample> = samples.iter().filter(|sample| sample.line == line).collect();
+        let slow = slow_samples(&of_line, feed);
+        let longest_mm = slow.feed_max * slow.feed_max / (2.0 * ALONG_SHARE * ACCELERATION);
+        assert!(slow.farthest_mm <= longest_mm, "line {line}: {} mm of {longest_mm}", slow.farthest_mm);
+        (count, farthest) = (count + slow.count, farthest.max(slow.farthest_mm));
+    }
+    println!(
+        "{count} samples slower than F times the override by more than 2 %, all within {farthest:.3} mm of a joint"
+    );
+}
+
+/// Override along a path: share of its length, feed over F.
+type Curve = Vec<(f64, f64)>;
+
+fn curve(points: &[([f64; 3], f64)]) -> Curve {
+    let along = lengths(points.iter().map(|(at, _)| *at));
+    let total = along.last().copied().unwrap_or(0.0);
+    along.iter().zip(points).map(|(along, (_, ratio))| (along / total, *ratio)).collect()
+}
+
+/// Compares the override of each arc with that of the same arc on the simulated control.
+fn compare_with_simulation(machine: &Machine, samples: &[Sample]) {
+    let simulated = recording::ibr_slot();
+    let program = fs::read_to_string(machine.path("program.ngc")).expect("the program");
+    let arcs = arcs(&program);
+    let is_arc = |index: &usize| simulated.segments[*index].arc().is_some();
+    let simulated_arcs: Vec<usize> = (0..simulated.segments.len()).filter(is_arc).collect();
+    assert_eq!(arcs.len(), simulated_arcs.len(), "the same arcs");
+    let (mut largest, mut higher, mut count) = ((0.0, 0, 0.0), f64::MIN, 0);
+    for ((line, _), index) in arcs.into_iter().zip(simulated_arcs) {
+        let ticks = simulated.ticks.iter().filter(|(.., begun)| *begun == index + 1);
+        let points: Vec<_> =
+            ticks.map(|(pose, percent, _)| (pose.linear.map(|nm| nm.to_mm()), f64::from(*percent) / 1e2)).collect();
+        let simulated_curve = curve(&points);
+        let points: Vec<_> = samples
+            .iter()
+            .filter(|sample| sample.line == line)
+            .map(|sample| (sample.position_mm, sample.ratio))
+            .collect();
+        for (share, ratio) in curve(&points) {
+            let at = simulated_curve.partition_point(|(other, _)| *other < share).min(simulated_curve.len() - 1);
+            let difference = ratio - simulated_curve[at].1;
+            (count, higher) = (count + 1, higher.max(difference));
+            if fabs(difference) > fabs(largest.0) {
+                largest = (difference, line, share);
+            }
+        }
+    }
+    let (difference, line, share) = largest;
+    println!(
+        "override against path, LinuxCNC minus simulation, {count} samples: largest difference {difference:+.4} at {:.1} % of the \
+         arc in line {line}; highest {higher:+.4}",
+        1e2 * share
+    );
+    assert!(
+        higher <= 2.0 * STEP,
+        "LinuxCNC has a step more than the simulation at most, and its rounding down: {higher}"
+    );
+}
+
+/// Prints the time of our function in the servo thread beside LinuxCNC's own, from single readings.
+fn print_times(ran: &Ran) {
+    let report = ran.reports.iter().find(|report| report.get("times").is_some()).expect("times");
+    for (name, times) in report["times"].as_object().expect("an object") {
+        let mut clocks: Vec<u64> =
+            times.as_array().expect("readings").iter().filter_map(|time| time.as_str()?.parse().ok()).collect();
+        clocks.sort_unstable();
+        let most = clocks.last().copied().unwrap_or(0);
+        let median = clocks.get(clocks.len() / 2).copied().unwrap_or(0);
+        println!("time of {name}: median {median} clocks, worst {most}, of {} readings", clocks.len());
+    }
 }
 
 #[test]
 fn linuxcnc_cuts_the_slot_at_its_target_with_f_words_and_with_the_component() {
     let Some(machine) = Machine::or_skip("linuxcnc-slot") else { return };
-    let (_, before) = figures(&machine, "override-only", false);
+    let (_, before) = figures(&machine, "override-only", of_full_set(Levels::All, Levels::Two));
     let mut shares_thin = Vec::new();
-    for (mode, arms) in [("rewrite-only", false), ("safe-base", true)] {
-        let (ran, after) = figures(&machine, mode, arms);
+    for mode in ["rewrite-only", "safe-base"] {
+        let (ran, after) = figures(&machine, mode, Levels::All);
         let chip = &after["chip_load"];
-        let number = |key: &str| chip[key].as_f64().expect("a figure");
-        assert!(number("error_ratio_max_all") <= OVER, "{mode}: {chip}");
-        assert!(number("error_ratio_max_all") >= -OVER, "{mode}: the target is reached: {chip}");
-        assert!(number("samples") > 2_000.0, "{mode}: {chip}");
-        let thin = number("samples_thin") / number("samples");
-        shares_thin.push(thin);
-        assert!(after["path_error"].as_f64().expect("a length") < PATH_ERROR_IN, "{mode}: {after}");
-        assert!(after["cycle_time_s"].as_f64() < before["cycle_time_s"].as_f64(), "{mode}");
-        println!("{mode}: {:.1} % of the samples below the target by more than 2 %", 1e2 * thin);
-        println!(
-            "component {} clocks, at most {}; motion-controller {}",
-            ran.last("time"),
-            ran.last("most"),
-            ran.last("motion")
-        );
+        assert!(number(chip, "error_ratio_max_all") <= OVER, "{mode}: {chip}");
+        assert!(number(chip, "error_ratio_max_all") >= -OVER, "{mode}: the target is reached: {chip}");
+        assert!(number(chip, "samples") > 20_000.0, "{mode}: {chip}");
+        shares_thin.push(number(chip, "samples_thin") / number(chip, "samples"));
+        assert!(number(&after, "path_error") < PATH_ERROR_IN, "{mode}: {after}");
+        check_slow_samples(&machine, &ran.samples);
+        print_times(&ran);
+        if mode == "safe-base" {
+            compare_with_simulation(&machine, &ran.samples);
+        }
     }
+    println!("share of the samples below the target by more than 2 %: {shares_thin:?}");
     assert!(shares_thin[1] < 0.06, "as on sim: {shares_thin:?}");
-    let most = before["chip_load"]["error_ratio_max_all"].as_f64().expect("a figure");
+    let most = number(&before["chip_load"], "error_ratio_max_all");
     assert!(most < -0.3, "the meter notices the programmed feed: {most}");
 }

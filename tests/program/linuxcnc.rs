@@ -104,10 +104,11 @@ fn job(scratch: &Scratch, row: &str) -> Option<(String, (Decimals, LengthUnit))>
         return None;
     }
     let text = std::fs::read_to_string(&job).expect("a job");
-    let text = text
-        .replace("units = \"?\"", &format!("units = \"{unit}\""))
-        .replace("diameter = \"?\"", "diameter = \"10 mm\"")
-        .replace("rev_per_min = \"?\"", "rev_per_min = 1000");
+    // A program without G20 and G21 leaves the unit to the machine, which the index knows.
+    let units = ["?", "mm", "inch"].map(|word| format!("units = \"{word}\""));
+    let text = units.iter().fold(text, |text, line| text.replacen(line, &format!("units = \"{unit}\""), 1));
+    let text =
+        text.replace("diameter = \"?\"", "diameter = \"10 mm\"").replace("rev_per_min = \"?\"", "rev_per_min = 1000");
     std::fs::write(&job, text).expect("it was just written");
     let decimals = if decimals == "calculator" { Decimals::Calculator } else { Decimals::LeastIncrement };
     let unit = if unit == "mm" { LengthUnit::Mm } else { LengthUnit::Inch };
@@ -180,7 +181,7 @@ fn what_linuxcnc_cannot_execute_is_refused_by_name_with_its_place_and_a_remedy()
     for (block, place, found) in [
         ("M10", "p.nc:9:1:", "M10"),
         ("G9G1X1.", "p.nc:9:1:", "G9"),
-        ("G54.1P1", "p.nc:9:1:", "G54.1"),
+        ("G54.1P4", "p.nc:9:1:", "G54.1"),
         ("G68X0Y0R10.", "p.nc:9:1:", "G68"),
         ("G0Z5.\nG84X1.Y1.Z-1.R1.F100.", "p.nc:10:1:", "G84"),
         ("G10L10P1R5.", "p.nc:9:1:", "G10"),
@@ -195,6 +196,50 @@ fn what_linuxcnc_cannot_execute_is_refused_by_name_with_its_place_and_a_remedy()
         assert!(message.contains(place) && message.contains(&format!("(found `{found}`)")), "{block}: {message}");
         assert!(message.contains("not for LinuxCNC: "), "{block}: {message}");
     }
+}
+
+/// Pitch: F/S under G94, F under G95. A Fanuc returns to R with the spindle, then to the initial level under G98.
+#[test]
+fn taps_move_with_the_spindle_to_r_and_cycles_have_the_words_that_they_inherit() {
+    let scratch = Scratch::new("linuxcnc-taps");
+    let program = "%\nO1\nG21G17G90G94\nT1M6\nG0X0.Y0.Z20.\nM29S400\nG98G84X10.Y5.Z-12.R3.F500.\nX20.\nG80\n\
+                   M29S500\nG95\nG99G74X30.Z-8.R2.F1.5\nG0Z20.\nG94\nS900M3\nG99G81Z-3.R1.F100.K0\nX1.Y2.\nG80\nM30\n%\n";
+    let (program, out) = (scratch.write("p.nc", program), scratch.path("out.ngc"));
+    let output = run(&["adapt", &program, "--tool", "6", "--for", "linuxcnc", "-o", &out]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string(&out).expect("the program");
+    let blocks: Vec<&str> = text.lines().map(str::trim).skip_while(|line| *line != "S400").collect();
+    let expected = [
+        "S400",
+        "G98F500.",
+        "M3",
+        "G0 X10. Y5.",
+        "G0 Z3.",
+        "G33.1 Z-12. K1.25",
+        "G0 Z20.",
+        "",
+        "G0 X20. Y5.",
+        "G0 Z3.",
+        "G33.1 Z-12. K1.25",
+        "G0 Z20.",
+        "M5 G80",
+        "S500",
+        "G95",
+        "G99F1.5",
+        "M4",
+        "G0 X30. Y5.",
+        "G0 Z2.",
+        "G33.1 Z-8. K1.5",
+        "M5 G0Z20.",
+        "G94",
+        "S900M3",
+        "G99F100.",
+        "G81 Z-3. R1. X1.Y2.",
+        "G80",
+        "M30",
+        "%",
+    ];
+    assert_eq!(blocks, expected, "{text}");
 }
 
 /// CRC-32 as in zlib, bit by bit.

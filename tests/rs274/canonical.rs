@@ -63,6 +63,12 @@ fn canonical(said: &str) -> Vec<Move> {
                 end_mm: std::array::from_fn(|axis| numbers[axis] * scale + shift[axis]),
                 center_mm: [0.0; 2],
             }),
+            // To the bottom with the spindle, and back.
+            "RIGID_TAP" => {
+                let above = moves.last().map_or([0.0; 3], |step: &Move| step.end_mm);
+                let bottom = std::array::from_fn(|axis| numbers[axis] * scale + shift[axis]);
+                moves.extend([bottom, above].map(|end_mm| Move { kind: 1, end_mm, center_mm: [0.0; 2] }));
+            }
             "ARC_FEED" => {
                 let (first, second, normal) = plane;
                 let mut end_mm = shift;

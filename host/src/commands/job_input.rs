@@ -77,6 +77,16 @@ impl JobInput {
     }
 }
 
+/// Loads a job and its program's text.
+///
+/// # Errors
+/// Every error of the program, one per line; a fault of the map.
+pub fn load_text(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
+    let (mut file, source, may_leak) = read_source(job, JobFile::load(job)?)?;
+    read_map(&mut file, || source.bytes.clone())?;
+    Ok((file, source, may_leak))
+}
+
 fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(), Failure> {
     if let Some(named) = &file.map_file {
         file.map = Some(EngagementMap::read(named, made_of(file, program())?)?);

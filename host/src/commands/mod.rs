@@ -24,6 +24,8 @@ pub mod adapt;
 
 pub mod simulate;
 
+mod measured_run;
+
 pub mod measure;
 
 pub mod engage;

@@ -68,6 +68,10 @@ impl Verify {
             let message = "--port sim: has no program in its memory; `arcfeed serve --store` is a control that has one";
             return Err(Failure::Usage(message.into()));
         }
+        if self.port.base == Base::LinuxCnc {
+            let message = "--port linuxcnc: reads files; compare them with `arcfeed adapt --for linuxcnc`";
+            return Err(Failure::Usage(message.into()));
+        }
         let ready = PreparedProgram::load(&self.job, self.baudrate, !self.keep_comments)?;
         refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.job))?;
         let mut port = open(&self.port, &ready.file.serial)?;

@@ -1,10 +1,14 @@
 //! Words of one block, as LinuxCNC reads them.
 
+mod motion;
+
+mod tapping;
+
 mod m_codes;
 
 use std::collections::BTreeMap;
 
-use arcfeed_nc::modal::{Modal, MotionKind, Plane, Turn};
+use arcfeed_nc::modal::{Modal, MotionKind, Plane};
 use arcfeed_nc::number::Number;
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::settings::Decimals;
@@ -18,6 +22,9 @@ const PATH_TOLERANCE: [&str; 2] = ["0.01", "0.0004"];
 const NO_CORNER: &str = "LinuxCNC inserts no chamfer or rounded corner; write it as a block of its own";
 const UNUSED: &str = "LinuxCNC has no use for this word here; remove it";
 
+/// First of the coordinate systems of G54.1.
+const EXTENDED: u16 = 6;
+
 /// Refused word: its column, and the remedy.
 pub type RefusedWord = (u16, &'static str);
 
@@ -25,6 +32,17 @@ pub type RefusedWord = (u16, &'static str);
 pub fn path_control(unit: LengthUnit) -> String {
     let [mm, inch] = PATH_TOLERANCE;
     format!("G64 P{} Q0", if unit == LengthUnit::Mm { mm } else { inch })
+}
+
+/// State of LinuxCNC, as far as it differs from the Fanuc's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinuxCncState {
+    /// Motion or cycle in force.
+    pub motion: Option<i64>,
+    /// M29: taps move with the spindle.
+    pub taps_rigidly: bool,
+    /// The spindle turns for taps.
+    pub is_tapping: bool,
 }
 
 /// Block of a Fanuc, and what to change in it.
@@ -37,16 +55,17 @@ pub struct BlockEditor<'a> {
     pub edits: BTreeMap<u16, String>,
     /// Text before the first word.
     pub insert: String,
+    /// Blocks that follow.
+    pub behind: Vec<String>,
     /// Words that follow in a block of their own.
-    pub later: String,
+    later: String,
     /// G codes that stay, with their groups.
     codes: Vec<(Word, i64, CodeGroup)>,
     has_dropped: bool,
 }
 
 impl<'a> BlockEditor<'a> {
-    /// Editor of a block that leaves the control in the state `modal`. `theirs` is the motion or cycle that is in force
-    /// on LinuxCNC.
+    /// Editor of a block that leaves the control in the state `modal`, and LinuxCNC in the state `theirs`.
     ///
     /// # Errors
     /// The first word that LinuxCNC does not read, or reads as something else.
@@ -54,19 +73,22 @@ impl<'a> BlockEditor<'a> {
         line: &'a InterpretedLine,
         modal: &'a Modal,
         decimals: Decimals,
-        theirs: &mut Option<i64>,
+        theirs: &mut LinuxCncState,
     ) -> Result<Self, RefusedWord> {
         let (edits, insert, later, codes) = (BTreeMap::new(), String::new(), String::new(), Vec::new());
-        let mut editor = BlockEditor { line, modal, decimals, edits, insert, later, codes, has_dropped: false };
+        let behind = Vec::new();
+        let mut editor = BlockEditor { line, modal, decimals, edits, insert, behind, later, codes, has_dropped: false };
         editor.edit_g_codes()?;
         editor.edit_one_shots()?;
         editor.write_offsets();
-        editor.set_motion(theirs)?;
-        editor.edit_cycle()?;
+        if !editor.edit_tapping(theirs)? {
+            editor.set_motion(theirs)?;
+            editor.edit_cycle()?;
+        }
         for word in &line.parsed.block.words {
             editor.edit_word(word)?;
         }
-        editor.edit_m_codes()?;
+        editor.edit_m_codes(theirs)?;
         Ok(editor)
     }
 
@@ -87,6 +109,10 @@ impl<'a> BlockEditor<'a> {
         }
         if let Some((word, ..)) = self.codes.iter().find(|(_, code, _)| *code == 950) {
             return Err((word.column, "the component has feeds per minute; write G94"));
+        }
+        if self.tapping_cycle().is_some() {
+            let column = self.words().first().map_or(1, |word| word.column);
+            return Err((column, "the component does not tap; use rewrite-only for this program"));
         }
         let switches =
             self.words().iter().find(|word| word.letter == b'M' && matches!(word.number.as_whole(), Some(48 | 49)));
@@ -134,11 +160,26 @@ impl<'a> BlockEditor<'a> {
                     self.edits.insert(word.column, path_control(self.modal.unit));
                     self.codes.push((*word, tenths, CodeGroup::Path));
                 }
-                GRule::Keep(group) => self.codes.push((*word, tenths, group)),
+                GRule::Keep(group) => {
+                    if group == CodeGroup::State(4) {
+                        self.set_system(word)?;
+                    }
+                    self.codes.push((*word, tenths, group));
+                }
             }
         }
         if let (Some((motion, _)), Some(_)) = (self.code(CodeGroup::Motion), self.code(CodeGroup::Cycle)) {
             return Err((motion.column, "LinuxCNC has G0 to G3 and the cycles in one group; write them in two blocks"));
+        }
+        Ok(())
+    }
+
+    /// Writes G54.1 P1 to P3 as G59.1 to G59.3.
+    fn set_system(&mut self, word: &Word) -> Result<(), RefusedWord> {
+        match self.modal.system.checked_sub(EXTENDED) {
+            None => {}
+            Some(number @ 0..=2) => drop(self.edits.insert(word.column, format!("G59.{}", number + 1))),
+            Some(_) => return Err((word.column, "write G54 to G59.3, LinuxCNC's nine coordinate systems")),
         }
         Ok(())
     }
@@ -187,80 +228,13 @@ impl<'a> BlockEditor<'a> {
         }
     }
 
-    /// Writes the motion of a block that inherits it, where LinuxCNC has another one in force.
-    fn set_motion(&mut self, theirs: &mut Option<i64>) -> Result<(), RefusedWord> {
-        let is_one_shot = self.code(CodeGroup::OneShot).is_some();
-        let moves = !is_one_shot && self.words().iter().any(|word| b"XYZABCIJK".contains(&word.letter));
-        if let Some((end, _)) = self.code(CodeGroup::CycleEnd) {
-            if moves || self.code(CodeGroup::Motion).is_some() {
-                self.drop_word(&end);
-            } else {
-                *theirs = None;
-            }
-        }
-        let explicit = self.code(CodeGroup::Motion).filter(|_| !is_one_shot).or(self.code(CodeGroup::Cycle));
-        if let Some((_, code)) = explicit {
-            *theirs = Some(code / 10);
-        }
-        if let Some((machine, _)) = self.code(CodeGroup::Machine) {
-            if !self.modal.absolute {
-                return Err((machine.column, "LinuxCNC has no G53 under G91; write G90 before it"));
-            }
-            if explicit.is_some() && *theirs != Some(0) {
-                return Err((machine.column, "a Fanuc moves in rapid under G53, LinuxCNC at F; write G0"));
-            }
-            if *theirs != Some(0) {
-                self.insert = "G0 ".into();
-                *theirs = Some(0);
-            }
-            return Ok(());
-        }
-        let wanted = self.wanted_motion();
-        if moves && *theirs != Some(wanted) {
-            if self.modal.cycle.is_some() {
-                let column = self.words().first().map_or(1, |word| word.column);
-                return Err((column, "repeat the cycle's G code with R and Z here"));
-            }
-            self.insert = format!("G{wanted} ");
-            *theirs = Some(wanted);
-        }
-        Ok(())
-    }
-
-    /// Motion or cycle in force on the Fanuc.
-    fn wanted_motion(&self) -> i64 {
-        match (self.modal.cycle, self.modal.motion) {
-            (Some(cycle), _) => i64::from(cycle.code),
-            (None, MotionKind::Rapid) => 0,
-            (None, MotionKind::Line) => 1,
-            (None, MotionKind::Arc(Turn::Cw)) => 2,
-            (None, MotionKind::Arc(Turn::Ccw)) => 3,
-        }
-    }
-
-    fn edit_cycle(&mut self) -> Result<(), RefusedWord> {
-        let Some((word, code)) = self.code(CodeGroup::Cycle) else { return Ok(()) };
-        if self.word(b'R').is_none() || self.word(b'Z').is_none() {
-            return Err((word.column, "LinuxCNC does not keep R and Z from one cycle to the next; repeat them"));
-        }
-        match code {
-            730 | 830 if self.word(b'Q').is_none() => {
-                Err((word.column, "LinuxCNC does not keep Q from one cycle to the next; repeat it"))
-            }
-            820 | 860 | 890 if self.word(b'P').is_none() => {
-                self.edits.insert(word.column, format!("G{} P0", code / 10));
-                Ok(())
-            }
-            _ => Ok(()),
-        }
-    }
-
     fn edit_word(&mut self, word: &Word) -> Result<(), RefusedWord> {
         let is_last = self.word(word.letter).is_some_and(|last| last.column == word.column);
         if self.edits.contains_key(&word.column) || matches!(word.letter, b'G' | b'M') {
             return Ok(());
         }
-        if !is_last || (self.has_dropped && matches!(word.letter, b'P' | b'Q')) {
+        let is_stored = self.is_stored() && b"XYZRPQKL".contains(&word.letter);
+        if !is_last || is_stored || (self.has_dropped && matches!(word.letter, b'P' | b'Q')) {
             self.drop_word(word);
             return Ok(());
         }
@@ -282,8 +256,9 @@ impl<'a> BlockEditor<'a> {
             (b'P' | b'Q', Some(_)) => self.drop_word(word),
             (b'K' | b'L', Some(_)) => match word.number.as_whole() {
                 Some(count) if count > 0 => drop(self.edits.insert(word.column, format!("L{count}"))),
-                _ => return Err((word.column, "LinuxCNC stores no cycle; remove the block")),
+                _ => self.drop_word(word),
             },
+            (b'P', None) if self.modal.system >= EXTENDED => self.drop_word(word),
             (b'L' | b'P', None) if is_table => {}
             (b'I' | b'J' | b'K', None) if is_arc => self.edit_center(word),
             (b'R', None) if is_arc || is_table => self.spell(word),

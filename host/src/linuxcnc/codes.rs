@@ -20,6 +20,8 @@ pub enum CodeGroup {
     Motion,
     /// Canned cycles.
     Cycle,
+    /// Canned cycles that tap.
+    Tapping,
     /// G80.
     CycleEnd,
     /// Codes that use the axis words of their block themselves.
@@ -43,7 +45,8 @@ pub enum GRule {
     Refuse(&'static str),
 }
 
-const TAPPING: &str = "LinuxCNC taps with G33.1 Z K, and K is the pitch; write that";
+/// Remedy for taps without M29.
+pub const TAPPING: &str = "LinuxCNC taps with the spindle (G33.1); write M29 before the cycle if the machine can";
 const OFFSET: &str = "set the offset in LinuxCNC's tool table or with G10 L2 P1 to P6";
 const POINTS: &str = "LinuxCNC has no such transformation; post the program without it";
 const BORING: &str = "LinuxCNC has no such cycle; post its moves";
@@ -66,10 +69,10 @@ pub fn g_rule(tenths: i64) -> GRule {
         430..=439 => Refuse("LinuxCNC has no tool centre point control; post the moves of the axes"),
         510 | 501 | 511 | 680 | 682 | 683 | 684 => Refuse(POINTS),
         530 => Keep(CodeGroup::Machine),
-        540 | 550 | 560 | 570 | 580 | 590 => Keep(CodeGroup::State(4)),
-        541 => Refuse("write G54 to G59.3, LinuxCNC's nine coordinate systems"),
+        540 | 541 | 550 | 560 | 570 | 580 | 590 => Keep(CodeGroup::State(4)),
         610 | 620 | 640 => Keep(CodeGroup::Path),
-        630 | 740 | 840 => Refuse(TAPPING),
+        630 => Refuse(TAPPING),
+        740 | 840 => Keep(CodeGroup::Tapping),
         730 | 810 | 820 | 830 | 850 | 860 | 890 => Keep(CodeGroup::Cycle),
         760 | 870 | 880 => Refuse(BORING),
         800 => Keep(CodeGroup::CycleEnd),
@@ -97,7 +100,6 @@ pub fn m_group(code: i64) -> Result<u8, &'static str> {
         7..=9 => Ok(3),
         19 => Ok(4),
         48 | 49 => Ok(5),
-        29 => Err(TAPPING),
         _ => Err("LinuxCNC has no such M code; remove it, or write one of its M100 to M199 after the adaptation"),
     }
 }

@@ -8,7 +8,7 @@ use arcfeed_nc::settings::{ArcCenters, Settings};
 use arcfeed_nc::word::{Token, Words};
 use arcfeed_units::LengthUnit;
 
-use super::block_editor::{BlockEditor, RefusedWord, path_control};
+use super::block_editor::{BlockEditor, LinuxCncState, RefusedWord, path_control};
 use super::codes::FeedSource;
 use super::comment::comment;
 use crate::program::{Diagnostic, ProgramLine, Severity, Source};
@@ -31,7 +31,8 @@ pub struct Translation {
 /// Every line that LinuxCNC cannot execute.
 pub fn translate(source: &Source, feed: FeedSource) -> Result<Translation, Vec<Diagnostic>> {
     let (mut translation, mut refusals) = (Translation::default(), Vec::new());
-    let (mut lines, mut count, mut motion, mut has_state, mut has_ended) = (source.lines(), 1, None, false, false);
+    let (mut lines, mut count, mut theirs, mut has_state, mut has_ended) =
+        (source.lines(), 1, LinuxCncState::default(), false, false);
     let mut number = 0;
     while lines.read_line() {
         number += 1;
@@ -56,7 +57,7 @@ pub fn translate(source: &Source, feed: FeedSource) -> Result<Translation, Vec<D
             }
             (Some(LineKind::Title), _) => texts.push(comment(&line.text)),
             (_, Some(meaning)) => {
-                let editor = BlockEditor::new(meaning, &modal, source.settings.decimals, &mut motion);
+                let editor = BlockEditor::new(meaning, &modal, source.settings.decimals, &mut theirs);
                 match editor.and_then(|editor| editor.check(feed).and_then(|()| block(line, &editor))) {
                     Ok(blocks) => texts.extend(blocks),
                     Err(refused) => refusals.push(refusal(number, line, refused)),
@@ -123,10 +124,8 @@ fn block(line: &ProgramLine, editor: &BlockEditor<'_>) -> Result<Vec<Vec<u8>>, R
         return Err((1, "LinuxCNC reads 254 characters of a line; write it as several blocks"));
     }
     let mut texts = vec![text];
-    if !editor.later.is_empty() {
-        let slash = if is_deleted { "/" } else { "" };
-        texts.push(format!("{slash}{}", editor.later.trim_end()).into_bytes());
-    }
+    let slash = if is_deleted { "/" } else { "" };
+    texts.extend(editor.behind.iter().map(|behind| format!("{slash}{behind}").into_bytes()));
     Ok(texts)
 }
 

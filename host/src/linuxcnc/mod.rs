@@ -9,3 +9,5 @@ mod block_editor;
 pub mod dialect;
 
 pub mod prepared;
+
+pub mod session;

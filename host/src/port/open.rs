@@ -20,6 +20,12 @@ pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, P
         Base::Sim => {
             return Err(PortError::in_words(&url.text, "the control in software is not there for this command"));
         }
+        Base::LinuxCnc => {
+            return Err(PortError::in_words(
+                &url.text,
+                "LinuxCNC reads files, not a line; this is a port for `stream` alone",
+            ));
+        }
         Base::Native(name) => Box::new(Serial::open(name, settings)?),
         Base::Loop(logging) => Box::new(Loopback::open(*logging)),
         Base::Socket(address, logging) => Box::new(Socket::open(address, *logging)?),

@@ -15,7 +15,7 @@ const NETWORK: Micros = Micros::from_ms(10);
 /// Assumed reaction time at this port.
 pub fn reaction(url: &PortUrl) -> Micros {
     match &url.base {
-        Base::Sim | Base::Loop(_) => Micros(0),
+        Base::Sim | Base::LinuxCnc | Base::Loop(_) => Micros(0),
         Base::Native(name) if is_usb(name) => latency_timer(name).map_or(USB, |timer| timer.after(NATIVE)),
         Base::Native(_) => NATIVE,
         Base::Hwgrep(_) => USB,

@@ -29,6 +29,8 @@ mod boards;
 
 mod soak;
 
+mod linuxcnc;
+
 use std::process::ExitCode;
 use std::thread;
 
@@ -41,6 +43,8 @@ const USAGE: &str = "usage: cargo xtask test    install what is missing, run eve
        cargo xtask test --partition N/M    part N of M of the same as `test`, for M runners side by side
        cargo xtask soak [MINUTES]    the full sets of faults for DNC sender and board link, then corrupted inputs to whatever
                                   reads, MINUTES (10) for each target
+       cargo xtask linuxcnc    install LinuxCNC where it is missing, and print the figures of the published slot on it: as
+                                  programmed, with F words, and with the component (root)
        cargo xtask help    this text";
 
 fn main() -> ExitCode {
@@ -49,6 +53,7 @@ fn main() -> ExitCode {
         ["test", selection @ ..] => Selection::read(selection).map_or_else(unknown, |selection| test(&selection)),
         ["soak"] => ended(soak::soak(None)),
         ["soak", minutes] => ended(soak::soak(Some(minutes))),
+        ["linuxcnc"] => ended(linuxcnc::figures()),
         ["help"] => {
             println!("{USAGE}");
             ExitCode::SUCCESS

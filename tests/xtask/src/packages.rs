@@ -35,7 +35,7 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 5] = [
+const NEEDS: [Need; 6] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
@@ -60,6 +60,14 @@ const NEEDS: [Need; 5] = [
         elsewhere: "run `python3 -m pip install pyserial`",
         runs_unpacked: false,
         is_optional: false,
+    },
+    Need {
+        what: "valgrind, to check accesses to memory",
+        package: "valgrind",
+        shown_by: &[&["valgrind", "--version"]],
+        elsewhere: "install valgrind",
+        runs_unpacked: false,
+        is_optional: true,
     },
     Need {
         what: "LinuxCNC, to compare with and to run on",
@@ -88,6 +96,15 @@ const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
 /// Not there and not to be had; says what was tried and what to do.
 pub fn install() -> Result<(), Failure> {
     NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages())
+}
+
+/// Installs LinuxCNC and its compiler of components, if they are missing.
+///
+/// # Errors
+/// As [`install`].
+pub fn install_linuxcnc() -> Result<(), Failure> {
+    let needs = NEEDS.iter().filter(|need| need.package.starts_with("linuxcnc"));
+    needs.map(|need| install_one(&Need { is_optional: false, ..*need })).fold(Ok(()), Result::and)
 }
 
 /// Into `tools/python` of the build directory, where `tests/line/wire/python.rs` looks: no Python of the system is touched.

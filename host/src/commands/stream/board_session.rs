@@ -20,7 +20,7 @@ use crate::dnc::sender::Gate;
 use crate::dnc::transmission::Transmission;
 
 /// Word by which a person arms the board.
-const ARM: &str = "arm";
+pub const ARM: &str = "arm";
 
 /// Place where a person arms the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,7 +197,7 @@ fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
 }
 
 /// Lines that a person types, as they come.
-fn typed_lines() -> Receiver<String> {
+pub fn typed_lines() -> Receiver<String> {
     let (lines, typed_lines) = channel();
     std::thread::spawn(move || {
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {

@@ -18,6 +18,8 @@ mod send_loop;
 
 mod simulator;
 
+mod linuxcnc;
+
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -42,12 +44,12 @@ use preparation::PreparedProgram;
 use resume::Resume;
 use send_loop::{End, ReportMonitor, SendServices, send};
 
-/// Adapt a program and send it to a control; `sim:` is the simulated control
+/// Adapt a program and send it to a control; `sim:` is the simulated control, `linuxcnc:` a LinuxCNC on this computer
 #[derive(Debug, clap::Args)]
 pub struct Stream {
     /// The job file
     job: PathBuf,
-    /// DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), or `sim:`
+    /// DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), `sim:` or `linuxcnc:` (docs/linuxcnc.md)
     #[arg(long, value_name = "URL", default_value = "sim:")]
     port: PortUrl,
     /// Feed board that takes part, at this port (docs/board.md): it gets the job and each move ahead of the control
@@ -90,6 +92,9 @@ impl Stream {
     /// # Errors
     /// The job or the program is at fault, the line or the machine failed, or the operator stopped it.
     pub fn run(&self) -> Result<(), Failure> {
+        if self.port.base == Base::LinuxCnc {
+            return self.to_linuxcnc();
+        }
         if self.tui {
             need_terminal()?;
         }

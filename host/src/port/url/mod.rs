@@ -1,4 +1,4 @@
-//! pyserial's port URLs, and two of our own (`sim:`, `fault://`): parses the text without opening the port.
+//! pyserial's port URLs, and three of our own (`sim:`, `linuxcnc:`, `fault://`): parses the text without opening the port.
 //!
 //! ```text
 //! NAME                                          a native port
@@ -54,6 +54,8 @@ pub enum Wrapper {
 pub enum Base {
     /// Simulated control.
     Sim,
+    /// LinuxCNC on this computer.
+    LinuxCnc,
     /// Port of the operating system, by its name.
     Native(String),
     /// Queue.
@@ -161,6 +163,9 @@ fn read(text: &str, wrappers: &mut Vec<Wrapper>) -> Result<Base, UrlError> {
     if text.eq_ignore_ascii_case("sim:") {
         return Ok(Base::Sim);
     }
+    if text.eq_ignore_ascii_case("linuxcnc:") {
+        return Ok(Base::LinuxCnc);
+    }
     let Some((scheme, rest)) = text.split_once("://") else { return Ok(Base::Native(text.to_owned())) };
     match scheme.to_ascii_lowercase().as_str() {
         "loop" => loopback(rest),
@@ -185,6 +190,7 @@ fn read(text: &str, wrappers: &mut Vec<Wrapper>) -> Result<Base, UrlError> {
 fn unknown(scheme: &str) -> &'static str {
     match scheme {
         "sim" => "the control in software is `sim:`, without slashes",
+        "linuxcnc" => "LinuxCNC is `linuxcnc:`, without slashes",
         "tcp" | "telnet" => "write socket://host:port for bare TCP, rfc2217://host:port for a serial server",
         "cp2110" => "CP2110 adapters (USB HID) are not supported; use one that appears as a serial port",
         _ => "no such protocol; there are loop, socket, rfc2217, hwgrep, alt, spy and fault, native names and `sim:`",

@@ -17,6 +17,7 @@ fn what_is_no_url_is_a_native_name() {
         assert_eq!(parsed(name).base, Base::Native(name.into()));
     }
     assert_eq!((parsed("sim:").base, parsed("loop://").base), (Base::Sim, Base::Loop(None)));
+    assert_eq!(parsed("linuxcnc:").base, Base::LinuxCnc);
 }
 
 #[test]

@@ -1,0 +1,208 @@
+//! Session with a running LinuxCNC, through LinuxCNC's Python module and HAL's sampler.
+//!
+//! The machine's side is `session.py`. It is executed by the Python that LinuxCNC has installed its module for.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+use serde::Deserialize;
+
+/// Machine's side of the conversation.
+const SCRIPT: &str = include_str!("session.py");
+/// Pythons that may have LinuxCNC's module: of the terminal's environment, and of Debian's package.
+const PYTHONS: [&str; 2] = ["python3", "/usr/bin/python3"];
+const NO_LINUXCNC: &str = "no Python here has LinuxCNC's module `linuxcnc`; run this on the machine's computer, in a terminal \
+                           where the command `linuxcnc` works";
+
+/// Message of the machine's side.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SessionEvent {
+    /// The program cannot be run: the reason and the remedy.
+    Fault(String),
+    /// Message for a person.
+    Note(String),
+    /// The program is open.
+    Ready(Ready),
+    /// State of the run.
+    Status(Status),
+    /// The program is no longer in execution.
+    Ended(Ended),
+    /// Servo period.
+    #[serde(skip)]
+    Sample(MachineSample),
+}
+
+/// Machine with the program open.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Ready {
+    /// Prepared moves in force in the component.
+    pub moves: u32,
+    /// Servo period.
+    pub period_s: f64,
+    /// Reason why there are no samples; empty if there are.
+    pub no_samples: String,
+    /// Length of the machine's unit.
+    pub mm_per_unit: f64,
+}
+
+/// State of the run.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Status {
+    /// Line of the program in execution.
+    pub line: usize,
+    /// The program is paused.
+    pub paused: bool,
+    /// The axes are at rest.
+    pub at_rest: bool,
+    /// The law has the feed.
+    pub armed: bool,
+}
+
+/// End of the run.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Ended {
+    /// The machine is still on.
+    pub is_on: bool,
+    /// Servo periods without a sample.
+    pub missing: u64,
+}
+
+/// Servo period of the machine, in the machine's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineSample {
+    /// Number of the period.
+    pub number: u64,
+    /// Position relative to the workpiece's origin.
+    pub position: [f64; 3],
+    /// Speed of the planner, per second.
+    pub speed: f64,
+    /// Feed over F.
+    pub ratio: f64,
+    /// Spindle speed, rev/min.
+    pub spindle: f64,
+    /// Line of the program; 0 between moves.
+    pub line: usize,
+}
+
+impl MachineSample {
+    /// Row of halsampler with the columns of `examples/linuxcnc/sampler.hal`.
+    fn parse(row: &str) -> Option<Self> {
+        let fields: Vec<f64> = row.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
+        let [number, x, y, z, speed, adaptive, dial, spindle, line, kind, _, _, _, ox, oy, oz] = fields[..] else {
+            return None;
+        };
+        let position = [x - ox, y - oy, z - oz];
+        // The line of the last move stays while there is none.
+        let (number, line) = (number as u64, if kind == 0.0 { 0 } else { line.max(0.0) as usize });
+        Some(MachineSample { number, position, speed, ratio: adaptive * dial, spindle, line })
+    }
+}
+
+/// Session: the conversation with the script.
+pub struct Session {
+    script: Child,
+    commands: Option<ChildStdin>,
+    events: Receiver<SessionEvent>,
+}
+
+impl Session {
+    /// Opens a program on the machine, which reads it from this file; `has_component`: the component has its feed.
+    ///
+    /// # Errors
+    /// No Python has LinuxCNC's module. Every other fault is an event.
+    pub fn open(program: &Path, has_component: bool) -> Result<Self, String> {
+        let python = PYTHONS.into_iter().find(|python| has_module(python)).ok_or(NO_LINUXCNC)?;
+        let mut command = Command::new(python);
+        command.args(["-c", SCRIPT]).arg(program).args(has_component.then_some("component"));
+        let mut script = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("{python}: {error}"))?;
+        let (commands, output) = (script.stdin.take(), script.stdout.take());
+        let (sender, events) = channel();
+        std::thread::spawn(move || {
+            for line in BufReader::new(output?).lines().map_while(Result::ok) {
+                let event = match MachineSample::parse(&line) {
+                    Some(sample) => SessionEvent::Sample(sample),
+                    None => serde_json::from_str(&line).ok()?,
+                };
+                sender.send(event).ok()?;
+            }
+            Some(())
+        });
+        Ok(Session { script, commands, events })
+    }
+
+    /// Next event within this time; `Err` when the session is over.
+    ///
+    /// # Errors
+    /// The script has ended.
+    pub fn event(&self, time: Duration) -> Result<Option<SessionEvent>, String> {
+        match self.events.recv_timeout(time) {
+            Ok(event) => Ok(Some(event)),
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err("the conversation with LinuxCNC has ended; look at the machine".into())
+            }
+        }
+    }
+
+    /// Sends a command: `arm`, `run` or `pause`.
+    pub fn send(&mut self, command: &str) {
+        // A script that is gone is reported by the next event.
+        let _gone = self.commands.as_mut().map(|commands| writeln!(commands, "{command}"));
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.commands = None;
+        let _ended = self.script.wait();
+    }
+}
+
+fn has_module(python: &str) -> bool {
+    let mut command = Command::new(python);
+    command.args(["-c", "import hal, linuxcnc"]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_of_the_sampler_is_relative_to_the_workpiece_and_belongs_to_a_line_only_in_a_move() {
+        let row = |kind: u8| format!("57835 11.5 -2 3 4.5 0.5 1.2 1000 12 {kind} 2 0 0.99 1.5 -1 0.25 ");
+        let sample = MachineSample::parse(&row(3)).expect("a row");
+        let expected = MachineSample {
+            number: 57_835,
+            position: [10.0, -1.0, 2.75],
+            speed: 4.5,
+            ratio: 0.6,
+            spindle: 1e3,
+            line: 12,
+        };
+        assert_eq!(sample, expected);
+        assert_eq!(MachineSample::parse(&row(0)).map(|sample| sample.line), Some(0));
+        assert_eq!(MachineSample::parse("overrun"), None);
+        assert_eq!(MachineSample::parse("57835 11.5 -2"), None);
+    }
+
+    #[test]
+    fn the_reports_of_the_script_are_events() {
+        let event = |text: &str| serde_json::from_str::<SessionEvent>(text).expect(text);
+        assert_eq!(event(r#"{"fault": "off"}"#), SessionEvent::Fault("off".into()));
+        let status = Status { line: 3, paused: false, at_rest: true, armed: false };
+        let text = r#"{"status": {"line": 3, "paused": false, "at_rest": true, "armed": false}}"#;
+        assert_eq!(event(text), SessionEvent::Status(status));
+        let ended = Ended { is_on: true, missing: 2 };
+        assert_eq!(event(r#"{"ended": {"is_on": true, "missing": 2}}"#), SessionEvent::Ended(ended));
+    }
+}
