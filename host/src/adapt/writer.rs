@@ -25,7 +25,8 @@ use super::rule_match::match_move;
 use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::JobFile;
-use crate::program::ProgramLine;
+use crate::job::rule_scope::{self, RuleScope};
+use crate::program::{ExecutedPlaces, ProgramLine};
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
 const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
@@ -42,6 +43,10 @@ pub struct Known<'a> {
     pub map: Option<&'a EngagementMap>,
     /// Accelerations of X, Y and Z.
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
+    /// Scopes of the cut rules.
+    pub scopes: &'a [RuleScope],
+    /// Places of the lines in the program's file, if they are its blocks as executed.
+    pub places: Option<&'a ExecutedPlaces>,
 }
 
 impl<'a> Known<'a> {
@@ -53,6 +58,8 @@ impl<'a> Known<'a> {
             map: file.map.as_ref(),
             accelerations_mm_per_s2: drives
                 .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
+            scopes: &file.rule_scopes,
+            places: None,
         }
     }
 }
@@ -93,6 +100,8 @@ pub struct PlannedLine {
 pub(super) struct Writer<'a> {
     job: &'a Job,
     machine: Option<&'a Machine>,
+    scopes: &'a [RuleScope],
+    places: Option<&'a ExecutedPlaces>,
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
     /// Lines so far.
@@ -119,6 +128,8 @@ impl<'a> Writer<'a> {
         Writer {
             job,
             machine: known.machine,
+            scopes: known.scopes,
+            places: known.places,
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
             count: 0,
@@ -196,7 +207,9 @@ impl<'a> Writer<'a> {
         let mut block = new();
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
         block.along = self.engagement_along(&segment, line.machining.tool);
-        let reason = match match_move(self.job, self.machine, line, &segment) {
+        let place = self.places.map_or(Some(number), |places| places.own_line(number));
+        let admits = |rule: usize| rule_scope::admits(self.scopes, rule, place, &segment);
+        let reason = match match_move(self.job, self.machine, line, &segment, admits) {
             _ if segment.path == Path::Rapid => PlanReason::Rapid,
             _ if matches!(segment.feed, Feed::InverseTime(_)) => PlanReason::InverseTime,
             // Under G43.4 rotary axes turn as a matter of course.
@@ -223,7 +236,7 @@ impl<'a> Writer<'a> {
         };
         block.reason = reason;
         if reason != PlanReason::Rapid {
-            block.rule = self.job.rule_for(&segment, line.machining.tool).map(|(index, _)| index);
+            block.rule = self.job.rule_among(&segment, line.machining.tool, admits).map(|(index, _)| index);
             block.under = under;
         }
         (block, None)
