@@ -12,7 +12,7 @@ use arcfeed_model::machine::FeedLimit;
 use arcfeed_model::telemetry::Sample;
 use arcfeed_nc::machining::SpindleCommand;
 use arcfeed_nc::modal::{Feed, Pose};
-use arcfeed_nc::segment::{RADIUS_TOLERANCE, Segment};
+use arcfeed_nc::segment::{Arc, RADIUS_TOLERANCE, Segment};
 use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
@@ -71,6 +71,22 @@ impl PlannedConditions {
     fn is_of(&self, segment: &Segment) -> bool {
         let Segment { start, end, path, .. } = &self.segment;
         (start, end, path) == (&segment.start, &segment.end, &segment.path)
+    }
+
+    /// Whether a move is this one, or the first piece of it.
+    fn is_at(&self, segment: &Segment, is_in_pieces: bool) -> bool {
+        self.is_of(segment) || is_in_pieces && self.begins_with(segment)
+    }
+
+    fn begins_with(&self, segment: &Segment) -> bool {
+        let (Some(own), Some(arc)) = (self.segment.arc(), segment.arc()) else { return false };
+        self.segment.start == segment.start && is_same_circle(own, arc)
+    }
+
+    /// Conditions of the first piece of its arc: those that do not depend on where the move ends.
+    fn of_piece(self) -> Self {
+        let end_percent = FeedOverride::PROGRAMMED.percent;
+        PlannedConditions { along: None, limit: None, end_percent, side: None, target: None, ..self }
     }
 }
 
@@ -231,20 +247,24 @@ impl<D: OverrideSource> Simulation<D> {
 
     fn begin(&mut self, count: u32, segment: &Segment) {
         self.first_move.get_or_insert(self.now);
-        let rules = &self.job.rules;
-        let continued = self.last.filter(|(last, _)| self.is_in_pieces() && continues(last, segment));
+        let (rules, is_in_pieces) = (&self.job.rules, self.is_in_pieces());
+        let continued = self.last.filter(|(last, _)| is_in_pieces && continues(last, segment));
         let is_special = self.context.is_special;
         let matched = self.job.match_move(segment, &self.context.machining);
         let plain = matched.governing().filter(|_| !is_special).map(|governing| (governing.index, governing.rule));
-        let is_next = self.planned.front().is_some_and(|known| known.is_of(segment));
-        let known =
-            if is_special || plain.is_some() || is_next { take_planned(&mut self.planned, segment) } else { None };
+        let is_next = self.planned.front().is_some_and(|known| known.is_at(segment, is_in_pieces));
+        let known = if is_next || continued.is_none() && (is_special || plain.is_some()) {
+            take_planned(&mut self.planned, segment, is_in_pieces)
+        } else {
+            None
+        };
+        // An arc that is planned for itself is no piece of the one before it.
+        let continued = continued.filter(|_| known.is_none());
         let by_index = |index: usize| Some((index, rules.get(index)?));
         let found = match continued {
             Some((_, rule)) => rule.and_then(by_index),
-            None if known.as_ref().is_some_and(|known| known.rule.is_none()) => None,
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
-            None => plain,
+            None => plain.and_then(|plain| known.as_ref().map_or(Some(plain), |known| known.rule.and_then(by_index))),
         };
         let along = known.as_ref().and_then(|known| known.along.as_ref());
         let planned_target = known.as_ref().and_then(|known| known.target);
@@ -323,22 +343,29 @@ impl<D: OverrideSource> Simulation<D> {
     }
 }
 
-/// Takes the next of these moves that equals this one; discards those before it.
-fn take_planned(ahead: &mut VecDeque<PlannedConditions>, segment: &Segment) -> Option<PlannedConditions> {
-    let at = ahead.iter().position(|known| known.is_of(segment))?;
-    ahead.drain(..=at).next_back()
+/// Takes the next of these moves that equals this one, or of which it is the first piece; discards those before it.
+fn take_planned(
+    ahead: &mut VecDeque<PlannedConditions>,
+    segment: &Segment,
+    is_in_pieces: bool,
+) -> Option<PlannedConditions> {
+    let at = ahead.iter().position(|known| known.is_at(segment, is_in_pieces))?;
+    let known = ahead.drain(..=at).next_back()?;
+    Some(if known.is_of(segment) { known } else { known.of_piece() })
 }
 
 /// Whether an arc is the next piece of another: it has no N, begins where the other ended, and continues about the same
 /// centre. A piece belongs to its arc's rule, whatever N and level the rule requires.
 fn continues(last: &Segment, next: &Segment) -> bool {
     let (Some(before), Some(arc)) = (last.arc(), next.arc()) else { return false };
+    next.sequence.is_none() && next.start == last.end && is_same_circle(before, arc)
+}
+
+/// Whether two arcs run about the same centre in the same sense.
+fn is_same_circle(one: &Arc, other: &Arc) -> bool {
     let is_near = |a: Nm, b: Nm| (a.0 - b.0).abs() <= RADIUS_TOLERANCE.0;
-    let centers = before.center.iter().zip(&arc.center);
-    next.sequence.is_none()
-        && next.start == last.end
-        && (arc.plane, arc.turn) == (before.plane, before.turn)
-        && centers.into_iter().all(|(a, b)| is_near(*a, *b))
+    let mut centers = one.center.iter().zip(&other.center);
+    (one.plane, one.turn) == (other.plane, other.turn) && centers.all(|(a, b)| is_near(*a, *b))
 }
 
 /// Target chip load on a move of the original program, for a tool whose target is the programmed feed.

@@ -24,6 +24,8 @@ pub mod plunge;
 
 mod rules;
 
+pub mod rule_scope;
+
 pub mod workpiece;
 
 mod feed_policy;
@@ -53,6 +55,7 @@ use crate::toml_values::{refuse_numbers, with_key};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
 pub use plunge::Plunge;
+use rule_scope::RuleScope;
 use schema::JobTable;
 pub(crate) use schema::Quantity;
 #[cfg(feature = "plan")]
@@ -109,6 +112,8 @@ pub struct JobFile {
     pub dnc: DncSettings,
     /// Line and column of each cut rule in the file.
     pub rule_places: Vec<[usize; 2]>,
+    /// Scope of each cut rule.
+    pub rule_scopes: Vec<RuleScope>,
 }
 
 /// Supported controls.
@@ -241,7 +246,23 @@ impl JobFile {
             serial,
             dnc: DncSettings::default(),
             rule_places: Vec::new(),
+            rule_scopes: Vec::new(),
         }
+    }
+
+    /// Refuses a job whose rules have scopes, for `whom`, which knows only blocks.
+    ///
+    /// # Errors
+    /// Names the first such rule with its place and key; `path` is the job file.
+    pub fn refuse_scopes(&self, path: &Path, whom: &str) -> Result<(), String> {
+        let scoped = self.rule_scopes.iter().enumerate().find_map(|(index, scope)| Some((index, scope.key()?)));
+        let Some((index, key)) = scoped else { return Ok(()) };
+        let [line, column] = self.rule_places.get(index).copied().unwrap_or([1, 1]);
+        Err(format!(
+            "{}:{line}:{column}: error: {whom} knows no `{key}` of a rule: restrict cut rule {} by n or z in its place",
+            path.display(),
+            index + 1
+        ))
     }
 
     /// All files that a run of the job reads; `path` is the job file itself.
@@ -313,9 +334,9 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
     let map_file = rules::map(table)?.map(|file| folder.join(file.as_ref()));
     let serial = serial::build(&table.serial)?;
     let dnc = dnc::build(&table.dnc, &serial)?;
-    let (map, rule_places) = (None, Vec::new());
     let spindle = spindle::build(table)?;
     let plunge = plunge::build(table, &job, &spindle)?;
+    let (map, rule_places, rule_scopes) = (None, Vec::new(), rule_scope::build(table)?);
     Ok(JobFile {
         job,
         program,
@@ -336,6 +357,7 @@ fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
         serial,
         dnc,
         rule_places,
+        rule_scopes,
     })
 }
 

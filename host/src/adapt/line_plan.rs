@@ -21,6 +21,7 @@ pub struct LinePlan<'a> {
 impl<'a> LinePlan<'a> {
     /// For a program without errors; `may_leak` says whether a feed could leak into one of its lines.
     pub fn new(source: &'a Source, may_leak: bool, job: &'a Job, known: Known<'a>) -> Self {
+        let known = Known { places: source.places.as_deref(), ..known };
         let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
         let has_contours = may_have_contours(&source.bytes);
         let mut plan = LinePlan { source, job, known, line_end, has_contours, kept: KeptLines::default() };

@@ -75,6 +75,7 @@ pub fn adapt(program: &Program, job: &Job) -> Adapted {
 
 /// Plans the feeds of a program without errors, with machine and engagement map.
 pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
+    let known = Known { places: program.places.as_deref(), ..known };
     let mut kept = KeptLines::default();
     loop {
         let mut adapted = Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() };

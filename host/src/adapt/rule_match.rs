@@ -1,6 +1,7 @@
 //! The cut rule that governs a line's move, or the reason why none does.
 
 use arcfeed_kinematics::machine::Machine;
+use arcfeed_model::cut::CutRule;
 use arcfeed_model::governed::{AXIAL_SINE_MAX, Exclusion, Match};
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_nc::segment::Segment;
@@ -10,7 +11,7 @@ use super::PlanReason;
 use super::limit::tip_axial_sine;
 use crate::program::ProgramLine;
 
-/// Index of the cut rule that governs a line's move, and the spindle speed there.
+/// Index of the cut rule that governs a line's move, of those that `admits` accepts, and the spindle speed there.
 ///
 /// # Errors
 /// Why the move keeps its programmed feed.
@@ -19,11 +20,13 @@ pub fn match_move(
     machine: Option<&Machine>,
     line: &ProgramLine,
     segment: &Segment,
+    admits: impl Fn(usize) -> bool,
 ) -> Result<(usize, RevPerMin), PlanReason> {
     if let Some(axial_sine) = machine.and_then(|machine| tip_axial_sine(line, machine)) {
-        return match_tip_move(job, line, segment, axial_sine);
+        let found = job.rule_among(segment, line.machining.tool, admits);
+        return match_tip_move(job, line, found, axial_sine);
     }
-    match job.match_move(segment, &line.machining) {
+    match job.match_among(segment, &line.machining, admits) {
         Match::NoRule => Err(PlanReason::NoRule),
         Match::Governed(governing) => Ok((governing.index, governing.spindle)),
         Match::Excluded { why: Exclusion::Axial, .. } => Err(PlanReason::Axial),
@@ -37,10 +40,10 @@ pub fn match_move(
 fn match_tip_move(
     job: &Job,
     line: &ProgramLine,
-    segment: &Segment,
+    found: Option<(usize, &CutRule)>,
     axial_sine: f64,
 ) -> Result<(usize, RevPerMin), PlanReason> {
-    let (index, rule) = job.rule_for(segment, line.machining.tool).ok_or(PlanReason::NoRule)?;
+    let (index, rule) = found.ok_or(PlanReason::NoRule)?;
     let setup = job.tool_of(rule);
     if axial_sine > AXIAL_SINE_MAX && setup.law != LawKind::Table {
         return Err(PlanReason::Axial);

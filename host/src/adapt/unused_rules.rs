@@ -1,41 +1,42 @@
 //! Cut rules that no move can ever meet, as warnings of their job file.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::job::Job;
 
 use crate::job::JobFile;
-use crate::program::ProgramLine;
+use crate::job::rule_scope;
+use crate::program::{ExecutedPlaces, ProgramLine};
 
 /// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program, given as its
 /// path and what its moves meet, those that none of its moves meets.
 pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) -> Vec<String> {
-    let rules = &file.job.rules;
     let met = program.map(|(program, used)| (program.display(), &used.met));
-    let why = |index: usize, rule: &CutRule| {
-        if let Some(earlier) = rules.iter().take(index).position(|earlier| covers(earlier, rule)) {
+    let why = |index: usize| {
+        if let Some(earlier) = (0..index).find(|earlier| covers(file, *earlier, index)) {
             let line = file.rule_places.get(earlier).map_or(0, |[line, _]| *line);
             return Some(format!(
                 "this rule is never used: the one in line {line} takes all of its moves; put this one before it, or narrow that \
-                 one with n or z"
+                 one with n, z, lines or plane"
             ));
         }
         let (program, met) = met.as_ref()?;
         match met.get(index)? {
             Met::Never => Some(format!(
-                "no move of {program} fits this rule: compare its direction, n and z, and the tool's number and radii, with the program"
+                "no move of {program} fits this rule: compare its direction, n, z, lines and plane, and the tool's number and radii, with the program"
             )),
             Met::Behind => Some(format!("this rule is never used: earlier rules take all of its moves of {program}")),
             Met::First => None,
         }
     };
-    let warning = |(index, rule): (usize, &CutRule)| {
+    let warning = |index: usize| {
         let [line, column] = file.rule_places.get(index).copied().unwrap_or([1, 1]);
-        let why = why(index, rule)?;
+        let why = why(index)?;
         Some(format!("{}:{line}:{column}: warning: {why} (in `cut.{}`)", path.display(), index + 1))
     };
-    rules.iter().enumerate().filter_map(warning).collect()
+    (0..file.job.rules.len()).filter_map(warning).collect()
 }
 
 /// Use of a rule by the moves of a program.
@@ -53,27 +54,39 @@ enum Met {
 #[derive(Clone, Debug)]
 pub struct RuleUse {
     met: Vec<Met>,
+    /// Number of lines so far.
+    lines: usize,
+    places: Option<Arc<ExecutedPlaces>>,
 }
 
 impl RuleUse {
-    /// Before the first line.
-    pub fn new(job: &Job) -> Self {
-        RuleUse { met: vec![Met::Never; job.rules.len()] }
+    /// Before the first line of a program whose lines have these places.
+    pub fn new(job: &Job, places: Option<Arc<ExecutedPlaces>>) -> Self {
+        RuleUse { met: vec![Met::Never; job.rules.len()], lines: 0, places }
     }
 
     /// The next line, with its tool's place among the job's.
-    pub fn add(&mut self, line: &ProgramLine, job: &Job, tool: Option<usize>) {
+    pub fn add(&mut self, line: &ProgramLine, file: &JobFile, tool: Option<usize>) {
+        self.lines += 1;
+        let JobFile { job, rule_scopes, .. } = file;
         let (Some(segment), Some(tool)) = (line.segment(), tool) else { return };
-        let fits = |rule: &CutRule| usize::from(rule.tool) == tool && rule.fits(&segment, &job.tool_of(rule).tool);
-        let fitting = job.rules.iter().zip(&mut self.met).filter(|(rule, _)| fits(rule));
-        for (place, (_, met)) in fitting.enumerate() {
+        let line = self.places.as_ref().map_or(Some(self.lines), |places| places.own_line(self.lines));
+        let fits = |index: usize, rule: &CutRule| {
+            usize::from(rule.tool) == tool
+                && rule.fits(&segment, &job.tool_of(rule).tool)
+                && rule_scope::admits(rule_scopes, index, line, &segment)
+        };
+        let fitting = job.rules.iter().zip(&mut self.met).enumerate().filter(|(index, (rule, _))| fits(*index, rule));
+        for (place, (_, (_, met))) in fitting.enumerate() {
             *met = (*met).max(if place == 0 { Met::First } else { Met::Behind });
         }
     }
 }
 
-/// Whether every move that `rule` fits is one that `earlier` fits.
-fn covers(earlier: &CutRule, rule: &CutRule) -> bool {
+/// Whether every move that a rule fits is one that an earlier rule fits.
+fn covers(file: &JobFile, earlier: usize, rule: usize) -> bool {
+    let scopes = [earlier, rule].map(|index| file.rule_scopes.get(index).copied().unwrap_or_default());
+    let [earlier, rule] = [earlier, rule].map(|index| &file.job.rules[index]);
     let is_within = |inner: (i64, i64), outer: (i64, i64)| outer.0 <= inner.0 && inner.1 <= outer.1;
     let levels = |rule: &CutRule| rule.level.map(|(low, high)| (low.0, high.0));
     let covers_range = |outer: Option<(i64, i64)>, inner: Option<(i64, i64)>| match (outer, inner) {
@@ -84,4 +97,5 @@ fn covers(earlier: &CutRule, rule: &CutRule) -> bool {
     (earlier.tool, earlier.moves) == (rule.tool, rule.moves)
         && covers_range(earlier.sequence, rule.sequence)
         && covers_range(levels(earlier), levels(rule))
+        && scopes[0].covers(&scopes[1])
 }

@@ -25,8 +25,9 @@ use super::rewrite::{self, FeedRewriter, Leak};
 use super::rule_match::match_move;
 use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
+use crate::job::rule_scope::{self, RuleScope};
 use crate::job::{JobFile, Plunge, SpindleLimits};
-use crate::program::ProgramLine;
+use crate::program::{ExecutedPlaces, ProgramLine};
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
 const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
@@ -45,6 +46,10 @@ pub struct Known<'a> {
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
     /// The plunge law, with the limits of the spindle.
     pub plunge: Option<(Plunge, SpindleLimits)>,
+    /// Scopes of the cut rules.
+    pub scopes: &'a [RuleScope],
+    /// Places of the lines in the program's file, if they are its blocks as executed.
+    pub places: Option<&'a ExecutedPlaces>,
 }
 
 impl<'a> Known<'a> {
@@ -57,6 +62,8 @@ impl<'a> Known<'a> {
             accelerations_mm_per_s2: drives
                 .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
             plunge: file.plunge.map(|plunge| (plunge, file.spindle)),
+            scopes: &file.rule_scopes,
+            places: None,
         }
     }
 }
@@ -97,6 +104,8 @@ pub struct PlannedLine {
 pub(super) struct Writer<'a> {
     job: &'a Job,
     machine: Option<&'a Machine>,
+    scopes: &'a [RuleScope],
+    places: Option<&'a ExecutedPlaces>,
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
     descents: Option<Descents<'a>>,
@@ -124,6 +133,8 @@ impl<'a> Writer<'a> {
         Writer {
             job,
             machine: known.machine,
+            scopes: known.scopes,
+            places: known.places,
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
             descents: Descents::of(&known),
@@ -202,7 +213,9 @@ impl<'a> Writer<'a> {
         let mut block = new();
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
         block.along = self.engagement_along(&segment, line.machining.tool);
-        let matched = match_move(self.job, self.machine, line, &segment);
+        let place = self.places.map_or(Some(number), |places| places.own_line(number));
+        let admits = |rule: usize| rule_scope::admits(self.scopes, rule, place, &segment);
+        let matched = match_move(self.job, self.machine, line, &segment, admits);
         let descent = self.descents.as_mut().and_then(|descents| descents.next(&segment, &matched));
         if let Some(descent) = descent.filter(|_| under.is_none() && !line.follows_tip) {
             return self.plan_descent(line, block, descent);
@@ -234,7 +247,7 @@ impl<'a> Writer<'a> {
         };
         block.reason = reason;
         if reason != PlanReason::Rapid {
-            block.rule = self.job.rule_for(&segment, line.machining.tool).map(|(index, _)| index);
+            block.rule = self.job.rule_among(&segment, line.machining.tool, admits).map(|(index, _)| index);
             block.under = under;
         }
         (block, None)

@@ -6,6 +6,7 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_link::message::fixed::Q40;
@@ -16,13 +17,13 @@ use arcfeed_model::job::Job;
 use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc::series::SeriesAction;
+use arcfeed_nc_macro::stack::SourceLine;
 use arcfeed_units::{Nm, RevPerMin};
 
 use crate::adapt::{Adapted, Known, PlannedBlock, adapt_with};
 use crate::dnc::restored_state::PowerOn;
 use crate::dnc::transmission::Transmission;
-use crate::engagement::EngagementMap;
-use crate::program::{Program, ProgramLine};
+use crate::program::{ExecutedPlaces, Program, ProgramLine};
 
 /// Messages of the moves of a transmission.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -93,6 +94,20 @@ fn encode_move(
     Ok(messages)
 }
 
+/// Places, in the program's file, of the lines of a transmission.
+fn places(sending: &Transmission, of_program: Option<&ExecutedPlaces>) -> ExecutedPlaces {
+    let mut places = ExecutedPlaces::default();
+    for line in sending.lines() {
+        let in_file = SourceLine { library: None, line: line.source as u32 };
+        let found = of_program.map_or((line.source > 0).then_some(in_file), |known| known.place(line.source));
+        match found {
+            Some(place) => places.add(place, &[], &[]),
+            None => places.add_own(),
+        }
+    }
+    places
+}
+
 /// Rule that governs a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct MoveRule<'a> {
@@ -133,7 +148,8 @@ pub enum MoveFault {
 }
 
 impl BoardPlan {
-    /// Plans the moves of a transmission to a control in its power-on state, with their engaged arcs from a map.
+    /// Plans the moves of a transmission to a control in its power-on state. `known` has the engagement map, the
+    /// scopes of the rules, and the places of the program of which the transmission is made.
     /// `bounds` are the bounds beside the text, by line of the program's file: the transmission has other F words.
     ///
     /// # Errors
@@ -142,7 +158,7 @@ impl BoardPlan {
         sending: &Transmission,
         power_on: &PowerOn,
         job: &Job,
-        map: Option<&EngagementMap>,
+        known: Known<'_>,
         bounds: &HashMap<usize, MoveBounds>,
     ) -> Result<Self, PlanError> {
         // A control that reports its position does not move; the reader here does not know such blocks.
@@ -151,8 +167,9 @@ impl BoardPlan {
             false => sending.line_text(index).unwrap_or_default(),
         });
         let text = lines.collect::<Vec<_>>().concat();
-        let program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
-        let adapted = adapt_with(&program, job, Known { map, ..Known::default() });
+        let mut program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
+        program.places = Some(Arc::new(places(sending, known.places)));
+        let adapted = adapt_with(&program, job, Known { map: known.map, scopes: known.scopes, ..Known::default() });
         let mut blocks = adapted.blocks.iter().peekable();
         let mut plan = BoardPlan::default();
         for (index, line) in program.lines.iter().enumerate() {

@@ -131,14 +131,14 @@ impl Check {
         }
         let (job, source, control) = self.read()?;
         let mut findings = CheckFindings::new(&self.program, &source.path, self.json);
-        let mut used = job.as_ref().map(|file| RuleUse::new(&file.job));
+        let mut used = job.as_ref().map(|file| RuleUse::new(&file.job, None));
         let mut decimals = DecimalSurvey::new(&source.settings);
         let mut path = PathSummary::new(source.settings.unit);
         let each_line = |line: &ProgramLine| {
             decimals.add(line);
             path.add_line(line);
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
-                used.add(line, &file.job, tool_at(line, &file.job));
+                used.add(line, file, tool_at(line, &file.job));
             }
         };
         let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {

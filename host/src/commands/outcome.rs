@@ -129,9 +129,9 @@ pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bo
     let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
     let source = expanded(source, &file)?;
     let (mut errors, mut more) = (Vec::new(), 0);
-    let (mut used, mut leaks) = (RuleUse::new(&file.job), false);
+    let (mut used, mut leaks) = (RuleUse::new(&file.job, source.places.clone()), false);
     let each_line = |line: &ProgramLine| {
-        used.add(line, &file.job, tool_at(line, &file.job));
+        used.add(line, &file, tool_at(line, &file.job));
         leaks |= may_leak(line);
     };
     let summary = source.survey(false, each_line, |diagnostic, _| match diagnostic.severity {

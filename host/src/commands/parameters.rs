@@ -30,6 +30,7 @@ impl Parameters {
         let file = JobFile::load(&self.job)?;
         refuse_inputs(&[Some(&self.output)], &file.inputs(&self.job))?;
         warn_of_rules(&self.job, &file, None);
+        file.refuse_scopes(&self.job, "a board at a tapped line").map_err(Failure::Input)?;
         let job = self.job.display();
         let code = match file.dnc.code {
             Some(TapeCode::Iso) => LineCode::Iso,

@@ -46,7 +46,6 @@ use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
-use arcfeed_model::job::Job;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::{LengthUnit, PERCENT};
 
@@ -111,16 +110,13 @@ impl Simulate {
         let started = Instant::now();
         let adapted = adapted(&program, &file);
         let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
-        simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
-        let mut before = in_memory(&file, &program.file(), ControllerFault::LawOff)?;
-        // The meter needs the engaged arcs and the sides of contours there, too.
-        let metered = |known: &PlannedConditions| known.along.is_some() || known.side.is_some();
-        before.set_planned_conditions(foreseen(&program, &adapted, &file.job).into_iter().filter(metered));
+        simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
+        let mut before = unadapted(&file, &program, foreseen(&program, &adapted, &file))?;
         // Results are written and printed even if a later step fails.
-        let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
+        let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
         report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
-        let mut ended = after.result.and(unadapted.result);
+        let mut ended = after.result.and(original.result);
         let title = format!("{}: simulated", file.program.display());
         let (mut deviation, mut marks, mut spindle) = (None, Vec::new(), None);
         if ended.is_ok() {
@@ -304,11 +300,14 @@ pub(super) fn in_memory_of(
 }
 
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
-/// with their engagement and the largest feed that the job allows on them.
-pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedConditions> {
+/// with their engagement and the largest feed that the job allows on them. The machine does not know the scopes of
+/// rules either: with them all moves are planned.
+pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
-    let is_known =
-        |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
+    let has_scopes = has_scopes(file);
+    let is_known = |block: &&PlannedBlock| {
+        has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
+    };
     let moves = adapted.blocks.iter().filter(is_known);
     let known = moves.map(|block| PlannedConditions {
         segment: block.segment,
@@ -317,17 +316,38 @@ pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedC
         limit: block.limit.map(FeedLimit::from),
         end_percent: block.end_percent,
         side: block.contour.and_then(|place| place.side),
-        target: block.target(job),
+        target: block.target(&file.job),
     });
     known.collect()
+}
+
+/// Whether a rule of the job has a scope, which no simulated machine knows.
+pub fn has_scopes(file: &JobFile) -> bool {
+    file.rule_scopes.iter().any(|scope| scope.key().is_some())
+}
+
+/// Simulation of the original program, without arcfeed, not begun.
+fn unadapted(file: &JobFile, program: &Program, foreseen: Vec<PlannedConditions>) -> Result<Simulation, Failure> {
+    let mut simulation = in_memory(file, &program.file(), ControllerFault::LawOff)?;
+    // The meter needs the engaged arcs, the sides of contours and the scopes of rules there, too.
+    let has_scopes = has_scopes(file);
+    let metered = |known: &PlannedConditions| has_scopes || known.along.is_some() || known.side.is_some();
+    simulation.set_planned_conditions(foreseen.into_iter().filter(metered));
+    Ok(simulation)
 }
 
 /// Runs the original program, without arcfeed, and adds its figures.
 ///
 /// # Errors
 /// The run never ends.
-pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
-    let simulation = run_in_memory(file, &program.file(), ControllerFault::LawOff)?;
+pub fn add_baseline(
+    report: &mut RunReport,
+    file: &JobFile,
+    program: &Program,
+    foreseen: &[PlannedConditions],
+) -> Result<(), Failure> {
+    let mut simulation = unadapted(file, program, foreseen.to_vec())?;
+    RunObserver::default().run(&mut simulation)?;
     compare(report, measure(&simulation, &file.job));
     Ok(())
 }

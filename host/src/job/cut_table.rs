@@ -18,6 +18,8 @@ pub struct CutTable {
     pub table: Option<Spanned<Vec<Spanned<[Quantity; 2]>>>>,
     pub n: Option<Spanned<[i64; 2]>>,
     pub z: Option<Spanned<[Quantity; 2]>>,
+    pub lines: Option<Spanned<String>>,
+    pub plane: Option<Spanned<PlaneWord>>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -39,6 +41,13 @@ pub enum MovesWord {
 pub enum DirectionWord {
     Cw,
     Ccw,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub enum PlaneWord {
+    G17,
+    G18,
+    G19,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

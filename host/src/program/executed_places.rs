@@ -66,6 +66,11 @@ impl ExecutedPlaces {
         self.line(line).map(|line| line.place)
     }
 
+    /// Line of the program's file, counted from 1; `None` for a line of the library, and for one that is not in the file.
+    pub fn own_line(&self, line: usize) -> Option<usize> {
+        self.place(line).filter(|place| place.library.is_none()).map(|place| place.line as usize)
+    }
+
     /// Line of the main program's file, counted from 1, to which a line belongs: for a line of the library that of the
     /// call that led to it.
     pub fn line_in_file(&self, line: usize) -> usize {

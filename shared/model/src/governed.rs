@@ -81,7 +81,12 @@ impl<'r> Match<'r> {
 impl Job {
     /// Matches a move with the cut rules, with tool and spindle as the program has commanded them.
     pub fn match_move(&self, segment: &Segment, machining: &Machining) -> Match<'_> {
-        let Some((index, rule)) = self.rule_for(segment, machining.tool) else { return Match::NoRule };
+        self.match_among(segment, machining, |_| true)
+    }
+
+    /// The same among the rules whose index `admits` accepts.
+    pub fn match_among(&self, segment: &Segment, machining: &Machining, admits: impl Fn(usize) -> bool) -> Match<'_> {
+        let Some((index, rule)) = self.rule_among(segment, machining.tool, admits) else { return Match::NoRule };
         let setup = self.tool_of(rule);
         let is_described = setup.law == LawKind::Table || is_across(segment, setup.axis);
         match setup.speed(machining.spindle) {
@@ -96,10 +101,20 @@ impl Job {
     /// The first rule of the tool in the spindle that matches a move, with its index. For a tool that the job does not
     /// have: the first rule that would match with its own tool.
     pub fn rule_for(&self, segment: &Segment, tool: ToolInSpindle) -> Option<(usize, &CutRule)> {
+        self.rule_among(segment, tool, |_| true)
+    }
+
+    /// The same among the rules whose index `admits` accepts.
+    pub fn rule_among(
+        &self,
+        segment: &Segment,
+        tool: ToolInSpindle,
+        admits: impl Fn(usize) -> bool,
+    ) -> Option<(usize, &CutRule)> {
         let loaded = self.tool_in(tool);
         let is_tried = |rule: &CutRule| loaded.is_none_or(|index| usize::from(rule.tool) == index);
         let fits = |rule: &CutRule| is_tried(rule) && rule.fits(segment, &self.tool_of(rule).tool);
-        self.rules.iter().enumerate().find(|(_, rule)| fits(rule))
+        self.rules.iter().enumerate().find(|(index, rule)| fits(rule) && admits(*index))
     }
 
     /// The setup of the tool in the spindle; the job's first setup if it has no such tool.

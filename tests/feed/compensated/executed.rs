@@ -108,7 +108,7 @@ fn run(case: &Case, (file, program, adapted): &(JobFile, Program, Adapted), figu
     let settings = control_settings(file);
     let mut simulation =
         Simulation::from_memory(settings, &adapted.text, &file.job, ControllerFault::None).expect("a run");
-    simulation.set_planned_conditions(foreseen(program, adapted, &file.job));
+    simulation.set_planned_conditions(foreseen(program, adapted, file));
     let (mut last, mut feed_before) = (None, 0.0);
     while !simulation.is_done() {
         simulation.step();

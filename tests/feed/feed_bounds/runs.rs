@@ -124,7 +124,7 @@ pub fn run(name: &str, job: &RandomJob, random_program: &RandomProgram) -> Resul
         ControllerFault::None,
     );
     let mut simulation = simulation.map_err(|error| format!("{error:?}"))?;
-    simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
+    simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
     let mut figures =
         Figures { programs: 1, blocks: random_program.moves.iter().flatten().count() as u32, ..Figures::default() };
     let mut last: Option<At> = None;

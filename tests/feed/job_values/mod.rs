@@ -7,4 +7,6 @@ mod values;
 
 mod rules;
 
+mod scopes;
+
 mod messages;

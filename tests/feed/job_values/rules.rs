@@ -15,8 +15,8 @@ fn with_rule(rule: &str, is_first: bool) -> Vec<String> {
     let file = JobFile::parse(&path, &text).unwrap_or_else(|error| panic!("{error}"));
     let program = Source::read(&file.program, file.nc, file.tables).expect("the example's program");
     let place = format!("{}:", path.display());
-    let (job, mut used) = (&file.job, RuleUse::new(&file.job));
-    program.survey(false, |line| used.add(line, job, job.tool_in(line.machining.tool)), |_, _| {});
+    let (job, mut used) = (&file.job, RuleUse::new(&file.job, None));
+    program.survey(false, |line| used.add(line, &file, job.tool_in(line.machining.tool)), |_, _| {});
     let warnings = unused_rules(&path, &file, Some((&program.path, &used)));
     warnings.iter().map(|warning| warning.strip_prefix(&place).expect("its file").to_owned()).collect()
 }

@@ -70,7 +70,7 @@ fn overrides(job: &str) -> Vec<(Nm, u8)> {
     let adapted = adapt_with(&program, &file.job, Known::of(&file));
     let simulation = Simulation::from_memory(control_settings(&file), &adapted.text, &file.job, ControllerFault::None);
     let mut simulation = simulation.expect("the limits make sense");
-    simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
+    simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
     let mut found = Vec::new();
     while !simulation.is_done() {
         simulation.step();

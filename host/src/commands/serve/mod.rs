@@ -201,7 +201,11 @@ impl Serve {
     /// The job is at fault, the line failed or the control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
         let mut file = match (&self.job, self.units) {
-            (Some(job), _) => JobFile::load(job)?,
+            (Some(job), _) => {
+                let file = JobFile::load(job)?;
+                file.refuse_scopes(job, "the control of `serve`").map_err(Failure::Input)?;
+                file
+            }
             (None, UnitWord::Inch) => JobFile::plain(LengthUnit::Inch),
             (None, UnitWord::Mm) => JobFile::plain(LengthUnit::Mm),
         };

@@ -9,6 +9,7 @@ use arcfeed_model::job::Job;
 
 use super::super::outcome::{Failure, on_interrupt};
 use super::preparation::PreparedProgram;
+use crate::adapt::Known;
 use crate::board::line::BoardLine;
 use crate::board::plan::{BoardPlan, PlanError};
 use crate::board::run::{BoardRun, Outage, Stage};
@@ -62,7 +63,8 @@ impl<'p> BoardSession<'p> {
     ) -> Result<Self, Failure> {
         let job: &Job = &ready.file.job;
         let path = ready.file.program.display();
-        let plan = BoardPlan::new(sending, &ready.power_on(), job, ready.file.map.as_ref(), &ready.bounds)
+        let known = Known { places: ready.program.places.as_deref(), ..Known::of(&ready.file) };
+        let plan = BoardPlan::new(sending, &ready.power_on(), job, known, &ready.bounds)
             .map_err(|PlanError { source, why }| Failure::Input(format!("{path}:{source}:1: error: {why}")))?;
         let board = BoardRun::new(line, job, plan).map_err(Failure::Input)?;
         let person = (arming == Arming::Typed).then(typed_lines);

@@ -82,8 +82,8 @@ impl PreparedProgram {
             (whole, reports) = Reports::insert_into(&whole, every, &control, &wire).map_err(refused)?;
         }
         // Comments, and settings for the simulation or the line only, may change between two transmissions.
-        let JobFile { job, control, nc, tables, dnc, map, .. } = &file;
-        let said = format!("{:?}", (job, control, nc, tables, dnc, map));
+        let JobFile { job, control, nc, tables, dnc, map, rule_scopes, .. } = &file;
+        let said = format!("{:?}", (job, control, nc, tables, dnc, map, rule_scopes));
         let start = Start {
             program: fingerprint(&program.bytes()),
             job: fingerprint(said.as_bytes()),
@@ -91,7 +91,7 @@ impl PreparedProgram {
             bytes: whole.frames().len(),
             ..Start::default()
         };
-        let foreseen = foreseen(&program, &adapted, &file.job);
+        let foreseen = foreseen(&program, &adapted, &file);
         let bounds = MoveBounds::of(&adapted);
         Ok(PreparedProgram { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
     }

@@ -21,9 +21,9 @@ use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_link::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
-use super::super::simulate::add_baseline;
 use super::super::simulate::control::control_settings;
 use super::super::simulate::run_figures::measure;
+use super::super::simulate::{add_baseline, has_scopes};
 use super::board_session::{Arming, BoardSession};
 use super::logbook::Logbook;
 use super::preparation::PreparedProgram;
@@ -80,7 +80,10 @@ impl Stream {
             BoardEnd(Rc::clone(&pipe)),
             ModeCode::Lockstep,
         );
-        let simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
+        let mut simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
+        if has_scopes(file) {
+            simulation.set_planned_conditions(ready.foreseen.iter().cloned());
+        }
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
         let link = BoardLine::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
         let mut board_session = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
@@ -120,7 +123,7 @@ impl Stream {
         // The report of the transmission is printed even if this fails.
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
-        let compared = add_baseline(&mut report, file, &ready.program);
+        let compared = add_baseline(&mut report, file, &ready.program, &ready.foreseen);
         self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {
