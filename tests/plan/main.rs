@@ -58,3 +58,5 @@ mod widths;
 mod threads;
 
 mod chain;
+
+mod plunge;

@@ -29,4 +29,6 @@ pub mod proof;
 
 pub mod optimisation;
 
+pub mod plunge;
+
 pub mod output;

@@ -1,0 +1,210 @@
+//! Section of the blades about a passage, offset in space, by a plane across the rotor's axis.
+//!
+//! ```text
+//! wall of a passage in the plane z:  distance((r cos psi, r sin psi, z), blade) = D                (1)
+//! ```
+//!
+//! Every point of the plane beyond that curve keeps the distance D from the blade. So a line beyond it is the axis of a capsule of radius D that cuts
+//! nothing: exact, for any twist. (A flat end lies within the capsule's round end but on the hub's side.)
+//!
+//! The curve is followed from radius to radius, from its last place: looking on both sides of one fixed angle loses bowed passages. Our own.
+
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use crate::geometry::blisk::Blisk;
+use crate::proof::bodies;
+use crate::proof::spheres::Tree;
+use crate::vector::Point;
+
+use super::distance::nearest;
+
+/// Largest distance of the triangles from the blade, mm.
+const CHORD_MM: f64 = 0.002;
+/// Distance of neighbouring samples of a wall, mm.
+const SPACING_MM: f64 = 0.3;
+/// Least step in search of the wall, mm: thinner material would be missed.
+const STRIDE_MM: f64 = 0.02;
+/// Precision of the wall, mm.
+const PRECISION_MM: f64 = 1e-10;
+/// Most steps of one search.
+const STEPS_MAX: usize = 2000;
+
+/// Blades of a rotor.
+pub struct Field {
+    tree: Tree,
+    /// Angle from one blade to the next.
+    pub pitch_rad: f64,
+    /// Greatest and least distance of the blade from the rotor's axis, mm.
+    pub radii_mm: [f64; 2],
+    /// Places along the rotor's axis between which the blade lies, mm.
+    pub ends_mm: [f64; 2],
+}
+
+/// Wall of the passage in a plane: which blade, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallSide {
+    /// Blade 0; the passage lies at growing angles.
+    Left,
+    /// Blade 1; the passage lies at falling angles.
+    Right,
+}
+
+/// Place of the wall at a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallPlace {
+    /// Distance from the rotor's axis, mm.
+    pub radius_mm: f64,
+    /// Angle about it.
+    pub angle_rad: f64,
+}
+
+/// Wall with a given distance from its blade.
+struct Wall<'f> {
+    field: &'f Field,
+    side: WallSide,
+    z_mm: f64,
+    distance_mm: f64,
+}
+
+impl Field {
+    /// Field of a rotor's blades.
+    pub fn new(blisk: &Blisk) -> Self {
+        let tree = Tree::new(bodies::blade(blisk, CHORD_MM));
+        let corners = || tree.triangles().iter().flatten();
+        let range = |value: fn(&Point) -> f64| {
+            corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+        };
+        let (radii_mm, ends_mm) = (range(|point| libm::hypot(point.x, point.y)), range(|point| point.z));
+        Field { tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
+    }
+
+    /// Distance of a point from the blade of a wall, at least, and the blade's nearest point.
+    pub fn distance(&self, side: WallSide, point: &Point) -> (f64, Point) {
+        let turn = match side {
+            WallSide::Left => 0.0,
+            WallSide::Right => self.pitch_rad,
+        };
+        let turn = nalgebra::Rotation3::from_axis_angle(&crate::vector::Vector::z_axis(), turn);
+        let (found_mm, on) =
+            nearest(&self.tree, &(turn.inverse() * point), f64::INFINITY).unwrap_or((f64::INFINITY, *point));
+        (found_mm - CHORD_MM, turn * on)
+    }
+
+    /// Places of both walls at a distance from the blades, by growing radius from `from_mm` up to where the blades end, in the plane at `z_mm`.
+    pub fn walls(&self, z_mm: f64, distance_mm: f64, from_mm: f64) -> [Vec<WallPlace>; 2] {
+        let [_, tip_mm] = self.radii_mm;
+        let radii_mm =
+            spaced([from_mm, tip_mm]).chain(spaced([tip_mm, tip_mm + distance_mm]).skip(1)).collect::<Vec<f64>>();
+        let sides = [WallSide::Left, WallSide::Right];
+        let found: Vec<_> =
+            sides.into_par_iter().map(|side| Wall { field: self, side, z_mm, distance_mm }.places(&radii_mm)).collect();
+        <[Vec<WallPlace>; 2]>::try_from(found).unwrap_or_default()
+    }
+}
+
+/// Radii from one to another, evenly.
+fn spaced([from_mm, to_mm]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let count = libm::ceil((to_mm - from_mm) / SPACING_MM).max(1.0) as usize;
+    (0..=count).map(
+        move |index| if index == count { to_mm } else { from_mm + (to_mm - from_mm) * index as f64 / count as f64 },
+    )
+}
+
+impl Wall<'_> {
+    fn sign(&self) -> f64 {
+        match self.side {
+            WallSide::Left => 1.0,
+            WallSide::Right => -1.0,
+        }
+    }
+
+    /// Distance beyond the wall, mm; negative behind it.
+    fn beyond_mm(&self, radius_mm: f64, angle_rad: f64) -> f64 {
+        let (sin, cos) = libm::sincos(angle_rad);
+        let point = Point::new(radius_mm * cos, radius_mm * sin, self.z_mm);
+        self.field.distance(self.side, &point).0 - self.distance_mm
+    }
+
+    /// Places at these radii, those at which there is material.
+    fn places(&self, radii_mm: &[f64]) -> Vec<WallPlace> {
+        // From the middle of the blade outwards, or else from where it comes near to the plane.
+        let half_mm = (radii_mm[0] + self.field.radii_mm[1]) / 2.0;
+        let half = radii_mm.partition_point(|radius_mm| *radius_mm < half_mm);
+        let mut starts = (0..=half).rev().chain(half + 1..radii_mm.len());
+        let Some((start, first_rad)) = starts.find_map(|index| Some((index, self.start(radii_mm[index])?))) else {
+            return Vec::new();
+        };
+        let follow = |indices: &mut dyn Iterator<Item = usize>| {
+            let mut last_rad = first_rad;
+            let mut found = Vec::new();
+            for radius_mm in indices.map(|index| radii_mm[index]) {
+                if let Some(angle_rad) = self.edge(radius_mm, last_rad) {
+                    last_rad = angle_rad;
+                    found.push(WallPlace { radius_mm, angle_rad });
+                }
+            }
+            found
+        };
+        let mut places = follow(&mut (0..start).rev());
+        places.reverse();
+        places.extend(follow(&mut (start..radii_mm.len())));
+        places
+    }
+
+    /// Wall at a radius, from the blade's point nearest to the plane there; `None` if the blade does not come near.
+    fn start(&self, radius_mm: f64) -> Option<f64> {
+        let off = |point: &Point| {
+            let (up, along) = (libm::hypot(point.x, point.y) - radius_mm, point.z - self.z_mm);
+            up * up + along * along
+        };
+        let corners = self.field.tree.triangles().iter().flatten();
+        let nearest = corners.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let turn_rad = if self.side == WallSide::Left { 0.0 } else { self.field.pitch_rad };
+        let angle_rad = libm::atan2(nearest.y, nearest.x) + turn_rad;
+        if self.beyond_mm(radius_mm, angle_rad) < 0.0 { self.edge(radius_mm, angle_rad) } else { None }
+    }
+
+    /// Angle of the wall at a radius, from a place near it. `None` if there is no material at this radius.
+    fn edge(&self, radius_mm: f64, near_rad: f64) -> Option<f64> {
+        let start_mm = self.beyond_mm(radius_mm, near_rad);
+        // The distance changes by no more than the way.
+        let is_behind = start_mm < 0.0;
+        let towards = if is_behind { self.sign() } else { -self.sign() };
+        let (mut last, mut here) = ((near_rad, start_mm), (near_rad, start_mm));
+        for _ in 0..STEPS_MAX {
+            if (here.1 < 0.0) != is_behind {
+                let [behind, beyond] = if is_behind { [last, here] } else { [here, last] };
+                return Some(self.refined(radius_mm, behind, beyond));
+            }
+            let stride_rad = (here.1.abs() + STRIDE_MM) / radius_mm;
+            last = here;
+            here.0 += towards * stride_rad;
+            if (here.0 - near_rad).abs() > self.field.pitch_rad {
+                return None;
+            }
+            here.1 = self.beyond_mm(radius_mm, here.0);
+        }
+        None
+    }
+
+    /// Place beyond the wall within the precision, by regula falsi (Illinois) between a place behind and one beyond.
+    fn refined(&self, radius_mm: f64, mut behind: (f64, f64), mut beyond: (f64, f64)) -> f64 {
+        let (mut weight_behind, mut weight_beyond) = (1.0, 1.0);
+        for _ in 0..60 {
+            if (beyond.0 - behind.0).abs() * radius_mm < PRECISION_MM || beyond.1 < PRECISION_MM {
+                break;
+            }
+            let (low, high) = (behind.1 * weight_behind, beyond.1 * weight_beyond);
+            let middle = beyond.0 - (beyond.0 - behind.0) * high / (high - low);
+            let value_mm = self.beyond_mm(radius_mm, middle);
+            if value_mm < 0.0 {
+                behind = (middle, value_mm);
+                (weight_behind, weight_beyond) = (1.0, weight_beyond / 2.0);
+            } else {
+                beyond = (middle, value_mm);
+                (weight_behind, weight_beyond) = (weight_behind / 2.0, 1.0);
+            }
+        }
+        beyond.0
+    }
+}

@@ -1,0 +1,19 @@
+//! Planning of plunge milling, one step per file: from the blades about a passage to the axes along which a mill bores it out.
+
+pub mod measure;
+
+pub mod machinability;
+
+pub mod reach;
+
+pub mod line;
+
+pub mod step;
+
+pub mod disc;
+
+mod distance;
+
+pub mod field;
+
+pub mod boundary;

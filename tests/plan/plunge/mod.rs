@@ -1,0 +1,11 @@
+//! Planning of plunge milling, held to closed forms and to an independent program's figures (data/README.md).
+
+mod table;
+
+mod measures;
+
+mod lines;
+
+mod sections;
+
+pub mod passage;
