@@ -16,7 +16,7 @@ use crate::vector::Point;
 use super::blade::Sections;
 use super::blisk::Revolution;
 use super::closed_loop::{Loop, Mark};
-use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
+use super::point_file::{Fault, PointFileFrame, ReadError, lines, number, refuse_commas, words};
 use super::resampling::resampled;
 
 /// Least and most points of a side; within these the number in the file is kept.
@@ -70,9 +70,9 @@ pub fn read(texts: &Texts<'_>, frame: &PointFileFrame) -> Result<Curves, (CurveF
 /// Generatrix, and whether it begins at low z.
 fn revolution(text: &str, frame: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
     let mut places: Vec<([f64; 2], usize)> = Vec::new();
-    for (at, line) in text.lines().enumerate() {
-        if let Some((place, _)) = point(line, at + 1, frame)? {
-            places.push(([place.z, libm::hypot(place.x, place.y)], at + 1));
+    for (at, line) in lines(text) {
+        if let Some((place, _)) = point(line, at, frame)? {
+            places.push(([place.z, libm::hypot(place.x, place.y)], at));
         }
     }
     if places.len() < 2 {
@@ -106,6 +106,7 @@ fn point(text: &str, line: usize, frame: &PointFileFrame) -> Result<Option<(Poin
     match words.as_slice() {
         [] => return Ok(None),
         [(_, first), ..] if first.starts_with('#') => return Ok(None),
+        _ if refuse_commas(line, text).is_err() => refuse_commas(line, text)?,
         few if few.len() < 3 => return Err(Fault::Coordinates(few.len()).at(line, few[0].0)),
         _ => {}
     }
@@ -125,11 +126,11 @@ fn point(text: &str, line: usize, frame: &PointFileFrame) -> Result<Option<(Poin
 fn profiles(text: &str, frame: &PointFileFrame, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
     let mut loops: Vec<(Loop, usize)> = Vec::new();
     let mut is_new = true;
-    for (at, line) in text.lines().enumerate() {
+    for (at, line) in lines(text) {
         is_new |= line.trim_start().starts_with('#');
-        let Some((place, mark)) = point(line, at + 1, frame)? else { continue };
+        let Some((place, mark)) = point(line, at, frame)? else { continue };
         if std::mem::take(&mut is_new) {
-            loops.push((Loop::default(), at + 1));
+            loops.push((Loop::default(), at));
         }
         if let Some((around, _)) = loops.last_mut() {
             around.marks.extend(mark.map(|mark| (around.points.len(), mark)));
@@ -139,23 +140,23 @@ fn profiles(text: &str, frame: &PointFileFrame, hub: &Revolution, from_low_z: bo
     if loops.len() < 2 {
         return Err(Fault::Sections { found: loops.len() }.at(text.lines().count().max(1), 1));
     }
-    let lines: Vec<usize> = loops.iter().map(|(_, line)| *line).collect();
+    let starts: Vec<usize> = loops.iter().map(|(_, line)| *line).collect();
     let mut sides = Vec::new();
     for (at, (around, line)) in loops.into_iter().enumerate() {
         sides.push(around.split(at + 1, from_low_z).map_err(|fault| fault.at(line, 1))?);
     }
-    let blade = assigned_sides(sides);
-    frame.check(&blade, hub, &lines)?;
+    let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
+    let blade = assigned_sides(sides, |side| resampled(side, most));
+    frame.check(&blade, hub, &starts)?;
     Ok(blade)
 }
 
 /// Assigns the sides: the convex one is the suction side. Every section's first side is the one at greater angles.
-fn assigned_sides(sides: Vec<[Vec<Point>; 2]>) -> Sections {
-    let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
+pub(super) fn assigned_sides(sides: Vec<[Vec<Point>; 2]>, spread: impl Fn(&[Point]) -> Vec<Point>) -> Sections {
     let mut blade = Sections::default();
     for [one, other] in sides {
-        let [one, other] = [resampled(&one, most), resampled(&other, most)];
-        let middle = most / 2;
+        let [one, other] = [spread(&one), spread(&other)];
+        let middle = one.len() / 2;
         let across = one[middle] - other[middle];
         let is_ahead = one[middle].coords.cross(&across).z > 0.0;
         let (ahead, behind) = if is_ahead { (one, other) } else { (other, one) };

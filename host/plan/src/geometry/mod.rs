@@ -22,6 +22,14 @@ mod closed_loop;
 
 pub mod curves;
 
+pub mod surface_mesh;
+
+mod generatrix;
+
+mod slices;
+
+pub mod solid;
+
 pub mod slot;
 
 pub mod mesh;

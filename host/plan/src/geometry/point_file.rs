@@ -33,14 +33,66 @@ pub enum Fault {
     /// Not a finite number.
     #[error("`{0}` is no number")]
     NotANumber(String),
+    /// A comma within a number.
+    #[error("`{0}` has a decimal comma; export numbers with a decimal point")]
+    DecimalComma(String),
+    /// More values than columns.
+    #[error("{found} values in a line of {columns} columns; numbers need a decimal point, a comma separates two values")]
+    Values {
+        /// Number of values.
+        found: usize,
+        /// Number of columns.
+        columns: usize,
+    },
     /// Fewer coordinates than three.
     #[error("a point has three coordinates, x y z, not {0}")]
     Coordinates(usize),
     /// A column of the table is missing.
     #[error(
-        "no column `{0}`; the first line names the columns: s,side,x_mm,y_mm,z_mm, and R_mm and i where they are known"
+        "no column `{0}`; the first line names the columns: s,side,x_mm,y_mm,z_mm or s,side,z_mm,r_mm,theta_deg, and R_mm and i where they \
+         are known"
     )]
     Column(&'static str),
+    /// A column without a unit, or with one of another kind.
+    #[error("`{found}` has no unit that fits; write {wanted}")]
+    Unit {
+        /// Name of the column.
+        found: String,
+        /// Possible names.
+        wanted: &'static str,
+    },
+    /// A radius that is none.
+    #[error("a radius of {0}; the distance from the rotor's axis is above zero")]
+    RadiusSign(f64),
+    /// A point in the place of the one before.
+    #[error("this point lies in the place of the one before (line {before}); delete one of them")]
+    Coincident {
+        /// Line of the other point.
+        before: usize,
+    },
+    /// The same section once more.
+    #[error(
+        "section s = {span} has a second {side} side here, the first one begins in line {before}; give each section another `s`, and keep \
+         the points of a side together"
+    )]
+    Repeated {
+        /// `s`
+        span: f64,
+        /// Side.
+        side: &'static str,
+        /// Line of the first one.
+        before: usize,
+    },
+    /// A section with one side only.
+    #[error("section s = {span} has no {missing} side ({word}); give both sides of each section")]
+    OneSide {
+        /// `s`
+        span: f64,
+        /// Missing side.
+        missing: &'static str,
+        /// Its word in the file.
+        word: &'static str,
+    },
     /// Neither side.
     #[error("`{0}` is no side; write PS (pressure, the concave one) or SS (suction, the convex one)")]
     Side(String),
@@ -188,6 +240,34 @@ pub fn words(line: &str) -> Vec<(usize, &str)> {
         at = to;
     }
     found
+}
+
+/// Lines of a text from 1, without the byte order mark that some programs write first.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate().map(|(at, line)| (at + 1, line))
+}
+
+/// Rejects decimal commas: a comma between two digits, in a line without points whose values other characters separate.
+///
+/// # Errors
+/// The first such number.
+pub(super) fn refuse_commas(line: usize, text: &str) -> Result<(), ReadError> {
+    let is_gap = |c: char| c.is_whitespace() || c == ';';
+    if text.contains('.') || !text.trim().contains(is_gap) {
+        return Ok(());
+    }
+    let is_decimal = |word: &&str| {
+        word.split_once(',').is_some_and(|(whole, rest)| {
+            whole.ends_with(|c: char| c.is_ascii_digit()) && rest.starts_with(|c: char| c.is_ascii_digit())
+        })
+    };
+    match text.split(is_gap).find(is_decimal) {
+        Some(word) => {
+            let column = text.find(word).map_or(1, |at| text[..at].chars().count() + 1);
+            Err(Fault::DecimalComma(word.to_owned()).at(line, column))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Parses a finite number.

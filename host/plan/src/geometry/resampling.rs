@@ -1,7 +1,8 @@
 //! New distribution of points along a side.
 //!
 //! ```text
-//! s_k = L (1 - cos(pi k / (n - 1))) / 2              dense at both edges         (1)
+//! c_k = (1 - cos(pi k / (n - 1))) / 2                dense at both edges
+//! s_k = L ((1 - e) c_k + e k / (n - 1))              less dense with e > 0       (1)
 //! m_i = (h_i d_i-1 + h_i-1 d_i) / (h_i-1 + h_i)      tangents                    (2)
 //! ```
 //!
@@ -12,6 +13,11 @@ use crate::vector::{Point, Vector};
 
 /// `count` points on the curve through `points`, both ends kept.
 pub fn resampled(points: &[Point], count: usize) -> Vec<Point> {
+    spread(points, count, 0.0)
+}
+
+/// `count` points on the curve through `points`, both ends kept; `even_ratio` is e of (1).
+pub fn spread(points: &[Point], count: usize, even_ratio: f64) -> Vec<Point> {
     let mut lengths = vec![0.0];
     let mut kept: Vec<Point> = points.first().copied().into_iter().collect();
     for point in points {
@@ -25,8 +31,9 @@ pub fn resampled(points: &[Point], count: usize) -> Vec<Point> {
     let tangents = tangents(&kept, &lengths);
     let whole_mm = lengths[lengths.len() - 1];
     let place = |k: usize| {
-        let angle = core::f64::consts::PI * k as f64 / (count - 1) as f64;
-        whole_mm * (1.0 - libm::cos(angle)) / 2.0 // (1)
+        let share = k as f64 / (count - 1) as f64;
+        let dense = (1.0 - libm::cos(core::f64::consts::PI * share)) / 2.0;
+        whole_mm * ((1.0 - even_ratio) * dense + even_ratio * share) // (1)
     };
     (0..count)
         .map(|k| if k + 1 == count { kept[kept.len() - 1] } else { on(&kept, &lengths, &tangents, place(k)) })

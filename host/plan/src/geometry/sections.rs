@@ -1,18 +1,21 @@
 //! Table of sections: one point per line, columns by name.
 //!
 //! ```text
-//! s,R_mm,side,i,x_mm,y_mm,z_mm
-//! 0.0000,70.0000,PS,0,-6.095401,-11.478319,69.734110
+//! s,R_mm,side,i,x_mm,y_mm,z_mm                                      s,side,z_mm,r_mm,theta_deg
+//! 0.0000,70.0000,PS,0,-6.095401,-11.478319,69.734110                0.0000,PS,-11.478319,70.0000,94.995
 //! ```
 //!
 //! A section has one `s`; each side goes from the leading to the trailing edge. `R_mm` (distance from the axis) and `i`
-//! (from 0) are checked against the points. Sides with fewer points than the longest one are resampled.
+//! (from 0) are checked against the points. Polar columns are in the part frame: z along the rotor's axis, theta about it.
+//! Sides with fewer points than the longest one are resampled.
+
+use arcfeed_units::{LengthUnit, MM_PER_M};
 
 use crate::vector::Point;
 
 use super::blade::{RotorAxis, Sections};
 use super::blisk::Revolution;
-use super::point_file::{Fault, PointFileFrame, ReadError, number, words};
+use super::point_file::{Fault, PointFileFrame, ReadError, lines, number, refuse_commas, words};
 use super::resampling::resampled;
 
 /// Least number of points of a side.
@@ -21,17 +24,38 @@ const POINTS_MIN: usize = 5;
 /// Tolerance of R, as a fraction of it.
 const RADIUS_RATIO: f64 = 1e-3;
 
-/// Indices of the columns.
+/// Points of a side nearer than this are in one place, mm.
+const SAME_MM: f64 = 1e-6;
+
+/// Column with the factor that its unit has, mm or rad.
+#[derive(Clone, Copy)]
+struct Column {
+    at: usize,
+    factor: f64,
+}
+
+/// Columns of the coordinates.
+#[derive(Clone, Copy)]
+enum Coordinates {
+    /// x, y, z of the file.
+    Cartesian([Column; 3]),
+    /// z, r, theta of the part frame.
+    Polar([Column; 3]),
+}
+
+/// Columns of a table.
 struct Columns {
+    count: usize,
     span: usize,
     side: usize,
-    place: [usize; 3],
-    radius: Option<usize>,
+    coordinates: Coordinates,
+    radius: Option<Column>,
     index: Option<usize>,
 }
 
-/// Side of a section, and the line where it begins.
+/// Side of a section, and the lines of its points.
 struct Side {
+    span: f64,
     is_pressure: bool,
     line: usize,
     points: Vec<Point>,
@@ -42,21 +66,26 @@ struct Side {
 /// # Errors
 /// The fault with its place.
 pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sections, ReadError> {
-    let mut lines = text.lines().enumerate().map(|(at, line)| (at + 1, line));
-    let (first, header) = lines.find(|(_, line)| !line.trim().is_empty()).unwrap_or((1, ""));
-    let columns = columns(header).map_err(|fault| fault.at(first, 1))?;
+    let mut lines = lines(text).filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
+    let (first, header) = lines.next().unwrap_or((1, ""));
+    let columns = Columns::of(header, first, frame)?;
     let mut sides: Vec<Side> = Vec::new();
-    let mut last: Option<(f64, bool)> = None;
-    for (line, text) in lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#')) {
+    let mut before = first;
+    for (line, text) in lines {
         let row = row(text, line, &columns, frame)?;
-        if last != Some((row.span, row.is_pressure)) {
-            sides.push(Side { is_pressure: row.is_pressure, line, points: Vec::new() });
-            last = Some((row.span, row.is_pressure));
+        let is_next = |side: &Side| side.span != row.span || side.is_pressure != row.is_pressure;
+        if sides.last().is_none_or(is_next) {
+            row.check_new(&sides, line)?;
+            sides.push(Side { span: row.span, is_pressure: row.is_pressure, line, points: Vec::new() });
         }
         if let Some(side) = sides.last_mut() {
             row.check_index(side.points.len(), line)?;
+            if side.points.last().is_some_and(|last| (row.point - last).norm() < SAME_MM) {
+                return Err(Fault::Coincident { before }.at(line, 1));
+            }
             side.points.push(row.point);
         }
+        before = line;
     }
     let (blade, lines) = paired(sides)?;
     frame.check(&blade, hub, &lines)?;
@@ -67,13 +96,54 @@ pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sect
     Ok(blade)
 }
 
-fn columns(header: &str) -> Result<Columns, Fault> {
-    let names: Vec<String> =
-        words(header).iter().map(|(_, word)| word.trim_end_matches("_mm").to_lowercase()).collect();
-    let find = |name: &'static str| names.iter().position(|known| known == name);
-    let must = |name: &'static str| find(name).ok_or(Fault::Column(name));
-    let place = [must("x")?, must("y")?, must("z")?];
-    Ok(Columns { span: must("s")?, side: must("side")?, place, radius: find("r"), index: find("i") })
+/// Name of a column without its unit, and the unit.
+fn split_unit(name: &str) -> (String, Option<String>) {
+    let name = name.to_lowercase();
+    match name.split_once('_') {
+        Some((name, unit)) => (name.to_owned(), Some(unit.to_owned())),
+        None => (name, None),
+    }
+}
+
+impl Columns {
+    fn of(header: &str, line: usize, frame: &PointFileFrame) -> Result<Self, ReadError> {
+        let words = words(header);
+        let names: Vec<(String, Option<String>)> = words.iter().map(|(_, word)| split_unit(word)).collect();
+        let find = |name: &'static str| names.iter().position(|(known, _)| known == name);
+        let must = |name: &'static str| find(name).ok_or(Fault::Column(name).at(line, 1));
+        let wrong = |at: usize, wanted| Fault::Unit { found: words[at].1.to_owned(), wanted }.at(line, words[at].0);
+        let length = |at: usize| {
+            let factor = match names[at].1.as_deref() {
+                None => Some(frame.unit_mm),
+                Some("mm") => Some(1.0),
+                Some("cm") => Some(10.0),
+                Some("m") => Some(MM_PER_M),
+                Some("in" | "inch") => Some(LengthUnit::Inch.mm()),
+                Some(_) => None,
+            };
+            let factor = factor.ok_or_else(|| wrong(at, "a length with `_mm`, `_cm`, `_m` or `_in` behind its name"))?;
+            Ok(Column { at, factor })
+        };
+        let angle = |at: usize| {
+            let factor = match names[at].1.as_deref() {
+                Some("deg") => Some(1_f64.to_radians()),
+                Some("rad") => Some(1.0),
+                _ => None,
+            };
+            let factor = factor.ok_or_else(|| wrong(at, "`theta_deg` or `theta_rad`"))?;
+            Ok::<Column, ReadError>(Column { at, factor })
+        };
+        let z = length(must("z")?)?;
+        let (coordinates, radius) = match find("theta") {
+            Some(theta) => (Coordinates::Polar([z, length(must("r")?)?, angle(theta)?]), None),
+            None => {
+                let [x, y] = [length(must("x")?)?, length(must("y")?)?];
+                (Coordinates::Cartesian([x, y, z]), find("r").map(length).transpose()?)
+            }
+        };
+        let (span, side) = (must("s")?, must("side")?);
+        Ok(Columns { count: words.len(), span, side, coordinates, radius, index: find("i") })
+    }
 }
 
 struct Row {
@@ -92,28 +162,52 @@ impl Row {
             _ => Ok(()),
         }
     }
+
+    /// Rejects a side that is there already.
+    fn check_new(&self, sides: &[Side], line: usize) -> Result<(), ReadError> {
+        match sides.iter().find(|side| side.span == self.span && side.is_pressure == self.is_pressure) {
+            Some(first) => {
+                let side = if self.is_pressure { "pressure" } else { "suction" };
+                Err(Fault::Repeated { span: self.span, side, before: first.line }.at(line, 1))
+            }
+            None => Ok(()),
+        }
+    }
 }
 
 fn row(text: &str, line: usize, columns: &Columns, frame: &PointFileFrame) -> Result<Row, ReadError> {
+    refuse_commas(line, text)?;
     let words = words(text);
+    if words.len() > columns.count {
+        return Err(Fault::Values { found: words.len(), columns: columns.count }.at(line, words[columns.count].0));
+    }
     let end = text.chars().count() + 1;
     let word = |at: usize| words.get(at).copied().unwrap_or((end, ""));
-    let mut place = [0.0; 3];
-    for (value, at) in place.iter_mut().zip(columns.place) {
-        *value = number(line, word(at))?;
-    }
+    let value = |column: Column| Ok::<f64, ReadError>(number(line, word(column.at))? * column.factor);
     let (column, side) = word(columns.side);
     let is_pressure = match side.to_lowercase().as_str() {
         "ps" | "pressure" => true,
         "ss" | "suction" => false,
         _ => return Err(Fault::Side(side.to_owned()).at(line, column)),
     };
-    let point = frame.point(place);
-    if let Some(at) = columns.radius {
-        let stated_mm = number(line, word(at))? * frame.unit_mm;
-        check_radius(stated_mm, place.map(|value| value * frame.unit_mm), frame.axis)
-            .map_err(|fault| fault.at(line, word(at).0))?;
-    }
+    let point = match columns.coordinates {
+        Coordinates::Cartesian([x, y, z]) => {
+            let place_mm = [value(x)?, value(y)?, value(z)?];
+            if let Some(radius) = columns.radius {
+                check_radius(value(radius)?, place_mm, frame.axis)
+                    .map_err(|fault| fault.at(line, word(radius.at).0))?;
+            }
+            frame.axis.to_part(place_mm)
+        }
+        Coordinates::Polar([z, r, theta]) => {
+            let radius_mm = value(r)?;
+            if radius_mm <= 0.0 {
+                return Err(Fault::RadiusSign(radius_mm).at(line, word(r.at).0));
+            }
+            let (sin, cos) = libm::sincos(value(theta)?);
+            Point::new(radius_mm * cos, radius_mm * sin, value(z)?)
+        }
+    };
     let index = columns.index.map(word).map(|(column, word)| (column, word.to_owned()));
     Ok(Row { span: number(line, word(columns.span))?, is_pressure, point, index })
 }
@@ -137,17 +231,22 @@ fn check_radius(stated_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(
 /// Both sides of each section, all with the same number of points, and the lines where the sections begin.
 fn paired(sides: Vec<Side>) -> Result<(Sections, Vec<usize>), ReadError> {
     let last = sides.last().map_or(1, |side| side.line);
-    let (pressure, suction): (Vec<Side>, Vec<Side>) = sides.into_iter().partition(|side| side.is_pressure);
-    if pressure.len() < 2 || pressure.len() != suction.len() {
-        return Err(Fault::Sections { found: pressure.len().min(suction.len()) }.at(last, 1));
-    }
-    let each = || pressure.iter().chain(&suction);
-    for (at, side) in pressure.iter().enumerate().chain(suction.iter().enumerate()) {
+    for (at, side) in sides.iter().enumerate() {
+        if !sides.iter().any(|other| other.span == side.span && other.is_pressure != side.is_pressure) {
+            let (missing, word) = if side.is_pressure { ("suction", "SS") } else { ("pressure", "PS") };
+            return Err(Fault::OneSide { span: side.span, missing, word }.at(side.line, 1));
+        }
         if side.points.len() < POINTS_MIN {
-            let fault = Fault::Points { section: at + 1, found: side.points.len(), least: POINTS_MIN };
+            let fault = Fault::Points { section: at / 2 + 1, found: side.points.len(), least: POINTS_MIN };
             return Err(fault.at(side.line, 1));
         }
     }
+    let (pressure, mut suction): (Vec<Side>, Vec<Side>) = sides.into_iter().partition(|side| side.is_pressure);
+    suction.sort_by_key(|side| pressure.iter().position(|other| other.span == side.span));
+    if pressure.len() < 2 {
+        return Err(Fault::Sections { found: pressure.len() }.at(last, 1));
+    }
+    let each = || pressure.iter().chain(&suction);
     let most = each().map(|side| side.points.len()).max().unwrap_or(0);
     let is_even = each().all(|side| side.points.len() == most);
     let spread = |side: &Side| if is_even { side.points.clone() } else { resampled(&side.points, most) };
