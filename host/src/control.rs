@@ -167,13 +167,25 @@ struct Axes {
     C: f64,
 }
 
+/// Settings of a control.
+#[derive(Debug)]
+pub struct LoadedSettings {
+    /// Settings.
+    pub settings: Settings,
+    /// Offsets.
+    pub tables: Tables,
+    /// The file states the unit at power-on.
+    pub states_unit: bool,
+}
+
 /// Settings and tables of a preset, changed by the file if there is one.
 ///
 /// # Errors
 /// Describes the fault in the file.
-pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<(Settings, Tables), String> {
+pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<LoadedSettings, String> {
     let Some(path) = file else {
-        return Ok((Settings::preset(preset, LengthUnit::Inch, reading), Tables::default()));
+        let settings = Settings::preset(preset, LengthUnit::Inch, reading);
+        return Ok(LoadedSettings { settings, tables: Tables::default(), states_unit: false });
     };
     let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
     let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
@@ -183,7 +195,7 @@ pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<(Se
     })
 }
 
-fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tables), (usize, String)> {
+fn parse(preset: Preset, reading: Reading, text: &str) -> Result<LoadedSettings, (usize, String)> {
     refuse_numbers(text)?;
     let file: SettingsFile = toml::from_str(text)
         .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))?;
@@ -224,7 +236,7 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<(Settings, Tabl
         let wrong = || (name.span().start, "no such reference point: they are 1 to 4".into());
         settings.reference[slot.ok_or_else(wrong)? - 1] = pose(axes);
     }
-    Ok((settings, tables))
+    Ok(LoadedSettings { settings, tables, states_unit: file.unit.is_some() })
 }
 
 fn compensation(file: &SettingsFile, preset: CompensationSettings) -> Result<CompensationSettings, (usize, String)> {
@@ -273,7 +285,9 @@ mod tests {
     fn a_file_gives_offsets_lengths_and_conventions() {
         let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ncompensation = 'wear'\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
                     'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[radius]\n7 = 5.0\n[radius_wear]\n7 = -0.02\n[reference]\n2 = { Z = 5.0 }\n";
-        let (settings, tables) = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
+        let loaded = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
+        let LoadedSettings { settings, tables, states_unit } = loaded;
+        assert!(states_unit);
         assert_eq!((settings.unit, settings.decimals), (LengthUnit::Mm, Decimals::Calculator));
         assert_eq!((settings.delete_switches, settings.arc_centers), (0b1010, ArcCenters::Absolute));
         assert_eq!(tables.systems[0].linear[0], Nm::from_mm(-300.0));

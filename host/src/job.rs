@@ -46,7 +46,7 @@ use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
-use crate::control::{self, Conventions};
+use crate::control::{self, Conventions, LoadedSettings};
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
@@ -157,7 +157,7 @@ impl ControlKind {
         file: Option<&Path>,
         conventions: Conventions,
     ) -> Result<(Settings, Tables), String> {
-        let (mut settings, tables) = control::load(self.preset(), Reading::Lenient, file)?;
+        let LoadedSettings { mut settings, tables, .. } = control::load(self.preset(), Reading::Lenient, file)?;
         conventions.apply(&mut settings);
         Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
     }

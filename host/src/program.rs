@@ -28,6 +28,12 @@ mod executed_places;
 
 mod source;
 
+mod unit_survey;
+
+mod tool_comment;
+
+mod tool_notes;
+
 mod conventions;
 
 mod expanded_source;
@@ -60,6 +66,9 @@ pub use move_trace::MoveTrace;
 pub use path_summary::{PathSummary, ToolUse};
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;
+pub use tool_comment::{CommentedKind, ToolComment};
+pub use tool_notes::{ToolNote, ToolNotes};
+pub use unit_survey::AssumedUnit;
 
 /// Program, read as a whole.
 #[derive(Clone, Debug)]

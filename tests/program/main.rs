@@ -29,6 +29,8 @@ mod moves_rs274;
 
 mod nc_text;
 
+mod noticed;
+
 mod planes;
 
 mod styles;

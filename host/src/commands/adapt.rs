@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::executed_blocks::check_expanded;
 use super::for_control::{TargetControl, check_for_linuxcnc, prepared_path, write_for_linuxcnc};
 use super::job_input::{JobInput, KeptMoves, UnknownMoves};
-use super::outcome::{Failure, refuse_inputs, say, write_whole};
+use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
@@ -115,7 +115,7 @@ impl Adapt {
                 unknown.add(block, &file);
                 if self.json {
                     let figures = BlockFigures::new(block, &file.job);
-                    say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+                    say(format_args!("{}", json_text(&figures)));
                 }
                 table.iter_mut().for_each(|table| table.add(block));
             }
@@ -135,6 +135,7 @@ impl Adapt {
             ))
         })?;
         kept.warn(&source.path);
+        kept.explain(&source.path, &file);
         unknown.warn(&source.path, &file);
         table.iter().for_each(Table::end);
         if keeps && writes_back {

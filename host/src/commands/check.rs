@@ -15,9 +15,9 @@ use serde::Serialize;
 use findings::CheckFindings;
 use path_report::PathFigures;
 
-use super::control_args::ControlArgs;
+use super::control_args::{ControlArgs, ControlReading};
 use super::five_axis::{PathReport, PlacementArgs, is_cl, load_cl, load_machine};
-use super::outcome::{Failure, name_tool, say, tool_at, warn_of_rules};
+use super::outcome::{Failure, json_text, name_tool, say, tool_at, warn_of_rules};
 use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
 use crate::job::{ControlKind, JobFile};
@@ -28,8 +28,8 @@ use crate::post::cl_from_nc;
 use crate::post::finding::FindingKind;
 use crate::post::plan::AxisPlan;
 use crate::program::{
-    DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds, Severity,
-    Source, fitting_convention, read_bounded,
+    AssumedUnit, DecimalSurvey, Diagnostic, MoveCounts, PathSummary, Program, ProgramLine, ProgramSummary, RunBounds,
+    Severity, Source, fitting_convention, read_bounded,
 };
 
 /// Check an NC program, or a job and its program: every alarm with line and column; with --machine also everything that
@@ -129,7 +129,7 @@ impl Check {
                 return self.run_directions(&path, &bytes, &load_machine(machine)?);
             }
         }
-        let (job, source, control) = self.read()?;
+        let (job, source, control, assumed) = self.read()?;
         let mut findings = CheckFindings::new(&self.program, &source.path, self.json);
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job, None));
         let mut decimals = DecimalSurvey::new(&source.settings);
@@ -150,10 +150,15 @@ impl Check {
             (summary, Some(program))
         };
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
-        let path = PathFigures::new(&of_run.unwrap_or(path));
-        decimals.warnings().into_iter().for_each(|(warning, text)| findings.add(warning, Some(text)));
+        let path = of_run.unwrap_or(path);
+        let bytes = source.bytes.as_slice();
+        let of_unit = assumed.iter().map(|assumed| (assumed.warning(), assumed.line_of(bytes)));
+        for (warning, text) in decimals.warnings().into_iter().chain(path.warnings(bytes)).chain(of_unit) {
+            findings.add(warning, Some(text));
+        }
+        let path = PathFigures::new(&path);
         findings.sort();
-        findings.print_warnings();
+        findings.print();
         // The axis positions of a faulty program are unknown.
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
@@ -182,14 +187,16 @@ impl Check {
         on.zip(whole).map_or(Ok(()), |(file, program)| self.run_program(&program, &file))
     }
 
-    /// Text of the program, and its control.
-    fn read(&self) -> Result<(Option<JobFile>, Source, ControlKind), Failure> {
+    /// Text of the program, its control, and the unit if it is assumed.
+    fn read(&self) -> Result<(Option<JobFile>, Source, ControlKind, Option<AssumedUnit>), Failure> {
         let reading = if self.strict { Reading::Strict } else { Reading::Lenient };
         let job = self.is_job().then(|| JobFile::load(&self.program)).transpose()?;
         let path = job.as_ref().map_or(&self.program, |file| &file.program);
-        let (control, settings, tables) = self.of_control.read(job.as_ref(), reading)?;
-        let source = Source::read(path, settings, tables).map_err(Failure::Input)?;
-        Ok((job, source, control))
+        let ControlReading { control, settings, tables, unit } = self.of_control.read(job.as_ref(), reading)?;
+        let mut source = Source::read(path, settings, tables).map_err(Failure::Input)?;
+        let assumed = if unit.is_none() { AssumedUnit::of(&source.bytes) } else { None };
+        source.settings.unit = assumed.as_ref().and_then(|assumed| assumed.likely).unwrap_or(settings.unit);
+        Ok((job, source, control, assumed))
     }
 
     /// Reads a program that is interpreted, or whose moves are checked together.
@@ -223,8 +230,7 @@ impl Check {
     /// Checks CL data on a machine.
     fn run_cl(&self, file: &MachineFile) -> Result<(), Failure> {
         if self.strict || self.of_control.is_given() || self.library.is_some() {
-            let advice =
-                "--strict, --control, --settings, --decimals and --library are for NC programs, not for CL data";
+            let advice = "--strict, --control, --settings, --decimals, --units and --library are for NC programs, not for CL data";
             return Err(Failure::Usage(advice.into()));
         }
         let cl = load_cl(&self.program)?;
@@ -284,7 +290,7 @@ impl Check {
             warnings: entries(Severity::Warning),
             not_listed: findings.errors + findings.warnings - findings.listed.len(),
         };
-        say(format_args!("{}", serde_json::json!(report)));
+        say(format_args!("{}", json_text(&report)));
     }
 }
 

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::settings::{Scope, Settings, Tables};
+use arcfeed_units::LengthUnit;
 
 use super::outcome::Failure;
-use crate::control::{self, Convention, Conventions};
+use crate::control::{self, Convention, Conventions, LoadedSettings};
 use crate::job::{ControlKind, JobFile};
 
-/// Control, settings file and decimals.
+/// Control, settings file, decimals and unit.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct ControlArgs {
     /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
@@ -21,30 +22,55 @@ pub struct ControlArgs {
     /// Meaning of numbers without a decimal point
     #[arg(long)]
     pub decimals: Option<Convention>,
+    /// Unit at power-on: that of a program without G20 and G21
+    #[arg(long, value_parser = unit_named)]
+    pub units: Option<LengthUnit>,
+}
+
+/// Control that reads a program.
+pub struct ControlReading {
+    /// Control.
+    pub control: ControlKind,
+    /// Settings.
+    pub settings: Settings,
+    /// Offsets.
+    pub tables: Tables,
+    /// Unit at power-on as the options, the job or the settings file state it.
+    pub unit: Option<LengthUnit>,
+}
+
+fn unit_named(name: &str) -> Result<LengthUnit, &'static str> {
+    match name {
+        "inch" => Ok(LengthUnit::Inch),
+        "mm" => Ok(LengthUnit::Mm),
+        _ => Err("no such unit; write inch or mm"),
+    }
 }
 
 impl ControlArgs {
     /// Whether any of the options is given.
     pub fn is_given(&self) -> bool {
-        self.control.is_some() || self.settings.is_some() || self.decimals.is_some()
+        self.control.is_some() || self.settings.is_some() || self.decimals.is_some() || self.units.is_some()
     }
 
     /// The control with its settings and offsets, as the options say, otherwise the job.
     ///
     /// # Errors
     /// The settings file is at fault.
-    pub fn read(&self, job: Option<&JobFile>, reading: Reading) -> Result<(ControlKind, Settings, Tables), Failure> {
+    pub fn read(&self, job: Option<&JobFile>, reading: Reading) -> Result<ControlReading, Failure> {
         let control = self.control.or(job.map(|file| file.control)).unwrap_or(ControlKind::Fanuc16i);
         let file = self.settings.as_ref().or(job.and_then(|file| file.settings.as_ref()));
         let loaded = control::load(control.preset(), reading, file.map(PathBuf::as_path));
-        let (mut settings, tables) = loaded.map_err(Failure::Input)?;
+        let LoadedSettings { mut settings, tables, states_unit } = loaded.map_err(Failure::Input)?;
         if let Some(file) = job {
             file.conventions.apply(&mut settings);
-            settings.unit = file.job.unit;
         }
+        let of_job = job.map(|file| file.job.unit);
+        let unit = self.units.or(of_job).or(states_unit.then_some(settings.unit));
+        settings.unit = unit.unwrap_or(settings.unit);
         Conventions { decimals: self.decimals, arc_centers: None }.apply(&mut settings);
         settings.scope = Scope::Everything;
-        Ok((control, settings, tables))
+        Ok(ControlReading { control, settings, tables, unit })
     }
 
     /// Keys and values of `[control]` in the job file `job`.

@@ -15,7 +15,7 @@ use arcfeed_units::Nm;
 use serde::Serialize;
 
 use super::job_input::made_of;
-use super::outcome::{Failure, load_unmapped, refuse_inputs, say, write_whole};
+use super::outcome::{Failure, json_text, load_unmapped, refuse_inputs, say, write_whole};
 use super::simulate::control::control_settings;
 use super::simulate::in_memory_of;
 use super::simulate::material_figures::left_out_figures;
@@ -222,7 +222,7 @@ fn table_of(found: &EngagedMove) -> Option<EngagedTable> {
 impl Report {
     fn print(&self, json: bool) {
         if json {
-            return say(format_args!("{}", serde_json::json!(self)));
+            return say(format_args!("{}", json_text(self)));
         }
         say(format_args!("   line  N        knots   outer circle, deg   inner circle, deg"));
         let range = |deg: Option<[f64; 2]>| deg.map_or("-".into(), |[from, to]| format!("{from:.1} .. {to:.1}"));

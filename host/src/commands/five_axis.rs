@@ -6,7 +6,7 @@ use arcfeed_kinematics::forward::Setup;
 use arcfeed_kinematics::singularity::{RepairLimits, ToolEnd};
 use serde::Serialize;
 
-use super::outcome::{Failure, say};
+use super::outcome::{Failure, json_text, say};
 use crate::console::note;
 use crate::machine_file::MachineFile;
 use crate::post::cl::Cl;
@@ -101,7 +101,7 @@ impl PathReport<'_> {
             rotary_travel_repaired_deg: travel(after),
             findings: self.plan.findings.iter().map(|finding| finding.entry()).collect(),
         };
-        say(format_args!("{}", serde_json::json!(report)));
+        say(format_args!("{}", json_text(&report)));
     }
 
     /// Prints all findings on stderr.

@@ -6,9 +6,9 @@ use arcfeed_nc::block::Reading;
 use arcfeed_units::{LengthUnit, Nm};
 use serde::Serialize;
 
-use super::control_args::name_from;
+use super::control_args::{ControlReading, name_from};
 use super::job_values::JobValues;
-use super::outcome::{Failure, file_failure, refuse_inputs, say};
+use super::outcome::{Failure, file_failure, json_text, refuse_inputs, say};
 use crate::console::note;
 use crate::init::findings::Findings;
 use crate::init::groups::{Group, group};
@@ -96,9 +96,9 @@ impl Init {
     /// # Errors
     /// The program cannot be read, the job file is there already or cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let (control, settings, tables) = self.values.of_control.read(None, Reading::Lenient)?;
-        let answers = self.values.answers();
-        let loaded = survey::load(&self.program, (settings, tables), answers.units, self.values.library.as_deref());
+        let ControlReading { control, settings, tables, unit } = self.values.of_control.read(None, Reading::Lenient)?;
+        let answers = self.values.answers(unit);
+        let loaded = survey::load(&self.program, (settings, tables), unit, self.values.library.as_deref());
         let (program, survey) = loaded.map_err(Failure::Input)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
@@ -116,16 +116,17 @@ impl Init {
         let text = job(&findings);
         self.write(&output, &text)?;
         let questions = questions::open(&text);
-        let errors = program.diagnostics.iter().filter(|found| found.severity == Severity::Error).count();
-        if errors > 0 {
+        let mut found = program.diagnostics.iter().filter(|found| found.severity == Severity::Error);
+        let errors = found.clone().count();
+        if let Some(first) = found.next() {
+            // Some values that `check` assumes are refused here, so its errors may be fewer.
             let path = program.path.display();
-            note(format_args!(
-                "{path}: {errors} errors, see `arcfeed check`: arcs behind them may be missing from the job"
-            ));
+            let more = if errors > 1 { format!("; and {} errors more", errors - 1) } else { String::new() };
+            note(format_args!("{path}:{first}{more}: arcs behind them may be missing from the job"));
         }
         if self.json {
             let report = report(&program, &output, &findings, (errors, &questions));
-            say(format_args!("{}", serde_json::json!(report)));
+            say(format_args!("{}", json_text(&report)));
         } else {
             print_text(&output, &findings, &questions);
         }

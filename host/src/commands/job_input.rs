@@ -1,10 +1,11 @@
 //! Job with its program and the engagement map that its rules may name.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arcfeed_model::cut::CutRule;
+use arcfeed_model::job::LawKind;
 use arcfeed_nc::alarm::NotModelled;
 
 use super::job_values::JobValues;
@@ -143,6 +144,10 @@ pub struct KeptMoves {
     /// Places of blocks as executed, and the lines of the file that are counted.
     places: Option<Arc<ExecutedPlaces>>,
     counted: BTreeSet<(usize, &'static str)>,
+    /// Cutting moves, those that a law governs, and the reasons of the others.
+    cutting: usize,
+    governed: usize,
+    ungoverned: BTreeMap<&'static str, usize>,
 }
 
 /// Moves with the same reason.
@@ -167,6 +172,12 @@ impl KeptMoves {
     /// Adds a block if it is one of these moves; of the executions of a line the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
+        if block.demand.is_some() {
+            self.governed += 1;
+        } else if reason != PlanReason::Rapid {
+            *self.ungoverned.entry(reason.label()).or_default() += 1;
+        }
+        self.cutting += usize::from(reason != PlanReason::Rapid);
         if block.rule.is_none() && !block.is_descent {
             return;
         }
@@ -188,6 +199,31 @@ impl KeptMoves {
                 count: 0,
             })),
         }
+    }
+
+    /// Says on stderr why no move is governed, if none is, and what to change.
+    pub fn explain(&self, program: &Path, file: &JobFile) {
+        if self.governed > 0 || file.job.tools.first().law == LawKind::Programmed && file.job.tools.len() == 1 {
+            return;
+        }
+        let (cutting, unfit) = (self.cutting, self.ungoverned.get(PlanReason::NoRule.label()).copied().unwrap_or(0));
+        let why = match (cutting, file.job.rules.is_empty()) {
+            (0, _) => "it has no cutting move".to_owned(),
+            (_, true) => "the job has no cut rule: add a [[cut]] for its moves (docs/job.md)".into(),
+            _ if unfit == cutting => format!(
+                "none of its {cutting} cutting moves fits a cut rule: compare moves, direction, n, z, lines and plane of the rules, and \
+                 the tool's number and radii, with the program"
+            ),
+            _ => {
+                let counts: Vec<String> =
+                    self.ungoverned.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
+                format!("reasons of its {cutting} cutting moves (docs/json.md): {}", counts.join(", "))
+            }
+        };
+        note(format_args!(
+            "{}: warning: no move is governed, so all feeds stay as programmed: {why}",
+            program.display()
+        ));
     }
 
     /// Warns on stderr, once for each reason.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use arcfeed_nc::block::Reading;
 use arcfeed_units::LengthUnit;
 
-use super::control_args::{ControlArgs, name_from};
+use super::control_args::{ControlArgs, ControlReading, name_from};
 use super::outcome::Failure;
 use crate::console::note;
 use crate::file_error::FileError;
@@ -44,9 +44,6 @@ pub struct JobValues {
     /// Direction of milling: with climb and M3, counter-clockwise arcs run inside the contour
     #[arg(long, value_enum)]
     milling: Option<Milling>,
-    /// Unit of a program without G20 and G21
-    #[arg(long, value_parser = ["mm", "inch"])]
-    units: Option<String>,
     /// Folder of subprograms that are not in the program's file: O9010, O9010.nc or 9010.nc
     #[arg(long, value_name = "DIR")]
     pub library: Option<PathBuf>,
@@ -58,20 +55,19 @@ pub struct JobValues {
 impl JobValues {
     /// Whether one of them is given.
     pub fn is_any(&self) -> bool {
-        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, units, library, of_control } = self;
+        let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, library, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
         is_listed
             || spindle.is_some()
             || max.is_some()
             || mode.is_some()
             || milling.is_some()
-            || units.is_some()
             || library.is_some()
             || of_control.is_given()
     }
 
-    /// The values as answers.
-    pub fn answers(&self) -> Answers {
+    /// The values as answers, for a program whose unit at power-on is known or not.
+    pub fn answers(&self, unit: Option<LengthUnit>) -> Answers {
         Answers {
             diameters: self.tool.clone(),
             teeth: self.teeth.clone(),
@@ -80,7 +76,7 @@ impl JobValues {
             max_percent: self.max,
             mode: self.mode.clone(),
             milling: self.milling.unwrap_or_default(),
-            units: self.units.as_ref().map(|units| if units == "mm" { LengthUnit::Mm } else { LengthUnit::Inch }),
+            units: unit,
         }
     }
 
@@ -96,10 +92,11 @@ impl JobValues {
     /// # Errors
     /// The program cannot be read, or a value is missing: with the option that gives it.
     pub fn job_of(&self, path: &Path) -> Result<JobFile, Failure> {
-        let answers = self.answers();
-        let (control, settings, tables) = self.of_control.read(None, Reading::Lenient)?;
-        let loaded = survey::load(path, (settings, tables), answers.units, self.library.as_deref());
+        let ControlReading { control, settings, tables, unit } = self.of_control.read(None, Reading::Lenient)?;
+        let answers = self.answers(unit);
+        let loaded = survey::load(path, (settings, tables), unit, self.library.as_deref());
         let (_, survey) = loaded.map_err(Failure::Input)?;
+        survey.warn_of_unit(path);
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));

@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_nc::machining::ToolInSpindle;
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::adapt::rewrite::may_leak;
 use crate::adapt::unused_rules::{RuleUse, unused_rules};
@@ -78,6 +80,22 @@ impl From<PortError> for Failure {
 pub fn say(line: std::fmt::Arguments<'_>) {
     if let Err(error) = print(line) {
         std::process::exit(Failure::Unprinted(error).report().into());
+    }
+}
+
+/// JSON text of an object. A negative zero is written as zero.
+pub fn json_text(object: &impl Serialize) -> String {
+    let mut value = serde_json::json!(object);
+    clear_signs(&mut value);
+    value.to_string()
+}
+
+fn clear_signs(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.as_f64() == Some(0.0) && number.is_f64() => *value = Value::from(0.0),
+        Value::Array(values) => values.iter_mut().for_each(clear_signs),
+        Value::Object(fields) => fields.values_mut().for_each(clear_signs),
+        _ => {}
     }
 }
 
@@ -181,7 +199,7 @@ pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<
 /// it.
 pub fn tool_at(line: &ProgramLine, job: &Job) -> Option<usize> {
     // The only tool that the program loads will be the one without a number.
-    let is_named_so = is_unnamed(job) && matches!(line.machining.tool, ToolInSpindle::Number(_));
+    let is_named_so = is_unnamed(job) && matches!(line.machining.tool, ToolInSpindle::Number(1..));
     if is_named_so { Some(0) } else { job.tool_in(line.machining.tool) }
 }
 
@@ -207,4 +225,15 @@ pub fn on_interrupt() -> &'static AtomicBool {
     // Fails only if another handler is set, which never happens here.
     WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
     &RAISED
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_zero_is_written_as_zero() {
+        let written = json_text(&serde_json::json!({ "a": [-0.0, 0.0, -1.5], "b": { "c": -0.0 }, "d": 0 }));
+        assert_eq!(written, r#"{"a":[0.0,0.0,-1.5],"b":{"c":0.0},"d":0}"#);
+    }
 }

@@ -51,7 +51,7 @@ use arcfeed_units::{LengthUnit, PERCENT};
 
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
-use super::outcome::{Failure, refuse_inputs, write_whole};
+use super::outcome::{Failure, json_text, refuse_inputs, write_whole};
 use crate::adapt::limit::is_tip_line;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
@@ -255,7 +255,7 @@ fn add_spindle(
 /// The control raised an alarm, or stdout accepts nothing.
 pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failure> {
     let printed = if json {
-        print(format_args!("{}", serde_json::json!(report)))
+        print(format_args!("{}", json_text(report)))
     } else {
         print(format_args!("{}", RunSummary { title, report }.to_string().trim_end()))
     };

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use arcfeed_units::Micros;
 use serde::Serialize;
 
-use super::outcome::{Failure, on_interrupt, refuse_inputs, say, write_whole};
+use super::outcome::{Failure, json_text, on_interrupt, refuse_inputs, say, write_whole};
 use super::stream::preparation::PreparedProgram;
 use crate::console::note;
 use crate::dnc::readback::{Difference, ReadBack};
@@ -135,7 +135,7 @@ impl Verify {
                 received: found.received.as_deref(),
             });
             let verdict = VerifyReport { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
-            say(format_args!("{}", serde_json::json!(verdict)));
+            say(format_args!("{}", json_text(&verdict)));
         } else if let Ok(blocks) = &compared {
             say(format_args!("{path}: {blocks} blocks, in the control as they are sent"));
         }

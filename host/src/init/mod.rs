@@ -2,10 +2,6 @@
 
 pub mod answers;
 
-pub mod tool_comment;
-
-pub mod tool_notes;
-
 pub mod survey;
 
 pub mod groups;

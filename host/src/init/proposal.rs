@@ -12,8 +12,7 @@ use arcfeed_nc::modal::{Plane, Turn};
 use super::answers::{Answers, Milling};
 use super::groups::{Group, same_radius};
 use super::survey::Survey;
-use super::tool_comment::CommentedKind;
-use super::tool_notes::ToolNote;
+use crate::program::{CommentedKind, ToolNote};
 
 /// Least fraction of the arcs that the two radii of a ring make up.
 const DOMINANT_RATIO: f64 = 0.6;
@@ -86,6 +85,8 @@ pub fn propose(groups: &[Group], survey: &Survey, answers: &Answers) -> Proposal
     let note_of = |tool: Option<i64>| survey.notes.iter().find(|note| Some(note.tool) == tool).cloned();
     let mut numbers: Vec<Option<i64>> = groups.iter().map(|group| group.tool).collect();
     numbers.dedup();
+    // T0 M6 puts the tool away.
+    numbers.retain(|number| *number != Some(0));
     let (mut tools, mut excluded): (Vec<ProposedTool>, Vec<ProposedTool>) = (Vec::new(), Vec::new());
     for number in numbers {
         let own: Vec<usize> = (0..groups.len()).filter(|index| groups[*index].tool == number).collect();

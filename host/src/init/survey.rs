@@ -10,14 +10,11 @@ use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_units::{LengthUnit, Nm};
 
-use super::tool_notes::{ToolNote, ToolNotes};
-use crate::program::{Program, check_line_count, read_bounded};
+use crate::console::note;
+use crate::program::{AssumedUnit, Program, ToolNote, ToolNotes, check_line_count, read_bounded};
 
 /// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
 const SMOOTH_COSINE: f64 = 0.9994;
-
-/// Words with as many decimals that show the unit of a program.
-const LIKELY_WORDS: usize = 8;
 
 /// Result of the survey.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +23,8 @@ pub struct Survey {
     pub unit: Option<LengthUnit>,
     /// Likely unit of a program without them, by its decimals.
     pub likely_unit: Option<LengthUnit>,
+    /// The unit is assumed: neither the program nor the options state it.
+    pub assumed: Option<AssumedUnit>,
     /// Spindle speeds, in order of appearance.
     pub speeds: Vec<i64>,
     /// Loaded tools, in order of appearance.
@@ -92,45 +91,18 @@ pub fn load(
     let bytes = read_bounded(path)?;
     check_line_count(path, &bytes)?;
     let read = |unit| Program::executed(path, &bytes, (Settings { unit, ..settings }, tables), library);
-    let mut program = read(LengthUnit::Inch);
+    let assumed = if given.is_none() { AssumedUnit::of(&bytes) } else { None };
+    let likely_unit = assumed.as_ref().and_then(|assumed| assumed.likely);
+    let mut program = read(given.or(likely_unit).unwrap_or(LengthUnit::Inch));
     let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
-    let likely_unit = if unit.or(given).is_none() { likely_unit(&program) } else { None };
     let counted = unit.or(given).or(likely_unit).unwrap_or(LengthUnit::Inch);
-    if counted != LengthUnit::Inch {
+    if counted != program.control.settings().unit {
         program = read(counted);
     }
-    let mut survey = Survey { unit, likely_unit, ..survey(&program, counted) };
+    let mut survey = Survey { unit, likely_unit, assumed, ..survey(&program, counted) };
     survey.arcs.iter_mut().for_each(|arc| arc.line = program.line_in_file(arc.line));
     survey.notes.iter_mut().for_each(|note| note.line = program.line_in_file(note.line));
     Ok((program, survey))
-}
-
-/// Unit by the words of comments, or by the decimals of coordinates: posts write four in inches and three in millimetres.
-/// `None` if comments name both, or too few words have as many decimals.
-fn likely_unit(program: &Program) -> Option<LengthUnit> {
-    let [has_mm, has_inch] = [&["MM", "METRIC", "MILLIMETER", "MILLIMETERS"][..], &["INCH", "INCHES"]]
-        .map(|words| program.lines.iter().any(|line| has_comment_word(&line.text, words)));
-    if has_mm != has_inch {
-        return Some(if has_mm { LengthUnit::Mm } else { LengthUnit::Inch });
-    }
-    let words = blocks(program).flat_map(|(_, block)| &block.words).filter(|word| b"XYZIJK".contains(&word.letter));
-    let [mut third, mut fourth] = [0, 0];
-    for number in words.map(|word| word.number).filter(|number| number.has_point()) {
-        fourth += usize::from(number.scaled(10_000) % 10 != 0);
-        third += usize::from(number.scaled(10_000) % 10 == 0 && number.scaled(1_000) % 10 != 0);
-    }
-    match () {
-        () if fourth >= LIKELY_WORDS => Some(LengthUnit::Inch),
-        () if third >= LIKELY_WORDS && fourth == 0 => Some(LengthUnit::Mm),
-        () => None,
-    }
-}
-
-/// Whether one of these words stands in a comment of the line.
-fn has_comment_word(text: &[u8], words: &[&str]) -> bool {
-    let text = String::from_utf8_lossy(text).to_ascii_uppercase();
-    let comments = text.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
-    comments.flat_map(|comment| comment.split(|c: char| !c.is_ascii_alphabetic())).any(|word| words.contains(&word))
 }
 
 /// Survey of a program whose comments count in `unit`.
@@ -149,7 +121,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         chosen = selected.or(chosen);
         if chosen != tool && (is_change(block) || !has_changes) {
             tool = chosen;
-            found.tools.extend(tool.filter(|tool| !found.tools.contains(tool)));
+            found.tools.extend(tool.filter(|tool| *tool != 0 && !found.tools.contains(tool)));
         }
         notes.read(index + 1, &line.text, selected.or(chosen.filter(|_| is_change(block))));
         let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
@@ -194,6 +166,14 @@ fn is_along_contour(meaning: &InterpretedLine) -> bool {
 }
 
 impl Survey {
+    /// Warns on stderr of a unit that is assumed by the program's text.
+    pub fn warn_of_unit(&self, path: &FilePath) {
+        // Without evidence the unit is asked for.
+        if let Some(assumed) = self.assumed.as_ref().filter(|assumed| assumed.likely.is_some()) {
+            note(format_args!("{}:{}", path.display(), assumed.warning()));
+        }
+    }
+
     /// Speeds and feeds of a tool.
     pub fn use_of(&self, tool: Option<i64>) -> Option<&SurveyedTool> {
         self.uses.iter().find(|used| used.tool == tool)

@@ -6,7 +6,7 @@ use arcfeed_nc::modal::{Plane, Turn};
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::groups::Group;
-use super::tool_notes::ToolNote;
+use crate::program::ToolNote;
 
 /// Most levels and feeds in a list; more are given as a range.
 const NAMED_MAX: usize = 6;

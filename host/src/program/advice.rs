@@ -56,6 +56,27 @@ const FOREIGN_TEXT: [(&[u8], &str); 8] = [
     (b"DEF ", "DEF is a declaration of a Siemens: post the program for a Fanuc"),
     (b"CR=", "CR= is the arc's radius on a Siemens: write R"),
 ];
+/// Words behind the O of LinuxCNC's flow control.
+const FLOW_WORDS: [&[u8]; 15] = [
+    b"SUB",
+    b"ENDSUB",
+    b"CALL",
+    b"RETURN",
+    b"IF",
+    b"ELSEIF",
+    b"ELSE",
+    b"ENDIF",
+    b"WHILE",
+    b"ENDWHILE",
+    b"DO",
+    b"REPEAT",
+    b"ENDREPEAT",
+    b"BREAK",
+    b"CONTINUE",
+];
+pub(super) const FLOW_WORD: &str = "O with sub, call, if, while, do or repeat is the flow control of LinuxCNC, and a Fanuc would \
+                                     not execute it; write the subprogram as O and a number up to M99, call it with M98 P or G65 P, and \
+                                     write IF, WHILE and GOTO of a macro";
 const EQUALS: &str = "an address with = is the spelling of a Siemens: write the number behind the letter";
 const NESTED: &str = "the first ) ends a comment, so comments cannot be nested: remove the inner brackets";
 const COMMENT: &str = "a comment is written in ( ) on a Fanuc";
@@ -88,6 +109,22 @@ pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
         Alarm::OffsetNumber => (rest.first() == Some(&b'P')).then_some(FAR_SYSTEM),
         _ => None,
     }
+}
+
+/// Whether a line is flow control of LinuxCNC: `o100 sub`, `o<name> call`.
+pub(super) fn is_flow_word(text: &[u8]) -> bool {
+    let text = text.trim_ascii_start();
+    let Some((b'O' | b'o', rest)) = text.split_first() else { return false };
+    let rest = rest.trim_ascii_start();
+    let name_len = match rest.first() {
+        Some(b'<') => rest.iter().position(|byte| *byte == b'>').map(|end| end + 1),
+        Some(b'0'..=b'9') => rest.iter().position(|byte| !byte.is_ascii_digit()),
+        _ => None,
+    };
+    let Some(behind) = name_len.and_then(|len| rest.get(len..)) else { return false };
+    let word = behind.trim_ascii_start();
+    let word = &word[..word.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(word.len())];
+    FLOW_WORDS.iter().any(|known| known.eq_ignore_ascii_case(word))
 }
 
 /// Whether a comment with a bracket in it stands before the place.
@@ -180,6 +217,18 @@ mod tests {
             let said = message(line);
             assert!(said.contains(whose) && said.contains(remedy), "{line}: {said}");
         }
+    }
+
+    #[test]
+    fn flow_words_of_linuxcnc_are_no_program_numbers_and_no_titles() {
+        for line in ["o100 sub", "O<pocket> call [1]", " o1 if [#1 EQ 1]", "o<a>endsub", "O2 ENDWHILE (X)", "o3 do"] {
+            assert!(is_flow_word(line.as_bytes()), "{line}");
+        }
+        for line in ["O100", "O100 (SUB)", "O<SUB>", "OSUB", "O100 SUBPLATE", "G1X1.", "(o100 sub)", "O0001 M30", ""] {
+            assert!(!is_flow_word(line.as_bytes()), "{line}");
+        }
+        let said = message("o100 sub");
+        assert!(said.contains("LinuxCNC") && said.contains("M98 P"), "{said}");
     }
 
     #[test]

@@ -203,12 +203,14 @@ impl<Place: Copy> ContourFinding<Place> {
 
 /// Whether a program may have G41 or G42, or a corner.
 pub fn may_have_contours(bytes: &[u8]) -> bool {
-    let is_side = |code: &[u8]| {
-        let digits =
-            code.iter().position(|byte| !matches!(byte, b' ' | b'\t' | b'0')).map_or(&[][..], |at| &code[at..]);
-        digits.starts_with(b"41") || digits.starts_with(b"42")
+    // Behind G with zeros and blanks, before 1 or 2.
+    let is_side = |at: usize| {
+        let before = bytes[..at].iter().rev().find(|byte| !matches!(byte, b' ' | b'\t' | b'0'));
+        let behind = bytes[at + 1..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
+        matches!(before, Some(b'G' | b'g')) && matches!(behind, Some(b'1' | b'2'))
     };
-    bytes.contains(&b',') || bytes.split(|byte| byte.eq_ignore_ascii_case(&b'G')).skip(1).any(is_side)
+    let mut fours = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'4');
+    bytes.contains(&b',') || fours.any(|(at, _)| is_side(at))
 }
 
 #[cfg(test)]
@@ -223,6 +225,16 @@ mod tests {
         settings.scope = Scope::Everything;
         let diagnostics = contour_diagnostics(program.as_bytes(), settings, Tables::default());
         diagnostics.into_iter().map(|diagnostic| (diagnostic.line, diagnostic.alarm)).collect()
+    }
+
+    #[test]
+    fn codes_of_a_contour_are_found_in_any_spelling() {
+        for text in ["G41", "g042X1.", "G 0 41D1", "G1X1.,R2.", "GG42", "X1G4G41", "G4 1"] {
+            assert!(may_have_contours(text.as_bytes()), "{text}");
+        }
+        for text in ["G40", "G4 X1", "G43H1", "G401X41", "X41Y42", "G4X1.G2", "", "G140G142"] {
+            assert!(!may_have_contours(text.as_bytes()), "{text}");
+        }
     }
 
     #[test]

@@ -8,10 +8,13 @@ use arcfeed_units::LengthUnit;
 
 use super::{Diagnostic, ProgramLine, Severity, Source};
 
-/// Letters of lengths and angles, in groups of words that are compared with one another.
-const GROUPS: [&[u8]; 5] = [b"X", b"Y", b"Z", b"IJK", b"ABC"];
-const ARCS: usize = 3;
+/// Groups of words that are compared with one another: X, Y, Z, IJK, ABC.
+const GROUPS: usize = 5;
+/// Coordinates X and Y.
+const PLANE: [usize; 2] = [0, 1];
 const DEPTHS: usize = 2;
+const ARCS: usize = 3;
+const ANGLES: usize = 4;
 /// Most words without a point that are kept.
 const KEPT_MAX: usize = 10_000;
 /// Fewest words with a point that make a habit.
@@ -22,6 +25,8 @@ const FAR_SMALLER: usize = 5;
 const TINY: i64 = 1_000;
 const SMALL: &str = "a word without a decimal point in a program that writes points: as least increments it is far smaller than the \
                      other words of its axis; write the point, or read whole units with `--decimals calculator`";
+const PLANE_TINY: &str = "no X or Y of the program has a decimal point, and as least increments none is as large as 1 mm or 0.1 in; write \
+                          the points, or read whole units with `--decimals calculator`";
 const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
                         0.1 in; read whole units with `--decimals calculator`";
 
@@ -32,14 +37,15 @@ pub struct DecimalSurvey {
     is_asked: bool,
     count: usize,
     /// Words with a point, by group and power of two of their value in least increments; zero does not count.
-    pointed: [[usize; 64]; GROUPS.len()],
+    pointed: [[usize; 64]; GROUPS],
     /// A line that could not be read has a point.
     has_unread_points: bool,
-    /// Words without a point, but for zero.
-    plain: usize,
+    /// Words without a point, but for zero, by group.
+    plain: [usize; GROUPS],
     /// The first of them.
     kept: Vec<PlainWord>,
-    largest: i64,
+    /// Largest word without a point, by group.
+    largest: [i64; GROUPS],
 }
 
 #[derive(Debug)]
@@ -57,11 +63,11 @@ impl DecimalSurvey {
             unit: settings.unit,
             is_asked: settings.decimals == Decimals::LeastIncrement,
             count: 0,
-            pointed: [[0; 64]; GROUPS.len()],
+            pointed: [[0; 64]; GROUPS],
             has_unread_points: false,
-            plain: 0,
+            plain: [0; GROUPS],
             kept: Vec::new(),
-            largest: 0,
+            largest: [0; GROUPS],
         }
     }
 
@@ -88,10 +94,12 @@ impl DecimalSurvey {
                 }
                 b'R' if is_arc => ARCS,
                 b'R' if step.series.is_some() => DEPTHS,
-                letter => match GROUPS.iter().position(|letters| letters.contains(&letter)) {
-                    Some(group) => group,
-                    None => continue,
-                },
+                b'X' => 0,
+                b'Y' => 1,
+                b'Z' => DEPTHS,
+                b'I' | b'J' | b'K' => ARCS,
+                b'A' | b'B' | b'C' => ANGLES,
+                _ => continue,
             };
             self.add_word(word, group, &line.text);
         }
@@ -106,8 +114,7 @@ impl DecimalSurvey {
     }
 
     fn add_word(&mut self, word: &Word, group: usize, text: &[u8]) {
-        let increments_per_unit =
-            if self.unit == LengthUnit::Inch && group < GROUPS.len() - 1 { 10_000 } else { 1_000 };
+        let increments_per_unit = if self.unit == LengthUnit::Inch && group != ANGLES { 10_000 } else { 1_000 };
         let has_point = word.number.has_point();
         let increments = word.number.scaled(if has_point { increments_per_unit } else { 1 }).saturating_abs();
         let Some(power) = increments.checked_ilog2().map(|power| power as usize) else { return };
@@ -115,8 +122,8 @@ impl DecimalSurvey {
             self.pointed[group][power] += 1;
             return;
         }
-        self.plain += 1;
-        self.largest = self.largest.max(increments);
+        self.plain[group] += 1;
+        self.largest[group] = self.largest[group].max(increments);
         if self.kept.len() < KEPT_MAX {
             let column = usize::from(word.column);
             let place = [self.count, column, column + usize::from(word.len)];
@@ -124,14 +131,32 @@ impl DecimalSurvey {
         }
     }
 
+    /// Number of words without a point, but for zero.
+    fn plain(&self) -> usize {
+        self.plain.iter().sum()
+    }
+
     /// Warnings of words whose size shows that a point is missing, each with the text of its line.
     pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
         let pointed: usize = self.pointed.iter().flatten().sum();
-        if pointed == 0 {
-            let all_tiny = !self.has_unread_points && self.plain >= HABIT_MIN && self.largest < TINY;
-            return self.kept.first().filter(|_| all_tiny).map(|word| word.warning(ALL_TINY)).into_iter().collect();
+        let is_tiny = |groups: &[usize]| {
+            let [plain, points] = [&self.plain, &self.pointed.map(|powers| powers.iter().sum())]
+                .map(|counts| groups.iter().map(|group| counts[*group]).sum::<usize>());
+            let largest = groups.iter().map(|group| self.largest[*group]).max();
+            !self.has_unread_points && points == 0 && plain >= HABIT_MIN && largest < Some(TINY)
+        };
+        let first = |groups: &[usize], message: &str| {
+            let word = self.kept.iter().find(|word| groups.contains(&word.group));
+            word.map(|word| word.warning(message)).into_iter().collect()
+        };
+        let all: Vec<usize> = (0..GROUPS).collect();
+        if is_tiny(&all) {
+            return first(&all, ALL_TINY);
         }
-        if pointed < HABIT_MIN.max(self.plain) {
+        if is_tiny(&PLANE) {
+            return first(&PLANE, PLANE_TINY);
+        }
+        if pointed < HABIT_MIN.max(self.plain()) {
             return Vec::new();
         }
         let medians = self.pointed.map(|powers| median(&powers));
@@ -169,7 +194,7 @@ pub fn fitting_convention(source: &Source) -> Option<String> {
         let other = Source { settings, ..source.clone() };
         let is_open = |found: &Diagnostic| found.alarm == Some(Alarm::RadiusTolerance.number());
         other.survey(false, |line| survey.add(line), |found, _| open += usize::from(is_open(&found)));
-        (open, survey.plain)
+        (open, survey.plain())
     };
     let (path, (open, _)) = (source.path.display(), open_arcs(settings));
     if open == 0 {
@@ -240,6 +265,11 @@ mod tests {
     #[test]
     fn a_program_of_tiny_coordinates_is_found_as_a_whole() {
         assert_eq!(warned("G0X-30Y0\nZ2\nG1Z-1F150\nX130\nM30\n"), [(1, 3)]);
+        // X and Y alone, beside depths that are written otherwise.
+        assert_eq!(warned("G0X-30Y0\nZ5.\nG1Z-2.F150\nX130\nY50\nX10\nM30\n"), [(1, 3)]);
+        assert_eq!(warned("G0X-30Y0\nZ5000\nG1Z-2000F150\nX130\nY50\nX10\nM30\n"), [(1, 3)]);
+        assert!(warned("G0X-30Y0\nZ5.\nG1Z-2.F150\nX1300\nY50\nX10\nM30\n").is_empty());
+        assert!(warned("G0X-30Y0\nZ5.\nG1Z-2.F150\nX1.3\nY50\nX10\nM30\n").is_empty());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_nc::block::{Notice, NoticeKind, Reading};
 
 use super::ProgramLine;
-use super::advice::advice;
+use super::advice::{FLOW_WORD, advice};
 
 /// Most bytes of a line that a message shows.
 const FOUND_MAX: usize = 400;
@@ -105,6 +105,11 @@ impl Diagnostic {
             }
         };
         diagnostic
+    }
+
+    /// Flow control of LinuxCNC.
+    pub(super) fn of_flow_word(line: usize, text: &[u8]) -> Self {
+        Diagnostic { severity: Severity::Error, ..Diagnostic::of_line(line, text, FLOW_WORD) }
     }
 
     /// Warning about a line as a whole.

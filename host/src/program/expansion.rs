@@ -21,6 +21,7 @@ use arcfeed_nc_macro::step::{Ending, MacroSettings, MacroStep, PlainBlock, Progr
 use arcfeed_nc_macro::variables::{Context, Ignored, OutsideValues};
 use arcfeed_units::Micros;
 
+use super::advice::is_flow_word;
 use super::contour_check::contour_diagnostics;
 use super::diagnostic::is_blank;
 use super::library::Folder;
@@ -198,7 +199,13 @@ impl Expansion<'_> {
         let mut reader = Reader::with(self.settings, self.tables).at_unknown_position();
         let mut interpreter = self.interpreter(bytes, folder.clone(), &reader);
         let texts: Vec<&[u8]> = Lines::new(bytes).map(|line| line.text).collect();
+        let flow_words = (1..).zip(&texts).filter(|(line, text)| *line <= lines_read(bytes) && is_flow_word(text));
+        let flow_words: Vec<Diagnostic> = flow_words.map(|(line, text)| Diagnostic::of_flow_word(line, text)).collect();
         let (end, mut faults) = (texts.len() as u32, RunFaults::new(texts, folder.as_ref(), &self.settings));
+        if !flow_words.is_empty() {
+            // The order of the blocks is not known.
+            return RunEnd { found: flow_words, executions: BTreeMap::new() };
+        }
         let (mut now, mut blocks, started) = (Micros(0), 0, Instant::now());
         loop {
             let step = interpreter.next(&context(&reader, now));

@@ -6,6 +6,7 @@ use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::{Lines, RawLine};
 use arcfeed_nc::word::is_mark;
 
+use super::advice::is_flow_word;
 use super::block_delete::BlockDeleteReader;
 use super::diagnostic::{START_UNKNOWN, is_blank};
 use super::{Diagnostic, ProgramLine};
@@ -85,6 +86,11 @@ impl LineReader {
         let is_blank = is_blank(text);
         self.has_ended = self.has_begun && is_mark(text);
         self.has_begun |= !is_blank;
+        if is_flow_word(text) {
+            found.push(Diagnostic::of_flow_word(self.count, text));
+            (line.meaning, line.skipping) = (None, None);
+            return line.set_state(&self.reader);
+        }
         self.skipping.fork(text, &self.reader);
         match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
             Ok(()) => line.meaning.iter().for_each(|understood| self.note(text, understood, found)),

@@ -52,12 +52,16 @@ pub(super) fn tool_of(reader: &Reader) -> (Nm, bool) {
 }
 
 /// Moves of a block on the path, those of cycles and reference returns one by one.
-pub(super) fn segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
+fn segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
+    block.segment.into_iter().chain(series_segments(block))
+}
+
+/// Moves of a block's cycle or reference return.
+pub(super) fn series_segments(block: &InterpretedLine) -> impl Iterator<Item = Segment> {
     let sequence = block.parsed.block.sequence;
     let segment = move |motion: Motion| Segment::from_motion(&motion, sequence).ok();
-    let of_series = block.step.series.iter().flat_map(|series| series.actions()).filter_map(move |act| match act {
+    block.step.series.iter().flat_map(|series| series.actions()).filter_map(move |act| match act {
         SeriesAction::Move(motion) => segment(motion),
         SeriesAction::Dwell(_) | SeriesAction::Spindle(_) => None,
-    });
-    block.segment.into_iter().chain(of_series)
+    })
 }

@@ -1,24 +1,29 @@
-//! Tool path of a program in figures: extents of the cutting moves, and what each tool does.
+//! Tool path of a program in figures: extents of the cutting moves, and what each tool does; cuts with a stopped spindle.
 //!
 //! Times are those at the programmed feed: without rapids, acceleration, override and tool changes.
 
-use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::collections::BTreeSet;
 
 use arcfeed_nc::machining::{Machining, SpindleCommand, ToolInSpindle};
-use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose};
+use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose, Turn};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::series::SeriesAction;
-use arcfeed_units::{LengthUnit, Micros, Nm, S_PER_MIN};
+use arcfeed_nc::text::Lines;
+use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm, S_PER_MIN};
 
-use super::ProgramLine;
-use super::move_trace::segments;
+use super::move_trace::series_segments;
+use super::tool_notes::{ToolNotes, comments};
+use super::{Diagnostic, ProgramLine};
 
-/// Most tools, and most comments of a tool list.
+/// Most tools.
 const TOOLS_MAX: usize = 200;
 /// Most H and D numbers of a tool.
 const OFFSETS_MAX: usize = 8;
+/// Most lines that are warned of.
+const WARNED_MAX: usize = 1_000;
+const STOPPED: &str = "this move cuts while the spindle stands still: no M3 or M4 with an S starts it before, or M5 or M6 has stopped it; write \
+                       S and M3 before the cut";
 
 /// Figures of a program's path.
 #[derive(Clone, Debug)]
@@ -36,7 +41,14 @@ pub struct PathSummary {
     lines: usize,
     /// Tool of the last T word.
     selected: Option<i64>,
+    /// Tool of the last block, and its index.
+    current: Option<(Option<i64>, usize)>,
     comments: ToolComments,
+    /// Lines of the first cutting moves with a stopped spindle.
+    stopped: BTreeSet<usize>,
+    was_stopped: bool,
+    /// A line that could not be read may start the spindle.
+    has_unread_lines: bool,
 }
 
 /// Work of one tool.
@@ -44,7 +56,7 @@ pub struct PathSummary {
 pub struct ToolUse {
     /// T number; `None` for a tool that the program does not name.
     pub number: Option<i64>,
-    /// Comment at its tool change or in the program's tool list.
+    /// Comment at its tool change; see [`PathSummary::comment_of`].
     pub comment: String,
     /// First line with it in the spindle, counted from 1.
     pub line: usize,
@@ -65,12 +77,12 @@ pub struct ToolUse {
 }
 
 /// Comments that may describe a tool.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 struct ToolComments {
-    /// Comments that begin with a tool number.
-    list: BTreeMap<i64, String>,
-    /// The last comment, and the number of lines since.
-    last: Option<(String, usize)>,
+    /// Comments with data of tools.
+    notes: ToolNotes,
+    /// The last line with a comment, and the number of lines since.
+    last: (Vec<u8>, usize),
     /// Index of the tool whose comment may be in the next line.
     next: Option<usize>,
 }
@@ -86,34 +98,43 @@ impl PathSummary {
             dwell: Micros(0),
             lines: 0,
             selected: None,
-            comments: ToolComments::default(),
+            current: None,
+            comments: ToolComments { notes: ToolNotes::new(unit), last: (Vec::new(), 0), next: None },
+            stopped: BTreeSet::new(),
+            was_stopped: false,
+            has_unread_lines: false,
         }
     }
 
     /// Adds the next line of a program without macro statements.
     pub fn add_line(&mut self, line: &ProgramLine) {
-        self.add_text(&line.text);
-        if let Some(meaning) = &line.meaning {
-            self.add_block(self.lines, meaning, line.machining, line.origin);
+        self.lines += 1;
+        let before = self.current;
+        let comment = comment_in(&line.text);
+        self.add_comment(comment);
+        match &line.meaning {
+            Some(meaning) => self.add_block(self.lines, meaning, line.machining, line.origin),
+            None => self.has_unread_lines = true,
         }
+        let words = line.meaning.as_ref().map(|meaning| &meaning.parsed.block);
+        let selected = words.and_then(|words| words.word(b'T')).and_then(|word| word.number.as_whole());
+        let loaded = self.current.filter(|_| self.current != before).and_then(|(number, _)| number);
+        self.comments.notes.read(self.lines, comment.unwrap_or_default(), selected.or(loaded));
     }
 
     /// Notes the comment of the next line of the file.
-    fn add_text(&mut self, text: &[u8]) {
-        self.lines += 1;
-        let comment = comment_of(text);
-        if let (Some(index), Some(comment)) = (self.comments.next.take(), &comment)
+    fn add_comment(&mut self, text: Option<&[u8]>) {
+        if let (Some(index), Some(text)) = (self.comments.next.take(), text)
             && let Some(tool) = self.tools.get_mut(index)
         {
-            tool.comment.clone_from(comment);
+            tool.comment = comments(text).next().unwrap_or_default();
         }
-        self.comments.add(comment);
+        self.comments.add(text);
     }
 
-    /// Notes the tool list in the comments of a file that is executed afterwards.
+    /// Notes the tools in the comments of a file that is executed afterwards.
     pub fn add_tool_list<'a>(&mut self, texts: impl IntoIterator<Item = &'a [u8]>) {
-        texts.into_iter().for_each(|text| self.comments.add(comment_of(text)));
-        self.comments.last = None;
+        (1..).zip(texts).for_each(|(line, text)| self.comments.notes.read(line, text, None));
     }
 
     /// Adds a block that is executed.
@@ -134,28 +155,67 @@ impl PathSummary {
             ToolInSpindle::Unknown => None,
         };
         let index = self.index_of(number, line);
-        let unit = self.unit;
         if let Some(tool) = self.tools.get_mut(index) {
             for (place, found) in [(&mut tool.lengths, whole(b'H')), (&mut tool.radii, whole(b'D'))] {
                 place.extend(found.filter(|found| *found != 0 && !place.contains(found) && place.len() < OFFSETS_MAX));
             }
-            segments(block).for_each(|segment| tool.add(&segment, machining.spindle, unit));
         }
-        segments(block).filter(|segment| segment.path != Path::Rapid).for_each(|segment| self.extend(&segment, origin));
-        let of_series = block.step.series.iter().flat_map(|series| series.actions()).filter_map(|act| match act {
-            SeriesAction::Dwell(time) => Some(time),
-            SeriesAction::Move(_) | SeriesAction::Spindle(_) => None,
-        });
-        self.dwell = block.step.dwell.into_iter().chain(of_series).fold(self.dwell, Micros::after);
+        let (mut cuts, mut turns) = (false, false);
+        let mut add = |segment: &Segment| {
+            if let Some(tool) = self.tools.get_mut(index) {
+                tool.add(segment, machining.spindle, self.unit);
+            }
+            if segment.path != Path::Rapid {
+                cuts = true;
+                self.extend(segment, &origin);
+            }
+        };
+        block.segment.iter().for_each(&mut add);
+        if block.step.series.is_some() {
+            series_segments(block).for_each(|segment| add(&segment));
+        }
+        for act in block.step.series.iter().flat_map(|series| series.actions()) {
+            match act {
+                SeriesAction::Dwell(time) => self.dwell = self.dwell.after(time),
+                // A tapping cycle turns the spindle itself.
+                SeriesAction::Spindle(_) => turns = true,
+                SeriesAction::Move(_) => {}
+            }
+        }
+        self.dwell = block.step.dwell.into_iter().fold(self.dwell, Micros::after);
+        if cuts && !turns {
+            let is_stopped = machining.spindle == SpindleCommand::Stopped;
+            if is_stopped && !self.was_stopped && !self.has_unread_lines && self.stopped.len() < WARNED_MAX {
+                self.stopped.insert(line);
+            }
+            self.was_stopped = is_stopped;
+        }
+    }
+
+    /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, each with the text of its line in the program.
+    pub fn warnings<'a>(&self, program: &'a [u8]) -> Vec<(Diagnostic, &'a [u8])> {
+        if self.stopped.is_empty() {
+            return Vec::new();
+        }
+        let lines = (1..).zip(Lines::new(program)).filter(|(line, _)| self.stopped.contains(line));
+        lines.map(|(line, raw)| (Diagnostic::of_line(line, raw.text, STOPPED), raw.text)).collect()
+    }
+
+    /// Comment about a tool: one with its data, otherwise the one at its tool change.
+    pub fn comment_of<'s>(&'s self, tool: &'s ToolUse) -> &'s str {
+        let described = tool.number.and_then(|number| self.comments.notes.text_of(number));
+        described.unwrap_or(&tool.comment)
     }
 
     /// Index of a tool; a tool without a move does not count yet.
     fn index_of(&mut self, number: Option<i64>, line: usize) -> usize {
-        if let Some(index) = self.tools.iter().position(|tool| tool.number == number) {
+        if let Some((_, index)) = self.current.filter(|(current, _)| *current == number) {
             return index;
         }
-        let index = self.tools.len();
-        if index < TOOLS_MAX {
+        let known = self.tools.iter().position(|tool| tool.number == number);
+        let index = known.unwrap_or(self.tools.len());
+        self.current = Some((number, index));
+        if known.is_none() && index < TOOLS_MAX {
             let comment = self.comments.of(number);
             self.comments.next = (comment.is_empty() && number.is_some()).then_some(index);
             self.tools.push(ToolUse { number, line, comment, ..ToolUse::default() });
@@ -163,24 +223,31 @@ impl PathSummary {
         index
     }
 
-    fn extend(&mut self, segment: &Segment, origin: Pose) {
-        let relative = segment.shifted(Pose::ORIGIN.minus(origin));
-        let Segment { start, end, path, .. } = &relative;
+    fn extend(&mut self, segment: &Segment, origin: &Pose) {
+        let Segment { start, end, path, .. } = segment;
+        let length_mm = |at: Nm, origin: Nm| Nm(at.0 - origin.0).to_mm();
+        let angle_deg = |at: MicroDeg, origin: MicroDeg| MicroDeg(at.0 - origin.0).to_deg();
         for index in 0..3 {
             if start.linear[index] != end.linear[index] || matches!(path, Path::Arc(_)) {
-                self.include(index, start.linear[index].to_mm());
-                self.include(index, end.linear[index].to_mm());
+                self.include(index, length_mm(start.linear[index], origin.linear[index]));
+                self.include(index, length_mm(end.linear[index], origin.linear[index]));
             }
             if start.rotary[index] != end.rotary[index] {
-                self.include(3 + index, start.rotary[index].to_deg());
-                self.include(3 + index, end.rotary[index].to_deg());
+                self.include(3 + index, angle_deg(start.rotary[index], origin.rotary[index]));
+                self.include(3 + index, angle_deg(end.rotary[index], origin.rotary[index]));
             }
         }
         if let Path::Arc(arc) = path {
             let (first, second, _) = arc.plane.axes();
-            for [x, y] in extreme_points(arc) {
-                self.include(first, x);
-                self.include(second, y);
+            let crossed = crossed_axes(arc);
+            if crossed == [false; 4] {
+                return;
+            }
+            let radius_mm = arc.radius_mm();
+            for (quarter, _) in crossed.into_iter().enumerate().filter(|(_, is_crossed)| *is_crossed) {
+                let (axis, center) = if quarter % 2 == 0 { (first, arc.center[0]) } else { (second, arc.center[1]) };
+                let outwards_mm = if quarter < 2 { radius_mm } else { -radius_mm };
+                self.include(axis, length_mm(center, origin.linear[axis]) + outwards_mm);
             }
         }
     }
@@ -198,7 +265,12 @@ impl PathSummary {
 
 impl ToolUse {
     fn add(&mut self, segment: &Segment, spindle: SpindleCommand, unit: LengthUnit) {
-        let length_mm = segment.length_mm();
+        let feed_length_mm = segment.feed_length_mm();
+        let length_mm = match segment.path {
+            Path::Arc(_) if segment.rise() == Nm(0) => feed_length_mm,
+            Path::Arc(_) => segment.length_mm(),
+            Path::Rapid | Path::Line => feed_length_mm,
+        };
         if segment.path == Path::Rapid {
             self.rapid_mm += length_mm;
             return;
@@ -218,9 +290,9 @@ impl ToolUse {
                     .max()
                     .unwrap_or(0);
                 let minutes = if length_mm > 0.0 {
-                    segment.feed_length_mm() / feed.to_mm()
+                    feed_length_mm / feed.to_mm()
                 } else {
-                    arcfeed_units::MicroDeg(turned).to_deg() / (feed.0 as f64 / unit.nm() as f64)
+                    MicroDeg(turned).to_deg() / (feed.0 as f64 / unit.nm() as f64)
                 };
                 self.cutting_s += minutes * S_PER_MIN;
             }
@@ -231,55 +303,67 @@ impl ToolUse {
 }
 
 impl ToolComments {
-    fn add(&mut self, comment: Option<String>) {
-        match comment {
-            Some(comment) => {
-                if let Some(number) = tool_number(&comment)
-                    && self.list.len() < TOOLS_MAX
-                {
-                    self.list.entry(number).or_insert_with(|| comment.clone());
-                }
-                self.last = Some((comment, 0));
-            }
-            None => self.last.iter_mut().for_each(|(_, age)| *age += 1),
+    fn add(&mut self, comment: Option<&[u8]>) {
+        let (last, age) = &mut self.last;
+        *age += 1;
+        if let Some(comment) = comment {
+            last.clear();
+            last.extend_from_slice(comment);
+            *age = 0;
         }
     }
 
-    /// Comment of a tool that is loaded in the current line.
+    /// Comment of a tool that is loaded in the current line: in it or right before it.
     fn of(&self, number: Option<i64>) -> String {
-        let last = |oldest: usize| self.last.iter().find(|(_, age)| *age <= oldest).map(|(comment, _)| comment);
-        let listed = number.and_then(|number| self.list.get(&number));
-        number.and(last(0).or(listed).or(last(1))).cloned().unwrap_or_default()
+        let (last, age) = &self.last;
+        number.filter(|_| *age <= 1).and_then(|_| comments(last).next()).unwrap_or_default()
     }
 }
 
-/// The first comment of a line, if it has text.
-fn comment_of(text: &[u8]) -> Option<String> {
-    let begin = text.iter().position(|byte| *byte == b'(')? + 1;
-    let rest = text.get(begin..)?;
-    let end = rest.iter().position(|byte| *byte == b')').unwrap_or(rest.len());
-    let comment = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
-    (!comment.is_empty()).then_some(comment)
+/// A line from its first comment on, if a comment has a letter or a digit.
+fn comment_in(text: &[u8]) -> Option<&[u8]> {
+    if !text.contains(&b'(') {
+        return None;
+    }
+    let begin = text.iter().position(|byte| *byte == b'(')?;
+    let mut is_comment = false;
+    let has_text = text.iter().any(|byte| {
+        is_comment = (is_comment || *byte == b'(') && *byte != b')';
+        is_comment && (byte.is_ascii_alphanumeric() || !byte.is_ascii())
+    });
+    text.get(begin..).filter(|_| has_text)
 }
 
-/// Number of the tool that a comment such as `T1 D=10.` or `TOOL 1 - FACE MILL` describes.
-fn tool_number(comment: &str) -> Option<i64> {
-    let upper = comment.to_ascii_uppercase();
-    let rest = upper.strip_prefix("TOOL").or(upper.strip_prefix('T'))?.trim_start_matches([' ', '#', '-']);
-    let digits = rest.len() - rest.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    rest[..digits].parse().ok()
+/// Which of the directions +first, +second, -first, -second of its plane an arc passes between its ends. At its ends it
+/// may name a direction too.
+fn crossed_axes(arc: &Arc) -> [bool; 4] {
+    let (from, to) = match arc.turn {
+        Turn::Ccw => (arc.from, arc.to),
+        Turn::Cw => (arc.to, arc.from),
+    };
+    let [x, y] = from.map(|nm| i128::from(nm.0));
+    let [to_x, to_y] = to.map(|nm| i128::from(nm.0));
+    let (first, last) = (quarter(from), quarter(to));
+    let is_ahead = x * to_y - y * to_x > 0;
+    // Counter-clockwise from the quarter of the start, up to the one of the end.
+    let count = match (last + 4 - first) % 4 {
+        0 if is_ahead => 0,
+        0 => 4,
+        count => count,
+    };
+    let mut crossed = [false; 4];
+    (1..=count).for_each(|step| crossed[(first + step) % 4] = true);
+    crossed
 }
 
-/// Points of an arc, in mm, with the lowest or highest coordinate of an axis, but for its ends.
-fn extreme_points(arc: &Arc) -> impl Iterator<Item = [f64; 2]> {
-    let [x, y] = arc.center.map(Nm::to_mm);
-    let (radius, angles) = (arc.radius_mm(), arc.angles());
-    (0..4).filter_map(move |quarter| {
-        let angle = f64::from(quarter) * FRAC_PI_2;
-        let ahead = ((angle - angles.start_rad) * angles.turned_rad.signum()).rem_euclid(TAU);
-        let (sin, cos) = libm::sincos(angle);
-        (ahead < angles.turned_rad.abs()).then_some([x + radius * cos, y + radius * sin])
-    })
+/// Quarter of the plane in which a direction lies, counter-clockwise, each with the direction at its beginning.
+fn quarter([x, y]: [Nm; 2]) -> usize {
+    match (x.0.signum(), y.0.signum()) {
+        (1, 0 | 1) => 0,
+        (0 | -1, 1) => 1,
+        (-1, 0 | -1) => 2,
+        _ => 3,
+    }
 }
 
 #[cfg(test)]
@@ -287,6 +371,7 @@ mod tests {
     use std::path::Path as FilePath;
 
     use arcfeed_nc::block::Reading;
+    use arcfeed_nc::modal::Plane;
 
     use super::super::Program;
     use super::*;
@@ -314,6 +399,51 @@ mod tests {
     }
 
     #[test]
+    fn the_extents_of_arcs_are_those_of_many_points_on_them() {
+        const GRID: [i64; 5] = [-8, -3, 0, 3, 8];
+        let places: Vec<[Nm; 2]> =
+            GRID.iter().flat_map(|x| GRID.map(|y| [*x, y].map(|mm| Nm(mm * 1_000_000)))).collect();
+        let places = places.iter().filter(|place| **place != [Nm(0); 2]);
+        for (from, other) in places.clone().flat_map(|from| places.clone().map(move |other| (*from, *other))) {
+            // The end on the circle of the start.
+            let radius_mm = libm::hypot(from[0].to_mm(), from[1].to_mm());
+            let scale = radius_mm / libm::hypot(other[0].to_mm(), other[1].to_mm());
+            let to = other.map(|nm| Nm::from_mm(nm.to_mm() * scale));
+            for turn in [Turn::Ccw, Turn::Cw] {
+                let center = [Nm(1_000_000), Nm(-2_000_000)];
+                let arc = Arc { plane: Plane::Xy, turn, center, from, to };
+                let pose = |[x, y]: [Nm; 2]| {
+                    let linear = [Nm(center[0].0 + x.0), Nm(center[1].0 + y.0), Nm(0)];
+                    Pose { linear, ..Pose::ORIGIN }
+                };
+                let (start, end, path) = (pose(from), pose(to), Path::Arc(arc));
+                let mut summary = PathSummary::new(LengthUnit::Mm);
+                summary.extend(&Segment { sequence: None, start, end, feed: Feed::Missing, path }, &Pose::ORIGIN);
+                for (axis, offset_mm) in [(0, 1.0), (1, -2.0)] {
+                    let points = (0..=2_000)
+                        .map(|step| offset_mm + radius_mm * arc.direction_at(f64::from(step) / 2_000.0)[axis]);
+                    let [low, high] = points.fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)]);
+                    let [found_low, found_high] = summary.extents[axis].unwrap();
+                    assert!((found_low - low).abs() < 1e-4 && (found_high - high).abs() < 1e-4, "{arc:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cuts_with_a_stopped_spindle_are_warned_of_once_for_each_stop() {
+        let lines = |text: &str| {
+            let found = summary(text).warnings(text.as_bytes());
+            found.into_iter().map(|(warning, _)| warning.line).collect::<Vec<_>>()
+        };
+        assert_eq!(lines("T1M6\nS1000M3\nG1X1.F100.\nM5\nG0X0\nG1X1.\nX2.\nM3\nX3.\nM30\n"), [6]);
+        assert_eq!(lines("T1M6\nG0X0\nG1X1.F100.\nT2M6\nG2I1.\nS100M4\nX2.\nM5\nG81Z-1.R1.\n"), [3, 9]);
+        assert_eq!(lines("S1000\nG1X1.F100.\n"), [2]);
+        assert_eq!(lines("T1M6\nG187M3\nG1X1.F100.\n"), [0; 0]);
+        assert_eq!(lines("G1X1.F100.\nM3\nX2.\nT1M6\nM29S500\nG84Z-5.R1.F500.\n"), [0; 0]);
+    }
+
+    #[test]
     fn distance_and_time_are_those_of_the_programmed_feed() {
         let text = "G21G90G0X0Y0Z0\nT1M6(CUTTER)\nS1000M3\nG43H1G0Z5.\nG1Z0F100.\nX300.F600.\nG4P2000\nG93X310.F2.\nG94\n\
                     T2M6\nG0X0\nG81Z-5.R5.F50.\nM30\n";
@@ -336,11 +466,14 @@ mod tests {
     fn a_tool_gets_the_comment_of_the_list_or_of_the_lines_about_its_change() {
         let comment = |text: &str| {
             let found = summary(&format!("{text}G0X1.\n"));
-            found.tools_in_use().last().map(|tool| tool.comment.clone()).unwrap()
+            found.tools_in_use().last().map(|tool| found.comment_of(tool).to_owned()).unwrap()
         };
         assert_eq!(comment("(T1 D=10. - FLAT)\n(POCKET)\nT1M6\n"), "T1 D=10. - FLAT");
         assert_eq!(comment("( TOOL 3 - FACE MILL )\nM8\nT3M6\n"), "TOOL 3 - FACE MILL");
-        assert_eq!(comment("(T1 D=10.)\nT1M6(OWN)\n"), "OWN");
+        assert_eq!(comment("(T1 D=10.)\nT1M6(OWN)\n"), "T1 D=10.");
+        assert_eq!(comment("T1M6(OWN)\n"), "OWN");
+        assert_eq!(comment("(10MM ENDMILL)\n()\nT1M6( )\n(---)\n"), "10MM ENDMILL");
+        assert_eq!(comment("(T3 SPECIAL)\n(OP10)\nM8\nM9\nT3M6\n"), "T3 SPECIAL");
         assert_eq!(comment("(DRILL)\nT4M6\n"), "DRILL");
         assert_eq!(comment("M1\nM6T4\n(REAMER)\n"), "REAMER");
         assert_eq!(comment("(PART)\nM8\nM9\nT4M6\n"), "");

@@ -20,7 +20,7 @@ pub struct ProgramSummary {
     pub comments: usize,
     /// Moves.
     pub moves: MoveCounts,
-    /// Numbers of the tools that the program loads, each with the first line with it in the spindle, counted from 1.
+    /// Numbers of the tools that the program loads, without T0, which puts one away; each with the first line with it in the spindle, counted from 1.
     pub tools: Vec<(i64, usize)>,
     /// The program can end in one of the lines.
     pub may_end: bool,
@@ -41,7 +41,7 @@ impl ProgramSummary {
         self.comments += usize::from(line.is_block() && is_comment(line));
         self.may_end |= may_end(line);
         line.meaning.iter().for_each(|meaning| self.moves.add(meaning));
-        if let ToolInSpindle::Number(number) = line.machining.tool
+        if let ToolInSpindle::Number(number @ 1..) = line.machining.tool
             && self.tools.len() < TOOLS_MAX
             && !self.tools.iter().any(|(known, _)| *known == number)
         {

@@ -14,6 +14,8 @@ pub mod code;
 
 pub mod offsets;
 
+mod plain_bytes;
+
 pub mod program;
 
 pub mod function;

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 
 use super::code::{Head, MacroCode, is_keyword, is_short_keyword};
 use super::offsets;
+use super::plain_bytes::has_plain_bytes;
 use arcfeed_nc::block::is_title;
 use arcfeed_nc::text::Lines;
 
@@ -228,31 +229,6 @@ fn only_cancels(line: &[u8]) -> bool {
 /// without side effects.
 pub fn needs_interpreter(line: &[u8]) -> bool {
     !has_plain_bytes(line) && has_effect(line)
-}
-
-/// Fast test for plain lines, which most lines pass: numbers after single letters, comments after numbers, and none of
-/// G6, M9 and M1, with which the codes of calls begin, with any blanks and zeros between.
-fn has_plain_bytes(line: &[u8]) -> bool {
-    // State: a letter whose number is still missing (in lower case after leading zeros), an open parenthesis, or 0.
-    let mut before = 0;
-    line.iter().all(|&byte| {
-        match byte {
-            _ if before == b'(' => before = if byte == b')' { 0 } else { before },
-            b'1'..=b'9' => match (before, byte) {
-                (b'G' | b'g', b'6') | (b'M' | b'm', b'1' | b'9') => return false,
-                _ => before = 0,
-            },
-            b'0' => before = before.to_ascii_lowercase(),
-            b' ' | b'\t' | b'\r' => {}
-            b'A'..=b'Z' | b'a'..=b'z' if before.is_ascii_uppercase() => return false,
-            b'A'..=b'Z' | b'a'..=b'z' => before = byte.to_ascii_uppercase(),
-            b'(' if before != 0 => return false,
-            b'(' => before = byte,
-            b'#' | b'[' | b']' | b'=' => return false,
-            _ => before = 0,
-        }
-        true
-    })
 }
 
 /// Full test of any line.

@@ -183,8 +183,8 @@ impl NotModelled {
                 "with P it calls blocks of the same program on a Haas: write them as a program of its own, and call it with M98 P"
             }
             NotModelled::MCode(_) | NotModelled::Macro => "write the program out without calls and macro statements",
-            NotModelled::Variable(_) => "write the value in place of the variable",
-            NotModelled::OutsideValue(_) => "assign it before it is read (offsets: give a settings file)",
+            NotModelled::Variable(number) => variable_remedy(number),
+            NotModelled::OutsideValue(number) => value_remedy(number),
             NotModelled::OffsetStatement(_) => "write G10",
             NotModelled::SwitchedStatement => "remove it, or the block",
             NotModelled::ChangeOfSide => "write G40 and a line between the two sides",
@@ -198,6 +198,38 @@ impl NotModelled {
             NotModelled::Corner => "write the corner as a block of its own",
             NotModelled::LongBlock => "divide the block",
         }
+    }
+}
+
+/// Remedy for a system variable that is not interpreted.
+const fn variable_remedy(number: u32) -> &'static str {
+    match number {
+        1_000..=1_199 => "signals of the machine: write the value in place of the variable",
+        5_061..=5_066 => {
+            "positions at which G31 stopped: measure in a program of its own, and write the value in place of the variable"
+        }
+        5_081..=5_086 => "the tool length in force: read #2001 to #2200 by H, with the lengths in a settings file",
+        5_400..=5_413 => {
+            "the tool's number, lengths and diameter on LinuxCNC: read #4120 for T, #2001 to #2200 for the length by H, #13001 to #13400 \
+             for the radius by D, with lengths and radii in a settings file"
+        }
+        _ => "write the value in place of the variable",
+    }
+}
+
+/// Remedy for the reading of a variable whose value only the control knows.
+const fn value_remedy(number: u32) -> &'static str {
+    match number {
+        2_001..=2_400 | 10_001..=11_400 => {
+            "give the tool lengths in a settings file ([length]), or assign it before it is read"
+        }
+        12_001..=13_400 => "give the radii of the tools in a settings file ([radius]), or assign it before it is read",
+        2_500..=2_899 | 5_201..=5_326 | 7_001..=7_946 | 14_001..=19_999 => {
+            "give the work offsets in a settings file ([work]), or assign it before it is read"
+        }
+        3_001..=3_012 => "it is the control's clock: remove the statement",
+        5_001..=5_046 => "write a move to a stated X, Y and Z before it is read",
+        _ => "assign it before it is read",
     }
 }
 

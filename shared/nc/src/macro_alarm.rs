@@ -86,7 +86,7 @@ impl MacroAlarm {
             MacroAlarm::NoProgramNumber => "M98, G65 or G66 without P; give the program's number",
             MacroAlarm::SubprogramNesting => "subprogram calls nested too deep; a program that calls itself never ends",
             MacroAlarm::ProgramNotFound => {
-                "no program, or no block N to return to, of this number; correct P, or give the folder of the subprograms (--library)"
+                "no program, or no block N to return to, of this number; correct P, give the folder of the subprograms (--library), or write an empty one there: O with its number, and M99"
             }
             MacroAlarm::Overflow => "the result is beyond what a variable holds (10^47); check the formula",
             MacroAlarm::DivisionByZero => "division by zero; test the divisor before",

@@ -207,7 +207,9 @@ fn nothing_is_written_over_without_force_and_nothing_made_up() {
     assert_eq!((missing.status.code(), scratch.files()), (Some(1), vec!["bare.nc".to_owned(), "bare.toml".into()]));
     let broken = scratch.write("broken.nc", "G21G90G94\nG1X5.F100.\nG3X0.Y0.\nG3X0Y0I-2.5\n");
     let output = run(&["init", &broken]);
-    assert!(output.status.success() && text_of(&output.stderr).contains("1 errors, see `arcfeed check`"));
+    let said = text_of(&output.stderr);
+    assert!(output.status.success() && said.contains("broken.nc:3:1: error PS0022: "), "{said}");
+    assert!(said.contains("arcs behind them may be missing"), "{said}");
 }
 
 /// Result of `init` for a text: the tool, and the written job.

@@ -1,4 +1,4 @@
-//! Errors and warnings of a check: errors are printed at once, warnings of one kind together.
+//! Errors and warnings of a check, those of one kind together.
 
 use std::collections::HashMap;
 use std::io::IsTerminal;
@@ -29,14 +29,14 @@ pub struct CheckFindings<'a> {
     pub warnings: usize,
     /// CheckFindings for the JSON object.
     pub listed: Vec<Diagnostic>,
-    /// Kinds of warnings, in the order of their first places.
-    kinds: Vec<WarningKind>,
+    /// Kinds of errors and warnings, in the order of their first places.
+    kinds: Vec<FindingKind>,
     /// Index of the kind with a message.
     by_message: HashMap<String, usize>,
 }
 
-/// Warnings with the same message.
-struct WarningKind {
+/// Errors or warnings with the same message.
+struct FindingKind {
     first: Diagnostic,
     text: Option<Vec<u8>>,
     /// Lines and columns of the next ones.
@@ -69,11 +69,8 @@ impl<'a> CheckFindings<'a> {
             if self.listed.len() < LISTED_MAX {
                 self.listed.push(diagnostic);
             }
-        } else if diagnostic.severity == Severity::Error {
-            let is_terminal = std::io::stderr().is_terminal();
-            note(format_args!("{}", self.in_words(&diagnostic, text, is_terminal, None)));
         } else {
-            self.add_warning(diagnostic, text);
+            self.add_kind(diagnostic, text);
         }
     }
 
@@ -82,7 +79,7 @@ impl<'a> CheckFindings<'a> {
         self.listed.sort_by_key(|found| (found.line, found.column));
     }
 
-    fn add_warning(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
+    fn add_kind(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
         let known = self.by_message.get(&diagnostic.message).and_then(|index| self.kinds.get_mut(*index));
         if let Some(kind) = known {
             kind.count += 1;
@@ -93,17 +90,22 @@ impl<'a> CheckFindings<'a> {
         }
         self.by_message.insert(diagnostic.message.clone(), self.kinds.len());
         let text = text.map(<[u8]>::to_vec);
-        self.kinds.push(WarningKind { first: diagnostic, text, next: Vec::new(), count: 1 });
+        self.kinds.push(FindingKind { first: diagnostic, text, next: Vec::new(), count: 1 });
     }
 
-    /// Prints the warnings: those of one kind as one, with their first places.
-    pub fn print_warnings(&mut self) {
-        let is_terminal = std::io::stdout().is_terminal();
+    /// Prints errors and warnings: those of one kind as one, with their first places.
+    pub fn print(&mut self) {
+        let (out, err) = (std::io::stdout().is_terminal(), std::io::stderr().is_terminal());
         let mut kinds = std::mem::take(&mut self.kinds);
-        kinds.sort_by_key(|kind| (kind.first.line, kind.first.column));
+        kinds.sort_by_key(|kind| (kind.first.severity == Severity::Warning, kind.first.line, kind.first.column));
         for kind in kinds {
             let others = kind.others();
-            say(format_args!("{}", self.in_words(&kind.first, kind.text.as_deref(), is_terminal, others.as_deref())));
+            let words =
+                |is_terminal: bool| self.in_words(&kind.first, kind.text.as_deref(), is_terminal, others.as_deref());
+            match kind.first.severity {
+                Severity::Error => note(format_args!("{}", words(err))),
+                Severity::Warning => say(format_args!("{}", words(out))),
+            }
         }
     }
 
@@ -117,8 +119,8 @@ impl<'a> CheckFindings<'a> {
     }
 }
 
-impl WarningKind {
-    /// Places of the warnings after the first, in words.
+impl FindingKind {
+    /// Places of those after the first, in words.
     fn others(&self) -> Option<String> {
         let mut places: Vec<String> = self.next.iter().map(|[line, column]| format!("{line}:{column}")).collect();
         let more = self.count - 1 - places.len();

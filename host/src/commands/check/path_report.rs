@@ -51,7 +51,7 @@ impl PathFigures {
     /// Figures in the program's unit.
     pub fn new(path: &PathSummary) -> Self {
         let unit_mm = path.unit.mm();
-        let tools: Vec<ToolUseFigures> = path.tools_in_use().map(|tool| ToolUseFigures::new(tool, path.unit)).collect();
+        let tools: Vec<ToolUseFigures> = path.tools_in_use().map(|tool| ToolUseFigures::new(tool, path)).collect();
         let extents = AXES.iter().zip(path.extents).enumerate().filter_map(|(index, (axis, extent))| {
             let per_unit = if index < 3 { unit_mm } else { 1.0 };
             let [min, max] = extent?.map(|value| value / per_unit);
@@ -105,11 +105,12 @@ impl PathFigures {
 }
 
 impl ToolUseFigures {
-    fn new(tool: &ToolUse, unit: LengthUnit) -> Self {
+    fn new(tool: &ToolUse, path: &PathSummary) -> Self {
+        let unit = path.unit;
         let feed = |feed: Nm| feed.0 as f64 / unit.nm() as f64;
         ToolUseFigures {
             tool: tool.number,
-            comment: tool.comment.clone(),
+            comment: path.comment_of(tool).to_owned(),
             line: tool.line,
             h: tool.lengths.clone(),
             d: tool.radii.clone(),

@@ -4,6 +4,8 @@
 //! several lines), or to a tool change in its own block or close by. Comments that contradict each other leave
 //! that value open.
 
+use std::collections::BTreeSet;
+
 use arcfeed_units::LengthUnit;
 
 use super::tool_comment::{CommentedKind, ToolComment};
@@ -12,6 +14,10 @@ use super::tool_comment::{CommentedKind, ToolComment};
 const REACH_BEFORE: usize = 4;
 /// And behind it: there it has to name a kind of tool, for most comments there are about the cut.
 const REACH_BEHIND: usize = 2;
+/// Most lines with comments about other things that are kept.
+const SILENT_MAX: usize = 1_000;
+/// Most tools with comments.
+const NOTES_MAX: usize = 500;
 
 /// Data that comments have about a tool.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,16 +45,20 @@ pub struct Operation {
 }
 
 /// Comments read so far.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ToolNotes {
     unit: LengthUnit,
     notes: Vec<ToolNote>,
+    /// Comments that begin with a T number, without data.
+    names: Vec<(i64, String)>,
     /// Tools whose comments contradict each other about the diameter.
     contradicted: Vec<i64>,
     /// Tool that the last comment named, and its line.
     named: Option<(i64, usize)>,
     /// Last tool change and its line.
     change: Option<(i64, usize)>,
+    /// Lines whose comments say nothing about a tool: each is read once.
+    silent: BTreeSet<Vec<u8>>,
     /// Comment that waits for its tool change.
     pending: Option<(usize, String, ToolComment)>,
 }
@@ -57,11 +67,25 @@ impl ToolNotes {
     /// For a program in this unit.
     pub fn new(unit: LengthUnit) -> Self {
         let (notes, contradicted) = (Vec::new(), Vec::new());
-        ToolNotes { unit, notes, contradicted, named: None, change: None, pending: None }
+        ToolNotes {
+            unit,
+            notes,
+            names: Vec::new(),
+            contradicted,
+            named: None,
+            change: None,
+            silent: BTreeSet::new(),
+            pending: None,
+        }
     }
 
     /// Reads the comments of the next line; `change` is the tool that its block selects or loads.
     pub fn read(&mut self, line: usize, text: &[u8], change: Option<i64>) {
+        let text = if text.contains(&b'(') { text } else { b"" };
+        if change.is_none() && (text.is_empty() || self.silent.contains(text)) {
+            return;
+        }
+        let mut is_silent = true;
         if let Some(tool) = change {
             self.change = Some((tool, line));
             if let Some((place, comment, data)) = self.pending.take().filter(|(place, ..)| place + REACH_BEFORE >= line)
@@ -71,6 +95,7 @@ impl ToolNotes {
         }
         for comment in comments(text) {
             let data = ToolComment::read(&comment, self.unit);
+            is_silent &= data.number.is_none() && !data.has_data();
             let near = |(tool, place): (i64, usize), reach: usize| (place + reach >= line).then_some(tool);
             let followed = || self.named.and_then(|named| near(named, 1));
             let reach = if data.kind.is_some() { REACH_BEHIND } else { 0 };
@@ -88,6 +113,9 @@ impl ToolNotes {
             }
             self.add(tool, (line, &comment), data, is_listed);
         }
+        if is_silent && self.silent.len() < SILENT_MAX {
+            self.silent.insert(text.to_vec());
+        }
     }
 
     /// All notes.
@@ -95,8 +123,19 @@ impl ToolNotes {
         self.notes
     }
 
+    /// Text of the first comment about a tool, if there is one.
+    pub fn text_of(&self, tool: i64) -> Option<&str> {
+        let described = self.notes.iter().find(|note| note.tool == tool && note.data.has_data());
+        let named = || self.names.iter().find(|(number, _)| *number == tool).map(|(_, text)| text.as_str());
+        described.map(|note| note.text.as_str()).or_else(named)
+    }
+
     fn add(&mut self, tool: i64, (line, text): (usize, &str), data: ToolComment, is_listed: bool) {
         if !data.has_data() {
+            let is_named = data.number.is_some() && text.starts_with(['T', 't']);
+            if is_named && self.names.len() < NOTES_MAX {
+                self.names.push((tool, text.to_owned()));
+            }
             return;
         }
         let has_kind = self.notes.iter().any(|note| note.tool == tool && note.data.kind.is_some());
@@ -105,6 +144,9 @@ impl ToolNotes {
         let operation = may_be_operation.then(|| Operation { line, text: text.to_owned() });
         let data = if operation.is_some() { ToolComment::default() } else { data };
         let Some(note) = self.notes.iter_mut().find(|note| note.tool == tool) else {
+            if self.notes.len() == NOTES_MAX {
+                return;
+            }
             self.notes.push(ToolNote { tool, line, text: text.to_owned(), data, operation });
             return;
         };
@@ -129,11 +171,13 @@ impl ToolNotes {
     }
 }
 
-/// Texts of the comments of a line; a list of several tools, each with its T number, is several texts.
-fn comments(text: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(text);
-    let comments = text.split('(').skip(1).map(|rest| rest.split(')').next().unwrap_or(rest));
-    comments.flat_map(of_each_tool).collect()
+/// Texts of the comments of a line, without blanks around them; those without letters and digits are left out. A list of
+/// several tools, each with its T number, is several texts.
+pub(super) fn comments(text: &[u8]) -> impl Iterator<Item = String> {
+    let comments = text.split(|byte| *byte == b'(').skip(1);
+    let inner = comments.map(|rest| rest.split(|byte| *byte == b')').next().unwrap_or(rest));
+    let texts = inner.flat_map(|comment| of_each_tool(&String::from_utf8_lossy(comment)));
+    texts.map(|text| text.trim().to_owned()).filter(|text| text.contains(|c: char| c.is_alphanumeric()))
 }
 
 fn of_each_tool(comment: &str) -> Vec<String> {
