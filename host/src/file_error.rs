@@ -25,4 +25,12 @@ pub enum FileError {
         /// Fault and remedy.
         message: String,
     },
+    /// The content makes no sense, and the file has no lines.
+    #[error("{path}: {message}")]
+    Whole {
+        /// Path of the file.
+        path: PathBuf,
+        /// Fault and remedy.
+        message: String,
+    },
 }

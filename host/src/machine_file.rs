@@ -26,6 +26,7 @@
 //! gain = 33                 # 1/s
 //! feed_forward = 0          # 0 to 1; 0 unless given
 //! in_position = 0.01        # mm, degrees; this unless given
+//! spindle_range = [50, 6000] # rev/min; not compared with anything unless given; stands above the tables
 //! [spindle]                 # without it the spindle turns as the job has it
 //! run_up = 2000             # rev/min each second
 //! run_down = 2000
@@ -61,6 +62,8 @@ pub struct MachineFile {
     pub servo: Option<Loops>,
     /// Drive of the spindle, if the file describes it.
     pub spindle: Option<SpindleRamps>,
+    /// Least and largest spindle speed, rev/min, if the file has them.
+    pub spindle_range_rev_per_min: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -68,6 +71,7 @@ pub struct MachineFile {
 struct MachineTable {
     name: String,
     tool: Option<[f64; 3]>,
+    spindle_range: Option<Spanned<[f64; 2]>>,
     rotary: [Spanned<RotaryTable>; 2],
     linear: LinearTables,
     #[serde(default)]
@@ -165,8 +169,14 @@ impl MachineFile {
             let what = "`run_up`, `run_down` and `arrival` must be above zero";
             possible(spindle.as_ref().are_possible(), spindle.span().start, what)?;
         }
+        if let Some(range) = &table.spindle_range {
+            let [low, high] = *range.as_ref();
+            let what = "`spindle_range` must be [least, largest] speed in rev/min, not below zero";
+            possible(0.0 <= low && low < high, range.span().start, what)?;
+        }
+        let spindle_range_rev_per_min = table.spindle_range.map(Spanned::into_inner);
         let (servo, spindle) = (table.servo.map(Spanned::into_inner), table.spindle.map(Spanned::into_inner));
-        Ok(MachineFile { name: table.name, machine, drives, servo, spindle })
+        Ok(MachineFile { name: table.name, machine, drives, servo, spindle, spindle_range_rev_per_min })
     }
 }
 
@@ -267,6 +277,7 @@ mod tests {
             (format!("{}{a}", c.replace("part", "tool")), "table before head"),
             (format!("{c}{a}[servo]\ngain = 0\n"), "16:1: `gain` and `in_position` must be above zero"),
             (format!("{c}{a}[spindle]\nrun_up = 0\nrun_down = 1\n"), "16:1: `run_up`, `run_down` and `arrival`"),
+            (format!("spindle_range = [6000, 50]\n{c}{a}"), "2:17: `spindle_range` must be [least, largest]"),
             (format!("{c}{}", rotary('A', "[1, 0, 0]", "max_feed = 5\njerk = 9")), "each needs `max_feed`"),
         ] {
             let error = MachineFile::parse(&format!("name = 'm'\n{axes}{LINEAR}")).unwrap_err();

@@ -9,6 +9,8 @@ mod surface;
 
 mod files;
 
+mod formats;
+
 mod slots;
 
 mod meshes;

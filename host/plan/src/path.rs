@@ -78,6 +78,26 @@ pub struct Step {
     pub about: Option<(Flat, Turn)>,
 }
 
+impl Step {
+    /// `count` places from the start to the end, evenly along the step.
+    pub fn places(&self, count: u32) -> Vec<[f64; 3]> {
+        let share = |k: u32| f64::from(k) / f64::from(count.max(2) - 1);
+        let along =
+            |share: f64| [0, 1, 2].map(|axis: usize| self.from[axis] + (self.to[axis] - self.from[axis]) * share);
+        let Some((centre, turn)) = self.about else { return (0..count).map(|k| along(share(k))).collect() };
+        let from = Flat::new(self.from[0], self.from[1]) - centre;
+        let to = Flat::new(self.to[0], self.to[1]) - centre;
+        let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
+        let ahead = sense * libm::atan2(from.perp(&to), from.dot(&to));
+        let sweep = sense * if ahead < 0.0 { ahead + core::f64::consts::TAU } else { ahead };
+        let at = |k: u32| {
+            let place = centre + nalgebra::Rotation2::new(sweep * share(k)) * from;
+            [place.x, place.y, along(share(k))[2]]
+        };
+        (0..count).map(at).collect()
+    }
+}
+
 impl Purpose {
     /// Number in Petean's table 5.1; `None` for lines.
     pub const fn movement(self) -> Option<usize> {

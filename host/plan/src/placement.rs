@@ -14,6 +14,7 @@ use arcfeed_kinematics::machine::{Carries, Letter, LinearAxis, Machine, MachineE
 use nalgebra::Rotation3;
 use thiserror::Error;
 
+use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
 /// Positions of the rotary axes for a slot.
@@ -33,6 +34,34 @@ pub enum PlacementError {
         "slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table"
     )]
     Axes,
+    /// The rotary axes do not cross.
+    #[error(
+        "the machine's A and B pass each other at {apart_mm:.4} mm; the program's zero is where they cross: correct `point` in the machine file"
+    )]
+    NoCrossing {
+        /// Least distance of the axes.
+        apart_mm: f64,
+    },
+    /// A linear axis is too short.
+    #[error(
+        "{axis} would move to {to_mm:.1} mm for {place}, outside its range of {} to {} mm on the machine ({beyond_mm:.1} mm too far; the spindle's \
+         gauge line {tool_mm:.1} mm above the tool's bottom): choose another axis in [roughing], a lower `clearance` or another machine",
+        .range_mm[0], .range_mm[1]
+    )]
+    Travel {
+        /// X, Y or Z.
+        axis: char,
+        /// Position outside the range.
+        to_mm: f64,
+        /// Distance from the range.
+        beyond_mm: f64,
+        /// Range.
+        range_mm: [f64; 2],
+        /// Length of the tool with its holder.
+        tool_mm: f64,
+        /// Part of the path.
+        place: String,
+    },
     /// The range of the axes is too small.
     #[error(
         "the tool leans by {tilt_deg:.3} degrees against the rotor's axis, beyond the machine's A: choose another axis in [roughing]"
@@ -45,6 +74,8 @@ pub enum PlacementError {
 
 /// Tolerance for equal coordinates, mm.
 const SAME_MM: f64 = 1e-6;
+/// Places of an arc that are compared with the travel of the axes.
+const TRAVEL_SAMPLES: u32 = 33;
 
 /// Positions of the rotary axes with which `machine` turns the part by `turn` (part to slot frame).
 ///
@@ -57,6 +88,7 @@ pub fn placement(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placement, 
     if !(is_so && is_table && index.direction == [0.0, 1.0, 0.0]) {
         return Err(PlacementError::Axes);
     }
+    let crossing_mm = crossing(machine)?;
     let tool = turn.inverse() * Vector::z();
     let found = match machine.angles(on_table(&tool)) {
         Angles::None => return Err(PlacementError::Axes),
@@ -64,12 +96,47 @@ pub fn placement(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placement, 
         Angles::Two(two) => two.to_vec(),
         Angles::Any { second_deg } => vec![[0.0, second_deg]],
     };
-    let presented = found.into_iter().find(|angles| presents(machine, *angles, turn));
+    let presented = found.into_iter().find(|angles| presents(machine, *angles, turn, crossing_mm));
     let [index_deg, tilt_deg] = presented.ok_or(PlacementError::Axes)?;
     let ranged = machine.in_range([index_deg, tilt_deg], [0.0, 0.0]);
     ranged
         .map(|[index_deg, tilt_deg]| Placement { tilt_deg, index_deg })
         .map_err(|_| PlacementError::Range { tilt_deg })
+}
+
+/// Checks that X, Y and Z reach all of a path, for a tool of this length from its bottom to the spindle's gauge line.
+///
+/// # Errors
+/// The first place that they do not reach.
+pub fn check_travel(machine: &Machine, path: &SlotPath, tool_mm: f64) -> Result<(), PlacementError> {
+    let crossing_mm = crossing(machine)?;
+    for step in path.steps() {
+        for place in step.places(TRAVEL_SAMPLES) {
+            let lift_mm = [0.0, 0.0, tool_mm];
+            for (index, axis) in machine.linear().iter().enumerate() {
+                let Some(range_mm @ [low_mm, high_mm]) = axis.range_mm else { continue };
+                let to_mm = place[index] + lift_mm[index] + crossing_mm[index];
+                let beyond_mm = (to_mm - high_mm).max(low_mm - to_mm);
+                if beyond_mm > SAME_MM {
+                    let place = format!("level {} of the slot", step.level + 1);
+                    let axis = ['X', 'Y', 'Z'][index];
+                    return Err(PlacementError::Travel { axis, to_mm, beyond_mm, range_mm, tool_mm, place });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Point where both rotary axes cross, machine frame.
+fn crossing(machine: &Machine) -> Result<[f64; 3], PlacementError> {
+    let [one, other] =
+        machine.rotary().each_ref().map(|axis| (Vector::from(axis.point_mm), Vector::from(axis.direction)));
+    let across = one.1.cross(&other.1);
+    let between = other.0 - one.0;
+    let along = between.cross(&other.1).dot(&across) / across.norm_squared();
+    let apart_mm = between.dot(&across.normalize()).abs();
+    if apart_mm > SAME_MM { Err(PlacementError::NoCrossing { apart_mm }) } else { Ok((one.0 + one.1 * along).into()) }
 }
 
 /// Machine of the published test as far as it is needed here, with unlimited axes: for parts that name none.
@@ -96,12 +163,12 @@ fn on_table(part: &Vector) -> [f64; 3] {
 }
 
 /// The machine's coordinates of the part's points are their coordinates in the slot frame.
-fn presents(machine: &Machine, angles_deg: [f64; 2], turn: &Rotation3<f64>) -> bool {
-    let setup = Setup { part_zero_mm: [0.0; 3], tool_length_mm: 0.0 };
+fn presents(machine: &Machine, angles_deg: [f64; 2], turn: &Rotation3<f64>, crossing_mm: [f64; 3]) -> bool {
+    let setup = Setup { part_zero_mm: crossing_mm, tool_length_mm: 0.0 };
     [Vector::x(), Vector::y(), Vector::z()].iter().all(|point| {
         let seen = turn * Point::from(*point);
         let at = machine.linear_for(on_table(point), angles_deg, &setup);
-        (0..3).all(|axis| (at[axis] - seen[axis]).abs() < SAME_MM)
+        (0..3).all(|axis| (at[axis] - crossing_mm[axis] - seen[axis]).abs() < SAME_MM)
     })
 }
 

@@ -117,7 +117,7 @@ impl JobValues {
         }
         let file = JobFile::parse(path, &text).map_err(|error| match error {
             FileError::Content { message, .. } => failed(message),
-            error @ FileError::Read { .. } => error.into(),
+            error => error.into(),
         })?;
         let named = proposal.tools.iter().filter(|tool| !tool.cuts.is_empty());
         named.for_each(|tool| note(format_args!("{}", words(tool, &findings))));

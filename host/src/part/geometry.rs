@@ -6,15 +6,25 @@ use arcfeed_plan::geometry::blade::{RotorAxis, Sections};
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
 use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
-use arcfeed_plan::geometry::point_file::{PointFileFrame, ReadError};
-use arcfeed_plan::geometry::sections;
-use arcfeed_units::LengthUnit;
+use arcfeed_plan::geometry::point_file::PointFileFrame;
+use arcfeed_plan::geometry::step_file::StepFile;
+use arcfeed_plan::geometry::{sections, solid};
+use arcfeed_units::{LengthUnit, MM_PER_M};
 use toml::Spanned;
 
 use super::PartError;
-use super::schema::{CurvesTable, GenerateTable, GeometryTable, HandWord, PointUnit, RotorWord, SectionsTable};
-use crate::file_error::FileError;
-use crate::job::{Complaint, at, length_mm};
+use super::gas_path::{GasPathEntry, cylinder, gas_path};
+use super::geometry_files::{FileContext, in_file, read, read_mesh, whole};
+use super::schema::{
+    CurvesTable, GenerateTable, GeometryTable, HandWord, PointUnit, RotorWord, SectionsTable, StepTable, StlTable,
+};
+use crate::job::{Complaint, at};
+
+/// Most blades of a rotor.
+const BLADES_MAX: i64 = 1_000;
+
+/// Number of blades, hub, and the sections of one blade.
+type RotorParts = (u32, Revolution, Sections);
 
 /// Builds the rotor in its blank.
 pub(super) fn build(
@@ -23,13 +33,16 @@ pub(super) fn build(
     blank: Blank,
     folder: &Path,
 ) -> Result<Blisk, PartError> {
-    let GeometryTable { generate, curves, sections } = entry.as_ref();
-    let (blades, hub, blade) = match (generate, curves, sections) {
-        (Some(numbers), None, None) => generated(numbers, unit, &blank)?,
-        (None, Some(files), None) => from_curves(files, unit, &blank, folder)?,
-        (None, None, Some(file)) => from_sections(file, unit, &blank, folder)?,
+    let GeometryTable { generate, curves, sections, stl, step } = entry.as_ref();
+    let context = FileContext { unit, blank: &blank, folder };
+    let (blades, hub, blade) = match (generate, curves, sections, stl, step) {
+        (Some(numbers), None, None, None, None) => generated(numbers, unit, &blank)?,
+        (None, Some(files), None, None, None) => from_curves(files.as_ref(), &context)?,
+        (None, None, Some(file), None, None) => from_sections(file, &context)?,
+        (None, None, None, Some(files), None) => from_stl(files, &context)?,
+        (None, None, None, None, Some(file)) => from_step(file, &context)?,
         _ => {
-            let message = "give the rotor as exactly one of `generate`, `curves` or `sections`";
+            let message = "give the rotor as exactly one of `generate`, `curves`, `sections`, `stl` or `step`";
             return Err(at(entry, message).into());
         }
     };
@@ -37,19 +50,10 @@ pub(super) fn build(
     Ok(Blisk { blades, pressure, suction, hub, blank })
 }
 
-/// Cylinder through the blank.
-fn cylinder(radius_mm: f64, blank: &Blank) -> Revolution {
-    Revolution { profile_mm: blank.faces_mm.map(|z| [z, radius_mm]).to_vec() }
-}
-
-fn generated(
-    entry: &Spanned<GenerateTable>,
-    unit: LengthUnit,
-    blank: &Blank,
-) -> Result<(u32, Revolution, Sections), Complaint> {
+fn generated(entry: &Spanned<GenerateTable>, unit: LengthUnit, blank: &Blank) -> Result<RotorParts, Complaint> {
     let numbers = entry.as_ref();
     let rotor = Rotor {
-        blades: numbers.blades,
+        blades: blades(&numbers.blades)?,
         hub_radius_mm: numbers.hub_radius.to_mm(unit),
         tip_radius_mm: numbers.tip_radius.to_mm(unit),
         chord_mm: numbers.chord.map(|chord| chord.to_mm(unit)),
@@ -67,47 +71,77 @@ fn generated(
     Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), blade))
 }
 
-fn from_curves(
-    entry: &Spanned<CurvesTable>,
-    unit: LengthUnit,
-    blank: &Blank,
-    folder: &Path,
-) -> Result<(u32, Revolution, Sections), PartError> {
-    let files = entry.as_ref();
+fn from_curves(files: &CurvesTable, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
     let blades = blades(&files.blades)?;
-    let [hub, shroud, profile] = [&files.hub, &files.shroud, &files.profile].map(|file| read(file, folder));
+    let [hub, shroud, profile] = [&files.hub, &files.shroud, &files.profile].map(|file| read(file, context.folder));
     let (hub, shroud, profile) = (hub?, shroud?, profile?);
     let texts = Texts { hub: &hub, shroud: &shroud, profile: &profile };
-    let found = curves::read(&texts, &frame(files.axis, files.units, unit)).map_err(|(which, error)| {
+    let found = curves::read(&texts, &frame(files.axis, files.units, context.unit)).map_err(|(which, error)| {
         let file = match which {
             CurveFile::Hub => &files.hub,
             CurveFile::Shroud => &files.shroud,
             CurveFile::Profile => &files.profile,
         };
-        in_file(file, folder, &error)
+        in_file(file, context.folder, &error)
     })?;
-    Ok((blades, Revolution { profile_mm: found.hub.between(blank.faces_mm) }, found.blade))
+    Ok((blades, Revolution { profile_mm: found.hub.between(context.blank.faces_mm) }, found.blade))
 }
 
-fn from_sections(
-    entry: &Spanned<SectionsTable>,
-    unit: LengthUnit,
-    blank: &Blank,
-    folder: &Path,
-) -> Result<(u32, Revolution, Sections), PartError> {
+fn from_sections(entry: &Spanned<SectionsTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
     let table = entry.as_ref();
     let blades = blades(&table.blades)?;
-    let hub = cylinder(length_mm(&table.hub_radius, unit, "hub_radius")?, blank);
-    let text = read(&table.file, folder)?;
-    let blade = sections::read(&text, &frame(table.axis, table.units, unit), &hub)
-        .map_err(|error| in_file(&table.file, folder, &error))?;
+    let frame = frame(table.axis, table.units, context.unit);
+    let hub = GasPathEntry { names: ["hub", "hub_radius"], file: &table.hub, radius: &table.hub_radius };
+    let (hub, _) = gas_path(&hub, &frame, context)?.ok_or_else(|| hub.missing(entry))?;
+    let text = read(&table.file, context.folder)?;
+    let blade = sections::read(&text, &frame, &hub).map_err(|error| in_file(&table.file, context.folder, &error))?;
     Ok((blades, hub, blade))
 }
 
-fn blades(entry: &Spanned<u32>) -> Result<u32, Complaint> {
+fn from_stl(entry: &Spanned<StlTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
+    let files = entry.as_ref();
+    let blades = blades(&files.blades)?;
+    let frame = frame(files.axis, files.units, context.unit);
+    let hub = GasPathEntry { names: ["hub", "hub_radius"], file: &files.hub, radius: &files.hub_radius };
+    let (hub, from_low_z) = gas_path(&hub, &frame, context)?.ok_or_else(|| hub.missing(entry))?;
+    let tip = GasPathEntry { names: ["shroud", "tip_radius"], file: &files.shroud, radius: &files.tip_radius };
+    let tip = gas_path(&tip, &frame, context)?.map(|(tip, _)| tip);
+    let mesh = read_mesh(&files.blade, &frame, context.folder)?;
+    let blade = solid::sections(&mesh, &hub, tip.as_ref(), from_low_z)
+        .map_err(|fault| whole(&files.blade, context.folder, &fault.to_string()))?;
+    Ok((blades, hub, blade))
+}
+
+fn from_step(entry: &Spanned<StepTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
+    let table = entry.as_ref();
+    let blades = blades(&table.blades)?;
+    let frame = frame(table.axis, None, context.unit);
+    let text = read(&table.file, context.folder)?;
+    let wrong = |message: String| whole(&table.file, context.folder, &message);
+    let file = StepFile::read(&text, frame.axis).map_err(|fault| wrong(fault.to_string()))?;
+    let hub = GasPathEntry { names: ["hub", "hub_radius"], file: &table.hub, radius: &table.hub_radius };
+    let (hub, from_low_z) = match (&table.hub_faces, gas_path(&hub, &frame, context)?) {
+        (Some(_), Some(_)) => {
+            let message = "give one of `hub_faces`, `hub` and `hub_radius`";
+            return Err(at(entry, message).into());
+        }
+        (Some(names), None) => {
+            let found = file.hub(names.as_ref()).map_err(|fault| wrong(fault.to_string()))?;
+            (Revolution { profile_mm: found.between(context.blank.faces_mm) }, true)
+        }
+        (None, given) => given.ok_or_else(|| hub.missing(entry))?,
+    };
+    let tip = GasPathEntry { names: ["shroud", "tip_radius"], file: &table.shroud, radius: &table.tip_radius };
+    let tip = gas_path(&tip, &frame, context)?.map(|(tip, _)| tip);
+    let mesh = file.mesh(&table.blade).map_err(|fault| wrong(fault.to_string()))?;
+    let blade = solid::sections(&mesh, &hub, tip.as_ref(), from_low_z).map_err(|fault| wrong(fault.to_string()))?;
+    Ok((blades, hub, blade))
+}
+
+fn blades(entry: &Spanned<i64>) -> Result<u32, Complaint> {
     match *entry.as_ref() {
-        0 | 1 => Err(at(entry, "a rotor has 2 blades at least")),
-        blades => Ok(blades),
+        count @ 2..=BLADES_MAX => Ok(count.unsigned_abs() as u32),
+        _ => Err(at(entry, &format!("a rotor has 2 to {BLADES_MAX} blades"))),
     }
 }
 
@@ -123,18 +157,7 @@ fn frame(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFi
         Some(PointUnit::Inch) => LengthUnit::Inch.mm(),
         Some(PointUnit::Mm) => 1.0,
         Some(PointUnit::Cm) => 10.0,
-        Some(PointUnit::M) => 1000.0,
+        Some(PointUnit::M) => MM_PER_M,
     };
     PointFileFrame { axis, unit_mm }
-}
-
-fn read(file: &Spanned<String>, folder: &Path) -> Result<String, Complaint> {
-    let path = folder.join(file.as_ref());
-    std::fs::read_to_string(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())))
-}
-
-fn in_file(file: &Spanned<String>, folder: &Path, error: &ReadError) -> PartError {
-    let ReadError { line, column, fault } = error;
-    let path = folder.join(file.as_ref());
-    PartError::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })
 }

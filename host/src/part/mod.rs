@@ -3,6 +3,10 @@
 
 mod schema;
 
+mod geometry_files;
+
+mod gas_path;
+
 mod geometry;
 
 mod tool;
@@ -162,6 +166,8 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     let blank = blank(&table.blank, unit)?;
     let cutter = tool::build(&table.cutter, unit)?;
     let (roughing, feeds) = roughing(&table.roughing, unit)?;
+    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
+    check_speed(&table.roughing.rev_per_min, machine.as_ref())?;
     let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
     Ok(PartFile {
         name: table.name.clone().unwrap_or_else(own_name),
@@ -172,12 +178,21 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
         is_engaged_arc: table.roughing.law == LawWord::EngagedArc,
         feeds,
         fixtures,
-        machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,
+        machine,
         machine_source: machine_source(&table.machine, folder),
         output: output(&table.output, unit)?,
         baseline: table.baseline.as_ref().map(|entry| baseline(entry, unit)).transpose()?,
         blisk: geometry::build(&table.geometry, unit, blank, folder)?,
     })
+}
+
+/// Rejects a speed that the machine's spindle does not have.
+fn check_speed(entry: &Spanned<f64>, machine: Option<&MachineFile>) -> Result<(), Complaint> {
+    let Some([low, high]) = machine.and_then(|machine| machine.spindle_range_rev_per_min) else { return Ok(()) };
+    if (low..=high).contains(entry.as_ref()) {
+        return Ok(());
+    }
+    Err(at(entry, &format!("the machine's spindle turns at {low} to {high} rev/min (`spindle_range` of its file)")))
 }
 
 fn machine_source(entry: &PartMachineTable, folder: &Path) -> Option<MachineSource> {

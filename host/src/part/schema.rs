@@ -29,12 +29,14 @@ pub struct GeometryTable {
     pub generate: Option<Spanned<GenerateTable>>,
     pub curves: Option<Spanned<CurvesTable>>,
     pub sections: Option<Spanned<SectionsTable>>,
+    pub stl: Option<Spanned<StlTable>>,
+    pub step: Option<Spanned<StepTable>>,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GenerateTable {
-    pub blades: u32,
+    pub blades: Spanned<i64>,
     pub hub_radius: Quantity,
     pub tip_radius: Quantity,
     pub chord: [Quantity; 2],
@@ -62,7 +64,7 @@ pub struct CurvesTable {
     pub hub: Spanned<String>,
     pub shroud: Spanned<String>,
     pub profile: Spanned<String>,
-    pub blades: Spanned<u32>,
+    pub blades: Spanned<i64>,
     #[serde(default)]
     pub axis: RotorWord,
     pub units: Option<PointUnit>,
@@ -72,11 +74,43 @@ pub struct CurvesTable {
 #[serde(deny_unknown_fields)]
 pub struct SectionsTable {
     pub file: Spanned<String>,
-    pub blades: Spanned<u32>,
+    pub blades: Spanned<i64>,
     #[serde(default)]
     pub axis: RotorWord,
     pub units: Option<PointUnit>,
-    pub hub_radius: Spanned<Quantity>,
+    pub hub: Option<Spanned<String>>,
+    pub hub_radius: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StlTable {
+    pub blade: Spanned<String>,
+    pub blades: Spanned<i64>,
+    #[serde(default)]
+    pub axis: RotorWord,
+    pub units: Option<PointUnit>,
+    pub hub: Option<Spanned<String>>,
+    pub hub_radius: Option<Spanned<Quantity>>,
+    pub shroud: Option<Spanned<String>>,
+    pub tip_radius: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepTable {
+    pub file: Spanned<String>,
+    /// Names or colours of the blade's faces.
+    pub blade: Vec<String>,
+    pub blades: Spanned<i64>,
+    #[serde(default)]
+    pub axis: RotorWord,
+    /// Names or colours of the hub's faces.
+    pub hub_faces: Option<Spanned<Vec<String>>>,
+    pub hub: Option<Spanned<String>>,
+    pub hub_radius: Option<Spanned<Quantity>>,
+    pub shroud: Option<Spanned<String>>,
+    pub tip_radius: Option<Spanned<Quantity>>,
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]

@@ -67,8 +67,11 @@ pub fn read(texts: &Texts<'_>, frame: &PointFileFrame) -> Result<Curves, (CurveF
     Ok(Curves { hub, shroud, blade })
 }
 
-/// Generatrix, and whether it begins at low z.
-fn revolution(text: &str, frame: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
+/// Generatrix from a file such as `hub.curve`, and whether it begins at low z.
+///
+/// # Errors
+/// The fault with its place.
+pub fn revolution(text: &str, frame: &PointFileFrame) -> Result<(Revolution, bool), ReadError> {
     let mut places: Vec<([f64; 2], usize)> = Vec::new();
     for (at, line) in lines(text) {
         if let Some((place, _)) = point(line, at, frame)? {

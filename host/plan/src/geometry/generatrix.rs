@@ -3,7 +3,7 @@
 use crate::vector::Vector;
 
 use super::blisk::Revolution;
-use super::solid::SolidFault;
+use super::solid_fault::SolidFault;
 use super::surface_mesh::SurfaceMesh;
 
 /// Least radial part of a normal: faces square to the axis and edges do not count.
@@ -19,7 +19,10 @@ const ROUND_MM: f64 = 0.05;
 ///
 /// # Errors
 /// The triangles do not lie on a surface of revolution.
-pub(super) fn generatrix(mesh: &SurfaceMesh, is_part: impl Fn(&[usize; 3], f64) -> bool) -> Result<Revolution, SolidFault> {
+pub(super) fn generatrix(
+    mesh: &SurfaceMesh,
+    is_part: impl Fn(&[usize; 3], f64) -> bool,
+) -> Result<Revolution, SolidFault> {
     let radial = |triangle: &[usize; 3]| {
         let [a, b, c] = mesh.corners(triangle).map(|point| point.coords);
         let out = (a + b + c).xy().try_normalize(0.0).unwrap_or_default();
@@ -41,8 +44,11 @@ pub(super) fn generatrix(mesh: &SurfaceMesh, is_part: impl Fn(&[usize; 3], f64) 
     joined(if is_inner { inner } else { outer })
 }
 
-/// Places in order along the axis, one for each place.
-fn joined(mut places: Vec<[f64; 2]>) -> Result<Revolution, SolidFault> {
+/// Generatrix through places `[z, r]`, in any order.
+///
+/// # Errors
+/// Two radii at one place.
+pub(super) fn joined(mut places: Vec<[f64; 2]>) -> Result<Revolution, SolidFault> {
     places.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut profile_mm: Vec<[f64; 2]> = Vec::new();
     for group in places.chunk_by(|a, b| b[0] - a[0] < SAME_PLACE_MM) {
@@ -57,7 +63,10 @@ fn joined(mut places: Vec<[f64; 2]>) -> Result<Revolution, SolidFault> {
     // Points of another surface between those of the gas path.
     let is_jump = |pair: &&[[f64; 2]]| (pair[1][1] - pair[0][1]).abs() > ROUND_MM + 20.0 * (pair[1][0] - pair[0][0]);
     if let Some(pair) = profile_mm.windows(2).find(is_jump) {
-        return Err(SolidFault::NotRound { z_mm: pair[0][0], radii_mm: [pair[0][1].min(pair[1][1]), pair[0][1].max(pair[1][1])] });
+        return Err(SolidFault::NotRound {
+            z_mm: pair[0][0],
+            radii_mm: [pair[0][1].min(pair[1][1]), pair[0][1].max(pair[1][1])],
+        });
     }
     if profile_mm.len() < 2 { Err(SolidFault::NoRevolution) } else { Ok(Revolution { profile_mm }) }
 }

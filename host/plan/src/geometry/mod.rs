@@ -24,11 +24,19 @@ pub mod curves;
 
 pub mod surface_mesh;
 
+pub mod solid_fault;
+
 mod generatrix;
 
 mod slices;
 
 pub mod solid;
+
+mod step_text;
+
+mod step_spline;
+
+pub mod step_file;
 
 pub mod slot;
 

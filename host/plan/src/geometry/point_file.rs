@@ -33,11 +33,16 @@ pub enum Fault {
     /// Not a finite number.
     #[error("`{0}` is no number")]
     NotANumber(String),
+    /// Not the text of a STEP file.
+    #[error("this is no complete STEP file (ISO 10303-21); export it anew as AP203 or AP214")]
+    NotStep,
     /// A comma within a number.
     #[error("`{0}` has a decimal comma; export numbers with a decimal point")]
     DecimalComma(String),
     /// More values than columns.
-    #[error("{found} values in a line of {columns} columns; numbers need a decimal point, a comma separates two values")]
+    #[error(
+        "{found} values in a line of {columns} columns; numbers need a decimal point, a comma separates two values"
+    )]
     Values {
         /// Number of values.
         found: usize,

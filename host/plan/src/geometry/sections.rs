@@ -121,7 +121,8 @@ impl Columns {
                 Some("in" | "inch") => Some(LengthUnit::Inch.mm()),
                 Some(_) => None,
             };
-            let factor = factor.ok_or_else(|| wrong(at, "a length with `_mm`, `_cm`, `_m` or `_in` behind its name"))?;
+            let factor =
+                factor.ok_or_else(|| wrong(at, "a length with `_mm`, `_cm`, `_m` or `_in` behind its name"))?;
             Ok(Column { at, factor })
         };
         let angle = |at: usize| {

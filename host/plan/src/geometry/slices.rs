@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use crate::vector::Point;
 
 use super::blisk::Revolution;
-use super::solid::SolidFault;
+use super::solid_fault::SolidFault;
 use super::surface_mesh::{EdgeKey, SmoothMesh, edge_keys};
 
 /// Largest gap between two surfaces that meet, mm.
@@ -42,7 +42,12 @@ impl GasPath<'_> {
 ///
 /// # Errors
 /// There is no single closed outline there.
-pub(super) fn outline(mesh: &SmoothMesh<'_>, shares: &[f64], path: &GasPath<'_>, share: f64) -> Result<Vec<Point>, SolidFault> {
+pub(super) fn outline(
+    mesh: &SmoothMesh<'_>,
+    shares: &[f64],
+    path: &GasPath<'_>,
+    share: f64,
+) -> Result<Vec<Point>, SolidFault> {
     let is_above = |point: usize| shares[point] >= share;
     let mut next: HashMap<EdgeKey, Vec<EdgeKey>> = HashMap::new();
     let mut order: Vec<EdgeKey> = Vec::new();
@@ -74,7 +79,8 @@ pub(super) fn outline(mesh: &SmoothMesh<'_>, shares: &[f64], path: &GasPath<'_>,
         points.dedup_by(|a, b| (*a - *b).norm() < SAME_MM);
         (points, is_closed)
     });
-    let (closed, open): (Vec<_>, Vec<_>) = chains.filter(|(points, _)| points.len() > 1).partition(|(_, is_closed)| *is_closed);
+    let (closed, open): (Vec<_>, Vec<_>) =
+        chains.filter(|(points, _)| points.len() > 1).partition(|(_, is_closed)| *is_closed);
     let mut loops: Vec<Vec<Point>> = closed.into_iter().map(|(points, _)| points).collect();
     loops.extend(joined(open.into_iter().map(|(points, _)| points).collect(), share)?);
     match loops.len() {

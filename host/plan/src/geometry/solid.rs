@@ -3,8 +3,6 @@
 //! The outlines lie at shares of the height that grow with the square of their number, so that a fillet at the root has several. The
 //! edges are the two points of an outline that lie farthest apart, between the points of the mesh.
 
-use thiserror::Error;
-
 use crate::vector::Point;
 
 use super::blade::Sections;
@@ -12,9 +10,9 @@ use super::blisk::Revolution;
 use super::closed_loop::Loop;
 use super::curves::assigned_sides;
 use super::generatrix::generatrix;
-use super::point_file::Fault;
 use super::resampling::spread;
 use super::slices::{GasPath, outline};
+use super::solid_fault::SolidFault;
 use super::surface_mesh::{SmoothMesh, SurfaceMesh};
 
 /// Number of sections.
@@ -25,68 +23,17 @@ const POINTS: usize = 121;
 const EVEN_RATIO: f64 = 0.15;
 
 /// Share of the height by which the first and last outline keep away from the ends of the mesh, where it has no triangles.
-const END_RATIO: f64 = 1e-4;
+const END_RATIO: f64 = 1e-3;
 
 /// Least radial part of the normals of a blade's tip.
 const TIP_RADIAL_MIN: f64 = 0.85;
 
 /// Points about an edge, and how finely the edge is searched between them.
 const WINDOW: usize = 4;
-const FINE: usize = 401;
+const FINE: usize = 801;
 
-/// Fault of a surface, without a line: such files have none.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum SolidFault {
-    /// There is nothing in it.
-    #[error("there are no triangles in it")]
-    Empty,
-    /// The hub, or the tip, is no surface of revolution.
-    #[error(
-        "at {z_mm:.3} mm along the axis the radius is {:.3} to {:.3} mm: no surface about the rotor's axis; export the gas path alone, without \
-         blades and fillets, or give `hub_radius`; check `axis` and `units`", .radii_mm[0], .radii_mm[1]
-    )]
-    NotRound {
-        /// Place along the axis.
-        z_mm: f64,
-        /// Least and greatest radius there.
-        radii_mm: [f64; 2],
-    },
-    /// There is no surface about the axis.
-    #[error("there is no surface about the rotor's axis in it; check `axis`, or give `hub_radius`")]
-    NoRevolution,
-    /// The blade has no tip.
-    #[error("the blade has no face at its tip; give `tip_radius`, or the shroud's curve as `shroud`")]
-    NoTip,
-    /// The blade is not above the hub.
-    #[error("the blade reaches from {:.1} to {:.1} % of the height between hub and tip; the files do not belong together, or `axis` or `units` is wrong", 100.0 * .shares[0], 100.0 * .shares[1])]
-    OffTheHub {
-        /// Least and greatest share of the height.
-        shares: [f64; 2],
-    },
-    /// More or fewer outlines than one.
-    #[error(
-        "{found} separate outlines at {:.1} % of the height, where one blade has one; export one blade alone, from hub to tip, without the hub", 100.0 * .share_ratio
-    )]
-    Outlines {
-        /// Number of outlines.
-        found: usize,
-        /// Share of the height.
-        share_ratio: f64,
-    },
-    /// An outline is not closed.
-    #[error(
-        "the surface is open at {:.1} % of the height: {gap_mm:.3} mm between two ends; export all faces of the blade, both sides and both edges, joined", 100.0 * .share_ratio
-    )]
-    Gap {
-        /// Least distance of two ends.
-        gap_mm: f64,
-        /// Share of the height.
-        share_ratio: f64,
-    },
-    /// An outline is no section.
-    #[error("{0}")]
-    Section(Fault),
-}
+/// Half of the places to which a parabola is fitted.
+const FIT: usize = 250;
 
 /// Generatrix of the hub's mesh.
 ///
@@ -116,8 +63,9 @@ pub fn sections(
     let Some(tip) = tip.or(own_tip.as_ref()) else { return Err(SolidFault::NoTip) };
     let path = GasPath { hub, tip };
     let shares: Vec<f64> = mesh.points.iter().map(|point| path.share(point)).collect();
-    let [least, most] =
-        shares.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], share| [low.min(*share), high.max(*share)]);
+    let [least, most] = shares
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], share| [low.min(*share), high.max(*share)]);
     if !(least < 0.5 && most > 1.0 - 2.0 * END_RATIO) || least < -5.0 || most > 5.0 {
         return Err(SolidFault::OffTheHub { shares: [least, most] });
     }
@@ -165,10 +113,6 @@ fn with_edges(mut points: Vec<Point>) -> Vec<Point> {
         let near: Vec<Point> = (0..=2 * WINDOW).map(|k| points[(about + count + k - WINDOW) % count]).collect();
         spread(&near, FINE, 1.0)
     };
-    let farthest = |from: &Point, among: &[Point]| {
-        let far = among.iter().max_by(|a, b| (*a - from).norm_squared().total_cmp(&(*b - from).norm_squared()));
-        far.copied().unwrap_or(*from)
-    };
     let [about_i, about_j] = [fine(i), fine(j)];
     let (mut one, mut other) = (points[i], points[j]);
     for _ in 0..3 {
@@ -178,6 +122,29 @@ fn with_edges(mut points: Vec<Point>) -> Vec<Point> {
     points[i] = one;
     points[j] = other;
     points
+}
+
+/// Point of a finely spread curve that is farthest from `from`: the vertex of the parabola that fits the distances best. Where the curve is
+/// round, its farthest point alone moves by the square root of an error of the points.
+fn farthest(from: &Point, among: &[Point]) -> Point {
+    let off = |k: usize| (among[k] - from).norm();
+    let mut middle = (0..FINE).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
+    for _ in 0..5 {
+        let half = FIT.min(middle).min(FINE - 1 - middle);
+        // Least squares over places t = -half to half, with sums of t^2 and t^4.
+        let places = || (middle - half..=middle + half).map(|k| (k as f64 - middle as f64, off(k)));
+        let sum = |of: fn(f64, f64) -> f64| places().map(|(t, value)| of(t, value)).sum::<f64>();
+        let [count, second, fourth] = [sum(|_, _| 1.0), sum(|t, _| t * t), sum(|t, _| t * t * t * t)];
+        let bend = (count * sum(|t, value| t * t * value) - second * sum(|_, value| value))
+            / (count * fourth - second * second);
+        let vertex = -(sum(|t, value| t * value) / second) / (2.0 * bend);
+        // A sharp edge has no parabola.
+        if bend.is_nan() || bend >= 0.0 || vertex.abs() > half as f64 {
+            break;
+        }
+        middle = (middle as f64 + libm::round(vertex)) as usize;
+    }
+    among[middle]
 }
 
 /// Moves the last sections to the ends of the gas path, along the lines through the neighbouring ones.

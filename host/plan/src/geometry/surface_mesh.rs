@@ -1,13 +1,14 @@
 //! Triangles with common points, as other programs export surfaces, and the smooth curves that lie behind their edges.
 //!
 //! ```text
-//! n_i  = sum of A_k m_k / |m_k|, over the triangles k at point i that turn by less than 40 degrees       normal         (1)
+//! n_i  = sum of a x b / (a^2 b^2), a and b the edges from point i, over the triangles at it that turn by
+//!        less than 40 degrees                                                                            normal         (1)
 //! c_i  = cosine between the edge d and its projection on the plane of n_i
 //! t_i  = 2 |d| / (1 + c_i), along that projection                                                        tangent        (2)
 //! C(t) = cubic with both end points and tangents                                                         edge           (3)
 //! ```
 //!
-//! with areas A. (3) is a circle's arc to the fourth order of its angle if the normals are the circle's, where the straight edge
+//! Source of (1): N. Max, *Weights for computing vertex normals from facet normals*, Journal of Graphics Tools 4(2), 1999: exact on spheres. (3) is a circle's arc to the fourth order of its angle if the normals are the circle's, where the straight edge
 //! deviates in the second. Edges at which two triangles turn by more stay straight.
 
 use std::collections::HashMap;
@@ -113,7 +114,7 @@ impl<'m> SmoothMesh<'m> {
         let least_cos = libm::cos(SMOOTH_DEG.to_radians());
         let corner = |own: usize, point: usize| {
             let smooth = about[point].iter().filter(|other| normals[**other].dot(&normals[own]) > least_cos);
-            let sum: Vector = smooth.map(|other| areas[*other]).sum(); // (1)
+            let sum: Vector = smooth.map(|other| weighted(mesh, &mesh.triangles[*other], point)).sum(); // (1)
             sum.try_normalize(0.0).unwrap_or(normals[own])
         };
         let corners =
@@ -131,9 +132,9 @@ impl<'m> SmoothMesh<'m> {
         let ends = [self.mesh.points[from], self.mesh.points[to]];
         let way = ends[1] - ends[0];
         let beside = self.edges.get(&[from, to]).map_or(&[][..], Vec::as_slice);
-        let is_smooth = beside.iter().all(|triangle| {
-            self.normals[*triangle].dot(&self.normals[beside[0]]) > libm::cos(SMOOTH_DEG.to_radians())
-        });
+        let is_smooth = beside
+            .iter()
+            .all(|triangle| self.normals[*triangle].dot(&self.normals[beside[0]]) > libm::cos(SMOOTH_DEG.to_radians()));
         if !is_smooth {
             return EdgeCurve { ends, tangents: [way; 2] };
         }
@@ -151,6 +152,14 @@ impl<'m> SmoothMesh<'m> {
         let corner = self.mesh.triangles[triangle].iter().position(|corner| *corner == point).unwrap_or(0);
         self.corners[triangle][corner]
     }
+}
+
+/// Term of (1) of a triangle at one of its points.
+fn weighted(mesh: &SurfaceMesh, triangle: &[usize; 3], point: usize) -> Vector {
+    let first = triangle.iter().position(|corner| *corner == point).unwrap_or(0);
+    let [own, next, last] = [0, 1, 2].map(|step: usize| mesh.points[triangle[(first + step) % 3]]);
+    let (a, b) = (next - own, last - own);
+    a.cross(&b) / (a.norm_squared() * b.norm_squared())
 }
 
 /// Edges of a triangle.
@@ -184,7 +193,10 @@ mod tests {
                 (0..=16).map(off).fold(0.0, f64::max)
             };
             let worst_mm = (2..row - 3).map(off_mm).fold(0.0, f64::max);
-            println!("{steps} facets: {worst_mm:.2e} mm off, straight {:.2e} mm", 10.0 * (1.0 - libm::cos(core::f64::consts::PI / f64::from(steps))));
+            println!(
+                "{steps} facets: {worst_mm:.2e} mm off, straight {:.2e} mm",
+                10.0 * (1.0 - libm::cos(core::f64::consts::PI / f64::from(steps)))
+            );
             assert!(worst_mm < most_mm, "{worst_mm}");
             assert!(last_mm == 0.0 || last_mm / worst_mm > 14.0, "{last_mm} {worst_mm}");
             last_mm = worst_mm;

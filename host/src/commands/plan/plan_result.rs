@@ -8,7 +8,7 @@ use arcfeed_plan::optimisation::{Problem, ValuedPlan};
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
 use arcfeed_plan::output::limits::{StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::output::nc;
-use arcfeed_plan::placement::{Placement, any_table, placement};
+use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 
 use crate::part::PartFile;
@@ -62,6 +62,9 @@ impl PlanResult {
         let (valued, proof) = best_safe(&part, ranked.map_err(|why| why.to_string())?)?;
         let plan = &valued.plan;
         let placement = placement(machine, &plan.turn).map_err(|error| error.to_string())?;
+        let cutter = &part.cutter;
+        let tool_mm = cutter.height_mm + cutter.holder_mm.iter().map(|[_, length_mm]| length_mm).sum::<f64>();
+        check_travel(machine, &plan.path, tool_mm).map_err(|error| error.to_string())?;
         let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
         let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
