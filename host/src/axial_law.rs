@@ -32,9 +32,9 @@ use std::f64::consts::TAU;
 use arcfeed_law::table::Table;
 use arcfeed_model::knots::{Knot, TABLE_KNOTS_MAX};
 use arcfeed_model::tool::Tool;
-use arcfeed_units::{Mm, MmPerTooth, S_PER_MIN};
+use arcfeed_units::{MM_PER_M, Mm, MmPerTooth, S_PER_MIN};
 
-use crate::engagement::sections::{Section, TangentialForce};
+use crate::engagement::sections::{MappedSection, TangentialForce};
 
 /// Share of the chip at entry and exit. (3), (4)
 const GENTLE_RATIO: f64 = 0.5;
@@ -46,8 +46,6 @@ const GROWN_RATIO: f64 = 0.9;
 const HALVINGS: usize = 48;
 /// Reduction of the table's values, which are stored as f32.
 const F32_RATIO: f64 = 1.0 - 1e-6;
-/// Newton millimetres in a newton metre.
-const MM_PER_M: f64 = 1e3;
 
 /// Numbers of edges that pass a place in a turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +87,7 @@ pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min
 
 impl AxialLaw {
     /// Largest torque of a turn at a path per tooth. (2)
-    pub fn torque_n_m(&self, path_mm: f64, section: &Section, sine: f64) -> f64 {
+    pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, sine: f64) -> f64 {
         let cosine = libm::sqrt((1.0 - sine * sine).max(0.0));
         let Edges { side: side_edges, end: end_edges } = self.edges;
         let across_mm = path_mm * cosine;
@@ -102,7 +100,7 @@ impl AxialLaw {
     }
 
     /// Largest path per tooth up to `most_mm` that keeps the torque; `None` if no feed does.
-    pub fn path_mm(&self, most_mm: f64, section: &Section, sine: f64) -> Option<f64> {
+    pub fn path_mm(&self, most_mm: f64, section: &MappedSection, sine: f64) -> Option<f64> {
         let is_kept = |path_mm: f64| self.torque_n_m(path_mm, section, sine) <= self.torque_max_n_m;
         if is_kept(most_mm) {
             return Some(most_mm);
@@ -117,13 +115,13 @@ impl AxialLaw {
 
     /// Paths per tooth along a move of this length, by its sections; `is_plunge` if it runs along the axis. `None` if no
     /// feed keeps the torque somewhere, or nothing is known of the move.
-    pub fn table(&self, sections: &[Section], length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
+    pub fn table(&self, sections: &[MappedSection], length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
         let entry_mm = if is_plunge { self.entry_mm(sections) } else { f64::NEG_INFINITY };
         let gentle_from_mm = if is_plunge { length_mm - EXIT_MM } else { f64::INFINITY };
         // Each sample stands for its surroundings up to the neighbours.
         let near = |index: usize| &sections[index.saturating_sub(1)..(index + 2).min(sections.len())];
         let values = (0..sections.len()).map(|index| {
-            let of = |section: &Section| {
+            let of = |section: &MappedSection| {
                 let is_gentle = section.at_mm <= entry_mm || section.at_mm > gentle_from_mm;
                 self.path_mm(self.feed_per_tooth_mm * if is_gentle { GENTLE_RATIO } else { 1.0 }, section, sine)
             };
@@ -137,11 +135,11 @@ impl AxialLaw {
 
     /// End of the entry: the first place at which the section has its size within the tool's diameter behind the contact;
     /// the end of the move if it meets nothing. (3)
-    fn entry_mm(&self, sections: &[Section]) -> f64 {
+    fn entry_mm(&self, sections: &[MappedSection]) -> f64 {
         let last_mm = sections.last().map_or(0.0, |section| section.at_mm);
         let Some(contact) = sections.iter().position(|section| section.end_mm2 > 0.0) else { return last_mm };
         let ahead = &sections[contact..];
-        let is_near = |section: &&Section| section.at_mm <= ahead[0].at_mm + self.diameter_mm;
+        let is_near = |section: &&MappedSection| section.at_mm <= ahead[0].at_mm + self.diameter_mm;
         let most_mm2 = ahead.iter().take_while(is_near).map(|section| section.end_mm2).fold(0.0, f64::max);
         let grown = ahead.iter().find(|section| section.end_mm2 >= GROWN_RATIO * most_mm2);
         grown.map_or(last_mm, |section| section.at_mm)
@@ -189,9 +187,9 @@ mod tests {
     #[test]
     fn entry_and_exit_are_gentle_and_the_torque_is_kept_everywhere() {
         let moment = |at_mm: f64| if at_mm < 5.0 { 0.0 } else { 50.0 * ((at_mm - 5.0) / 3.0).min(1.0) };
-        let sections: Vec<Section> = (0..=120)
+        let sections: Vec<MappedSection> = (0..=120)
             .map(|at| f64::from(at) * 0.25)
-            .map(|at_mm| Section { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 })
+            .map(|at_mm| MappedSection { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 })
             .collect();
         for (torque_max_n_m, largest) in [(f64::INFINITY, 0.1), (9.0, 0.0592)] {
             let law = law(torque_max_n_m);
@@ -201,7 +199,7 @@ mod tests {
                 let at_mm = f64::from(step) * 0.1;
                 let path_mm = at(&table, at_mm);
                 most = most.max(path_mm);
-                let section = Section { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 };
+                let section = MappedSection { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 };
                 assert!(law.torque_n_m(path_mm, &section, 1.0) <= torque_max_n_m, "{at_mm}: {path_mm}");
                 if at_mm <= 5.0 + 0.9 * 3.0 || at_mm > 29.0 {
                     assert!(path_mm <= 0.05, "{at_mm}: {path_mm}");
@@ -213,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_ramp_has_the_load_of_its_end_and_its_sides_and_no_gentle_parts() {
-        let section = Section { at_mm: 0.0, end_mm2: 20.0, side_mm2: 10.0 };
+        let section = MappedSection { at_mm: 0.0, end_mm2: 20.0, side_mm2: 10.0 };
         let law = law(5.0);
         let path_mm = law.path_mm(0.1, &section, 0.6).expect("a path");
         let late_mm = path_mm * 0.8 * 4.0 / TAU;
@@ -221,7 +219,7 @@ mod tests {
         let side = libm::pow(path_mm * 0.8 * (1.0 + late_mm / 5.0), 0.75) * 10.0;
         let by_hand = 2_000.0 * (end + side) / 1e3;
         assert!((by_hand - 5.0).abs() < 1e-9, "{by_hand}");
-        let table = law.table(&[section, Section { at_mm: 8.0, ..section }], 8.0, (0.6, false)).expect("a table");
+        let table = law.table(&[section, MappedSection { at_mm: 8.0, ..section }], 8.0, (0.6, false)).expect("a table");
         assert!((at(&table, 0.0) / path_mm - 1.0).abs() < 2e-6 && at(&table, 0.0) <= path_mm);
     }
 
@@ -231,7 +229,7 @@ mod tests {
             force: TangentialForce { edge_n_per_mm: 100.0, exponent_ratio: 0.0, specific_mpa: 1.0 },
             ..law(1.0)
         };
-        let section = |at_mm| Section { at_mm, end_mm2: 20.0, side_mm2: 0.0 };
+        let section = |at_mm| MappedSection { at_mm, end_mm2: 20.0, side_mm2: 0.0 };
         assert_eq!(law.table(&[section(0.0), section(8.0)], 8.0, (1.0, true)), None);
         assert_eq!(law.table(&[], 8.0, (1.0, true)), None);
     }

@@ -229,7 +229,7 @@ fn hex(text: &Spanned<String>) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::sections::{MappedDescent, Section, TangentialForce};
+    use super::sections::{MappedDescent, MappedSection, TangentialForce};
     use super::*;
     use arcfeed_nc::modal::{Feed, Pose};
 
@@ -247,7 +247,7 @@ mod tests {
     }
 
     fn descents() -> MappedDescents {
-        let section = |at_mm, end_mm2| Section { at_mm, end_mm2, side_mm2: 0.125 };
+        let section = |at_mm, end_mm2| MappedSection { at_mm, end_mm2, side_mm2: 0.125 };
         let sections = vec![section(0.0, 0.0), section(1.5, 12.345)];
         let known = MappedDescent { line: 4, sequence: Some(9), key: key(&line_to(2)), sections };
         let unknown = MappedDescent { line: 6, sequence: None, key: key(&line_to(3)), sections: Vec::new() };
@@ -260,7 +260,7 @@ mod tests {
         let descents = descents();
         let mut lookup = descents.lookup();
         assert_eq!(lookup.next(&line_to(5)), None);
-        assert_eq!(lookup.next(&line_to(2)).map(<[Section]>::len), Some(2));
+        assert_eq!(lookup.next(&line_to(2)).map(<[MappedSection]>::len), Some(2));
         assert_eq!((lookup.next(&line_to(2)), lookup.next(&line_to(3))), (None, None));
     }
 

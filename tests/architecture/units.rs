@@ -16,10 +16,11 @@ const WHOLE_FACTORS: [f64; 2] = [60_000.0, 25_400_000.0];
 const MATHS: &str = "shared/units/src/fmath.rs";
 
 /// Endings of names that carry a unit.
-const SUFFIXES: [&str; 26] = [
+const SUFFIXES: [&str; 27] = [
     // The length of a control whose unit does not matter.
     "_units",
     "_mm",
+    "_mm2",
     "_mm3",
     "_mm_per_min",
     "_mm_per_s",

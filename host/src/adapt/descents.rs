@@ -8,9 +8,9 @@ use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Nm, RevPerMin};
 
 use super::PlanReason;
-use super::writer::Known;
 use crate::axial_law::{AxialLaw, Edges, torque_max_n_m};
-use crate::engagement::sections::{DescentLookup, Section, TangentialForce};
+use crate::engagement::EngagementMap;
+use crate::engagement::sections::{DescentLookup, MappedSection, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
 
 /// Plunge law of a job with the sections of its moves; state.
@@ -32,15 +32,15 @@ struct Law {
 pub struct Descending<'a> {
     law: Law,
     /// `None` if the map does not know the move.
-    pub sections: Option<&'a [Section]>,
+    pub sections: Option<&'a [MappedSection]>,
     length_mm: f64,
     descent: Descent,
 }
 
 impl<'a> Descents<'a> {
     /// The law before the first move; `None` without `[plunge]` in the job, or without a map.
-    pub fn of(known: &Known<'a>) -> Option<Self> {
-        let ((plunge, limits), map) = known.plunge.zip(known.map)?;
+    pub fn of(plunge: Option<(Plunge, SpindleLimits)>, map: Option<&'a EngagementMap>) -> Option<Self> {
+        let ((plunge, limits), map) = plunge.zip(map)?;
         let law = Law { plunge, limits, force: map.descents.force };
         Some(Descents { law, lookup: map.descents.lookup() })
     }
@@ -72,6 +72,6 @@ impl Descending<'_> {
             force,
             torque_max_n_m: torque_max_n_m(limits.torque_n_m, limits.power_w, f64::from(spindle.0)),
         };
-        law.table(self.sections?, self.length_mm, (self.descent.sine, self.descent.is_plunge()))
+        law.table(self.sections?, self.length_mm, (self.descent.sine_ratio, self.descent.is_plunge()))
     }
 }

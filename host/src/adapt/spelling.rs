@@ -34,12 +34,12 @@ pub struct Spelling<'a> {
     text: &'a [u8],
     block: &'a Block,
     modes: Modes,
-    shape: Shape,
+    shape: WrittenShape,
 }
 
 /// Move that is written in pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum WrittenShape {
     /// An arc in this plane.
     Arc(Plane),
     /// A line along this axis.
@@ -48,7 +48,7 @@ pub enum Shape {
 
 impl<'a> Spelling<'a> {
     /// The spelling of a move's block; `None` if it has words that pieces cannot share.
-    pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, shape: Shape) -> Option<Self> {
+    pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, shape: WrittenShape) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code)),
             letter => b"XYZIJKRF".contains(&letter),
@@ -115,8 +115,8 @@ impl<'a> Spelling<'a> {
     fn axes(&self, rises: bool) -> impl Iterator<Item = usize> + use<> {
         let shape = self.shape;
         (0..3).filter(move |axis| match shape {
-            Shape::Arc(plane) => rises || *axis != plane.axes().2,
-            Shape::Line(along) => *axis == along,
+            WrittenShape::Arc(plane) => rises || *axis != plane.axes().2,
+            WrittenShape::Line(along) => *axis == along,
         })
     }
 

@@ -18,7 +18,7 @@ use super::pieces::{self, Piece};
 use super::points::{Divider, Grid, Part, axis_of, divide_line};
 use super::profile::Profile;
 use super::rewrite::{Edit, FeedRewriter, apply, round_down};
-use super::spelling::{Shape, Spelling, increment_nm};
+use super::spelling::{Spelling, WrittenShape, increment_nm};
 use crate::program::ProgramLine;
 
 /// Largest distance of a piece's centre from the arc's, nm: R and two points on the arc give it no better.
@@ -27,7 +27,7 @@ const CENTER_MAX_NM: i64 = 20_000;
 /// Why a move that a law wants in pieces stays whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
-    /// Of lines only plunges are cut into pieces.
+    /// A line that is no plunge is not cut into pieces.
     Line,
     /// The block has words that pieces cannot share: M, T, a variable, another G.
     Words,
@@ -195,8 +195,8 @@ impl Governed<'_> {
 
     fn spelling(&self) -> Option<Spelling<'_>> {
         let shape = match self.segment.arc() {
-            Some(arc) => Shape::Arc(arc.plane),
-            None => Shape::Line(axis_of(self.segment)?),
+            Some(arc) => WrittenShape::Arc(arc.plane),
+            None => WrittenShape::Line(axis_of(self.segment)?),
         };
         Spelling::of(&self.line.text, self.block()?, self.modes, shape)
     }

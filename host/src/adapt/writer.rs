@@ -137,7 +137,7 @@ impl<'a> Writer<'a> {
             places: known.places,
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
-            descents: Descents::of(&known),
+            descents: Descents::of(known.plunge, known.map),
             count: 0,
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),

@@ -25,7 +25,7 @@ use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::axial_law::Edges;
 use crate::console::note;
 use crate::engagement::knot_cover::{self, Sample};
-use crate::engagement::sections::{MappedDescent, MappedDescents, Section};
+use crate::engagement::sections::{MappedDescent, MappedDescents, MappedSection};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::{JobFile, Plunge};
 use crate::program::Program;
@@ -199,12 +199,12 @@ fn descents(
     let moves = planned.iter().filter_map(|block| {
         let key = key(&block.segment);
         let moved = found.clone().position(|moved| self::key(&moved.segment) == key).and_then(|at| found.nth(at))?;
-        let section = |sample: &SectionSample| Section {
+        let section = |sample: &SectionSample| MappedSection {
             at_mm: sample.at_mm,
             end_mm2: sample.end_mm2,
             side_mm2: sample.side_mm2,
         };
-        let own: Vec<Section> = moved.samples.iter().map(section).collect();
+        let own: Vec<MappedSection> = moved.samples.iter().map(section).collect();
         let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
         let sections = if own.is_empty() && positions_alike { known.clone() } else { own };
         Some(MappedDescent { line: program.line_in_file(block.line), sequence: block.segment.sequence, key, sections })

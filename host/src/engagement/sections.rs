@@ -10,7 +10,7 @@ use super::{AGAIN, hex, key};
 
 /// Engaged section of the tool at one place of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
+pub struct MappedSection {
     /// Path of the move up to it, mm.
     pub at_mm: f64,
     /// Largest sum of the moments of the end's edges over a turn.
@@ -51,7 +51,7 @@ pub struct MappedDescent {
     /// [`key`] of the move.
     pub key: u64,
     /// Sections along it; empty if they are unknown.
-    pub sections: Vec<Section>,
+    pub sections: Vec<MappedSection>,
 }
 
 /// The descending moves of a map, in the order of execution.
@@ -126,7 +126,7 @@ impl MappedDescents {
 impl<'m> DescentLookup<'m> {
     /// Sections of a move: those of the next entry with the same path. An entry whose move never comes does not hide
     /// later ones.
-    pub fn next(&mut self, segment: &Segment) -> Option<&'m [Section]> {
+    pub fn next(&mut self, segment: &Segment) -> Option<&'m [MappedSection]> {
         let key = key(segment);
         let at = self.ahead.iter().position(|moved| moved.key == key)?;
         let found = &self.ahead[at];
@@ -148,14 +148,17 @@ impl MappedDescent {
                 "the path must grow from section to section, with loads from 0",
             ));
         }
-        let section =
-            |[at_mm, end_mm2, side_mm2]: &[f64; 3]| Section { at_mm: *at_mm, end_mm2: *end_mm2, side_mm2: *side_mm2 };
+        let section = |[at_mm, end_mm2, side_mm2]: &[f64; 3]| MappedSection {
+            at_mm: *at_mm,
+            end_mm2: *end_mm2,
+            side_mm2: *side_mm2,
+        };
         Ok(MappedDescent { line: table.line, sequence: table.n, key, sections: rows.iter().map(section).collect() })
     }
 }
 
 /// Row of the file.
-fn row(section: &Section) -> String {
+fn row(section: &MappedSection) -> String {
     let up = |load: f64| libm::ceil(load * 1e3) / 1e3;
     format!("[{:.4}, {:.3}, {:.3}]", section.at_mm, up(section.end_mm2), up(section.side_mm2))
 }

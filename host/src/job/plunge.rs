@@ -1,25 +1,13 @@
 //! `[plunge]`: the law for moves that descend along the tool's axis.
 
 use arcfeed_model::job::{FeedPolicy, Job, ToolAxis};
-use serde::Deserialize;
-use toml::Spanned;
 
-use super::quantity::Quantity;
-use super::schema::JobTable;
+use super::schema::{JobTable, PlungeTable};
 use super::spindle::SpindleLimits;
 use super::{Complaint, at, length_mm};
 
 /// Name of the law in `[law]`, for tools of which no other law governs a move.
-pub const LAW: &str = "plunge";
-
-/// `[plunge]` as serde reads it.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PlungeTable {
-    pub(super) map: Spanned<String>,
-    feed_per_tooth: Option<Spanned<Quantity>>,
-    ramps: Option<bool>,
-}
+pub const LAW: &str = super::tool::PLUNGE_LAW;
 
 /// Settings of the plunge law.
 #[derive(Clone, Copy, Debug, PartialEq)]

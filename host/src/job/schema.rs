@@ -13,7 +13,6 @@ use crate::control::{CenterConvention, Convention};
 pub use super::cut_table::{CutTable, DirectionWord, MovesWord, RotationWord, SideWord, StockTable};
 pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
-pub use super::plunge::PlungeTable;
 pub use super::quantity::{Quantity, TargetFeed};
 
 #[derive(Debug, Deserialize)]
@@ -41,6 +40,14 @@ pub struct JobTable {
     pub serial: SerialTable,
     #[serde(default)]
     pub dnc: DncTable,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlungeTable {
+    pub map: Spanned<String>,
+    pub feed_per_tooth: Option<Spanned<Quantity>>,
+    pub ramps: Option<bool>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]

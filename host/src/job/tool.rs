@@ -6,7 +6,10 @@ use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin};
 use toml::Spanned;
 
 use super::schema::{JobTable, LawTable, TargetFeed, ToolTable};
-use super::{Complaint, at, length_mm, plunge, positive};
+use super::{Complaint, at, length_mm, positive};
+
+/// Name of the law that governs nothing but descending moves: it has a table of its own, `[plunge]`.
+pub const PLUNGE_LAW: &str = "plunge";
 
 /// Largest T number: eight digits.
 const NUMBER_MAX: i64 = 99_999_999;
@@ -123,7 +126,7 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     let kind = table.kind.as_ref().as_str();
     let settings = (&table.edges, table.inside_only, &table.floor);
     match (kind, tool, settings) {
-        ("programmed" | plunge::LAW, _, (None, None, None)) => Ok(LawKind::Programmed),
+        ("programmed" | PLUNGE_LAW, _, (None, None, None)) => Ok(LawKind::Programmed),
         ("table", _, (None, None, None)) => Ok(LawKind::Table),
         ("circumference", Tool::CupMill(_), (None, None, None)) => Ok(LawKind::Circumference),
         ("engaged-arc", Tool::CupMill(_), (edges, None, None)) => {
@@ -145,7 +148,7 @@ pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
         ("engaged-arc", Tool::EndMill(_), (Some(edges), ..)) => Err(at(edges, "an end-mill has one circle only")),
         ("circumference", Tool::EndMill(_), _) => Err(at(&table.kind, "this law needs a cup-mill")),
         ("engagement" | "contour", Tool::CupMill(_), _) => Err(at(&table.kind, "this law needs an end-mill")),
-        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed" | plunge::LAW, ..) => {
+        ("circumference" | "engaged-arc" | "engagement" | "contour" | "table" | "programmed" | PLUNGE_LAW, ..) => {
             Err(at(
                 &table.kind,
                 "`edges` belongs to engaged-arc, `inside_only` and `floor` to contour; remove what does not",

@@ -158,7 +158,7 @@ impl ToolSetup {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descent {
     /// Sine of its angle from the plane across the axis: 1 along the axis.
-    pub sine: f64,
+    pub sine_ratio: f64,
 }
 
 impl Descent {
@@ -168,12 +168,12 @@ impl Descent {
         let down_mm = along(&segment.start) - along(&segment.end);
         let is_straight = segment.path == Path::Line && segment.start.rotary == segment.end.rotary;
         let sine = down_mm / segment.length_mm();
-        (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine })
+        (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine_ratio: sine })
     }
 
     /// Whether it runs along the axis. (2)
     pub fn is_plunge(&self) -> bool {
-        libm::sqrt((1.0 - self.sine * self.sine).max(0.0)) <= PLUNGE_OFF_MAX * self.sine
+        libm::sqrt((1.0 - self.sine_ratio * self.sine_ratio).max(0.0)) <= PLUNGE_OFF_MAX * self.sine_ratio
     }
 }
 

@@ -108,7 +108,7 @@ impl EngagedSection {
         self.sum_max(edges, |edge| edge.moment_mm2)
     }
 
-    /// Of directions whose number is a multiple of `edges`.
+    /// Largest sum of a value; the number of directions is a multiple of `edges`.
     fn sum_max(&self, edges: usize, value: impl Fn(&EngagedEdge) -> f64) -> f64 {
         let pitch = self.by_direction.len() / edges;
         let sum = |first: usize| (0..edges).map(|edge| value(&self.by_direction[first + edge * pitch])).sum();
