@@ -48,7 +48,8 @@ pub fn texts_below(folder: &str) -> Vec<(PathBuf, String)> {
         for entry in fs::read_dir(folder).expect("a folder of the workspace") {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
-                folders.extend((!path.ends_with("target")).then_some(path));
+                let is_installed = path.ends_with("target") || path.ends_with("node_modules");
+                folders.extend((!is_installed).then_some(path));
             } else {
                 let bytes = fs::read(&path).expect("a file");
                 texts.push((path, String::from_utf8_lossy(&bytes).into_owned()));

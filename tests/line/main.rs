@@ -14,6 +14,8 @@ mod program_memory;
 
 mod pyserial;
 
+mod report_page;
+
 mod screen;
 
 mod serving;

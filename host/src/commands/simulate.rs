@@ -17,6 +17,8 @@ pub(super) mod setup;
 
 pub(super) mod move_log;
 
+pub(super) mod path_trace;
+
 pub(super) mod observer;
 
 pub(super) mod material_figures;
@@ -27,9 +29,15 @@ mod spindle_load;
 
 mod path_plot;
 
+mod run_findings;
+
+mod viewer;
+
 mod page;
 
 mod block_lines;
+
+mod listing;
 
 mod assertions;
 
@@ -61,9 +69,9 @@ use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
-use block_lines::block_lines;
 use control::control_settings;
 use junit::TestSuite;
+use listing::Listing;
 use observer::RunObserver;
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
@@ -109,7 +117,8 @@ impl Simulate {
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
         let started = Instant::now();
         let adapted = adapted(&program, &file);
-        let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
+        let sent = for_memory(&program, &adapted, &file)?;
+        let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
         let mut before = unadapted(&file, &program, foreseen(&program, &adapted, &file))?;
         // Results are written and printed even if a later step fails.
@@ -129,19 +138,31 @@ impl Simulate {
         if let (Some((path, format)), Some(after)) = (surface, &observers[0].cutter) {
             ended = ended.and(format.write(after.stock(), path));
         }
+        let executed = [&simulation, &before].map(|run| run.control().executed());
+        let listing = Listing::new(&program, &adapted, &sent, executed);
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
             let chips = [&simulation, &before].map(|run| run.meter().moves());
-            let shown = PageContent { title: &title, report: &report, job: &file.job, runs, chips, deviation, marks };
+            let name = file.program.display().to_string();
+            let shown = PageContent {
+                title: &title,
+                program: &name,
+                listing: &listing,
+                report: &report,
+                job: &file.job,
+                runs,
+                chips,
+                deviation,
+                marks,
+            };
             ended = ended.and(shown.write(path));
         }
-        let lines = block_lines(simulation.control().executed(), &adapted);
         let evidence = Evidence {
             report: &report,
             log: &observers[0].log,
             chips: simulation.meter().moves(),
             spindle: spindle.as_ref(),
-            line_of: &|block| lines.get((block as usize).checked_sub(1)?).copied().flatten(),
+            line_of: &|block| listing.block_lines[0].get((block as usize).checked_sub(1)?).copied().flatten(),
             program: file.program.display().to_string(),
         };
         let asserted = self.judge(&evidence, ended.is_ok(), started);

@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::outcome::Failure;
 use super::move_log::MoveLog;
+use super::path_trace::PathTrace;
 use super::setup::Setup;
 
 /// Longest simulated run: a program that takes longer does not end.
@@ -26,6 +27,8 @@ pub struct RunObserver {
     pub loads: Option<LoadMeter>,
     /// Moves, feed and chip load.
     pub log: MoveLog,
+    /// Path with the values along it.
+    pub trace: PathTrace,
     /// Override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     place: String,
@@ -52,6 +55,7 @@ impl RunObserver {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
+        self.trace.end();
         Ok(())
     }
 
@@ -61,6 +65,7 @@ impl RunObserver {
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
         self.log.observe(simulation);
+        self.trace.observe(simulation);
         let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((simulation.now(), percent));

@@ -17,8 +17,10 @@ use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
+use super::listing::Listing;
 use super::move_log::{Curve, MoveLog};
 use super::observer::RunObserver;
+use super::viewer::viewer_data;
 use super::{load_figures, mark_figures, path_plot};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
@@ -41,6 +43,10 @@ pub enum SurfaceFormat {
 pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
+    /// Program's path.
+    pub program: &'a str,
+    /// Program's lines, and those of the executed blocks.
+    pub listing: &'a Listing,
     /// Figures of the run.
     pub report: &'a RunReport,
     /// Job: its unit of lengths and its target chip load.
@@ -109,7 +115,7 @@ impl PageContent<'_> {
             }
         }
         sections.extend(self.marks());
-        Page { title: self.title.to_owned(), sections }
+        Page { title: self.title.to_owned(), viewer: Some(viewer_data(self)), sections }
     }
 
     /// The path before and after, with the measured chip load; empty if nothing was measured.

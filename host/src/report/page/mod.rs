@@ -16,16 +16,22 @@ pub mod loads;
 
 pub mod marks;
 
+pub mod viewer;
+
 #[cfg(feature = "plan")]
 pub mod plan;
 
 use std::fmt;
+
+use viewer::ViewerData;
 
 /// Report page.
 #[derive(Clone, Debug)]
 pub struct Page {
     /// Title.
     pub title: String,
+    /// Viewer of a run above the sections.
+    pub viewer: Option<ViewerData>,
     /// Sections in order.
     pub sections: Vec<Section>,
 }
@@ -42,6 +48,7 @@ pub struct Section {
 impl fmt::Display for Page {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let title = escaped(&self.title);
+        let [head, body] = self.viewer.as_ref().map(ViewerData::html).unwrap_or_default();
         write!(
             f,
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n\
@@ -51,12 +58,12 @@ impl fmt::Display for Page {
              th, td {{ padding: .2em .8em; border-bottom: 1px solid #ddd; text-align: right }}\n\
              th:first-child, td:first-child {{ text-align: left }}\n\
              svg {{ max-width: 100%; height: auto; font: 12px sans-serif }}\n\
-             .warning {{ color: #a00000; font-weight: bold }}\n</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+             .warning {{ color: #a00000; font-weight: bold }}\n</style>\n{head}</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}"
         )?;
         for Section { heading, body } in &self.sections {
             writeln!(f, "<h2>{}</h2>\n{}", escaped(heading), body.trim_end())?;
         }
-        f.write_str("</body>\n</html>\n")
+        f.write_str("</main>\n</body>\n</html>\n")
     }
 }
 
@@ -71,9 +78,12 @@ mod tests {
 
     #[test]
     fn text_of_others_is_no_markup() {
-        let page =
-            Page { title: "<b>&\"".into(), sections: vec![Section { heading: "a<b".into(), body: "<p>".into() }] };
+        let page = Page {
+            title: "<b>&\"".into(),
+            viewer: None,
+            sections: vec![Section { heading: "a<b".into(), body: "<p>".into() }],
+        };
         let html = page.to_string();
-        assert!(html.contains("<h1>&lt;b&gt;&amp;&quot;</h1>\n<h2>a&lt;b</h2>\n<p>\n</body>"), "{html}");
+        assert!(html.contains("<h1>&lt;b&gt;&amp;&quot;</h1>\n<h2>a&lt;b</h2>\n<p>\n</main>\n</body>"), "{html}");
     }
 }

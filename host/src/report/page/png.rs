@@ -65,7 +65,8 @@ fn adler_32(data: &[u8]) -> u32 {
     b << 16 | a
 }
 
-fn base64(data: &[u8]) -> String {
+/// Data as text of RFC 4648.
+pub(super) fn base64(data: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(data.len().div_ceil(3) * 4);
     for three in data.chunks(3) {

@@ -13,7 +13,10 @@ use crate::report::summary::RunSummary;
 /// Section with the command's printed summary.
 pub fn summary(title: &str, report: &RunReport) -> Section {
     let text = RunSummary { title: title.to_owned(), report }.to_string();
-    Section { heading: "Summary".into(), body: format!("<pre>{}</pre>\n", escaped(&text)) }
+    Section {
+        heading: "Summary".into(),
+        body: format!("<pre tabindex=\"0\" role=\"group\" aria-label=\"Summary\">{}</pre>\n", escaped(&text)),
+    }
 }
 
 /// Section with the removed material of each movement.

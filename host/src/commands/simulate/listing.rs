@@ -1,0 +1,57 @@
+//! Lines of the program beside the executed blocks of both runs.
+
+use arcfeed_nc::text::Lines;
+
+use super::block_lines::block_lines;
+use crate::adapt::Adapted;
+use crate::program::{Program, in_capitals};
+
+/// Program as text, with the line of each executed block.
+#[derive(Clone, Debug, Default)]
+pub struct Listing {
+    /// Lines of the program's file, each with its text as sent.
+    pub lines: Vec<[Vec<u8>; 2]>,
+    /// Line, counted from 1, of each executed block; of the run and of the original program.
+    pub block_lines: [Vec<Option<usize>>; 2],
+}
+
+impl Listing {
+    /// Listing of a program; `sent` is its text in the control's memory, and `executed` has the blocks of the run and of
+    /// the original program.
+    pub fn new(program: &Program, adapted: &Adapted, sent: &[u8], executed: [&[Vec<u8>]; 2]) -> Self {
+        let file = program.file();
+        let own_lines = |blocks: &[Vec<u8>], text: &[u8]| block_lines(blocks, &in_capitals(text), &line_ends(text));
+        let is_planned = sent == adapted.text;
+        let after = if is_planned {
+            let lines = block_lines(executed[0], &in_capitals(sent), &adapted.line_ends);
+            lines.into_iter().map(|line| line.map(|line| program.line_in_file(line))).collect()
+        } else {
+            // The control runs macros itself, so its blocks are lines of the file with the feeds written back.
+            own_lines(executed[0], sent)
+        };
+        let before = own_lines(executed[1], &file);
+        let text_of = |ends: &[usize], text: &[u8]| -> Vec<Vec<u8>> {
+            let begins = std::iter::once(0).chain(ends.iter().copied());
+            let lines = begins.zip(ends).map(|(begin, end)| text.get(begin..*end).unwrap_or_default());
+            lines.map(|line| line.trim_ascii_end().to_vec()).collect()
+        };
+        let lines = text_of(&line_ends(&file), &file);
+        let sent = match (is_planned, &program.places) {
+            (true, None) => text_of(&adapted.line_ends, sent),
+            // Blocks as executed are no lines of the file.
+            (true, Some(_)) => lines.clone(),
+            (false, _) => text_of(&line_ends(sent), sent),
+        };
+        let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
+        Listing { lines, block_lines: [after, before] }
+    }
+}
+
+/// End of each line in a text.
+fn line_ends(text: &[u8]) -> Vec<usize> {
+    let lines = Lines::new(text).scan(0, |end, line| {
+        *end += line.text.len() + line.ending.len();
+        Some(*end)
+    });
+    lines.collect()
+}

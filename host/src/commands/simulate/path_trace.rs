@@ -1,0 +1,265 @@
+//! Path of a run with the values along it, in few points: a point ends an interval in which the block stays, the path is
+//! straight within a tolerance and the values change little.
+//!
+//! A run of any length has a bounded number of points: if there are too many, those that follow the one before too
+//! soon are merged into the next, and the largest chip load and feed stay.
+
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::simulation::{STEP, Simulation};
+use arcfeed_nc::segment::{Path, Segment};
+use arcfeed_units::{Micros, Nm, S_PER_MIN};
+
+/// Most points of a run.
+const POINTS_MAX: usize = 1 << 18;
+
+/// Largest distance of the executed path from the straight line between two points.
+const TOLERANCE_MM: f64 = 5e-3;
+
+/// Relative change of feed or chip load that begins another interval.
+const CHANGE_RATIO: f64 = 1e-2;
+
+/// Longest interval.
+const INTERVAL_MAX: Micros = Micros::from_ms(250);
+
+/// Positions that are compared with the straight line; if there are more, every second one is left out.
+const COMPARED_MAX: usize = 32;
+
+/// Point of the path, with the values on the way to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// End of the interval.
+    pub at: Micros,
+    /// X, Y, Z of the tool's tip in the workpiece's coordinates.
+    pub position_mm: [f64; 3],
+    /// Blocks executed, up to and including the block in execution.
+    pub block: u32,
+    /// Whether the move is a rapid.
+    pub is_rapid: bool,
+    /// Feed along the path, mm/min.
+    pub feed_mm_per_min: f64,
+    /// Measured chip load over its target.
+    pub chip_ratio: Option<f64>,
+    /// Override, %.
+    pub percent: u8,
+}
+
+/// Path of a run.
+#[derive(Debug)]
+pub struct PathTrace {
+    points: Vec<TracePoint>,
+    points_max: usize,
+    /// Shortest time between two points.
+    interval_min: Micros,
+    /// Last period, with the values of its interval.
+    open: Option<TracePoint>,
+    /// Positions since the last point.
+    passed: Vec<[f64; 3]>,
+}
+
+impl Default for PathTrace {
+    fn default() -> Self {
+        PathTrace::new(POINTS_MAX)
+    }
+}
+
+impl PathTrace {
+    fn new(points_max: usize) -> Self {
+        PathTrace { points: Vec::new(), points_max, interval_min: Micros(0), open: None, passed: Vec::new() }
+    }
+
+    /// Processes a millisecond of the run.
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+        let (now, control) = (simulation.now(), simulation.control());
+        let active = control.active().map(|(block, _)| block);
+        // A pause between two moves belongs to the block before it.
+        let Some(block) = active.or(self.open.map(|open| open.block)) else { return };
+        let segment = simulation.segment().filter(|_| active.is_some());
+        if self.open.is_none() {
+            self.begin(now, block, segment);
+        }
+        let [x, y, z, ..] = control.actual_axes();
+        let origin = simulation.context().origin.linear.map(Nm::to_mm);
+        let was_rapid = self.open.is_some_and(|open| open.is_rapid);
+        let is_rapid = segment.map_or(was_rapid, |segment| segment.path == Path::Rapid);
+        self.add(TracePoint {
+            at: now,
+            position_mm: [x - origin[0], y - origin[1], z - origin[2]],
+            block,
+            is_rapid,
+            feed_mm_per_min: if segment.is_some() { control.speed_mm_per_s() * S_PER_MIN } else { 0.0 },
+            chip_ratio: simulation.meter().last_ratio().filter(|_| segment.is_some() && !is_rapid),
+            percent: control.override_percent(),
+        });
+    }
+
+    /// Processes the end of the run.
+    pub fn end(&mut self) {
+        self.close();
+    }
+
+    /// Points in order of time; complete at the end of the run.
+    pub fn points(&self) -> &[TracePoint] {
+        &self.points
+    }
+
+    /// Begins where the first move does.
+    fn begin(&mut self, now: Micros, block: u32, segment: Option<&Segment>) {
+        let position_mm = segment.map_or([0.0; 3], |segment| segment.start.linear.map(Nm::to_mm));
+        let at = Micros(now.0.saturating_sub(STEP.0));
+        let (feed_mm_per_min, chip_ratio, percent) = (0.0, None, 100);
+        self.push(TracePoint { at, position_mm, block, is_rapid: true, feed_mm_per_min, chip_ratio, percent });
+    }
+
+    fn add(&mut self, next: TracePoint) {
+        match self.open {
+            Some(open) if self.continues(&open, &next) => self.open = Some(merged(&open, next)),
+            _ => {
+                self.close();
+                self.open = Some(next);
+            }
+        }
+        self.passed.push(next.position_mm);
+        if self.passed.len() > COMPARED_MAX {
+            let mut index = 0;
+            self.passed.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+        }
+    }
+
+    /// Whether the interval may go on to this period.
+    fn continues(&self, open: &TracePoint, next: &TracePoint) -> bool {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= CHANGE_RATIO * a.abs().max(b.abs());
+        let chips_agree = match (open.chip_ratio, next.chip_ratio) {
+            (Some(open), Some(next)) => is_near(open, next),
+            (open, next) => open.is_some() == next.is_some(),
+        };
+        let Some(from) = self.points.last() else { return false };
+        (open.block, open.is_rapid) == (next.block, next.is_rapid)
+            && is_near(open.feed_mm_per_min, next.feed_mm_per_min)
+            && chips_agree
+            && open.percent.abs_diff(next.percent) <= 1
+            && next.at.since(from.at) <= INTERVAL_MAX
+            && self
+                .passed
+                .iter()
+                .all(|passed| distance_mm(*passed, [from.position_mm, next.position_mm]) <= TOLERANCE_MM)
+    }
+
+    fn close(&mut self) {
+        self.passed.clear();
+        if let Some(open) = self.open.take() {
+            self.push(open);
+        }
+    }
+
+    fn push(&mut self, point: TracePoint) {
+        self.points.push(point);
+        merge_last(&mut self.points, self.interval_min);
+        if self.points.len() >= self.points_max {
+            let whole = point.at.since(self.points.first().map_or(point.at, |first| first.at));
+            self.interval_min = Micros((2 * whole.0).div_ceil(self.points_max as u64));
+            let mut kept = Vec::with_capacity(self.points_max);
+            for point in self.points.drain(..) {
+                kept.push(point);
+                merge_last(&mut kept, self.interval_min);
+            }
+            self.points = kept;
+        }
+    }
+}
+
+/// Merges the last but one point into the last one if it follows the one before it too soon.
+fn merge_last(points: &mut Vec<TracePoint>, interval_min: Micros) {
+    let [.., before, short, last] = points.as_slice() else { return };
+    if short.at.since(before.at) < interval_min {
+        let last = merged(short, *last);
+        points.truncate(points.len() - 2);
+        points.push(last);
+    }
+}
+
+/// Later point with the values of both: the larger feed and chip load.
+fn merged(before: &TracePoint, next: TracePoint) -> TracePoint {
+    let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::max);
+    TracePoint {
+        feed_mm_per_min: before.feed_mm_per_min.max(next.feed_mm_per_min),
+        chip_ratio: largest(before.chip_ratio, next.chip_ratio),
+        ..next
+    }
+}
+
+/// Distance of a point from the straight line between two others.
+fn distance_mm(point: [f64; 3], [from, to]: [[f64; 3]; 2]) -> f64 {
+    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let (line, offset) = (minus(to, from), minus(point, from));
+    let length_2 = dot(line, line);
+    let along = if length_2 > 0.0 { (dot(offset, line) / length_2).clamp(0.0, 1.0) } else { 0.0 };
+    let across = minus(offset, line.map(|component| component * along));
+    libm::sqrt(dot(across, across))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(ms: u64, position_mm: [f64; 3], block: u32) -> TracePoint {
+        let (feed_mm_per_min, chip_ratio, percent) = (600.0, Some(1.0), 100);
+        let at = Micros::from_ms(ms);
+        TracePoint { at, position_mm, block, is_rapid: false, feed_mm_per_min, chip_ratio, percent }
+    }
+
+    fn trace(points_max: usize, points: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {
+        let mut trace = PathTrace::new(points_max);
+        points.for_each(|point| trace.add(point));
+        trace.end();
+        trace.points
+    }
+
+    #[test]
+    fn a_circle_stays_within_the_tolerance_and_has_few_points() {
+        let radius_mm = 20.0;
+        let at = |ms: u64| {
+            let angle = ms as f64 * 1e-3;
+            [radius_mm * libm::cos(angle), radius_mm * libm::sin(angle), 0.0]
+        };
+        let points = trace(1 << 18, (0..6_283).map(|ms| point(ms, at(ms), 1)));
+        let sagitta_mm = |pair: &[TracePoint]| {
+            let [a, b] = [pair[0].position_mm, pair[1].position_mm];
+            radius_mm - libm::hypot((a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0)
+        };
+        let largest_mm = points.windows(2).map(sagitta_mm).fold(0.0, f64::max);
+        // Chords of the sagitta 0.005 mm: 2 acos(1 - s / r) each.
+        let least = std::f64::consts::TAU / (2.0 * libm::acos(1.0 - TOLERANCE_MM / radius_mm));
+        println!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
+        assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0);
+    }
+
+    #[test]
+    fn a_change_of_the_block_and_the_largest_values_are_kept() {
+        let mut periods: Vec<TracePoint> =
+            (0..100).map(|ms| point(ms, [ms as f64, 0.0, 0.0], 1 + ms as u32 / 50)).collect();
+        periods[70].chip_ratio = Some(2.5);
+        let points = trace(1 << 18, periods.into_iter());
+        let ends: Vec<(u64, u32)> = points.iter().map(|point| (point.at.0 / 1_000, point.block)).collect();
+        assert_eq!(ends, [(0, 1), (49, 1), (69, 2), (70, 2), (99, 2)]);
+        assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 2.5);
+    }
+
+    #[test]
+    fn a_run_of_any_length_has_a_bounded_number_of_points_and_its_largest_chip() {
+        // Another block and another feed each millisecond.
+        let period = |ms: u64| TracePoint {
+            chip_ratio: Some(if ms == 77_777 { 3.0 } else { 1.0 }),
+            ..point(ms, [0.0, ms as f64, (ms % 7) as f64], ms as u32)
+        };
+        let points = trace(1_000, (0..100_000).map(period));
+        println!("{} points", points.len());
+        assert!((400..1_000).contains(&points.len()));
+        assert_eq!(points.last().map(|point| point.at), Some(Micros::from_ms(99_999)));
+        assert!(points.windows(2).all(|pair| pair[0].at < pair[1].at));
+        assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 3.0);
+    }
+}

@@ -1,0 +1,177 @@
+//! Viewer of a run within the page: the path in three dimensions, curves and NC text around one moment (docs/report.md).
+//!
+//! The program in the page is the bundle `host/web/viewer.js`, built from the TypeScript beside it. The data are one
+//! compressed block:
+//!
+//! ```text
+//! base64( zlib( length of the header as u32, little-endian | header, JSON | columns of the runs | columns of the heights | text ) )
+//! ```
+
+pub mod column;
+
+use miniz_oxide::deflate::compress_to_vec_zlib;
+use serde::Serialize;
+
+use self::column::{Column, ColumnHead};
+use super::png::base64;
+
+/// Version of the data's layout; a change that an older viewer cannot read has another one.
+pub const SCHEMA: u32 = 1;
+
+/// Compression of the data, of 10; higher levels take much longer for 1 % less.
+const LEVEL: u8 = 6;
+
+const SCRIPT: &str = include_str!("../../../../web/viewer.js");
+const STYLE: &str = include_str!("../../../../web/viewer.css");
+const BODY: &str = include_str!("../../../../web/viewer.html");
+
+/// Nothing is loaded from elsewhere, and nothing is sent.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+
+/// Data of the viewer; lengths in the job's unit.
+#[derive(Clone, Debug)]
+pub struct ViewerData {
+    /// Name of the program.
+    pub program: String,
+    /// Unit of lengths.
+    pub unit: &'static str,
+    /// Runs: before, then after.
+    pub runs: Vec<RunPath>,
+    /// Closed outline of the tool: radius and height above the tip.
+    pub tool: Vec<[f64; 2]>,
+    /// Heights that remain after the run, if there is a workpiece.
+    pub heights: Option<HeightGrid>,
+    /// Findings in order of importance.
+    pub findings: Vec<RunFinding>,
+    /// Lines of the program, each with its text as sent if that differs.
+    pub lines: Vec<[Vec<u8>; 2]>,
+}
+
+/// Path of a run with the values along it, as columns of equal length.
+#[derive(Clone, Debug)]
+pub struct RunPath {
+    /// `before` or `after`.
+    pub name: &'static str,
+    /// Columns.
+    pub columns: Vec<Column>,
+}
+
+/// Heights over the columns and rows of a grid.
+#[derive(Clone, Debug)]
+pub struct HeightGrid {
+    /// Cells along X.
+    pub columns: usize,
+    /// Lowest corner.
+    pub lowest: [f64; 2],
+    /// Edge of a cell.
+    pub step: f64,
+    /// Heights row by row from the lowest Y; no value where nothing is left.
+    pub heights: Column,
+}
+
+/// Finding at a block of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunFinding {
+    /// `alarm`, `warning` or `note`.
+    pub severity: &'static str,
+    /// `before` or `after`.
+    pub run: &'static str,
+    /// Blocks executed, up to and including the block.
+    pub block: u32,
+    /// Text.
+    pub text: String,
+}
+
+#[derive(Serialize)]
+struct Header<'a> {
+    schema: u32,
+    program: &'a str,
+    unit: &'static str,
+    runs: Vec<RunHeader<'a>>,
+    tool: &'a [[f64; 2]],
+    heights: Option<HeightsHeader>,
+    findings: &'a [RunFinding],
+    text_bytes: usize,
+}
+
+#[derive(Serialize)]
+struct RunHeader<'a> {
+    name: &'a str,
+    points: usize,
+    columns: Vec<ColumnHead>,
+}
+
+#[derive(Serialize)]
+struct HeightsHeader {
+    columns: usize,
+    lowest: [f64; 2],
+    step: f64,
+    cells: usize,
+    column: ColumnHead,
+}
+
+impl ViewerData {
+    /// The viewer for the head of the page, and for its body.
+    pub fn html(&self) -> [String; 2] {
+        let head =
+            format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<style>\n{STYLE}</style>\n");
+        let data = base64(&compress_to_vec_zlib(&self.bytes(), LEVEL));
+        let body = format!(
+            "{BODY}<script type=\"text/plain\" id=\"arcfeed-data\">{data}</script>\n<script>\n{SCRIPT}</script>\n"
+        );
+        [head, body]
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let text = self.text();
+        let header = Header {
+            schema: SCHEMA,
+            program: &self.program,
+            unit: self.unit,
+            runs: self.runs.iter().map(RunPath::header).collect(),
+            tool: &self.tool,
+            heights: self.heights.as_ref().map(HeightGrid::header),
+            findings: &self.findings,
+            text_bytes: text.len(),
+        };
+        let header = serde_json::to_vec(&header).unwrap_or_default();
+        let mut bytes = (header.len() as u32).to_le_bytes().to_vec();
+        bytes.extend(header);
+        self.runs.iter().flat_map(|run| &run.columns).for_each(|column| column.write(&mut bytes));
+        self.heights.iter().for_each(|grid| grid.heights.write(&mut bytes));
+        bytes.extend(text);
+        bytes
+    }
+
+    /// Lines, each after a line feed; behind a unit separator the text as sent, its blocks between record separators.
+    fn text(&self) -> Vec<u8> {
+        let mut text = Vec::new();
+        for [line, sent] in &self.lines {
+            text.push(b'\n');
+            text.extend(line.iter().filter(|byte| !byte.is_ascii_control()));
+            if sent != line {
+                text.push(b'\x1F');
+                text.extend(
+                    sent.iter()
+                        .map(|byte| if *byte == b'\n' { b'\x1E' } else { *byte })
+                        .filter(|byte| *byte == b'\x1E' || !byte.is_ascii_control()),
+                );
+            }
+        }
+        String::from_utf8_lossy(&text).into_owned().into_bytes()
+    }
+}
+
+impl RunPath {
+    fn header(&self) -> RunHeader<'_> {
+        let columns = self.columns.iter().map(|column| column.head).collect();
+        RunHeader { name: self.name, points: self.columns.first().map_or(0, Column::len), columns }
+    }
+}
+
+impl HeightGrid {
+    fn header(&self) -> HeightsHeader {
+        let HeightGrid { columns, lowest, step, ref heights } = *self;
+        HeightsHeader { columns, lowest, step, cells: heights.len(), column: heights.head }
+    }
+}

@@ -1,0 +1,141 @@
+// The NC text: only the rows in view exist, so that long programs scroll as short ones.
+import type { Line } from './data';
+
+/** Height of a row, as in viewer.css. */
+const ROW = 20;
+
+/** Most height that browsers lay out exactly. */
+const HEIGHT_MAX = 8e6;
+
+export type Side = 'before' | 'after';
+
+export class Listing {
+    private readonly space = document.createElement('div');
+    private readonly rows = new Map<number, HTMLElement>();
+    private side: Side = 'after';
+    private current = 0;
+    private found = 0;
+
+    /** `pointed` is called with the number of a line. */
+    constructor(private readonly box: HTMLElement, private readonly lines: Line[], private readonly pointed: (line: number) => void) {
+        this.space.className = 'space';
+        this.space.setAttribute('role', 'presentation');
+        this.space.style.height = `${this.height()}px`;
+        box.append(this.space);
+        box.addEventListener('scroll', () => this.fill());
+        box.addEventListener('keydown', (event) => this.key(event));
+        new ResizeObserver(() => this.fill()).observe(box);
+    }
+
+    setSide(side: Side): void {
+        this.side = side;
+        this.rows.forEach((row) => row.remove());
+        this.rows.clear();
+        this.fill();
+    }
+
+    /** Marks a line, counted from 1, and brings it into view if asked. */
+    mark(line: number, isToBeSeen: boolean): void {
+        if (line === this.current) return;
+        this.current = line;
+        if (isToBeSeen) this.reveal(line);
+        this.rows.forEach((row, index) => this.setCurrent(row, index));
+        if (line > 0) this.box.setAttribute('aria-activedescendant', `line-${line}`);
+    }
+
+    /** Goes to the next line that contains the text; returns it, or 0. */
+    find(text: string): number {
+        const wanted = text.trim().toUpperCase();
+        if (!wanted) return 0;
+        const count = this.lines.length;
+        for (let step = 1; step <= count; step++) {
+            const index = (this.found - 1 + step + count) % count;
+            if (this.text(index).toUpperCase().includes(wanted)) {
+                this.found = index + 1;
+                this.reveal(this.found);
+                return this.found;
+            }
+        }
+        return 0;
+    }
+
+    private text(index: number): string {
+        const { text, sent } = this.lines[index];
+        return this.side === 'after' && sent ? sent.join(' ⏎ ') : text;
+    }
+
+    private height(): number {
+        return Math.min(this.lines.length * ROW, HEIGHT_MAX);
+    }
+
+    /** First row in view. Beyond the largest height, the scroll bar is coarser than a row. */
+    private first(): number {
+        const whole = this.lines.length * ROW - this.box.clientHeight;
+        const range = this.height() - this.box.clientHeight;
+        return Math.floor((this.box.scrollTop * (range > 0 ? whole / range : 1)) / ROW);
+    }
+
+    private reveal(line: number): void {
+        const visible = Math.floor(this.box.clientHeight / ROW);
+        const first = this.first();
+        if (line > first + 1 && line < first + visible - 1) return;
+        const range = this.height() - this.box.clientHeight;
+        const whole = this.lines.length * ROW - this.box.clientHeight;
+        this.box.scrollTop = Math.max((line - visible / 2) * ROW, 0) * (whole > 0 ? range / whole : 1);
+        this.fill();
+    }
+
+    private fill(): void {
+        const first = Math.max(this.first() - 2, 0);
+        const last = Math.min(first + Math.ceil(this.box.clientHeight / ROW) + 4, this.lines.length);
+        this.rows.forEach((row, index) => {
+            if (index >= first && index < last) return;
+            row.remove();
+            this.rows.delete(index);
+        });
+        const shift = this.box.scrollTop - this.first() * ROW;
+        for (let index = first; index < last; index++) {
+            const row = this.rows.get(index) ?? this.create(index);
+            const top = this.lines.length * ROW > HEIGHT_MAX ? index * ROW + shift : index * ROW;
+            row.style.transform = `translateY(${top}px)`;
+        }
+    }
+
+    private create(index: number): HTMLElement {
+        const row = document.createElement('div');
+        const { text, sent } = this.lines[index];
+        row.className = sent ? 'row changed' : 'row';
+        row.id = `line-${index + 1}`;
+        row.setAttribute('role', 'option');
+        const number = document.createElement('span');
+        number.className = 'number';
+        number.textContent = String(index + 1);
+        const code = document.createElement('span');
+        code.textContent = this.text(index) || ' ';
+        row.append(number, code);
+        if (sent) row.title = `before: ${text}\nafter: ${sent.join('\n')}`;
+        row.addEventListener('pointerenter', (event) => event.buttons === 0 && this.pointed(index + 1));
+        row.addEventListener('click', () => this.pointed(index + 1));
+        this.setCurrent(row, index);
+        this.rows.set(index, row);
+        this.space.append(row);
+        return row;
+    }
+
+    private setCurrent(row: HTMLElement, index: number): void {
+        const isCurrent = index + 1 === this.current;
+        row.classList.toggle('current', isCurrent);
+        row.setAttribute('aria-selected', String(isCurrent));
+    }
+
+    private key(event: KeyboardEvent): void {
+        const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+        if (!step) return;
+        event.preventDefault();
+        event.stopPropagation();
+        const line = Math.min(Math.max(this.current + step, 1), this.lines.length);
+        this.pointed(line);
+        this.mark(line, true);
+        this.reveal(line);
+    }
+}

@@ -1,0 +1,419 @@
+// The viewer of a report: one moment, shown in the path, in the curves and in the NC text.
+import './viewer.css';
+import { Scale, written, type ScaleName } from './colors';
+import { Curves, type Along, type Quantity } from './curves';
+import { read, type Finding, type ReportData } from './data';
+import { Listing } from './listing';
+import { Pairing, Run } from './run';
+import { PathScene, type ViewName } from './scene';
+
+type Shown = 'before' | 'after' | 'both';
+
+/** Columns that are drawn as curves and colours, in this order. */
+const LABELS: [string, string][] = [
+    ['chip', 'Chip load over its target'],
+    ['feed', 'Feed'],
+    ['override', 'Override'],
+    ['force', 'Force across the axis, largest in 0.25 s'],
+    ['power', 'Mean power in the cut'],
+    ['removal', 'Removal rate'],
+];
+
+const AXES = ['X', 'Y', 'Z'];
+const AXIS_COLORS = ['#c8321e', '#2c8a3c', '#2f6fd0'];
+const VIEWS: ViewName[] = ['iso', 'XY', 'XZ', 'YZ'];
+
+function element<T extends HTMLElement>(id: string): T {
+    const found = document.getElementById(id);
+    if (!found) throw new Error(`the page has no #${id}`);
+    return found as T;
+}
+
+class Viewer {
+    private readonly runs: Run[];
+    private readonly quantities: Quantity[];
+    private readonly pairing: Pairing | null;
+    private readonly scene: PathScene | null;
+    private readonly curves: Curves;
+    private readonly listing: Listing;
+    private readonly ranges = new Map<string, [number, number]>();
+    /** The moment: a time of this run. */
+    private run: Run;
+    private time: number;
+    private shown: Shown = 'after';
+    private along: Along = 'time';
+    private playing = 0;
+    private finding = -1;
+
+    constructor(private readonly data: ReportData) {
+        this.runs = data.runs.map((run) => new Run(run)).filter((run) => run.points > 1);
+        if (this.runs.length === 0) throw new Error('the run has no move');
+        this.run = this.runs[this.runs.length - 1];
+        this.time = this.run.begin;
+        this.pairing = this.runs.length === 2 ? new Pairing(this.runs[0], this.runs[1]) : null;
+        if (this.pairing) this.addRatios();
+        this.quantities = LABELS.flatMap(([key, label]) => {
+            const column = this.runs.map((run) => run.columns.get(key)).find((column) => column);
+            return column ? [{ key, label, unit: column.unit }] : [];
+        });
+        element('viewer').hidden = false;
+        this.scene = this.createScene();
+        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.abscissa, (place, along) => this.point(this.timeAt(place, along)));
+        this.listing = new Listing(element('listing'), data.lines, (line) => this.pointLine(line));
+        this.controls();
+        this.findings();
+        this.theme(matchMedia('(prefers-color-scheme: dark)').matches);
+        this.show(this.runs.length === 2 ? 'after' : (this.run.name as Shown));
+        this.paint();
+        const cutting = this.run.rapid.findIndex((rapid, index) => index > 0 && rapid === 0);
+        this.select(this.run, this.run.middle(Math.max(cutting, 1)), 'start');
+    }
+
+    private createScene(): PathScene | null {
+        const canvas = element<HTMLCanvasElement>('path');
+        try {
+            const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
+            canvas.addEventListener('pointermove', (event) => {
+                if (event.buttons !== 0) return;
+                const found = scene.pick(event.clientX, event.clientY);
+                if (found) this.select(found.run, found.time, 'scene');
+            });
+            canvas.addEventListener('click', (event) => {
+                const found = scene.pick(event.clientX, event.clientY);
+                if (found) this.select(found.run, found.time, 'scene');
+            });
+            return scene;
+        } catch {
+            canvas.hidden = true;
+            element('no-scene').hidden = false;
+            return null;
+        }
+    }
+
+    /** Feed over that of the other run at the same place, as a colour. */
+    private addRatios(): void {
+        const [before, after] = this.runs;
+        for (const [run, other] of [[after, before], [before, after]]) {
+            const feeds = [run, other].map((run) => run.columns.get('feed')?.values);
+            const values = new Float64Array(run.points).fill(NaN);
+            if (!feeds[0] || !feeds[1]) return;
+            for (let i = 1; i < run.points; i++) {
+                const feed = feeds[1][other.indexAt(this.pairing?.map(run, run.middle(i)) ?? NaN)];
+                const ratio = run === after ? feeds[0][i] / feed : feed / feeds[0][i];
+                values[i] = Number.isFinite(ratio) ? ratio : NaN;
+            }
+            run.columns.set('ratio', { unit: '', values });
+        }
+    }
+
+    /** Place along the axis of the curves. Along the path, both runs have the path of the last one. */
+    private readonly abscissa = (run: Run, time: number, along: Along): number => {
+        if (along === 'time') return time - run.begin;
+        const last = this.runs[this.runs.length - 1];
+        return last.lengthAt(run === last || !this.pairing ? time : this.pairing.map(run, time));
+    };
+
+    private timeAt(place: number, along: Along): number {
+        if (along === 'time') return this.run.begin + place;
+        const last = this.runs[this.runs.length - 1];
+        const time = last.timeAtLength(place);
+        return this.run === last || !this.pairing ? time : this.pairing.map(last, time);
+    }
+
+    private timeOf(run: Run): number {
+        return run === this.run || !this.pairing ? this.time : this.pairing.map(this.run, this.time);
+    }
+
+    private point(time: number): void {
+        this.select(this.run, time, 'curves');
+    }
+
+    private pointLine(line: number): void {
+        const index = this.run.ofLine.get(line);
+        if (index !== undefined) this.select(this.run, this.run.middle(index), 'listing');
+    }
+
+    /** Makes this the moment everywhere. */
+    private select(run: Run, time: number, source: 'scene' | 'curves' | 'listing' | 'scrub' | 'start'): void {
+        this.run = run;
+        this.time = Math.min(Math.max(time, run.begin), run.end);
+        for (const run of this.runs) this.scene?.moveTool(run, run.placeAt(this.timeOf(run)));
+        this.curves.mark(new Map(this.runs.map((run) => [run, this.timeOf(run)])));
+        const index = run.indexAt(this.time);
+        const line = run.line[index];
+        this.listing.mark(Number.isNaN(line) ? 0 : line, source !== 'listing');
+        const scrub = element<HTMLInputElement>('scrub');
+        scrub.min = String(run.begin);
+        scrub.max = String(run.end);
+        scrub.value = String(this.time);
+        const place = Number.isNaN(line) ? '' : `, line ${line}`;
+        scrub.setAttribute('aria-valuetext', `${(this.time - run.begin).toFixed(2)} s of ${run.name}${place}`);
+        this.values();
+    }
+
+    /** Table with the values of the moment. */
+    private values(): void {
+        const cell = (tag: string, text: string) => {
+            const cell = document.createElement(tag);
+            cell.textContent = text;
+            return cell;
+        };
+        const row = (cells: HTMLElement[]) => {
+            const row = document.createElement('tr');
+            row.append(...cells);
+            return row;
+        };
+        const { unit } = this.data;
+        const heads = ['', 'Time, s', ...AXES.map((axis) => `${axis}, ${unit}`), 'Line'];
+        const titles = this.quantities.map(({ key, label, unit }) => {
+            const head = cell('th', `${key === 'chip' ? 'Chip / target' : key[0].toUpperCase() + key.slice(1)}${unit && `, ${unit}`}`);
+            head.title = label;
+            return head;
+        });
+        const ths = [...heads.map((text) => cell('th', text)), ...titles];
+        ths.slice(1).forEach((head) => head.setAttribute('scope', 'col'));
+        ths[0] = cell('td', '');
+        element('values-head').replaceChildren(row(ths));
+        const rows = this.runs.map((run) => {
+            const time = this.timeOf(run);
+            const [index, place] = [run.indexAt(time), run.placeAt(time)];
+            const name = cell('th', run.name);
+            name.setAttribute('scope', 'row');
+            const line = run.line[index];
+            const digits = unit === 'in' ? 4 : 3;
+            const texts = [
+                (time - run.begin).toFixed(3),
+                ...place.map((value) => value.toFixed(digits).replace(/^-(0\.0+)$/, '$1')),
+                Number.isNaN(line) ? '–' : String(line),
+                ...this.quantities.map(({ key }) => written(run.columns.get(key)?.values[index] ?? NaN)),
+            ];
+            return row([name, ...texts.map((text) => cell('td', text))]);
+        });
+        element('values').replaceChildren(...rows);
+    }
+
+    /** Least and largest value of a quantity over both runs. */
+    private range(key: string): [number, number] {
+        const known = this.ranges.get(key);
+        if (known) return known;
+        let [low, high] = [Infinity, -Infinity];
+        for (const run of this.runs) {
+            const values = run.columns.get(key)?.values ?? [];
+            for (let i = 1; i < run.points; i++) {
+                if (run.rapid[i] !== 0) continue;
+                if (values[i] < low) low = values[i];
+                if (values[i] > high) high = values[i];
+            }
+        }
+        const range: [number, number] = low <= high ? [low, high] : [0, 1];
+        this.ranges.set(key, range);
+        return range;
+    }
+
+    private paint(): void {
+        const key = element<HTMLSelectElement>('quantity').value;
+        const scale = new Scale(element<HTMLSelectElement>('scale').value as ScaleName);
+        const [low, high] = this.range(key);
+        const span = high - low || 1;
+        for (const run of this.runs) {
+            const values = run.columns.get(key)?.values;
+            this.scene?.paint(run, (index) => scale.color(values ? (values[index] - low) / span : NaN));
+        }
+        const chosen = element<HTMLSelectElement>('quantity').selectedOptions[0]?.textContent ?? '';
+        element('legend-title').textContent = `${chosen}; grey: no value`;
+        element('legend-bar').style.background = scale.gradient();
+        const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => {
+            const tick = document.createElement('span');
+            tick.textContent = written(low + part * (high - low));
+            return tick;
+        });
+        element('legend-ticks').replaceChildren(...ticks);
+        element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen} from ${written(low)} to ${written(high)}`);
+    }
+
+    private show(shown: Shown): void {
+        this.shown = shown;
+        document.querySelectorAll<HTMLElement>('#show button').forEach((button) => {
+            button.setAttribute('aria-pressed', String(button.dataset.show === shown));
+        });
+        const runs = shown === 'both' ? this.runs : this.runs.filter((run) => run.name === shown);
+        this.scene?.show(runs);
+        element('names').replaceChildren(...runs.map((run) => {
+            const name = document.createElement('span');
+            name.textContent = run.name;
+            return name;
+        }));
+        this.listing.setSide(shown === 'before' ? 'before' : 'after');
+        if (!runs.includes(this.run)) this.select(runs[0], this.timeOf(runs[0]), 'scrub');
+    }
+
+    private theme(isDark: boolean): void {
+        document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+        element('theme').setAttribute('aria-pressed', String(isDark));
+        this.restyle();
+    }
+
+    private restyle(): void {
+        const style = getComputedStyle(document.documentElement);
+        const color = (name: string) => style.getPropertyValue(name).trim();
+        this.scene?.setBackground(color('--scene'));
+        this.curves.setColors(color('--text'), color('--line'));
+    }
+
+    private drawTriad(): void {
+        const axes = this.scene?.axes() ?? [];
+        element('triad').innerHTML = axes.map(([x, y], index) => {
+            const [color, length] = [AXIS_COLORS[index], 30];
+            // An axis that points at the eye has no direction for its letter.
+            const far = Math.hypot(x, y) > 0.2 ? 40 : 0;
+            const letter = far ? `<text x="${far * x}" y="${far * y + 5}" text-anchor="middle" fill="${color}">${AXES[index]}</text>` : '';
+            return `<line x2="${length * x}" y2="${length * y}" stroke="${color}" stroke-width="3"/>${letter}`;
+        }).join('');
+    }
+
+    private controls(): void {
+        const quantity = element<HTMLSelectElement>('quantity');
+        const choices = [...this.quantities, ...(this.pairing ? [{ key: 'ratio', label: 'Feed after over feed before', unit: '' }] : [])];
+        choices.push({ key: 'time', label: 'Time', unit: 's' });
+        quantity.replaceChildren(...choices.map(({ key, label, unit }) => new Option(`${label}${unit && `, ${unit}`}`, key)));
+        quantity.addEventListener('change', () => this.paint());
+        element('scale').addEventListener('change', () => this.paint());
+        document.querySelectorAll<HTMLElement>('#show button').forEach((button) => {
+            button.hidden = this.runs.length < 2;
+            button.addEventListener('click', () => this.show(button.dataset.show as Shown));
+        });
+        document.querySelectorAll<HTMLElement>('#views button').forEach((button) => {
+            button.addEventListener('click', () => this.scene?.view(button.dataset.view as ViewName));
+        });
+        for (const what of ['rapids', 'tool', 'stock'] as const) {
+            const box = element<HTMLInputElement>(what);
+            box.addEventListener('change', () => this.scene?.setVisible(what, box.checked));
+        }
+        element('stock-label').hidden = !this.data.heights;
+        element('theme').addEventListener('click', () => this.theme(document.documentElement.dataset.theme !== 'dark'));
+        const along = element<HTMLSelectElement>('along');
+        along.addEventListener('change', () => {
+            this.along = along.value as Along;
+            this.curves.setAlong(this.along);
+            this.select(this.run, this.time, 'scrub');
+        });
+        const scrub = element<HTMLInputElement>('scrub');
+        scrub.addEventListener('input', () => this.select(this.run, Number(scrub.value), 'scrub'));
+        element('play').addEventListener('click', () => this.play());
+        element('search').addEventListener('submit', (event) => {
+            event.preventDefault();
+            const line = this.listing.find(element<HTMLInputElement>('find').value);
+            element('found').textContent = line ? `line ${line}` : 'not found';
+            if (line) this.pointLine(line);
+        });
+        element('viewer').addEventListener('keydown', (event) => this.key(event));
+        addEventListener('beforeprint', () => this.restyle());
+        addEventListener('afterprint', () => this.restyle());
+    }
+
+    private findings(): void {
+        const list = element('findings');
+        const { findings } = this.data;
+        if (findings.length === 0) {
+            const none = document.createElement('li');
+            none.textContent = 'No alarms, limits or warnings.';
+            list.append(none);
+        }
+        findings.forEach((finding, index) => {
+            const [item, button, severity] = [document.createElement('li'), document.createElement('button'), document.createElement('span')];
+            severity.className = `severity ${finding.severity}`;
+            severity.textContent = finding.severity;
+            button.append(severity, ` ${finding.run}: ${finding.text}`);
+            button.addEventListener('click', () => this.goTo(index));
+            item.append(button);
+            list.append(item);
+        });
+    }
+
+    private goTo(index: number): void {
+        const finding: Finding | undefined = this.data.findings[index];
+        const run = this.runs.find((run) => run.name === finding?.run);
+        if (!finding || !run) return;
+        this.finding = index;
+        const buttons = document.querySelectorAll<HTMLElement>('#findings button');
+        buttons.forEach((button, at) => button.setAttribute('aria-current', String(at === index)));
+        buttons[index]?.scrollIntoView({ block: 'nearest' });
+        if (this.shown !== 'both' && this.shown !== run.name) this.show(run.name as Shown);
+        this.select(run, run.timeOfBlock(finding.block), 'scrub');
+    }
+
+    private play(): void {
+        const button = element('play');
+        if (this.playing) {
+            cancelAnimationFrame(this.playing);
+            this.playing = 0;
+            button.textContent = '▶';
+            button.setAttribute('aria-label', 'Play');
+            return;
+        }
+        button.textContent = '⏸';
+        button.setAttribute('aria-label', 'Pause');
+        if (this.time >= this.run.end) this.select(this.run, this.run.begin, 'scrub');
+        let last = performance.now();
+        const frame = (now: number) => {
+            const speed = Number(element<HTMLSelectElement>('speed').value);
+            this.select(this.run, this.time + ((now - last) / 1000) * speed, 'scrub');
+            last = now;
+            if (this.time >= this.run.end) this.play();
+            else this.playing = requestAnimationFrame(frame);
+        };
+        this.playing = requestAnimationFrame(frame);
+    }
+
+    private step(points: number): void {
+        const index = this.run.indexAt(this.time) + points;
+        this.select(this.run, this.run.middle(Math.min(Math.max(index, 1), this.run.points - 1)), 'scrub');
+    }
+
+    private key(event: KeyboardEvent): void {
+        const target = event.target as HTMLElement;
+        const isTyping = target.matches('input[type="search"], select') || event.ctrlKey || event.altKey || event.metaKey;
+        const isOwn = target.matches('input') && event.key.startsWith('Arrow');
+        if (isTyping || isOwn || (event.key === ' ' && target.matches('button, summary, input'))) return;
+        const press = (id: string) => element(id).click();
+        const next = (id: string) => {
+            const select = element<HTMLSelectElement>(id);
+            select.selectedIndex = (select.selectedIndex + 1) % select.options.length;
+            select.dispatchEvent(new Event('change'));
+        };
+        const count = this.data.findings.length;
+        const actions: Record<string, () => void> = {
+            ArrowLeft: () => this.step(event.shiftKey ? -10 : -1),
+            ArrowRight: () => this.step(event.shiftKey ? 10 : 1),
+            ' ': () => this.play(),
+            b: () => this.runs.length === 2 && this.show('before'),
+            a: () => this.runs.length === 2 && this.show('after'),
+            s: () => this.runs.length === 2 && this.show('both'),
+            c: () => next('quantity'),
+            x: () => next('along'),
+            d: () => press('theme'),
+            n: () => count > 0 && this.goTo((this.finding + 1) % count),
+            p: () => count > 0 && this.goTo((this.finding - 1 + count) % count),
+        };
+        VIEWS.forEach((view, index) => (actions[String(index + 1)] = () => this.scene?.view(view)));
+        const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+        if (!action) return;
+        event.preventDefault();
+        action();
+    }
+}
+
+async function start(): Promise<void> {
+    const state = element('viewer-state');
+    try {
+        new Viewer(await read(element('arcfeed-data').textContent ?? ''));
+        state.remove();
+        document.documentElement.dataset.viewer = 'ready';
+    } catch (error) {
+        element('viewer').hidden = true;
+        state.textContent = `The viewer cannot show this run (${error instanceof Error ? error.message : error}); the figures are below.`;
+        throw error;
+    }
+}
+
+void start();

@@ -1,0 +1,332 @@
+// The path in three dimensions: lines coloured by a quantity, the tool, the remaining heights, axes and views.
+import {
+    AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
+    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Points, PointsMaterial, Scene, Vector2, Vector3, WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+import { NO_VALUE } from './colors';
+import type { ReportData } from './data';
+import type { Run } from './run';
+
+export type ViewName = 'iso' | 'XY' | 'XZ' | 'YZ';
+
+/** Directions from the part to the eye. The first is not quite upright, so that Y points up. */
+const VIEWS: Record<ViewName, [number, number, number]> = {
+    iso: [1, -1, 0.8],
+    XY: [0, -1e-4, 1],
+    XZ: [0, -1, 0],
+    YZ: [1, 0, 0],
+};
+
+/** Distance from the pointer within which a path is pointed at, pixels. */
+const NEAR = 14;
+
+/** Runs with more segments are drawn one pixel wide, which stays fluid. */
+const WIDE_MAX = 60_000;
+
+const WIDTH = 3;
+
+interface Drawn {
+    run: Run;
+    group: Group;
+    cutting: LineSegments2 | LineSegments;
+    /** End points of the segments in `cutting`. */
+    segments: Int32Array;
+    rapids: LineSegments;
+    tool: Group;
+}
+
+export class PathScene {
+    private readonly renderer: WebGLRenderer;
+    private readonly camera = new OrthographicCamera();
+    private readonly scene = new Scene();
+    private readonly controls: OrbitControls;
+    private readonly drawn: Drawn[];
+    private readonly heights: Mesh | null;
+    private readonly center = new Vector3();
+    private readonly low = new Vector3();
+    private readonly high = new Vector3();
+    private radius = 1;
+    /** Half of the width and of the height of the cutting path as seen in the last view. */
+    private seen: [number, number] = [1, 1];
+    private shown: Run[] = [];
+    private isAsked = false;
+
+    /** `after` is called after each frame. */
+    constructor(private readonly canvas: HTMLCanvasElement, data: ReportData, runs: Run[], private readonly after: () => void) {
+        this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+        this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+        this.measure(runs);
+        this.drawn = runs.map((run) => this.draw(run, data.tool));
+        this.drawn.forEach(({ group }) => this.scene.add(group));
+        this.heights = data.heights ? this.surface(data.heights) : null;
+        if (this.heights) this.scene.add(this.heights);
+        const light = new DirectionalLight(0xffffff, 2.2);
+        light.position.set(0.5, -1, 1.5);
+        this.scene.add(light, new AmbientLight(0xffffff, 1.2));
+        this.camera.up.set(0, 0, 1);
+        this.controls = new OrbitControls(this.camera, canvas);
+        this.controls.addEventListener('change', () => this.request());
+        this.show(runs.slice(-1));
+        this.view('iso');
+        new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
+        this.resize();
+    }
+
+    /** Looks along an axis, or from a corner, at the whole path. */
+    view(name: ViewName): void {
+        const direction = new Vector3(...VIEWS[name]).normalize();
+        this.controls.target.set(0, 0, 0);
+        this.camera.position.copy(direction.multiplyScalar(10 * this.radius));
+        // Parallel rays have no eye in front of which all must lie: a large workpiece reaches behind it.
+        this.camera.near = -1e3 * this.radius;
+        this.camera.far = 1e3 * this.radius;
+        this.camera.zoom = 1;
+        this.controls.update();
+        this.camera.updateMatrixWorld();
+        this.seen = this.extent();
+        this.resize();
+    }
+
+    /** Shows these runs side by side. */
+    show(runs: Run[]): void {
+        this.shown = runs;
+        this.resize();
+    }
+
+    setVisible(what: 'rapids' | 'tool' | 'stock', isVisible: boolean): void {
+        this.drawn.forEach((drawn) => {
+            if (what === 'rapids') drawn.rapids.visible = isVisible;
+            if (what === 'tool') drawn.tool.visible = isVisible;
+        });
+        if (what === 'stock' && this.heights) this.heights.visible = isVisible;
+        this.request();
+    }
+
+    setBackground(css: string): void {
+        this.scene.background = new Color(css);
+        this.request();
+    }
+
+    /** Colours each segment by its value. */
+    paint(run: Run, color: (index: number) => [number, number, number]): void {
+        const drawn = this.drawn.find((drawn) => drawn.run === run);
+        if (!drawn) return;
+        const colors = new Float32Array(6 * drawn.segments.length);
+        const linear = new Color();
+        drawn.segments.forEach((end, segment) => {
+            linear.setRGB(...color(end), 'srgb');
+            colors.set([linear.r, linear.g, linear.b, linear.r, linear.g, linear.b], 6 * segment);
+        });
+        const { geometry } = drawn.cutting;
+        if (geometry instanceof LineSegmentsGeometry) geometry.setColors(colors);
+        else geometry.setAttribute('color', new BufferAttribute(colors, 3));
+        this.request();
+    }
+
+    /** Moves the tool of a run. */
+    moveTool(run: Run, place: [number, number, number]): void {
+        const drawn = this.drawn.find((drawn) => drawn.run === run);
+        drawn?.tool.position.copy(this.local(...place));
+        this.request();
+    }
+
+    /** Run and time of the path nearest to the pointer, if it is near. */
+    pick(clientX: number, clientY: number): { run: Run; time: number } | null {
+        const box = this.canvas.getBoundingClientRect();
+        const width = box.width / this.shown.length;
+        const index = Math.min(Math.floor((clientX - box.left) / width), this.shown.length - 1);
+        const drawn = this.drawn.find((drawn) => drawn.run === this.shown[index]);
+        if (!drawn) return null;
+        const [px, py] = [clientX - box.left - index * width, clientY - box.top];
+        this.setFrustum(width, box.height);
+        const m = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse).elements;
+        const { run, segments } = drawn;
+        const [xs, ys, zs] = run.place;
+        const screen = (i: number): [number, number] => {
+            const [x, y, z] = [xs[i] - this.center.x, ys[i] - this.center.y, zs[i] - this.center.z];
+            return [
+                ((m[0] * x + m[4] * y + m[8] * z + m[12]) / 2 + 0.5) * width,
+                (0.5 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / 2) * box.height,
+            ];
+        };
+        let best = { distance: NEAR, time: NaN };
+        let [last, b] = [-1, [0, 0] as [number, number]];
+        for (const end of segments) {
+            const a = last === end - 1 ? b : screen(end - 1);
+            b = screen(end);
+            last = end;
+            const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+            const square = dx * dx + dy * dy;
+            const part = square > 0 ? Math.min(Math.max(((px - a[0]) * dx + (py - a[1]) * dy) / square, 0), 1) : 1;
+            const distance = Math.hypot(a[0] + part * dx - px, a[1] + part * dy - py);
+            if (distance < best.distance) {
+                // Not quite at the beginning, which belongs to the point before.
+                const within = Math.max(part, 1e-3);
+                best = { distance, time: run.time[end - 1] + (run.time[end] - run.time[end - 1]) * within };
+            }
+        }
+        return Number.isNaN(best.time) ? null : { run, time: best.time };
+    }
+
+    /** Place of a point of the part on the canvas, in CSS pixels of the first picture. */
+    onScreen(place: [number, number, number]): [number, number] {
+        const box = this.canvas.getBoundingClientRect();
+        const width = box.width / this.shown.length;
+        this.setFrustum(width, box.height);
+        const point = this.local(...place).project(this.camera);
+        return [(point.x / 2 + 0.5) * width, (0.5 - point.y / 2) * box.height];
+    }
+
+    /** Directions of the axes on the screen. */
+    axes(): [number, number][] {
+        const basis = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
+        return basis.map((axis) => {
+            const seen = axis.transformDirection(this.camera.matrixWorldInverse);
+            return [seen.x, -seen.y];
+        });
+    }
+
+    private request(): void {
+        if (this.isAsked) return;
+        this.isAsked = true;
+        requestAnimationFrame(() => {
+            this.isAsked = false;
+            this.render();
+        });
+    }
+
+    private render(): void {
+        const size = this.renderer.getSize(new Vector2());
+        const width = size.x / this.shown.length;
+        this.renderer.setScissorTest(true);
+        this.shown.forEach((run, index) => {
+            this.drawn.forEach(({ run: own, group }) => (group.visible = own === run));
+            this.setFrustum(width, size.y);
+            this.renderer.setViewport(index * width, 0, width, size.y);
+            this.renderer.setScissor(index * width, 0, width, size.y);
+            this.renderer.render(this.scene, this.camera);
+        });
+        this.after();
+    }
+
+    private resize(): void {
+        const box = (this.canvas.parentElement ?? this.canvas).getBoundingClientRect();
+        if (box.width === 0 || box.height === 0) return;
+        this.renderer.setSize(box.width, box.height, false);
+        for (const { cutting } of this.drawn) {
+            if (cutting.material instanceof LineMaterial) cutting.material.resolution.set(box.width / this.shown.length, box.height);
+        }
+        this.request();
+    }
+
+    private setFrustum(width: number, height: number): void {
+        const half = 1.15 * Math.max(this.seen[1], (this.seen[0] * height) / width, 1e-2 * this.radius);
+        Object.assign(this.camera, { left: (-half * width) / height, right: (half * width) / height, top: half, bottom: -half });
+        this.camera.updateProjectionMatrix();
+        this.camera.updateMatrixWorld();
+    }
+
+    /** Centre and radius of the cutting path; of all moves if none cuts. */
+    private measure(runs: Run[]): void {
+        for (const counts of [(run: Run, i: number) => i > 0 && run.rapid[i] === 0, () => true]) {
+            const low = new Vector3(Infinity, Infinity, Infinity);
+            const high = low.clone().negate();
+            for (const run of runs) {
+                for (let i = 0; i < run.points; i++) {
+                    if (!counts(run, i)) continue;
+                    const point = new Vector3(run.place[0][i], run.place[1][i], run.place[2][i]);
+                    low.min(point);
+                    high.max(point);
+                }
+            }
+            if (low.x > high.x) continue;
+            this.low.copy(low);
+            this.high.copy(high);
+            this.center.addVectors(low, high).multiplyScalar(0.5);
+            this.radius = Math.max(low.distanceTo(high) / 2, 1e-6);
+            return;
+        }
+    }
+
+    private extent(): [number, number] {
+        const extent: [number, number] = [0, 0];
+        for (let corner = 0; corner < 8; corner++) {
+            const pick = (axis: number) => (corner & (1 << axis) ? this.high : this.low).getComponent(axis);
+            const seen = this.local(pick(0), pick(1), pick(2)).applyMatrix4(this.camera.matrixWorldInverse);
+            extent[0] = Math.max(extent[0], Math.abs(seen.x));
+            extent[1] = Math.max(extent[1], Math.abs(seen.y));
+        }
+        return extent;
+    }
+
+    private local(x: number, y: number, z: number): Vector3 {
+        return new Vector3(x, y, z).sub(this.center);
+    }
+
+    private draw(run: Run, outline: [number, number][]): Drawn {
+        const ends = (rapid: number) => Int32Array.from(Array(run.points).keys()).filter((i) => i > 0 && run.rapid[i] === rapid);
+        const positions = (segments: Int32Array) => {
+            const values = new Float32Array(6 * segments.length);
+            segments.forEach((end, segment) => {
+                for (let k = 0; k < 6; k++) {
+                    const axis = k % 3;
+                    values[6 * segment + k] = run.place[axis][k < 3 ? end - 1 : end] - this.center.getComponent(axis);
+                }
+            });
+            return values;
+        };
+        const lines = (segments: Int32Array) => new BufferGeometry().setAttribute('position', new BufferAttribute(positions(segments), 3));
+        const segments = ends(0);
+        const isWide = segments.length <= WIDE_MAX;
+        const cutting = isWide
+            ? new LineSegments2(new LineSegmentsGeometry().setPositions(positions(segments)), new LineMaterial({ vertexColors: true, linewidth: WIDTH }))
+            : new LineSegments(lines(segments), new LineBasicMaterial({ vertexColors: true }));
+        const rapids = new LineSegments(lines(ends(1)), new LineBasicMaterial({ color: new Color(...NO_VALUE), transparent: true, opacity: 0.5 }));
+        const tool = new Group();
+        if (outline.length > 1) {
+            const closed = [...outline, outline[0]].map(([radius, height]) => new Vector2(radius, height));
+            const material = new MeshLambertMaterial({ color: 0xd8a33a, transparent: true, opacity: 0.4, side: DoubleSide, depthWrite: false });
+            tool.add(new Mesh(new LatheGeometry(closed, 48).rotateX(Math.PI / 2), material));
+        }
+        const tip = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(3), 3));
+        const mark = new Points(tip, new PointsMaterial({ color: 0xe0301e, size: 11, sizeAttenuation: false, depthTest: false, transparent: true }));
+        // Above the tool, which is drawn among the transparent objects too.
+        mark.renderOrder = 1;
+        tool.add(mark);
+        const group = new Group();
+        [cutting, rapids, tool].forEach((object) => {
+            object.frustumCulled = false;
+            group.add(object);
+        });
+        return { run, group, cutting, segments, rapids, tool };
+    }
+
+    /** Surface through the middles of the cells. */
+    private surface({ columns, lowest, step, values }: NonNullable<ReportData['heights']>): Mesh {
+        const rows = values.length / columns;
+        const positions = new Float32Array(3 * values.length);
+        values.forEach((height, cell) => {
+            const [x, y] = [lowest[0] + (cell % columns + 0.5) * step, lowest[1] + (Math.floor(cell / columns) + 0.5) * step];
+            this.local(x, y, Number.isNaN(height) ? 0 : height).toArray(positions, 3 * cell);
+        });
+        const triangles: number[] = [];
+        for (let row = 0; row + 1 < rows; row++) {
+            for (let column = 0; column + 1 < columns; column++) {
+                const a = row * columns + column;
+                const corners = [a, a + 1, a + columns, a + columns + 1];
+                if (corners.some((cell) => Number.isNaN(values[cell]))) continue;
+                triangles.push(a, a + 1, a + columns, a + 1, a + columns + 1, a + columns);
+            }
+        }
+        const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
+        geometry.setIndex(triangles);
+        geometry.computeVertexNormals();
+        // Behind the path, which runs exactly on the floors that it has cut.
+        const offset = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
+        return new Mesh(geometry, new MeshLambertMaterial({ color: 0x9fb0c3, side: DoubleSide, ...offset }));
+    }
+}

@@ -1,0 +1,227 @@
+// A report in a real browser: `node test/page.mjs REPORT.html FACTS.json [PICTURE.png]`. The facts are figures of `simulate --json`, and what
+// is known about the program itself: a line, the places and the chips on it.
+import assert from 'node:assert/strict';
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { pathToFileURL } from 'node:url';
+import { chromium } from 'playwright-core';
+
+const [report, factsFile, screenshot] = process.argv.slice(2);
+const facts = JSON.parse(readFileSync(factsFile, 'utf8'));
+const browsers = ['chromium', 'chromium-browser', 'google-chrome'].map((name) => `/usr/bin/${name}`);
+// WebGL without a graphics card.
+const args = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+const browser = await chromium.launch({ executablePath: browsers.find(existsSync), args });
+const page = await browser.newPage({ viewport: { width: 1400, height: 1300 } });
+const [messages, requests] = [[], []];
+page.on('console', (message) => messages.push(message.text()));
+page.on('pageerror', (error) => messages.push(error.message));
+page.on('request', (request) => requests.push(request.url()));
+
+const text = (selector) => page.locator(selector).innerText();
+const choose = (id, value) => page.locator(`#${id}`).selectOption(value);
+const settle = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Values of the moment of a run, by the heads of the columns. */
+async function values(run) {
+    return page.evaluate((run) => {
+        const heads = [...document.querySelectorAll('#values-head th, #values-head td')].map((cell) => cell.textContent.replace(/,.*/, ''));
+        const row = [...document.querySelectorAll('#values tr')].find((row) => row.cells[0].textContent === run);
+        return Object.fromEntries(heads.map((head, index) => [head, Number(row.cells[index].textContent)]));
+    }, run);
+}
+
+/** Number of pixels of the picture by colour, with few steps a colour. */
+async function colors() {
+    await settle();
+    const counts = await page.evaluate(() => {
+        const path = document.getElementById('path');
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [path.width, path.height];
+        const context = copy.getContext('2d');
+        context.drawImage(path, 0, 0);
+        const { data } = context.getImageData(0, 0, copy.width, copy.height);
+        const counts = {};
+        for (let at = 0; at < data.length; at += 4) {
+            const color = [data[at] >> 4, data[at + 1] >> 4, data[at + 2] >> 4].join();
+            counts[color] = (counts[color] ?? 0) + 1;
+        }
+        return counts;
+    });
+    const background = Math.max(...Object.values(counts));
+    const all = Object.values(counts).reduce((a, b) => a + b, 0);
+    return { counts, drawn: all - background, colors: Object.keys(counts).length };
+}
+
+const close = (actual, wanted, tolerance, what) =>
+    assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual}, not ${wanted} within ${tolerance}`);
+
+async function opens() {
+    await page.goto(pathToFileURL(report).href);
+    await page.waitForFunction(() => document.documentElement.dataset.viewer === 'ready', null, { timeout: 60_000 });
+    const drawn = await colors();
+    console.log(`picture: ${drawn.drawn} pixels drawn in ${drawn.colors} colours`);
+    assert.ok(drawn.drawn > 2_000 && drawn.colors > 20, 'the picture is empty');
+    assert.equal(await page.locator('#curves canvas').count(), facts.curves, 'number of curves');
+    // The tables of the report are below the viewer.
+    for (const words of facts.tables) assert.ok((await text('main')).includes(words), words);
+}
+
+/** The values are those of the run's own figures, which come another way. */
+async function agrees() {
+    for (const [quantity, largest, tolerance] of facts.largest) {
+        await choose('quantity', quantity);
+        const shown = Number((await text('#legend-ticks')).split(/\s+/).at(-1));
+        console.log(`largest ${quantity}: ${shown} in the page, ${largest} in the figures`);
+        close(shown, largest, tolerance, `largest ${quantity}`);
+    }
+    const scrub = page.locator('#scrub');
+    const [begin, end] = await scrub.evaluate((scrub) => [Number(scrub.min), Number(scrub.max)]);
+    console.log(`length: ${end - begin} s in the page, ${facts.cycle_time_s} s in the figures`);
+    // The axes come to rest after the last move.
+    close(end - begin, facts.cycle_time_s, 0.05, 'time of the run');
+}
+
+/** Scrubber, text and path lead to the same moment. */
+async function links() {
+    await page.locator('#find').fill(facts.find);
+    await page.locator('#search button').click();
+    assert.equal(await text('#found'), `line ${facts.line}`);
+    const check = async (how) => {
+        const after = await values('after');
+        assert.equal(after.Line, facts.line, how);
+        const { center, radius, tolerance, ...place } = facts.place;
+        for (const [axis, value] of Object.entries(place)) close(after[axis], value, tolerance, `${axis} ${how}`);
+        if (center) close(Math.hypot(after.X - center[0], after.Y - center[1]), radius, tolerance, `radius ${how}`);
+        assert.equal(await page.locator('.row.current .number').innerText(), String(facts.line), how);
+        return after;
+    };
+    const found = await check('by the text');
+    // A chip is measured as soon as a tooth has been in the cut for its whole time, a few points later.
+    await page.locator('#path').focus();
+    for (const [run, chip] of Object.entries(facts.chip ?? {})) {
+        for (let step = 0; step < 10 && Number.isNaN((await values(run))['Chip / target']); step++) await page.keyboard.press('ArrowRight');
+        assert.equal((await values(run)).Line, facts.line);
+        close((await values(run))['Chip / target'], chip, 5e-3, `chip ${run}`);
+    }
+    await page.locator('#search button').click();
+    // The scrubber leaves and comes back.
+    const scrub = page.locator('#scrub');
+    const at = await scrub.evaluate((scrub) => scrub.value);
+    const set = (value) => scrub.evaluate((scrub, value) => {
+        scrub.value = value;
+        scrub.dispatchEvent(new Event('input'));
+    }, value);
+    await set(await scrub.evaluate((scrub) => scrub.max));
+    assert.notEqual((await values('after')).Line, facts.line);
+    await set(at);
+    await check('by the scrubber');
+    const marks = await page.evaluate(() => [...document.querySelectorAll('.moment.after')].map((mark) => mark.style.transform));
+    assert.ok(marks.length === facts.curves && marks.every((mark) => mark === marks[0]), `${marks}`);
+    // The curves at the place of their own mark.
+    await set(await scrub.evaluate((scrub) => scrub.min));
+    const left = Number(/translateX\((.*)px\)/.exec(marks[0])[1]);
+    const over = page.locator('#curves .u-over').first();
+    await over.hover({ position: { x: left, y: 30 } });
+    close((await values('after'))['Time'], found['Time'], facts.pixel_s, 'time by the curve');
+    // The picture at the place of the tool, seen from above: the mark is where the tool is.
+    await set(at);
+    await page.locator('[data-view=XY]').click();
+    await settle();
+    const tip = await page.evaluate(() => {
+        const path = document.getElementById('path');
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [path.width, path.height];
+        const context = copy.getContext('2d');
+        context.drawImage(path, 0, 0);
+        const { data } = context.getImageData(0, 0, copy.width, copy.height);
+        let [sx, sy, count] = [0, 0, 0];
+        for (let at = 0; at < data.length; at += 4) {
+            if (data[at] < 200 || data[at + 1] > 90 || data[at + 2] > 70) continue;
+            sx += (at / 4) % copy.width;
+            sy += Math.floor(at / 4 / copy.width);
+            count += 1;
+        }
+        const scale = path.clientWidth / copy.width;
+        return [(sx / count + 0.5) * scale, (sy / count + 0.5) * scale];
+    });
+    await set(await scrub.evaluate((scrub) => scrub.min));
+    await page.locator('#path').hover({ position: { x: tip[0], y: tip[1] } });
+    const pointed = await values('after');
+    console.log(`pointed at the tool: line ${pointed.Line}, X ${pointed.X} Y ${pointed.Y}`);
+    for (const axis of ['X', 'Y']) close(pointed[axis], found[axis], facts.pixel, `${axis} by the picture`);
+}
+
+async function switches() {
+    await page.locator('[data-show=after]').click();
+    const after = await colors();
+    await page.locator('[data-show=before]').click();
+    const before = await colors();
+    // A program that no rule changes has the same path before and after.
+    if (facts.chip) assert.notDeepEqual(after.counts, before.counts, 'before and after look alike');
+    await page.locator('[data-show=both]').click();
+    assert.equal(await text('#names'), 'before\nafter');
+    await page.locator('[data-show=after]').click();
+    for (const view of ['XY', 'XZ', 'YZ', 'iso']) {
+        await page.locator(`[data-view=${view}]`).click();
+        assert.ok((await colors()).drawn > 500, view);
+    }
+    const light = await colors();
+    await page.locator('#theme').click();
+    const dark = await colors();
+    const most = ({ counts }) => Object.entries(counts).sort((a, b) => b[1] - a[1])[0][0].split(',').map(Number);
+    assert.ok(most(light)[0] > 12 && most(dark)[0] < 4, `${most(light)} and ${most(dark)}`);
+    await choose('along', 'path');
+    await choose('along', 'time');
+}
+
+/** Each finding leads to its block. */
+async function findings() {
+    const buttons = page.locator('#findings button');
+    const count = await buttons.count();
+    console.log(`${count} findings`);
+    assert.equal(count, facts.findings);
+    for (let index = 0; index < Math.min(count, 5); index++) {
+        await buttons.nth(index).click();
+        const n = /N(\d+)/.exec(await buttons.nth(index).innerText())?.[1];
+        if (n) assert.ok((await text('.row.current')).includes(`N${n}`), `finding at N${n}`);
+    }
+}
+
+async function keys() {
+    await page.locator('#path').focus();
+    const time = (await values('after')).Time;
+    await page.keyboard.press('Shift+ArrowRight');
+    assert.notEqual((await values('after')).Time, time);
+    await page.keyboard.press('b');
+    assert.equal(await page.locator('[data-show=before]').getAttribute('aria-pressed'), 'true');
+    await page.keyboard.press('a');
+    await page.keyboard.press('d');
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
+}
+
+/** axe-core in both themes. */
+async function accessible() {
+    await page.evaluate(readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8'));
+    for (const theme of ['light', 'dark']) {
+        const { violations, passes } = await page.evaluate(() => globalThis.axe.run());
+        const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+        console.log(`axe-core, ${theme}: ${passes.length} rules passed, ${violations.length} findings, ${serious.length} serious`);
+        const lines = serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`);
+        assert.deepEqual(lines, []);
+        await page.locator('#theme').click();
+    }
+}
+
+try {
+    for (const step of [opens, agrees, links, switches, findings, keys, accessible]) {
+        await step();
+        console.log(`${step.name}: passed`);
+    }
+    if (screenshot) await page.screenshot({ path: screenshot, fullPage: true });
+    assert.deepEqual(messages, [], 'messages on the console');
+    const elsewhere = requests.filter((url) => !url.startsWith('file:') && !url.startsWith('data:') && !url.startsWith('blob:'));
+    assert.deepEqual([elsewhere, requests.filter((url) => url.startsWith('file:')).length], [[], 1], 'requests');
+} finally {
+    await browser.close();
+}

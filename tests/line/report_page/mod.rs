@@ -1,0 +1,153 @@
+//! The report of a run in a real browser, and the viewer's bundle against its sources.
+//!
+//! `host/web/test/page.mjs` drives the browser. The facts that it looks for come from closed forms of the program and from the figures of
+//! `simulate --json`, which do not go through the page.
+
+use std::path::Path;
+use std::process::Command;
+
+use arcfeed_tests::{Scratch, root, run, skip_loudly};
+use serde_json::{Value, json};
+
+/// Folder of the viewer.
+const WEB: &str = "host/web";
+
+const BROWSERS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+
+/// A slot by a mill of R 5 mm, with forces and a limit of the spindle.
+const SLOT: &str = "%\nG21G17G90G94\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X20.F600.\nN5G0Z5.\nN6M30\n%\n";
+const SLOT_JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
+    [tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nheight = 30\n\
+    [spindle]\nrev_per_min = 3000\nmax_power = \"200 W\"\n[law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n\
+    [workpiece]\nblock = { from = [-10, -10, -12], to = [40, 10, 0] }\nstep = 0.5\n\
+    [cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 4\n";
+
+/// Whether Node has the viewer's packages; says loudly if not.
+fn has_node(test: &str) -> bool {
+    let node = Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
+    let found = node && root().join(WEB).join("node_modules/esbuild").exists();
+    if !found {
+        skip_loudly(test, "no Node with the packages of host/web (`cargo xtask test` installs them)");
+    }
+    found
+}
+
+fn has_browser(test: &str) -> bool {
+    let found = BROWSERS.iter().any(|path| Path::new(path).exists());
+    if !found {
+        skip_loudly(test, "no Chromium (`cargo xtask test` installs it)");
+    }
+    found
+}
+
+/// Output of a script of the viewer, which succeeds.
+#[track_caller]
+fn node(arguments: &[&str]) -> String {
+    let output = Command::new("node").args(arguments).current_dir(root().join(WEB)).output().expect("Node starts");
+    let [out, err] = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    assert!(output.status.success(), "{arguments:?}\n{out}{err}");
+    out
+}
+
+/// Runs a job, and looks for the facts in its page.
+#[track_caller]
+fn check(test: &str, job: &str, facts: impl Fn(&Value) -> Value) {
+    if !(has_node(test) && has_browser(test)) {
+        return;
+    }
+    let scratch = Scratch::new(test);
+    let page = scratch.path("run.html");
+    let output = run(&["simulate", job, "--json", "--report", &page]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let mut facts = facts(&report);
+    facts["cycle_time_s"] = report["cycle_time_s"].clone();
+    let facts = scratch.write("facts.json", facts.to_string());
+    println!("{}", node(&["test/page.mjs", &page, &facts]));
+}
+
+/// Largest measured chip load over its target, of the run or of the original program.
+fn largest_chip(report: &Value) -> f64 {
+    let ratio = |key: &str| 1.0 + report[key]["error_ratio_max_all"].as_f64().expect("a ratio");
+    ratio("chip_load").max(ratio("baseline_chip_load"))
+}
+
+#[test]
+fn a_report_opens_from_disk_and_shows_one_moment_in_path_curves_and_text() {
+    // N160: a corner of the contour's radius 8 mm, on which the centre of the mill of R 5 mm runs on 3 mm: the programmed feed is 8/3 of that
+    // on the contour.
+    check("page-pocket", "examples/pocket/job-contour.toml", |report| {
+        json!({
+            "curves": 3,
+            "tables": ["feed per tooth at the contour", "Along time", "Chip load along the path, after"],
+            "largest": [["chip", largest_chip(report), 2e-3]],
+            "find": "N160G3",
+            "line": 15,
+            "place": { "center": [42, 27], "radius": 3, "Z": -5, "tolerance": 6e-3 },
+            "chip": { "before": 8.0 / 3.0, "after": 1.0 },
+            "pixel": 0.6,
+            "pixel_s": 0.03,
+            // The four corners and the slot, before the adaptation.
+            "findings": 5,
+        })
+    });
+}
+
+#[test]
+fn a_report_shows_the_ring_its_removal_rate_and_the_remaining_stock() {
+    // N144: about the centre that I and J give from the end of N142.
+    check("page-ring", "examples/ibr-slot/job.toml", |report| {
+        json!({
+            "curves": 4,
+            "tables": ["Heights, seen along Z", "removal rate, in3/min"],
+            "largest": [["chip", largest_chip(report), 2e-3]],
+            "find": "N144G3",
+            "line": 19,
+            "place": { "center": [0.2495, 8.3369], "radius": 4.43706, "Z": -27.5688, "tolerance": 4e-4 },
+            "pixel": 0.02,
+            "pixel_s": 0.15,
+            "findings": 0,
+        })
+    });
+}
+
+#[test]
+fn a_report_shows_forces_and_leads_to_each_block_above_a_limit() {
+    let scratch = Scratch::new("page-slot-job");
+    scratch.write("program.nc", SLOT);
+    let job = scratch.write("job.toml", SLOT_JOB);
+    check("page-slot", &job, |report| {
+        let [load, power] = [&report["loads"]["load"], &report["spindle"]["power"]];
+        let above = ["above", "baseline_above"].map(|key| power[key].as_array().expect("a list").len());
+        assert!(above[0] > 0, "{power}");
+        json!({
+            "curves": 5,
+            "tables": ["Chips and forces", "power above the spindle's"],
+            "largest": [["force", load["force_max_n"], 0.5]],
+            "find": "N4G1",
+            "line": 6,
+            "place": { "Y": 0, "Z": -4, "tolerance": 1e-3 },
+            "pixel": 0.2,
+            "pixel_s": 0.02,
+            "findings": above[0] + above[1],
+        })
+    });
+}
+
+#[test]
+fn the_bundle_is_that_of_its_sources() {
+    let test = "bundle";
+    if !has_node(test) {
+        return;
+    }
+    let scratch = Scratch::new(test);
+    node(&["build.mjs", &scratch.path("built")]);
+    node(&["node_modules/typescript/bin/tsc", "--noEmit"]);
+    for file in ["viewer.js", "viewer.css"] {
+        let built = std::fs::read(scratch.path(&format!("built/{file}"))).expect("built");
+        let kept = std::fs::read(root().join(WEB).join(file)).expect("in the repository");
+        assert!(built == kept, "{WEB}/{file} is not built from its sources: `npm ci && npm run build` there");
+    }
+    let bundle = std::fs::read_to_string(root().join(WEB).join("viewer.js")).expect("text");
+    assert!(!bundle.contains("</script"), "the bundle would end its own element");
+}
