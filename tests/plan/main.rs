@@ -55,6 +55,10 @@ mod symmetry;
 
 mod widths;
 
+mod sampler;
+
+mod fallback;
+
 mod threads;
 
 mod chain;

@@ -27,6 +27,10 @@ pub mod cup_mill;
 
 pub mod proof;
 
+pub mod axis_search;
+
 pub mod optimisation;
+
+pub mod rings;
 
 pub mod output;
