@@ -57,6 +57,10 @@ mod symmetry;
 
 mod widths;
 
+mod sampler;
+
+mod fallback;
+
 mod threads;
 
 mod chain;

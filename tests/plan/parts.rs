@@ -97,7 +97,7 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
 }
 
 /// Proven clearances of the ring from the finished blades.
-fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
+pub fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
     let case =
         ProofCase { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
     let bodies = bodies(&case, CHORD_MM);

@@ -118,7 +118,7 @@ fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
         for near in &proof.clearances {
             println!("{width_mm} mm: {:?} {:?} {:.3?} mm", near.part, near.obstacle, near.bounds_mm);
         }
-        let share = found.removed.share_ratio();
+        let share = found.share_ratio;
         println!("{width_mm} mm: {} levels take {:.1} %", path.levels.len(), 100.0 * share);
         assert!(proof.holds(allowance_mm, NEARER_RATIO * allowance_mm) && share > 0.3, "{width_mm}");
     }

@@ -1,10 +1,19 @@
 //! Changes of the input that leave a plan unchanged, and changes that mirror it.
 
 use arcfeed_nc::modal::Turn;
-use arcfeed_plan::cup_mill::plan::{SlotPlan, plan};
-use arcfeed_plan::vector::Flat;
+use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
+use arcfeed_plan::geometry::blade::Sections;
+use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::vector::{Flat, Point, Vector};
+use nalgebra::Rotation3;
 
+use crate::proof_cases::published_tool;
+use crate::proof_published::ROUGHING;
+use crate::published_rotor;
 use crate::twisted::{ROTORS, Twisted, ring, roughing};
+
+/// Largest difference of equal plans, mm.
+const SAME_MM: f64 = 1e-9;
 
 /// Largest differences of two plans, the second one's places as `seen`: of places and heights, mm.
 fn differences_mm(a: &SlotPlan, b: &SlotPlan, seen: impl Fn(Flat) -> Flat) -> [f64; 3] {
@@ -20,27 +29,81 @@ fn differences_mm(a: &SlotPlan, b: &SlotPlan, seen: impl Fn(Flat) -> Flat) -> [f
     [largest(&mut base.into_iter()), largest(&mut ends.into_iter()), largest(&mut heights.into_iter())]
 }
 
+/// Plan along the blade's axis from the better edge.
+fn along_blade(rotor: &Twisted, turn_rad: f64) -> SlotPlan {
+    let (blisk, slot) = rotor.slot(turn_rad);
+    let (ring, roughing) = (ring(), roughing());
+    Problem::new(&blisk, &slot, &ring, &roughing).unwrap().along(AxisChoice::Blade).unwrap().plan
+}
+
 #[test]
 fn another_numbering_of_the_blades_changes_nothing() {
     for rotor in ROTORS {
-        let first = rotor.plan();
         let pitch_rad = core::f64::consts::TAU / 19.0;
-        let (blisk, slot) = rotor.slot(5.0 * pitch_rad);
-        let other = plan(&blisk, &slot, &ring(), &roughing()).unwrap();
+        let (first, other) = (along_blade(&rotor, 0.0), along_blade(&rotor, 5.0 * pitch_rad));
         let [places_mm, ends_mm, heights_mm] = differences_mm(&first, &other, |place| place);
         println!("{}: A, B1, C {places_mm:.1e}, D, E {ends_mm:.1e}, heights {heights_mm:.1e} mm", rotor.name);
-        assert!(places_mm < 1e-4 && ends_mm < 1e-4 && heights_mm < 1e-6, "{}", rotor.name);
+        assert!(places_mm < SAME_MM && ends_mm < SAME_MM && heights_mm < SAME_MM, "{}", rotor.name);
     }
 }
 
 #[test]
 fn the_mirror_image_of_a_rotor_has_that_of_the_plan() {
     for rotor in ROTORS {
-        let right = rotor.plan();
-        let left = Twisted { hand: -1.0, ..rotor }.plan();
+        let right = along_blade(&rotor, 0.0);
+        let left = along_blade(&Twisted { hand: -1.0, ..rotor }, 0.0);
         assert_ne!(right.path.outward == Turn::Cw, left.path.outward == Turn::Cw, "{}", rotor.name);
         let [places_mm, ends_mm, heights_mm] = differences_mm(&right, &left, |place| Flat::new(-place.x, place.y));
         println!("{}: A, B1, C {places_mm:.1e}, D, E {ends_mm:.1e}, heights {heights_mm:.1e} mm", rotor.name);
-        assert!(places_mm < 1e-4 && ends_mm < 1e-4 && heights_mm < 1e-6, "{}", rotor.name);
+        assert!(places_mm < SAME_MM && ends_mm < SAME_MM && heights_mm < SAME_MM, "{}", rotor.name);
+    }
+}
+
+/// The rotor of a part with one thing changed that leaves its blades the same, and signs of the slot's x and y.
+struct Variant {
+    name: &'static str,
+    change: fn(Sections) -> Sections,
+    signs: [f64; 2],
+}
+
+fn moved(sections: &Sections, map: impl Fn(&Point) -> Point) -> Sections {
+    let side = |side: &[Vec<Point>]| side.iter().map(|points| points.iter().map(&map).collect()).collect();
+    Sections { pressure: side(&sections.pressure), suction: side(&sections.suction) }
+}
+
+fn reversed(mut sections: Sections) -> Sections {
+    sections.pressure.iter_mut().chain(&mut sections.suction).for_each(|points| points.reverse());
+    sections
+}
+
+fn turned(sections: Sections) -> Sections {
+    let turn = Rotation3::from_axis_angle(&Vector::z_axis(), 7.0 * core::f64::consts::TAU / 19.0 + 0.1);
+    moved(&sections, |point| turn * point)
+}
+
+const VARIANTS: [Variant; 5] = [
+    Variant { name: "points reversed", change: reversed, signs: [1.0, 1.0] },
+    Variant { name: "turned by 7 pitches and 0.1 rad", change: turned, signs: [1.0, 1.0] },
+    Variant { name: "mirrored in y", change: |s| moved(&s, |p| Point::new(p.x, -p.y, p.z)), signs: [-1.0, 1.0] },
+    Variant { name: "mirrored in z", change: |s| moved(&s, |p| Point::new(p.x, p.y, -p.z)), signs: [1.0, -1.0] },
+    Variant { name: "upside down", change: |s| reversed(moved(&s, |p| Point::new(p.x, -p.y, -p.z))), signs: [-1.0, -1.0] },
+];
+
+#[test]
+fn the_best_plan_does_not_depend_on_the_order_of_points_the_first_blade_or_the_hand() {
+    let tool = published_tool();
+    let best = |sections: &Sections| {
+        let blisk = published_rotor::rotor(sections);
+        let slot = blisk.slot();
+        Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap().best(|_| true).unwrap()
+    };
+    let first = best(&published_rotor::sections());
+    for Variant { name, change, signs } in VARIANTS {
+        let other = best(&change(published_rotor::sections()));
+        let seen = |place: Flat| Flat::new(signs[0] * place.x, signs[1] * place.y);
+        let [places_mm, ends_mm, heights_mm] = differences_mm(&first.plan, &other.plan, seen);
+        println!("{name}: A, B1, C {places_mm:.1e}, D, E {ends_mm:.1e}, heights {heights_mm:.1e} mm");
+        assert!(places_mm < SAME_MM && ends_mm < SAME_MM && heights_mm < SAME_MM, "{name}");
+        assert!((first.share_ratio - other.share_ratio).abs() < 1e-9, "{name}");
     }
 }

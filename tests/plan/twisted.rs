@@ -14,7 +14,8 @@ pub const ALLOWANCE_MM: f64 = 0.889;
 const TIP_MM: f64 = 108.6;
 /// Radius of the blank, mm.
 pub const BLANK_MM: f64 = 109.0;
-const BLADES: u32 = 19;
+/// Number of blades.
+pub const BLADES: u32 = 19;
 const SECTIONS: usize = 9;
 const POINTS: usize = 61;
 
@@ -78,29 +79,29 @@ pub fn roughing() -> Roughing {
 }
 
 impl Twisted {
+    /// Point of a side by its height between hub and tip and its place between the edges, both 0 to 1; `outward` 1 for the suction side.
+    pub fn point(&self, share: f64, place: f64, outward: f64, turn_rad: f64) -> Point {
+        let between = |[hub, tip]: [f64; 2]| hub + (tip - hub) * share;
+        let radius_mm = between([HUB_MM, TIP_MM]);
+        let (sin, cos) = libm::sincos(between(self.stagger_deg).to_radians());
+        let half_rad = between(self.camber_deg).to_radians() / 2.0;
+        let camber_mm = self.chord_mm / (2.0 * libm::sin(half_rad));
+        let half_mm = self.chord_mm * between(self.thickness_ratio) / 2.0;
+        let station = core::f64::consts::PI * place;
+        let bearing = -libm::cos(station) * half_rad;
+        let from_mm = camber_mm + outward * half_mm * libm::sin(station);
+        let along_mm = from_mm * libm::sin(bearing);
+        let off_mm = from_mm * libm::cos(bearing) - camber_mm * libm::cos(half_rad);
+        let angle = self.hand * (along_mm * sin + off_mm * cos) / radius_mm + turn_rad;
+        let (y, x) = libm::sincos(angle);
+        Point::new(radius_mm * x, radius_mm * y, along_mm * cos - off_mm * sin)
+    }
+
     /// Sections of one side, from the hub to the tip; `outward` 1 for the suction side.
     fn sections(&self, outward: f64, turn_rad: f64) -> Vec<Vec<Point>> {
-        let section = |j: usize| {
-            let share = j as f64 / (SECTIONS - 1) as f64;
-            let between = |[hub, tip]: [f64; 2]| hub + (tip - hub) * share;
-            let radius_mm = between([HUB_MM, TIP_MM]);
-            let (sin, cos) = libm::sincos(between(self.stagger_deg).to_radians());
-            let half_rad = between(self.camber_deg).to_radians() / 2.0;
-            let camber_mm = self.chord_mm / (2.0 * libm::sin(half_rad));
-            let half_mm = self.chord_mm * between(self.thickness_ratio) / 2.0;
-            let point = |i: usize| {
-                let station = core::f64::consts::PI * i as f64 / (POINTS - 1) as f64;
-                let bearing = -libm::cos(station) * half_rad;
-                let from_mm = camber_mm + outward * half_mm * libm::sin(station);
-                let along_mm = from_mm * libm::sin(bearing);
-                let off_mm = from_mm * libm::cos(bearing) - camber_mm * libm::cos(half_rad);
-                let angle = self.hand * (along_mm * sin + off_mm * cos) / radius_mm + turn_rad;
-                let (y, x) = libm::sincos(angle);
-                Point::new(radius_mm * x, radius_mm * y, along_mm * cos - off_mm * sin)
-            };
-            (0..POINTS).map(point).collect()
-        };
-        (0..SECTIONS).map(section).collect()
+        let share = |k: usize, count: usize| k as f64 / (count - 1) as f64;
+        let point = |j: usize, i: usize| self.point(share(j, SECTIONS), share(i, POINTS), outward, turn_rad);
+        (0..SECTIONS).map(|j| (0..POINTS).map(|i| point(j, i)).collect()).collect()
     }
 
     /// Rotor and slot, all turned about the rotor's axis.

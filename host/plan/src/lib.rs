@@ -27,7 +27,11 @@ pub mod cup_mill;
 
 pub mod proof;
 
+pub mod axis_search;
+
 pub mod optimisation;
+
+pub mod rings;
 
 pub mod plunge;
 

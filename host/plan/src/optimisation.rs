@@ -1,57 +1,53 @@
-//! Optimisation of a plan: the axis and the ring width that remove most from a slot (Petean, section 3.3.2, Fig. 3.11).
+//! Plan of a slot that removes most from it, over the tool's axis and the edges from which it starts, with its proof.
 //!
-//! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. The value of a
-//! plan is the fraction of the slot that it removes, between the blades and above the hub with their allowances: the
-//! volume of the columns under the ring's path.
+//! The value of a plan is the fraction of the slot that it removes, between the blades and above the hub with their
+//! allowances: the volume of the columns under the ring's path. Paths with few levels are compared first.
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::axis_search::{AxisSearch, Candidate};
 use crate::cup_mill::infeasibility::Infeasible;
-use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Roughing, SlotPlan};
-use crate::cup_mill::room::{Room, Rooms};
+use crate::cup_mill::neighbours::NEARER_RATIO;
+use crate::cup_mill::normal_form::{GRAIN_MM, StartEdge};
+use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Request, Roughing, SlotPlan};
+use crate::cup_mill::room::Room;
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
+use crate::geometry::turning_height::highest_mm;
 use crate::proof::floor::Floor;
 use crate::proof::remaining::SlotWalls;
-use crate::proof::removal::{RemovedVolumes, Stock, removed};
+use crate::proof::removal::{Stock, slot_share_ratio};
+use crate::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
+use crate::vector::Point;
 
 /// Slot to be planned.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
     roughing: &'p Roughing,
-    prepared: PreparedSlot,
+    fixture: &'p [[Point; 2]],
+    /// From the leading, and from the trailing edges.
+    prepared: [PreparedSlot; 2],
 }
 
-/// Plan and its removed volumes.
+/// Plan and its value.
 #[derive(Clone, Debug)]
 pub struct ValuedPlan {
     /// Plan.
     pub plan: SlotPlan,
-    /// Volumes.
-    pub removed: RemovedVolumes,
+    /// Removed fraction of the slot.
+    pub share_ratio: f64,
 }
 
-/// Width of the ring, and its result.
-#[derive(Clone, Debug)]
-pub struct Trial {
-    /// R - r, mm.
-    pub width_mm: f64,
-    /// Removed fraction of the slot, or the reason why there is no plan.
-    pub share_ratio: Result<f64, Infeasible>,
-}
-
-/// Cell size for the comparison of plans, mm.
+/// Cell size for the comparison of full plans, mm.
 const CELL_MM: f64 = 1.0;
-/// Most directions of the ridge that are planned.
-const RIDGE_MAX: usize = 12;
-/// Number of widths of the coarse search.
-const LOOKS: i32 = 24;
-/// Steps of the golden-section search after it.
-const SECTIONS: i32 = 8;
-/// Ratio of the golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
+/// The same for plans with few levels.
+const COARSE_CELL_MM: f64 = 2.0;
+/// Levels of plans that are compared first.
+const COARSE_LEVELS: u32 = 6;
+/// Number of plans that are proven before the search gives up.
+const PROVEN_MAX: usize = 6;
 
 impl<'p> Problem<'p> {
     /// Problem from a rotor, its slot in the part frame, a cutter, and the requirements.
@@ -60,118 +56,168 @@ impl<'p> Problem<'p> {
     /// A blade is not above the hub.
     pub fn new(
         blisk: &'p Blisk,
-        slot: &'p Slot,
+        slot: &Slot,
         cutter: &'p CupMill,
         roughing: &'p Roughing,
     ) -> Result<Self, Infeasible> {
-        let prepared = PreparedSlot::new(blisk, slot, roughing.allowance_mm)?;
-        Ok(Problem { blisk, cutter, roughing, prepared })
+        let from = |start| PreparedSlot::new(blisk, slot, roughing.allowance_mm, start, Some(GRAIN_MM));
+        let (leading, trailing) = rayon::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));
+        Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
+    }
+
+    /// The same with fixtures, as boxes that turn with the part: opposite corners, part frame.
+    #[must_use]
+    pub fn with_fixture(self, fixture: &'p [[Point; 2]]) -> Self {
+        Problem { fixture, ..self }
     }
 
     /// Plan that removes most among those that `admits` accepts.
     ///
     /// # Errors
     /// See [`Problem::ranked`].
-    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<ValuedPlan, Infeasible> {
+    pub fn best(&self, admits: impl Fn(&SlotPlan) -> bool + Sync) -> Result<ValuedPlan, Infeasible> {
         self.ranked(admits).map(|mut ranked| ranked.swap_remove(0))
     }
 
-    /// Plans that `admits` accepts, those that remove most first, at least one: along the blade's axis, the roomiest
-    /// direction, and others with at least half of its room.
+    /// Plans that `admits` accepts, those that remove most first, at least one.
     ///
     /// # Errors
     /// Reason for the roomiest axis, if there is no plan: the least missing width.
-    pub fn ranked(&self, admits: impl Fn(&SlotPlan) -> bool) -> Result<Vec<ValuedPlan>, Infeasible> {
-        let rooms = self.prepared.walls.rooms(self.cutter).ok_or(Infeasible::NoAxis)?;
-        let along = |room: Room| self.along(AxisChoice::Found(room));
-        let blade = || self.prepared.near_blade(self.cutter, || Some(rooms.roomiest)).map(along);
-        let (blade, roomiest) = rayon::join(blade, || along(rooms.roomiest));
-        let others = if roomiest.is_ok() { ridge(&rooms) } else { Vec::new() };
-        let mut tried: Vec<_> = others.into_par_iter().map(|axis| self.along(axis)).collect();
-        tried.extend(blade.into_iter().chain([roomiest.clone()]));
-        let mut found: Vec<ValuedPlan> = tried.into_iter().flatten().filter(|valued| admits(&valued.plan)).collect();
-        found.sort_by(|a, b| b.removed.share_ratio().total_cmp(&a.removed.share_ratio()));
-        if found.is_empty() { roomiest.map(|plan| vec![plan]) } else { Ok(found) }
+    pub fn ranked(&self, admits: impl Fn(&SlotPlan) -> bool + Sync) -> Result<Vec<ValuedPlan>, Infeasible> {
+        self.ranked_with(self.cutter, &admits)
     }
 
-    /// Plan with one axis.
+    /// Plan with one axis over the whole depth, from the edges from which it removes more.
     ///
     /// # Errors
     /// There is none.
     pub fn along(&self, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
-        self.valued(self.cutter, axis)
+        self.along_with(self.cutter, axis)
     }
 
-    fn valued(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
+    fn along_with(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
+        let from = |edge: usize| self.full(cutter, edge, axis, 0);
+        match rayon::join(|| from(0), || from(1)) {
+            (Ok(leading), Ok(trailing)) if trailing.share_ratio > leading.share_ratio => Ok(trailing),
+            (Err(_), Ok(trailing)) => Ok(trailing),
+            (leading, _) => leading,
+        }
+    }
+
+    /// Plan of the highest rank whose proof holds, or else the first one, with its proof; there is one plan if the axis is given.
+    ///
+    /// # Errors
+    /// There is no plan.
+    pub fn proven(
+        &self,
+        axis: Option<AxisChoice>,
+        admits: impl Fn(&SlotPlan) -> bool + Sync,
+    ) -> Result<(ValuedPlan, Proof), Infeasible> {
+        self.proven_with(self.cutter, axis, &admits)
+    }
+
+    /// Removed fraction of the slot by another cutter, along an axis or by the best plan, if its proof holds.
+    ///
+    /// # Errors
+    /// There is no plan, or none whose proof holds.
+    pub fn share_ratio(
+        &self,
+        cutter: &CupMill,
+        axis: Option<AxisChoice>,
+        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+    ) -> Result<f64, Infeasible> {
+        let (_, proof) = self.proven_with(cutter, axis, admits)?;
+        if self.holds(&proof) { Ok(proof.removed.share_ratio()) } else { Err(Infeasible::Unproven) }
+    }
+
+    fn proven_with(
+        &self,
+        cutter: &CupMill,
+        axis: Option<AxisChoice>,
+        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+    ) -> Result<(ValuedPlan, Proof), Infeasible> {
+        let ranked = match axis {
+            Some(axis) => vec![self.along_with(cutter, axis)?],
+            None => self.ranked_with(cutter, admits)?,
+        };
+        self.first_proven(cutter, ranked)
+    }
+
+    fn holds(&self, proof: &Proof) -> bool {
+        let allowance_mm = self.roughing.allowance_mm;
+        proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
+    }
+
+    fn first_proven(&self, cutter: &CupMill, ranked: Vec<ValuedPlan>) -> Result<(ValuedPlan, Proof), Infeasible> {
+        let allowance_mm = self.roughing.allowance_mm;
+        let mut first = None;
+        for valued in ranked.into_iter().take(PROVEN_MAX) {
+            let case = ProofCase {
+                blisk: self.blisk,
+                tool: cutter,
+                path: &valued.plan.path,
+                to_slot: valued.plan.turn,
+                allowance_mm,
+                fixture: self.fixture,
+            };
+            let proof = prove(&case, &ProofResolution::default()).ok_or(Infeasible::NoFoot("pressure"))?;
+            if self.holds(&proof) {
+                return Ok((valued, proof));
+            }
+            first.get_or_insert((valued, proof));
+        }
+        first.ok_or(Infeasible::NoAxis)
+    }
+
+    fn ranked_with(
+        &self,
+        cutter: &CupMill,
+        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+    ) -> Result<Vec<ValuedPlan>, Infeasible> {
+        let value = |edge: usize, room: Room, raise: usize| {
+            let roughing = Roughing { axis: AxisChoice::Found(room), ..*self.roughing };
+            let request = Request { raise, levels_max: Some(COARSE_LEVELS), ..Request::whole(cutter, &roughing) };
+            let valued = self.valued(edge, &request, COARSE_CELL_MM).ok()?;
+            admits(&valued.plan).then_some(valued.share_ratio)
+        };
+        let search = AxisSearch { prepared: &self.prepared, cutter, value };
+        let (found, roomiest) = rayon::join(|| search.best(), || self.along_with(cutter, AxisChoice::Roomiest));
+        let full = |one: &Candidate| self.full(cutter, one.edge, AxisChoice::Found(one.room), one.raise);
+        let (found, blade) = rayon::join(
+            || found.par_iter().map(full).collect::<Vec<_>>(),
+            || self.along_with(cutter, AxisChoice::Blade),
+        );
+        let all = found.into_iter().chain([blade, roomiest.clone()]).flatten();
+        let mut admitted: Vec<ValuedPlan> = all.filter(|valued| admits(&valued.plan)).collect();
+        admitted.sort_by(|a, b| b.share_ratio.total_cmp(&a.share_ratio));
+        if admitted.is_empty() { roomiest.map(|plan| vec![plan]) } else { Ok(admitted) }
+    }
+
+    /// Plan with all levels.
+    fn full(&self, cutter: &CupMill, edge: usize, axis: AxisChoice, raise: usize) -> Result<ValuedPlan, Infeasible> {
         let roughing = Roughing { axis, ..*self.roughing };
-        let (mut plan, mut around) = self.prepared.plan(cutter, &roughing, BaseLimits::Sides)?;
-        if around.cuts_edge(cutter, plan.base.centre)
-            && let Ok(whole) = self.prepared.plan(cutter, &roughing, BaseLimits::WholeBlades)
+        self.valued(edge, &Request { raise, ..Request::whole(cutter, &roughing) }, CELL_MM)
+    }
+
+    fn valued(&self, edge: usize, request: &Request<'_>, cell_mm: f64) -> Result<ValuedPlan, Infeasible> {
+        let Request { cutter, roughing, .. } = *request;
+        let prepared = &self.prepared[edge];
+        let (mut plan, mut around) = prepared.plan(request)?;
+        let bottom_mm = plan.path.levels.last().map_or(f64::NEG_INFINITY, |level| level.height_mm);
+        if around.cuts_edge(cutter, plan.base.centre, bottom_mm)
+            && let Ok(whole) = prepared.plan(&Request { limits: BaseLimits::WholeBlades, ..*request })
         {
             (plan, around) = whole;
         }
+        let blisk = &prepared.blisk;
         let Surroundings { pressure, suction, .. } = around;
-        let walls = SlotWalls::between([pressure, suction], &self.blisk.hub, roughing.allowance_mm, plan.turn);
-        let stock = Stock { blank: &self.blisk.blank, to_slot: plan.turn };
+        let walls = SlotWalls::between([pressure, suction], &blisk.hub, roughing.allowance_mm, plan.turn);
+        let stock = Stock { blank: &blisk.blank, to_slot: plan.turn };
         let floor = Floor::new(cutter, &plan.path.steps());
-        let removed = removed(&floor, plan.path.levels.len(), &stock, &walls, CELL_MM);
-        Ok(ValuedPlan { plan, removed })
+        let share_ratio = slot_share_ratio(&floor, plan.path.levels.len(), &stock, &walls, cell_mm);
+        let mut plan = prepared.restored(plan);
+        let turning_mm = highest_mm(&self.blisk.blank, self.fixture, &plan.turn);
+        plan.path.clear_mm = plan.path.clear_mm.max(turning_mm + roughing.clearance_mm);
+        Ok(ValuedPlan { plan, share_ratio })
     }
-
-    /// Result of a ring of another width about the same mean radius, along one axis.
-    pub fn trial(&self, width_mm: f64, axis: AxisChoice) -> Trial {
-        let valued = self.valued(&resized(self.cutter, width_mm), axis);
-        Trial { width_mm, share_ratio: valued.map(|valued| valued.removed.share_ratio()) }
-    }
-
-    /// Results of many widths, in order.
-    pub fn trials(&self, widths_mm: Vec<f64>, axis: AxisChoice) -> Vec<Trial> {
-        widths_mm.into_par_iter().map(|width_mm| self.trial(width_mm, axis)).collect()
-    }
-
-    /// Width that removes most along an axis, between half the cutter's width and the largest with room.
-    pub fn best_width(&self, axis: AxisChoice) -> Option<Trial> {
-        let here = self.along(axis).ok()?.plan.room;
-        let width_mm = self.cutter.outer_radius_mm - self.cutter.inner_radius_mm;
-        let range = [width_mm / 2.0, width_mm + 2.0 * here.room_mm];
-        let step_mm = (range[1] - range[0]) / f64::from(LOOKS);
-        let looks = self.trials((0..=LOOKS).map(|k| range[0] + step_mm * f64::from(k)).collect(), axis);
-        let mut best = looks.into_iter().max_by(|a, b| a.worth().total_cmp(&b.worth()))?;
-        let mut ends = [(best.width_mm - step_mm).max(range[0]), (best.width_mm + step_mm).min(range[1])];
-        for _ in 0..SECTIONS {
-            let inner = [GOLDEN, 1.0 - GOLDEN].map(|share| ends[0] * share + ends[1] * (1.0 - share));
-            let (low, high) = rayon::join(|| self.trial(inner[0], axis), || self.trial(inner[1], axis));
-            ends = if low.worth() > high.worth() { [ends[0], inner[1]] } else { [inner[0], ends[1]] };
-            for trial in [low, high] {
-                if trial.worth() > best.worth() {
-                    best = trial;
-                }
-            }
-        }
-        best.share_ratio.is_ok().then_some(best)
-    }
-}
-
-/// Directions with at least half of the most room, not too many of them.
-fn ridge(rooms: &Rooms) -> Vec<AxisChoice> {
-    let enough_mm = rooms.roomiest.room_mm / 2.0;
-    if enough_mm <= 0.0 {
-        return Vec::new();
-    }
-    let found: Vec<_> = rooms.grid.iter().filter(|room| room.room_mm >= enough_mm).collect();
-    let stride = found.len().div_ceil(RIDGE_MAX).max(1);
-    found.iter().step_by(stride).map(|room| AxisChoice::Given(room.direction)).collect()
-}
-
-impl Trial {
-    fn worth(&self) -> f64 {
-        self.share_ratio.as_ref().map_or(-1.0, |share| *share)
-    }
-}
-
-/// The cutter with another width about the same mean radius.
-pub fn resized(cutter: &CupMill, width_mm: f64) -> CupMill {
-    let middle_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
-    let (outer_radius_mm, inner_radius_mm) = (middle_mm + width_mm / 2.0, middle_mm - width_mm / 2.0);
-    CupMill { outer_radius_mm, inner_radius_mm, ..cutter.clone() }
 }

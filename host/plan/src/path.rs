@@ -29,7 +29,7 @@ pub struct SlotPath {
     pub outward: Turn,
     /// Levels from the top.
     pub levels: Vec<Level>,
-    /// Height of the tool above all material, mm.
+    /// Height of the tool between slots, above all that turns, mm.
     pub clear_mm: f64,
 }
 

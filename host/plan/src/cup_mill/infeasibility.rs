@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use crate::vector::Point;
 
+use super::normal_form::StartEdge;
 use super::room::Room;
 use super::side::OffsetSide;
 
@@ -45,16 +46,30 @@ pub enum Infeasible {
         /// Required depth.
         needed_mm: f64,
     },
+    /// There is a path, but its proof does not hold.
+    #[error("the best paths collide, or leave less than the allowance: their proofs do not hold")]
+    Unproven,
+    /// There would be too many levels.
+    #[error("levels of {depth_max_mm} mm are too many for a depth of {depth_mm:.1} mm: `axial_depth_max` must be {least_mm:.3} mm or more")]
+    Levels {
+        /// Depth, mm.
+        depth_mm: f64,
+        /// Greatest axial depth, mm.
+        depth_max_mm: f64,
+        /// Least value of it, mm.
+        least_mm: f64,
+    },
 }
 
 /// Description of the place where the ring is blocked.
-pub fn narrow(room: &Room, pressure: &OffsetSide, suction: &OffsetSide) -> Infeasible {
+pub fn narrow(room: &Room, pressure: &OffsetSide, suction: &OffsetSide, start: StartEdge) -> Infeasible {
     let off = |point: &Point| (point.xy() - room.centre).norm();
     let tightest = [(pressure, 1.0, "pressure"), (suction, -1.0, "suction")].map(|(side, sign, name)| {
         let least = side.patch.least(|point| sign * off(point));
         least.map_or(String::new(), |least| {
             let [u, v] = least.at;
             let share = (u - side.edges[0]) / (side.edges[1] - side.edges[0]);
+            let share = if start == StartEdge::Leading { share } else { 1.0 - share };
             format!("the {name} side's {} {:.0} % up the blade", along(share), 100.0 * v)
         })
     });

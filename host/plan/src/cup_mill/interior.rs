@@ -41,20 +41,25 @@ pub struct InteriorPivot {
 
 /// Pivot for a first contact within `share` of the tip curve; the one with the nearest contact if there is none.
 pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<InteriorPivot> {
+    let tip = TipCurve::new(suction);
     let spoke = base.interior - base.centre;
     let leading = suction.tip(suction.edges[0]) - base.centre;
     let towards = libm::copysign(1.0, spoke.perp(&leading));
-    let pivot = |angle: f64| base.centre + nalgebra::Rotation2::new(angle * towards) * spoke;
-    let contact = |angle: f64| first_contact(suction, cutter, base.centre, pivot(angle), turn);
+    let turning = |angle: f64| {
+        let pivot = base.centre + nalgebra::Rotation2::new(angle * towards) * spoke;
+        TurningTool { cutter, centre: base.centre, bottom_mm: 0.0, pivot, turn }
+    };
+    let contact = |angle: f64| tip.first_contact(&turning(angle));
     let step = FARTHEST_RAD / f64::from(STEPS);
     let met = |angle: f64| contact(angle).is_some_and(|(at, _)| at <= share);
     let mut best = (0.0, contact(0.0)?);
     if best.1.0 > share {
-        let angles = (1..=STEPS).map(|k| step * f64::from(k));
-        let found = angles.clone().find(|angle| met(*angle));
+        // Samples of the curve come within a sample's distance of the place; from there on the curve itself counts.
+        let near = |k: &i32| tip.sampled(&turning(step * f64::from(*k))).is_some_and(|start| start.at[0] <= share + SAMPLE);
+        let found = (1..=STEPS).find(near).and_then(|first| (first..=STEPS).find(|k| met(step * f64::from(*k))));
         let angle = match found {
-            Some(beyond) => {
-                let (mut before, mut beyond) = (beyond - step, beyond);
+            Some(k) => {
+                let (mut before, mut beyond) = (step * f64::from(k - 1), step * f64::from(k));
                 for _ in 0..HALVINGS {
                     let middle = (before + beyond) / 2.0;
                     if met(middle) { beyond = middle } else { before = middle }
@@ -62,26 +67,54 @@ pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn,
                 beyond
             }
             None => {
+                let angles = (1..=STEPS).map(|k| step * f64::from(k));
                 let nearest = angles.filter_map(|angle| contact(angle).map(|(at, _)| (angle, at)));
                 nearest.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.0, |(angle, _)| angle)
             }
         };
         best = (angle, contact(angle)?);
     }
-    Some(InteriorPivot { pivot: pivot(best.0), contact: best.1.0, turn_rad: best.1.1 })
+    Some(InteriorPivot { pivot: turning(best.0).pivot, contact: best.1.0, turn_rad: best.1.1 })
 }
 
-/// Fraction of the tip curve that the inner circle meets first, and the turn until then.
-fn first_contact(suction: &OffsetSide, cutter: &CupMill, centre: Flat, pivot: Flat, turn: Turn) -> Option<(f64, f64)> {
-    let turning = TurningTool { cutter, centre, bottom_mm: 0.0, pivot, turn };
-    let [first, last] = suction.edges;
-    let until = |share: f64| {
-        let place = suction.tip(first + (last - first) * share);
-        turning.circle_until(place, cutter.inner_radius_mm, Circle::Inner).unwrap_or(f64::INFINITY)
-    };
-    let samples = (0..=SAMPLES).map(|k| f64::from(k) / f64::from(SAMPLES));
-    let valued = samples.map(|at| Minimum { at: [at, 0.0], value: until(at) });
-    let start = valued.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|least| least.value.is_finite())?;
-    let found = descend([[0.0, 1.0], [0.0, 0.0]], start, [1.0 / f64::from(SAMPLES), 0.0], |[at, _]| until(at));
-    Some((found.at[0], found.value))
+/// Tip curve of the suction side.
+struct TipCurve<'s> {
+    suction: &'s OffsetSide,
+    samples: Vec<(f64, Flat)>,
+}
+
+/// Distance of samples.
+const SAMPLE: f64 = 1.0 / SAMPLES as f64;
+
+impl<'s> TipCurve<'s> {
+    fn new(suction: &'s OffsetSide) -> Self {
+        let mut curve = TipCurve { suction, samples: Vec::new() };
+        curve.samples = (0..=SAMPLES).map(|k| f64::from(k) * SAMPLE).map(|at| (at, curve.place(at))).collect();
+        curve
+    }
+
+    fn place(&self, share: f64) -> Flat {
+        let [first, last] = self.suction.edges;
+        self.suction.tip(first + (last - first) * share)
+    }
+
+    /// Sample that the inner circle meets first.
+    fn sampled(&self, turning: &TurningTool<'_>) -> Option<Minimum> {
+        let valued = self.samples.iter().map(|(at, place)| Minimum { at: [*at, 0.0], value: until(turning, *place) });
+        valued.min_by(|a, b| a.value.total_cmp(&b.value)).filter(|least| least.value.is_finite())
+    }
+
+    /// Fraction of the curve that the inner circle meets first, and the turn until then.
+    fn first_contact(&self, turning: &TurningTool<'_>) -> Option<(f64, f64)> {
+        let mut found = self.sampled(turning)?;
+        if !self.suction.patch.is_coarse() {
+            let f = |[at, _]: [f64; 2]| until(turning, self.place(at));
+            found = descend([[0.0, 1.0], [0.0, 0.0]], found, [SAMPLE, 0.0], f);
+        }
+        Some((found.at[0], found.value))
+    }
+}
+
+fn until(turning: &TurningTool<'_>, place: Flat) -> f64 {
+    turning.circle_until(place, turning.cutter.inner_radius_mm, Circle::Inner).unwrap_or(f64::INFINITY)
 }

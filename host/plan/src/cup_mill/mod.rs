@@ -24,6 +24,12 @@ pub mod link;
 
 pub mod turns;
 
+pub mod normal_form;
+
 pub mod infeasibility;
+
+pub mod roughing;
+
+pub mod levels;
 
 pub mod plan;

@@ -69,6 +69,12 @@ impl WholeBlade {
         WholeBlade { across: blisk.facing(), blades: blisk.blades.cast_signed(), ball: (centre, radius_mm), sides }
     }
 
+    /// The blade with fewer samples.
+    pub fn coarse(&self, stride: usize) -> Self {
+        let sides = [0, 1].map(|kind: usize| [0, 1].map(|side: usize| self.sides[kind][side].coarse(stride)));
+        WholeBlade { sides, ..*self }
+    }
+
     /// Sides of all blades that a ring near `centre` can meet, slot frame; its centre moves by `travel_mm` at most, and
     /// its bottom stays above `bottom_mm`.
     pub fn about(&self, turn: &Rotation3<f64>, cutter: &CupMill, reach: &Reach) -> Vec<Neighbour> {

@@ -22,6 +22,8 @@ pub struct Patch {
     /// Steps between samples, along and across.
     steps: [usize; 2],
     samples: Vec<([f64; 2], Point)>,
+    /// A search ends at the best sample.
+    is_coarse: bool,
 }
 
 impl fmt::Debug for Patch {
@@ -45,7 +47,7 @@ impl Patch {
         };
         let places = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| [place(0, i), place(1, j)]));
         let samples = places.map(|at| (at, point(at[0], at[1]))).collect();
-        Patch { point: Arc::new(point), ranges, steps, samples }
+        Patch { point: Arc::new(point), ranges, steps, samples, is_coarse: false }
     }
 
     /// The same surface after a rotation about the origin.
@@ -53,6 +55,18 @@ impl Patch {
         let (point, turn) = (Arc::clone(&self.point), *turn);
         let samples = self.samples.iter().map(|(at, point)| (*at, turn * point)).collect();
         Patch { point: Arc::new(move |u, v| turn * point(u, v)), samples, ..*self }
+    }
+
+    /// The same surface with every `stride`th sample in both directions, and searches that end at the best of them: for
+    /// comparisons of many plans.
+    pub fn coarse(&self, stride: usize) -> Self {
+        let samples = self.thinned_places(stride).copied().collect();
+        Patch { point: Arc::clone(&self.point), steps: self.steps.map(|steps| steps / stride), samples, is_coarse: true, ..*self }
+    }
+
+    /// Searches end at the best sample.
+    pub fn is_coarse(&self) -> bool {
+        self.is_coarse
     }
 
     /// Point at `(u, v)`.
@@ -67,9 +81,13 @@ impl Patch {
 
     /// Every `stride`th sample in both directions, with the border: for frequent queries that need no more.
     pub fn thinned(&self, stride: usize) -> impl Iterator<Item = &Point> {
+        self.thinned_places(stride).map(|(_, point)| point)
+    }
+
+    fn thinned_places(&self, stride: usize) -> impl Iterator<Item = &([f64; 2], Point)> {
         let row = self.steps[1] + 1;
         let is_kept = move |index: usize| (index / row).is_multiple_of(stride) && (index % row).is_multiple_of(stride);
-        self.samples.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, (_, point))| point)
+        self.samples.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, sample)| sample)
     }
 
     /// Minimum of a function over the points. Places where it is infinite are ignored.
@@ -80,6 +98,9 @@ impl Patch {
     /// The same if a sample is below `limit`, otherwise none: for surfaces that rarely matter.
     pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
+        if self.is_coarse {
+            return valued.filter(|least| least.value < limit).min_by(|a, b| a.value.total_cmp(&b.value));
+        }
         let mut candidates: Vec<Minimum> = valued.filter(|least| least.value < limit).collect();
         let spacing = [0, 1].map(|axis: usize| (self.ranges[axis][1] - self.ranges[axis][0]) / self.steps[axis] as f64);
         let is_near = |a: &Minimum, b: &Minimum| (0..2).all(|k| (a.at[k] - b.at[k]).abs() < ONE_PLACE * spacing[k]);

@@ -1,68 +1,38 @@
 //! Plan of one slot: all steps of the method, in order.
 
-use arcfeed_nc::modal::Turn;
+use std::sync::OnceLock;
+
 use nalgebra::Rotation3;
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
 use crate::geometry::blisk::{Blisk, Slot};
-use crate::path::{Level, SlotPath};
+use crate::geometry::turning_height::highest_mm;
+use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
-use super::base::{Base, Limits, settle};
-use super::depth::{levels_mm, top_mm};
+use super::base::Base;
+use super::depth::top_mm;
 use super::infeasibility::{Infeasible, narrow};
-use super::interior::{InteriorPivot, interior};
+use super::interior::InteriorPivot;
 use super::level::Stop;
 use super::neighbours::{Reach, WholeBlade};
+use super::normal_form::{NormalForm, StartEdge};
 use super::patch::Patch;
 use super::room::{Room, SidePoints};
-use super::side::{FarEdge, Hub, SideRange, floor, roof};
-use super::turns::{Surroundings, Turns};
+use super::side::{FarEdge, Hub, OffsetSide, RAISES, SideRange, floor, roof};
+use super::turns::Surroundings;
 
-/// Requirements on the roughing path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roughing {
-    /// Allowance on blades and hub, mm.
-    pub allowance_mm: f64,
-    /// ADC_MAX, mm.
-    pub axial_depth_max_mm: f64,
-    /// Place where the turn about B1 meets the suction side's tip curve, as a fraction of the curve from the leading
-    /// edge.
-    pub interior_contact: f64,
-    /// Approach height above the blank, mm.
-    pub clearance_mm: f64,
-    /// Choice of the tool's axis.
-    pub axis: AxisChoice,
-}
-
-/// Choice of the tool's axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum AxisChoice {
-    /// LN3 if the ring passes along it, otherwise the nearest direction, towards the roomiest one, along which it does.
-    #[default]
-    Blade,
-    /// Direction with the most room.
-    Roomiest,
-    /// Given direction, part frame.
-    Given(Vector),
-    /// Direction with a known room for the cutter.
-    Found(Room),
-}
-
-/// Surfaces that the ring touches at the base position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BaseLimits {
-    /// The sides of the slot, as in the source.
-    Sides,
-    /// The sides, and the round edges behind them.
-    WholeBlades,
-}
+pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
 
 /// Plan of a slot.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
+    /// Edges near which the ring turns.
+    pub start: StartEdge,
+    /// Parts of the sides' height, of [`RAISES`], from the hub, beside which the ring does not pass.
+    pub raise: usize,
     /// LN3 and its points, part frame.
     pub blade_axis: Axis,
     /// Room along LN3.
@@ -85,37 +55,56 @@ pub struct SlotPlan {
 
 /// Distance from the roomiest place to which the ring's axis moves at most, mm.
 const TRAVEL_MM: f64 = 40.0;
+/// Stride through the samples of surfaces for a comparison of plans.
+const COARSE_STRIDE: usize = 2;
 /// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
-/// Data of a slot that are the same for every cutter and every direction of the tool.
+/// Data of a slot that are the same for every cutter and every direction of the tool; in normal form.
 pub struct PreparedSlot {
-    pressure: SideRange,
-    suction: SideRange,
+    start: StartEdge,
+    form: NormalForm,
+    /// Rotor.
+    pub blisk: Blisk,
+    /// Pressure and suction side.
+    ranges: [SideRange; 2],
+    blade_axis: Axis,
+    walls: [OnceLock<SidePoints>; RAISES],
+    fine: Shapes,
+    coarse: Shapes,
+}
+
+/// Surfaces about a slot.
+struct Shapes {
+    /// Pressure and suction side above a number of parts of their height.
+    sides: [OnceLock<[OffsetSide; 2]>; RAISES],
     blade: WholeBlade,
     hub: Patch,
     roof: Patch,
-    blade_axis: Axis,
-    /// Sides of the slot, for choosing directions.
-    pub walls: SidePoints,
 }
 
-/// Plans the slot of a rotor, given in the part frame.
+/// Plans the slot of a rotor, given in the part frame, over its whole depth and from its leading edges, as in the source.
 ///
 /// # Errors
 /// The ring does not pass, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
-    PreparedSlot::new(blisk, slot, roughing.allowance_mm)?
-        .plan(cutter, roughing, BaseLimits::Sides)
-        .map(|(plan, _)| plan)
+    let prepared = PreparedSlot::new(blisk, slot, roughing.allowance_mm, StartEdge::Leading, None)?;
+    prepared.plan(&Request::whole(cutter, roughing)).map(|(plan, _)| prepared.restored(plan))
 }
 
 impl PreparedSlot {
-    /// Prepares a slot with its allowance.
+    /// Prepares a slot with its allowance; for a search its numbers are rounded to `grain_mm`.
     ///
     /// # Errors
     /// A blade is not above the hub.
-    pub fn new(blisk: &Blisk, slot: &Slot, allowance_mm: f64) -> Result<Self, Infeasible> {
+    pub fn new(
+        blisk: &Blisk,
+        slot: &Slot,
+        allowance_mm: f64,
+        start: StartEdge,
+        grain_mm: Option<f64>,
+    ) -> Result<Self, Infeasible> {
+        let (form, blisk, slot) = NormalForm::of(blisk, slot, start, grain_mm);
         let above = Hub { hub: &blisk.hub, allowance_mm };
         let trim = |face, far, name| SideRange::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
         let (sides, blade_axis) = rayon::join(
@@ -128,132 +117,123 @@ impl PreparedSlot {
             || axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure")),
         );
         let (pressure, suction, blade_axis) = (sides.0?, sides.1?, blade_axis?);
-        let lying = Rotation3::identity();
-        let walls = SidePoints::new(&pressure.side(&lying), &suction.side(&lying));
-        let about = bearings(slot);
-        let (hub, roof) = (floor(blisk, allowance_mm, about), roof(blisk, about));
-        let blade = WholeBlade::new(blisk, allowance_mm, [pressure.foot(), suction.foot()]);
-        Ok(PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls })
+        let about = bearings(&slot);
+        let fine = Shapes {
+            sides: Default::default(),
+            blade: WholeBlade::new(&blisk, allowance_mm, [pressure.foot(), suction.foot()]),
+            hub: floor(&blisk, allowance_mm, about),
+            roof: roof(&blisk, about),
+        };
+        let coarse = Shapes {
+            sides: Default::default(),
+            blade: fine.blade.coarse(COARSE_STRIDE),
+            hub: fine.hub.coarse(COARSE_STRIDE),
+            roof: fine.roof.coarse(COARSE_STRIDE),
+        };
+        let ranges = [pressure, suction];
+        Ok(PreparedSlot { start, form, blisk, ranges, blade_axis, walls: Default::default(), fine, coarse })
     }
 
-    /// The plan, and the surroundings of the slot in its frame. The allowance is that for which the slot was prepared.
+    fn fine_sides(&self, raise: usize) -> &[OffsetSide; 2] {
+        let lying = Rotation3::identity();
+        self.fine.sides[raise].get_or_init(|| [0, 1].map(|side: usize| self.ranges[side].raised(raise).side(&lying)))
+    }
+
+    fn coarse_sides(&self, raise: usize) -> &[OffsetSide; 2] {
+        let of = |side: usize| self.fine_sides(raise)[side].coarse(COARSE_STRIDE);
+        self.coarse.sides[raise].get_or_init(|| [0, 1].map(of))
+    }
+
+    /// Sides of the slot above `raise` parts of their height, for choosing directions.
+    pub fn walls(&self, raise: usize) -> &SidePoints {
+        self.walls[raise].get_or_init(|| {
+            let [pressure, suction] = self.fine_sides(raise);
+            SidePoints::new(pressure, suction)
+        })
+    }
+
+    /// The plan, and the surroundings of the slot in its frame, all in normal form. The allowance is that for which the
+    /// slot was prepared.
     ///
     /// # Errors
     /// The ring does not pass, or does not reach the hub.
-    pub fn plan(
-        &self,
-        cutter: &CupMill,
-        roughing: &Roughing,
-        limits: BaseLimits,
-    ) -> Result<(SlotPlan, Surroundings), Infeasible> {
-        let PreparedSlot { pressure, suction, blade, hub, roof, blade_axis, walls } = self;
-        let blade_room = walls.room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
-        let room = match roughing.axis {
-            AxisChoice::Blade => self.near_blade(cutter, || walls.roomiest(cutter)),
-            AxisChoice::Roomiest => walls.roomiest(cutter),
-            AxisChoice::Given(direction) => direction.try_normalize(0.0).and_then(|axis| walls.room(cutter, &axis)),
-            AxisChoice::Found(room) => Some(room),
-        };
-        let room = room.ok_or(Infeasible::NoAxis)?;
+    pub fn plan(&self, request: &Request<'_>) -> Result<(SlotPlan, Surroundings), Infeasible> {
+        let Request { cutter, roughing, raise, .. } = *request;
+        let room = self.room(request).ok_or(Infeasible::NoAxis)?;
         let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-        let sides = [pressure.side(&turn), suction.side(&turn)];
-        if room.room_mm < 0.0 {
-            return Err(narrow(&room, &sides[0], &sides[1]));
-        }
-        let hub = hub.turned(&turn);
-        let lowest_mm =
-            sides.iter().flat_map(|side| side.patch.samples()).map(|point| point.z).fold(f64::MAX, f64::min);
-        let reach = Reach { centre: room.centre, travel_mm: TRAVEL_MM, bottom_mm: lowest_mm };
-        let blades = blade.about(&turn, cutter, &reach);
-        let [pressure, suction] = sides;
-        let around = Surroundings { pressure, suction, hub, blades };
-        let level_context =
-            around.level_context(cutter, roughing, limits).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
-        let top_mm = top_mm(cutter, level_context.base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
-        let (stops, path) = level_context.levels(cutter, roughing, top_mm)?;
+        let around = self.around(request, &room, &turn)?;
+        let level_context = around.level_context(request).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
         let (base, interior) = (level_context.base, level_context.interior);
-        let plan = SlotPlan { blade_axis: *blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
+        let roof = if request.is_coarse() { &self.coarse.roof } else { &self.fine.roof };
+        let top_mm = top_mm(cutter, base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
+        let clear_mm = top_mm.max(highest_mm(&self.blisk.blank, &[], &turn)) + roughing.clearance_mm;
+        let (stops, path) = level_context.path(request, top_mm, clear_mm)?;
+        let blade_axis = self.blade_axis;
+        let blade_room = self.walls(0).room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
+        let start = self.start;
+        let plan = SlotPlan { start, raise, blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
         Ok((plan, around))
     }
 
+    fn room(&self, request: &Request<'_>) -> Option<Room> {
+        let (cutter, walls) = (request.cutter, self.walls(request.raise));
+        match request.roughing.axis {
+            AxisChoice::Blade => self.near_blade(cutter, request.raise, || walls.roomiest(cutter)),
+            AxisChoice::Roomiest => walls.roomiest(cutter),
+            AxisChoice::Given(direction) => {
+                let axis = self.form.normal(&direction).try_normalize(0.0)?;
+                walls.room(cutter, &axis)
+            }
+            AxisChoice::Found(room) => Some(room),
+        }
+    }
+
+    /// Surroundings of the slot, if the ring passes between its sides.
+    fn around(&self, request: &Request<'_>, room: &Room, turn: &Rotation3<f64>) -> Result<Surroundings, Infeasible> {
+        let sides = |raise: usize| {
+            let lying = if request.is_coarse() { self.coarse_sides(raise) } else { self.fine_sides(raise) };
+            [0, 1].map(|side: usize| lying[side].turned(turn))
+        };
+        let shapes = if request.is_coarse() { &self.coarse } else { &self.fine };
+        let [pressure, suction] = sides(0);
+        let raised = (request.raise > 0).then(|| sides(request.raise));
+        let points = [&pressure, &suction].into_iter().flat_map(|side| side.patch.samples());
+        let bottom_mm = points.map(|point| point.z).fold(f64::MAX, f64::min);
+        let reach = Reach { centre: room.centre, travel_mm: TRAVEL_MM, bottom_mm };
+        let blades = shapes.blade.about(turn, request.cutter, &reach);
+        let around = Surroundings { pressure, suction, raised, hub: shapes.hub.turned(turn), blades };
+        if room.room_mm < 0.0 {
+            let [pressure, suction] = around.upper();
+            return Err(narrow(room, pressure, suction, self.start));
+        }
+        Ok(around)
+    }
+
     /// Blade's axis, or the nearest direction, towards the roomiest one, with enough room.
-    pub fn near_blade(&self, cutter: &CupMill, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
-        let blade = self.walls.room(cutter, &self.blade_axis.direction)?;
+    pub fn near_blade(&self, cutter: &CupMill, raise: usize, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
+        let walls = self.walls(raise);
+        let blade = walls.room(cutter, &self.blade_axis.direction)?;
         if blade.room_mm >= ENOUGH_MM {
             return Some(blade);
         }
         let roomiest = roomiest()?;
-        Some(self.walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
+        Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
     }
-}
 
-/// Data that are the same on all levels.
-struct LevelContext<'a> {
-    around: &'a Surroundings,
-    base: Base,
-    interior: InteriorPivot,
-    outward: Turn,
-}
-
-impl Surroundings {
-    fn limits(&self, limits: BaseLimits) -> Limits<'_> {
-        let whole = |is_outside: bool| {
-            let own = self.blades.iter().filter(move |near| near.is_own && (near.blade == 0) == is_outside);
-            own.filter(move |_| limits == BaseLimits::WholeBlades).map(|near| &near.patch)
-        };
-        Limits {
-            outside: std::iter::once(&self.pressure.patch).chain(whole(true)).collect(),
-            inside: std::iter::once(&self.suction.patch).chain(whole(false)).collect(),
-            hollow: self.suction.tip_middle(),
+    /// Plan of the normal form in the frames of the part and its slot.
+    pub fn restored(&self, plan: SlotPlan) -> SlotPlan {
+        let form = &self.form;
+        SlotPlan {
+            blade_axis: form.axis(&plan.blade_axis),
+            blade_room: form.room(&plan.blade_room),
+            room: form.room(&plan.room),
+            turn: form.turn(&plan.turn),
+            base: form.base(&plan.base),
+            interior: form.interior(&plan.interior),
+            stops: plan.stops.iter().map(|both| both.map(|stop| form.stop(&stop))).collect(),
+            path: form.path(plan.path),
+            ..plan
         }
-    }
-
-    /// Base position and B1. `None` if no position touches both blades as required.
-    fn level_context(&self, cutter: &CupMill, roughing: &Roughing, limits: BaseLimits) -> Option<LevelContext<'_>> {
-        let Surroundings { pressure, suction, .. } = self;
-        let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
-        let base = settle(&self.limits(limits), cutter, lines)?;
-        // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
-        let spoke = pressure.tip_middle() - base.exterior;
-        let away = pressure.tip_middle() - suction.tip_middle();
-        let outward = if spoke.perp(&away) >= 0.0 { Turn::Ccw } else { Turn::Cw };
-        let interior = interior(suction, cutter, &base, outward, roughing.interior_contact)?;
-        Some(LevelContext { around: self, base, interior, outward })
-    }
-}
-
-impl LevelContext<'_> {
-    fn levels(
-        &self,
-        cutter: &CupMill,
-        roughing: &Roughing,
-        top_mm: f64,
-    ) -> Result<(Vec<[Stop; 2]>, SlotPath), Infeasible> {
-        let LevelContext { around, base, interior, outward } = self;
-        let pivots = [base.exterior, interior.pivot];
-        let turns = Turns { around, cutter, centre: base.centre, pivots, outward: *outward };
-        let low_mm = turns.lowest_mm().ok_or(Infeasible::NoFloor)?;
-        let tallest_mm = around.suction.patch.samples().map(|point| point.z).fold(f64::MIN, f64::max);
-        let needed_mm = tallest_mm - low_mm;
-        if needed_mm > cutter.cavity_depth_mm {
-            return Err(Infeasible::Shallow { cavity_mm: cutter.cavity_depth_mm, needed_mm });
-        }
-        let heights = levels_mm(cutter, top_mm, low_mm, roughing.axial_depth_max_mm);
-        let stops = turns.stops(&heights);
-        let levels = heights.iter().zip(&stops).map(|(height_mm, [exterior, interior])| Level {
-            height_mm: *height_mm,
-            exterior_end: exterior.centre,
-            interior_end: interior.centre,
-        });
-        let path = SlotPath {
-            exterior: base.exterior,
-            interior: interior.pivot,
-            base: base.centre,
-            outward: *outward,
-            levels: levels.collect(),
-            clear_mm: top_mm + roughing.clearance_mm,
-        };
-        Ok((stops, path))
     }
 }
 
@@ -267,6 +247,11 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 }
 
 impl SlotPlan {
+    /// Upper part of the sides' height beside which the ring passes.
+    pub fn depth_ratio(&self) -> f64 {
+        1.0 - self.raise as f64 / RAISES as f64
+    }
+
     /// Tool axis, part frame.
     pub fn tool_axis(&self) -> Vector {
         self.room.direction

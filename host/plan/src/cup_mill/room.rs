@@ -50,10 +50,11 @@ pub struct SidePoints {
 /// Stride through the samples of a side in both directions: a divisor of both numbers of steps.
 const STRIDE: usize = 4;
 /// Largest angle of the searched directions from the slot's middle, rad.
-const LEAN_MAX_RAD: f64 = 0.5;
+pub const LEAN_MAX_RAD: f64 = 0.5;
 /// Steps of the coarse grid, to each side.
 const LEANS: i32 = 6;
-const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
+/// Step of the coarse grid, rad.
+pub const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
 /// Centres of the coarse grid, about the slot, degrees.
 const BEARINGS_DEG: [f64; 25] = {
     let mut bearings = [0.0; 25];
@@ -175,25 +176,27 @@ impl Lanes {
 const HALVINGS: i32 = 20;
 
 /// Directions about the slot's middle, by their lean along the circumference and their tilt along the rotor's axis.
-struct DirectionGrid {
+pub struct DirectionGrid {
     middle: Vector,
     aside: Vector,
 }
 
 impl DirectionGrid {
-    fn new(walls: &SidePoints) -> Option<Self> {
+    /// Directions about the middle of a slot.
+    pub fn new(walls: &SidePoints) -> Option<Self> {
         let mean = walls.pressure.iter().chain(&walls.suction).map(|point| point.coords).sum::<Vector>();
         let middle = Vector::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
         Some(DirectionGrid { middle, aside: Vector::z().cross(&middle) })
     }
 
-    fn direction(&self, [lean, tilt]: [f64; 2]) -> Vector {
+    /// Direction at a place of the grid.
+    pub fn direction(&self, [lean, tilt]: [f64; 2]) -> Vector {
         (self.middle + self.aside * lean + Vector::z() * tilt).normalize()
     }
 }
 
 /// Leans and tilts of the coarse grid.
-fn leans() -> impl Iterator<Item = [f64; 2]> {
+pub fn leans() -> impl Iterator<Item = [f64; 2]> {
     let step = |index: i32| f64::from(index) * LEAN_STEP_RAD;
     (-LEANS..=LEANS).flat_map(move |i| (-LEANS..=LEANS).map(move |j| [step(i), step(j)]))
 }

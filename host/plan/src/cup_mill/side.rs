@@ -21,6 +21,8 @@ const EDGE_TURN_DEG: f64 = 35.0;
 const SIDE_STEPS: [usize; 2] = [48, 32];
 /// Search steps of the hub: a ring that cuts a few hundredths into it does so on a few millimetres of it.
 const HUB_STEPS: [usize; 2] = [32, 128];
+/// Number of parts of the sides' height; the ring passes beside all of them, or beside the upper ones.
+pub const RAISES: usize = 8;
 /// Number of sections on which the edges are searched.
 const SECTIONS: i32 = 8;
 /// Steps from the middle of a side outwards.
@@ -85,6 +87,12 @@ impl SideRange {
         self.foot
     }
 
+    /// The side above `raise` parts of its height.
+    pub fn raised(&self, raise: usize) -> Self {
+        let foot = self.foot + (1.0 - self.foot) * raise as f64 / RAISES as f64;
+        SideRange { face: self.face.clone(), foot, ..*self }
+    }
+
     /// The side after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
         let SideRange { allowance_mm, around, edges, foot, .. } = *self;
@@ -109,6 +117,16 @@ impl OffsetSide {
     /// the blade is nowhere above it.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
         SideRange::new(face, far, above).map(|trim| trim.side(turn))
+    }
+
+    /// The side after a rotation.
+    pub fn turned(&self, turn: &Rotation3<f64>) -> Self {
+        OffsetSide { patch: self.patch.turned(turn), ..*self }
+    }
+
+    /// The side with fewer samples.
+    pub fn coarse(&self, stride: usize) -> Self {
+        OffsetSide { patch: self.patch.coarse(stride), ..*self }
     }
 
     /// Point of the side between its edges, by fractions of the way from the leading to the trailing edge and from the

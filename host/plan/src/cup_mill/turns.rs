@@ -6,7 +6,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use crate::cutter::CupMill;
 use crate::path::SlotPath;
 use crate::search::{Minimum, descend};
-use crate::vector::Flat;
+use crate::vector::{Flat, Point};
 
 use super::depth::lowest_mm;
 use super::level::{Stop, StopSurface, stop};
@@ -23,6 +23,8 @@ pub struct Surroundings {
     pub pressure: OffsetSide,
     /// Suction side.
     pub suction: OffsetSide,
+    /// Upper parts of both sides, if the ring passes only beside them.
+    pub raised: Option<[OffsetSide; 2]>,
     /// Hub.
     pub hub: Patch,
     /// Whole sides of all blades near the ring.
@@ -52,25 +54,31 @@ const HUB_ROUNDS: i32 = 2;
 const TOUCH_MM: f64 = 1e-4;
 
 impl Surroundings {
-    /// The ring at `base` cuts a blade of the slot beside its sides: at a round edge.
-    pub fn cuts_edge(&self, cutter: &CupMill, base: Flat) -> bool {
-        self.blades.iter().any(|near| near.is_own && is_cut(near, cutter, base))
+    /// Pressure and suction side as far as the ring passes beside them.
+    pub fn upper(&self) -> [&OffsetSide; 2] {
+        self.raised.as_ref().map_or([&self.pressure, &self.suction], |[pressure, suction]| [pressure, suction])
+    }
+
+    /// The ring at `base`, its bottom at `bottom_mm`, cuts a blade of the slot beside its sides: at a round edge.
+    pub fn cuts_edge(&self, cutter: &CupMill, base: Flat, bottom_mm: f64) -> bool {
+        self.blades.iter().any(|near| near.is_own && is_cut(near, cutter, base, bottom_mm))
     }
 
     /// Surfaces that end turns: the slot's own first. A surface of these blades that the ring cuts at the base position
-    /// ends no turn: the base position touches their sides, and the proof decides about their edges.
-    fn obstacles(&self, cutter: &CupMill, base: Flat, with_hub: bool) -> Vec<(StopSurface, &Patch)> {
+    /// ends no turn: the base position touches their sides, and the proof decides about their edges. The lowest position
+    /// of the tool's bottom is `bottom_mm`.
+    fn obstacles(&self, cutter: &CupMill, base: Flat, bottom_mm: f64) -> Vec<(StopSurface, &Patch)> {
         let own = [(StopSurface::Pressure, &self.pressure.patch), (StopSurface::Suction, &self.suction.patch)];
-        let hub = with_hub.then_some((StopSurface::Hub, &self.hub));
-        let counts = self.blades.iter().filter(|near| !near.is_own || !is_cut(near, cutter, base));
+        let counts = self.blades.iter().filter(|near| !near.is_own || !is_cut(near, cutter, base, bottom_mm));
         let blades = counts.map(|near| (StopSurface::Blade(near.blade, near.side), &near.patch));
-        own.into_iter().chain(hub).chain(blades).collect()
+        own.into_iter().chain(blades).collect()
     }
 }
 
-fn is_cut(near: &Neighbour, cutter: &CupMill, base: Flat) -> bool {
+fn is_cut(near: &Neighbour, cutter: &CupMill, base: Flat, bottom_mm: f64) -> bool {
     let radii_mm = cutter.inner_radius_mm + TOUCH_MM..cutter.outer_radius_mm - TOUCH_MM;
-    near.patch.samples().any(|point| radii_mm.contains(&(point.xy() - base).norm()))
+    let is_within = |point: &Point| radii_mm.contains(&(point.xy() - base).norm());
+    near.patch.samples().any(|point| point.z > bottom_mm && is_within(point))
 }
 
 impl<'a> Turns<'a> {
@@ -82,10 +90,10 @@ impl<'a> Turns<'a> {
     pub fn lowest_mm(&self) -> Option<f64> {
         let hub = &self.around.hub;
         let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
-        low_mm = self.blades_mm().map_or(low_mm, |(_, blades_mm)| blades_mm.max(low_mm));
-        let blades = self.around.obstacles(self.cutter, self.centre, false);
+        low_mm = self.blades_mm().map_or(low_mm, |blades_mm| blades_mm.max(low_mm));
         // Higher up the turns are longer, so they are computed again.
         for _ in 0..HUB_ROUNDS {
+            let blades = self.around.obstacles(self.cutter, self.centre, low_mm);
             low_mm = self.pivots.into_iter().fold(low_mm, |low_mm, pivot| {
                 let turning = self.turning(pivot, low_mm);
                 let whole_rad = stop(&turning, &blades).turn_rad;
@@ -95,16 +103,18 @@ impl<'a> Turns<'a> {
         Some(low_mm)
     }
 
-    /// Lowest position that the blades allow at the base position, and the highest one under the ring.
-    pub fn blades_mm(&self) -> Option<(&'a Neighbour, f64)> {
+    /// Lowest position that the blades allow at the base position: those beside the slot, and the lower parts of its own.
+    fn blades_mm(&self) -> Option<f64> {
         // The sides that the ring touches at the base position are not under it.
         let cutter = CupMill {
             inner_radius_mm: self.cutter.inner_radius_mm + TOUCH_MM,
             outer_radius_mm: self.cutter.outer_radius_mm - TOUCH_MM,
             ..self.cutter.clone()
         };
-        let low = |blade: &'a Neighbour| Some((blade, lowest_mm(&cutter, self.centre, &blade.patch)?));
-        self.around.blades.iter().filter(|blade| !blade.is_own).filter_map(low).max_by(|a, b| a.1.total_cmp(&b.1))
+        let Surroundings { pressure, suction, raised, blades, .. } = self.around;
+        let own = raised.iter().flat_map(|_| [&pressure.patch, &suction.patch]);
+        let others = blades.iter().filter(|blade| !blade.is_own).map(|blade| &blade.patch);
+        own.chain(others).filter_map(|patch| lowest_mm(&cutter, self.centre, patch)).max_by(f64::total_cmp)
     }
 
     /// Lowest position that the hub allows along a whole turn.
@@ -122,9 +132,10 @@ impl<'a> Turns<'a> {
     /// Ends of the turns, level by level. If a turn meets nothing, the slot ends there, and the turn of the level below
     /// is used.
     pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
-        let obstacles = self.around.obstacles(self.cutter, self.centre, true);
-        let walls: Vec<&Patch> =
-            self.around.obstacles(self.cutter, self.centre, false).into_iter().map(|(_, patch)| patch).collect();
+        let bottom_mm = heights_mm.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let mut obstacles = self.around.obstacles(self.cutter, self.centre, bottom_mm);
+        let walls: Vec<&Patch> = obstacles.iter().map(|(_, patch)| *patch).collect();
+        obstacles.insert(2, (StopSurface::Hub, &self.around.hub));
         let alone = |height_mm: &f64| self.pivots.map(|pivot| stop(&self.turning(pivot, *height_mm), &obstacles));
         let met: Vec<[Stop; 2]> = heights_mm.par_iter().map(alone).collect();
         let mut below: Option<([Stop; 2], f64)> = None;

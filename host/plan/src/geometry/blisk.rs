@@ -47,10 +47,8 @@ pub struct Slot {
 impl Revolution {
     /// Radius at a place along the axis, mm; beyond the ends that of the end.
     pub fn radius_mm(&self, z_mm: f64) -> f64 {
-        let pieces = self.profile_mm.windows(2);
-        let at = pieces.clone().find(|pair| z_mm <= pair[1][0]).or_else(|| pieces.last());
-        at.map_or(0.0, |pair| {
-            let [[from, low], [to, high]] = [pair[0], pair[1]];
+        self.piece(z_mm).map_or(0.0, |at| {
+            let [[from, low], [to, high]] = [self.profile_mm[at], self.profile_mm[at + 1]];
             let share = if to > from { ((z_mm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
             low + (high - low) * share
         })
@@ -59,13 +57,9 @@ impl Revolution {
     /// Unit normal at the point of the surface nearest to `point`, away from the axis.
     pub fn normal(&self, point: &Point) -> Vector {
         let radius_mm = libm::hypot(point.x, point.y);
-        let place = [point.z, radius_mm];
-        let pieces = self.profile_mm.windows(2);
-        let nearest = pieces.min_by(|a, b| {
-            let off = |pair: &[[f64; 2]]| beside(place, pair[0], pair[1]).abs();
-            off(a).total_cmp(&off(b))
-        });
-        let [from, to] = nearest.map_or([[0.0, 0.0], [1.0, 0.0]], |pair| [pair[0], pair[1]]);
+        let nearest = self.nearest([point.z, radius_mm]);
+        let [from, to] =
+            nearest.map_or([[0.0, 0.0], [1.0, 0.0]], |at| [self.profile_mm[at], self.profile_mm[at + 1]]);
         let (along, up) = (to[0] - from[0], to[1] - from[1]);
         Vector::new(point.x / radius_mm * along, point.y / radius_mm * along, -up).normalize()
     }
@@ -73,8 +67,33 @@ impl Revolution {
     /// Height of `point` above the surface, along the surface's normal, mm; negative below it.
     pub fn height_mm(&self, point: &Point) -> f64 {
         let place = [point.z, libm::hypot(point.x, point.y)];
-        let nearest = self.profile_mm.windows(2).map(|pair| beside(place, pair[0], pair[1]));
-        nearest.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::INFINITY)
+        let nearest = self.nearest(place);
+        nearest.map_or(f64::INFINITY, |at| beside(place, self.profile_mm[at], self.profile_mm[at + 1]))
+    }
+
+    /// First piece of the profile that does not end before a place along the axis; the last one beyond its end.
+    fn piece(&self, z_mm: f64) -> Option<usize> {
+        let last = self.profile_mm.len().checked_sub(2)?;
+        Some(self.profile_mm[1..].partition_point(|end| end[0] < z_mm).min(last))
+    }
+
+    /// Piece of the profile nearest to a place; of equally near ones the first.
+    fn nearest(&self, place: [f64; 2]) -> Option<usize> {
+        let start = self.piece(place[0])?;
+        let mut best = (f64::INFINITY, start);
+        // The pieces lie side by side along the axis: outwards from the place, until they are farther off than the nearest one.
+        let mut is_nearer = |at: usize| {
+            let [from, to] = [self.profile_mm[at], self.profile_mm[at + 1]];
+            let off_mm = (from[0] - place[0]).max(place[0] - to[0]).max(0.0);
+            let square = square_mm2(place, from, to);
+            if square < best.0 || (square <= best.0 && at < best.1) {
+                best = (square, at);
+            }
+            off_mm * off_mm <= best.0
+        };
+        let _ = (0..=start).rev().all(&mut is_nearer);
+        let _ = (start + 1..self.profile_mm.len() - 1).all(&mut is_nearer);
+        Some(best.1)
     }
 
     /// Generatrix between two places along the axis, extended beyond its ends with their radii.
@@ -85,13 +104,25 @@ impl Revolution {
     }
 }
 
-/// Signed distance of a place from a piece of the profile, positive on its outer side.
-fn beside(place: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+/// Vector to a place from the point of a piece of the profile that is nearest to it.
+fn away(place: [f64; 2], from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
     let along = [to[0] - from[0], to[1] - from[1]];
     let way = [place[0] - from[0], place[1] - from[1]];
-    let length = libm::hypot(along[0], along[1]);
-    let share = ((way[0] * along[0] + way[1] * along[1]) / (length * length)).clamp(0.0, 1.0);
-    let distance = libm::hypot(way[0] - share * along[0], way[1] - share * along[1]);
-    let is_outside = along[0] * way[1] - along[1] * way[0] >= 0.0;
+    let share = (way[0] * along[0] + way[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
+    let share = share.clamp(0.0, 1.0);
+    [way[0] - share * along[0], way[1] - share * along[1]]
+}
+
+/// Squared distance of a place from a piece of the profile.
+fn square_mm2(place: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+    let [z, radius] = away(place, from, to);
+    z * z + radius * radius
+}
+
+/// Signed distance of a place from a piece of the profile, positive on its outer side.
+fn beside(place: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+    let [z, radius] = away(place, from, to);
+    let is_outside = (to[0] - from[0]) * (place[1] - from[1]) - (to[1] - from[1]) * (place[0] - from[0]) >= 0.0;
+    let distance = libm::hypot(z, radius);
     if is_outside { distance } else { -distance }
 }

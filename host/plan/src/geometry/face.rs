@@ -9,7 +9,7 @@
 //! Source: L. Piegl, W. Tiller, *The NURBS Book*, 2nd ed., Springer 1997: eqs 9.5, 9.8, 9.20 to 9.23; 4.20 for derivatives. One set of parameters
 //! for all sections keeps one knot vector. All weights are 1; the sum of the basis functions, which may round off 1, is divided by nevertheless.
 
-use nalgebra::{DMatrix, Vector4};
+use nalgebra::{DMatrix, Matrix3, Vector4};
 use thiserror::Error;
 
 use crate::vector::{Point, Vector};
@@ -147,6 +147,24 @@ impl Face {
             }
         }
         lines
+    }
+
+    /// The same surface after an orthogonal map, with u from its other end if `is_reversed`.
+    pub fn mapped(&self, map: &Matrix3<f64>, is_reversed: bool) -> Self {
+        let mapped = |p: &Vector4<f64>| (map * p.xyz()).push(p.w);
+        let rows = self.net.chunks(self.v.count());
+        let ordered: Vec<_> = if is_reversed { rows.rev().flatten().collect() } else { rows.flatten().collect() };
+        let net = ordered.into_iter().map(mapped).collect();
+        let sense = if is_reversed { -1.0 } else { 1.0 };
+        let u = if is_reversed { self.u.reversed() } else { self.u.clone() };
+        let outward = libm::copysign(1.0, self.outward * sense * map.determinant());
+        Face { u, v: self.v.clone(), net, outward }
+    }
+
+    /// The same surface with control points rounded to `grain_mm`, and knots to a power of two below 1e-9.
+    pub fn rounded(&self, grain_mm: f64) -> Self {
+        let net = self.net.iter().map(|p| p.xyz().map(|mm| libm::round(mm / grain_mm) * grain_mm).push(p.w));
+        Face { u: self.u.rounded(), v: self.v.rounded(), net: net.collect(), outward: self.outward }
     }
 
     /// The same surface after a rotation about the origin.

@@ -6,6 +6,8 @@ pub mod face;
 
 pub mod blisk;
 
+pub mod turning_height;
+
 pub mod blade;
 
 mod naca65;

@@ -12,6 +12,9 @@
 /// Highest degree.
 pub const DEGREE_MAX: usize = 3;
 
+/// Rounding steps of knots.
+const KNOT_STEPS: f64 = (1 << 30) as f64;
+
 /// Values of the functions that do not vanish at a parameter.
 pub type Weights = [f64; DEGREE_MAX + 1];
 
@@ -34,6 +37,17 @@ impl Spline {
     /// Spline with `knots`, of `degree` 1 to 3.
     pub fn new(degree: usize, knots: Vec<f64>) -> Self {
         Spline { degree, knots }
+    }
+
+    /// Spline with knots rounded to a power of two, below 1e-9.
+    pub fn rounded(&self) -> Self {
+        let knots = self.knots.iter().map(|knot| libm::round(knot * KNOT_STEPS) / KNOT_STEPS).collect();
+        Spline { degree: self.degree, knots }
+    }
+
+    /// Spline from its other end.
+    pub fn reversed(&self) -> Self {
+        Spline { degree: self.degree, knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect() }
     }
 
     /// Degree.

@@ -53,6 +53,8 @@ pub struct SlotWalls<'w> {
     /// Rotation from the part frame to the slot frame.
     to_slot: Rotation3<f64>,
     allowance_mm: f64,
+    /// Largest radius of the hub.
+    hub_radius_mm: f64,
 }
 
 impl Map {
@@ -106,7 +108,8 @@ impl<'w> SlotWalls<'w> {
 
     /// Walls between two sides, pressure and suction, in the slot frame.
     pub fn between(sides: [OffsetSide; 2], hub: &'w Revolution, allowance_mm: f64, to_slot: Rotation3<f64>) -> Self {
-        SlotWalls { sides, hub, to_slot, allowance_mm }
+        let hub_radius_mm = hub.profile_mm.iter().map(|place| place[1]).fold(0.0, f64::max);
+        SlotWalls { sides, hub, to_slot, allowance_mm, hub_radius_mm }
     }
 
     /// Point of the pressure (0) or suction side (1): u from the leading to the trailing edge, v from the hub to the
@@ -127,7 +130,9 @@ impl<'w> SlotWalls<'w> {
 
     /// A point, slot frame, is in the hub's allowance or below.
     pub fn is_hub(&self, point: &Point) -> bool {
-        self.hub.height_mm(&(self.to_slot.inverse() * point)) < self.allowance_mm
+        let point = self.to_slot.inverse() * point;
+        let is_near = libm::hypot(point.x, point.y) < self.hub_radius_mm + self.allowance_mm;
+        is_near && self.hub.height_mm(&point) < self.allowance_mm
     }
 }
 

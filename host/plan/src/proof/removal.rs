@@ -95,6 +95,14 @@ pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWall
     removed
 }
 
+/// Removed fraction of the slot alone, 0 to 1, over cells of `cell_mm`.
+pub fn slot_share_ratio(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) -> f64 {
+    let (by_level_mm3, slot_by_level_mm3) = (Vec::new(), vec![0.0; levels]);
+    let mut removed = RemovedVolumes { by_level_mm3, error_mm3: 0.0, slot_mm3: 0.0, slot_by_level_mm3 };
+    removed.add_slot(floor, stock, walls, cell_mm);
+    removed.share_ratio()
+}
+
 impl Stock<'_> {
     /// Interval of a column in the blank, lower end first; empty if the first is not below the second.
     pub fn column_mm(&self, place: &Flat) -> [f64; 2] {

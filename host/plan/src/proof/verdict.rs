@@ -5,6 +5,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cutter::{CupMill, ToolPart};
 use crate::geometry::blisk::Blisk;
+use crate::geometry::turning_height::highest_mm;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
@@ -16,7 +17,6 @@ use super::remaining::{RemainingMaterial, Ring, SlotWalls};
 use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
-use super::turning_height::highest_mm;
 
 /// Tool's path through a slot, and its surroundings.
 pub struct ProofCase<'c> {

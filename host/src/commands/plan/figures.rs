@@ -4,10 +4,12 @@ use crate::console::note;
 use std::fmt::Write as _;
 
 use arcfeed_plan::cup_mill::level::{Stop, StopSurface};
-use arcfeed_plan::cup_mill::plan::AxisChoice;
-use arcfeed_plan::cutter::ToolPart;
+use arcfeed_plan::cup_mill::normal_form::StartEdge;
+use arcfeed_plan::cup_mill::plan::SlotPlan;
+use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
+use arcfeed_plan::rings::{Trial, trials};
 use serde::Serialize;
 
 use super::super::outcome::{Failure, say};
@@ -29,8 +31,12 @@ pub struct Figures {
     pub index_deg: f64,
     /// Number of slots.
     pub slots: u32,
-    /// Room of the ring over the whole depth, on each side.
+    /// Room of the ring over `depth_ratio` of the depth, on each side.
     pub room_mm: f64,
+    /// `leading` or `trailing`: the edges near which the ring turns.
+    pub start_edge: &'static str,
+    /// Upper part of the blades' height beside which the ring passes.
+    pub depth_ratio: f64,
     /// C, A, B1.
     pub base_mm: [f64; 2],
     /// A.
@@ -119,6 +125,8 @@ impl Figures {
             index_deg: composed.placement.index_deg,
             slots: composed.part.blisk.blades,
             room_mm: plan.room.room_mm,
+            start_edge: edge_word(plan.start),
+            depth_ratio: plan.depth_ratio(),
             base_mm: plan.base.centre.into(),
             exterior_mm: plan.base.exterior.into(),
             interior_mm: plan.interior.pivot.into(),
@@ -144,6 +152,26 @@ fn clearance(found: &Clearance) -> ClearanceFigures {
         obstacle: obstacle_word(found.obstacle).into(),
         certified_mm,
         found_mm,
+    }
+}
+
+/// Name in the JSON and on the page.
+pub fn edge_word(start: StartEdge) -> &'static str {
+    match start {
+        StartEdge::Leading => "leading",
+        StartEdge::Trailing => "trailing",
+    }
+}
+
+/// Part of the depth in words.
+pub fn depth_phrase(depth_ratio: f64) -> String {
+    if depth_ratio < 1.0 {
+        format!(
+            "over the upper {:.0} % of the blades' height, farther down the ring does not pass: the rest is left to another tool",
+            100.0 * depth_ratio
+        )
+    } else {
+        "over the whole depth".into()
     }
 }
 
@@ -185,7 +213,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
     let [pressure, suction, hub] = figures.removed.left_max_mm;
     let mut text = format!(
-        "{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side over the whole depth\n",
+        "{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side {}\n  the ring turns near the blades' {} edges\n",
         figures.name,
         figures.slots,
         figures.levels.len(),
@@ -193,6 +221,8 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         figures.tilt_deg,
         figures.index_deg,
         figures.room_mm,
+        depth_phrase(figures.depth_ratio),
+        figures.start_edge,
     );
     let _ =
         writeln!(text, "  level  height, mm   D, degrees about A, ended by            E, degrees about B1, ended by");
@@ -264,56 +294,60 @@ pub fn refusal(composed: &PlanResult) -> String {
     )
 }
 
-/// Figures of one ring width.
+/// Figures of one ring.
 #[derive(Debug, Serialize)]
 struct WidthFigures {
     width_mm: f64,
+    outer_radius_mm: f64,
     share_ratio: Option<f64>,
     why: Option<String>,
 }
 
-/// Widths nearer than this count as equal, mm.
-const SAME_MM: f64 = 1e-3;
-/// Number of widths on either side of the cutter's own.
-const WIDTHS: i32 = 8;
-
-/// Figures of rings of other widths, along the axis of the plan.
+/// Figures of other rings: each is planned and proven as that of the part.
 ///
 /// # Errors
 /// No ring passes.
 pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
     let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);
-    let problem = problem.map_err(|why| Failure::Input(why.to_string()))?;
-    // The axis of the plan is given: along another axis the slot looks different to a ring.
-    let axis = AxisChoice::Given(composed.valued.plan.tool_axis());
-    note(format_args!("planning some fifty rings of other widths"));
-    let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
-    let step_mm = (composed.valued.plan.room.room_mm * 4.0 / f64::from(WIDTHS)).max(0.1);
-    let mut trials = problem.trials((-WIDTHS / 2..=WIDTHS).map(|k| own_mm + step_mm * f64::from(k)).collect(), axis);
-    let best = problem.best_width(axis).ok_or_else(|| Failure::Input("no ring of any width passes".into()))?;
-    trials.retain(|trial| (trial.width_mm - best.width_mm).abs() > SAME_MM);
-    trials.push(best.clone());
-    trials.sort_by(|a, b| a.width_mm.total_cmp(&b.width_mm));
-    if !json {
-        say(format_args!("  ring's width, mm   taken of the slot, %"));
+    let problem = problem.map_err(|why| Failure::Input(why.to_string()))?.with_fixture(&part.fixtures);
+    note(format_args!("planning and proving some twenty other rings"));
+    let presents = |plan: &SlotPlan| composed.presents(plan);
+    let share = |cutter: &CupMill| {
+        let share = problem.share_ratio(cutter, part.axis, &presents);
+        let width_mm = cutter.outer_radius_mm - cutter.inner_radius_mm;
+        let result = share.as_ref().map_or_else(ToString::to_string, |share| format!("{:.2} %", 100.0 * share));
+        note(format_args!("ring of {:.3} mm, {width_mm:.3} mm wide: {result}", cutter.outer_radius_mm));
+        share
+    };
+    let [by_width, by_middle] = trials(&part.cutter, share);
+    let worths = by_width.iter().chain(&by_middle).map(Trial::worth);
+    let most = worths.fold(f64::NEG_INFINITY, f64::max);
+    if most < 0.0 {
+        return Err(Failure::Input("no ring of any width passes".into()));
     }
-    for trial in &trials {
+    if !json {
+        say(format_args!("  ring's width, mm   outer radius, mm   taken of the slot, %"));
+    }
+    let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
+    for (trial, is_own) in by_width.iter().map(|trial| (trial, trial.width_mm == own_mm)).chain(by_middle.iter().map(|trial| (trial, false))) {
+        let outer_radius_mm = trial.middle_mm + trial.width_mm / 2.0;
         let (share_ratio, why) = match &trial.share_ratio {
             Ok(share) => (Some(*share), None),
             Err(why) => (None, Some(why.to_string())),
         };
-        let mark = match trial.width_mm {
-            width_mm if (width_mm - best.width_mm).abs() < SAME_MM => "  most",
-            width_mm if (width_mm - own_mm).abs() < SAME_MM => "  this cutter",
-            _ => "",
-        };
         if json {
-            let figures = WidthFigures { width_mm: trial.width_mm, share_ratio, why };
+            let figures = WidthFigures { width_mm: trial.width_mm, outer_radius_mm, share_ratio, why };
             say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
         } else {
+            let mark = match (trial.worth() >= most, is_own) {
+                (true, true) => "  most, this cutter",
+                (true, false) => "  most",
+                (false, true) => "  this cutter",
+                (false, false) => "",
+            };
             let taken = share_ratio.map(|share| format!("{:.2}", 100.0 * share)).or(why).unwrap_or_default();
-            say(format_args!("  {:>16.3}   {taken}{mark}", trial.width_mm));
+            say(format_args!("  {:>16.3}   {outer_radius_mm:>16.3}   {taken}{mark}", trial.width_mm));
         }
     }
     Ok(())

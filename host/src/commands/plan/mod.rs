@@ -42,7 +42,7 @@ struct CupMill {
     /// Folder for the NC program, job.toml, stock.stl, finished.stl and report.html; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Try other widths of the ring about the same mean radius, and print the one that removes most
+    /// Plan and prove other rings, by width and middle radius, and mark the one that removes most
     #[arg(long, conflicts_with = "output")]
     widths: bool,
     /// Print one JSON object (docs/json.md)

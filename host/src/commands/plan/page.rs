@@ -4,7 +4,7 @@ use arcfeed_plan::proof::clearance::Clearance as Found;
 use arcfeed_plan::proof::remaining::Map;
 use arcfeed_plan::vector::Point;
 
-use super::figures::{obstacle_word, part_word, refusal, stop_reason};
+use super::figures::{depth_phrase, edge_word, obstacle_word, part_word, refusal, stop_reason};
 use super::plan_result::PlanResult;
 use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, PlanVerdict, Removed, Stops, Times};
 
@@ -64,6 +64,10 @@ fn verdict(composed: &PlanResult) -> PlanVerdict {
             "The tool does not lie along the blade's edge: there the ring has {:.2} mm of room, here {:.2} mm.",
             plan.blade_room.room_mm, plan.room.room_mm
         ));
+    }
+    sentences.push(format!("The ring turns near the blades' {} edges.", edge_word(plan.start)));
+    if plan.depth_ratio() < 1.0 {
+        sentences.push(format!("The path leads {}.", depth_phrase(plan.depth_ratio())));
     }
     PlanVerdict { is_safe, sentences }
 }

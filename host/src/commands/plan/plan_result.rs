@@ -9,7 +9,7 @@ use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planne
 use arcfeed_plan::output::limits::{StockBound, StockLimit, bounds, stock_limits};
 use arcfeed_plan::output::nc;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
-use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
+use arcfeed_plan::proof::verdict::Proof;
 
 use crate::part::PartFile;
 use crate::report::page::plan::BaselineResult;
@@ -51,20 +51,17 @@ impl PlanResult {
             return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
         }
         let slot = part.blisk.slot();
-        let any = any_table().map_err(|error| format!("{error:?}"))?;
-        let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
-        let presents = |plan: &SlotPlan| placement(machine, &plan.turn).is_ok();
+        let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
-        let ranked = problem.and_then(|problem| match part.axis {
-            Some(axis) => problem.along(axis).map(|valued| vec![valued]),
-            None => problem.ranked(presents),
-        });
-        let (valued, proof) = best_safe(&part, ranked.map_err(|why| why.to_string())?)?;
+        let proven = problem.and_then(|problem| problem.with_fixture(&part.fixtures).proven(part.axis, presents));
+        let (valued, proof) = proven.map_err(|why| why.to_string())?;
         let plan = &valued.plan;
-        let placement = placement(machine, &plan.turn).map_err(|error| error.to_string())?;
-        let cutter = &part.cutter;
-        let tool_mm = cutter.height_mm + cutter.holder_mm.iter().map(|[_, length_mm]| length_mm).sum::<f64>();
-        check_travel(machine, &plan.path, tool_mm).map_err(|error| error.to_string())?;
+        let placement = slot_placement(&part, plan)?;
+        if let Some(file) = &part.machine {
+            let cutter = &part.cutter;
+            let tool_mm = cutter.height_mm + cutter.holder_mm.iter().map(|[_, length_mm]| length_mm).sum::<f64>();
+            check_travel(&file.machine, &plan.path, tool_mm).map_err(|error| error.to_string())?;
+        }
         let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
         let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
@@ -75,9 +72,15 @@ impl PlanResult {
         Ok(PlanResult { slot, placement, proof, limits, bounds, time, baseline, valued, part })
     }
 
-    /// The tool collides with nothing, and keeps the allowance except beside the leading edge.
+    /// The tool collides with nothing, and keeps the allowance except beside the edge about which it turns.
     pub fn is_safe(&self) -> bool {
-        is_safe(&self.part, &self.proof)
+        let allowance_mm = self.part.roughing.allowance_mm;
+        self.proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
+    }
+
+    /// The machine can present the slot of a plan.
+    pub fn presents(&self, plan: &SlotPlan) -> bool {
+        slot_placement(&self.part, plan).is_ok()
     }
 
     /// B of each slot, degrees.
@@ -87,33 +90,13 @@ impl PlanResult {
     }
 }
 
-/// Number of plans that are proven before the search gives up.
-const PROVEN_MAX: usize = 6;
-
-fn is_safe(part: &PartFile, proof: &Proof) -> bool {
-    let allowance_mm = part.roughing.allowance_mm;
-    proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
-}
-
-/// First plan whose proof holds, or else the first one.
-fn best_safe(part: &PartFile, ranked: Vec<ValuedPlan>) -> Result<(ValuedPlan, Proof), String> {
-    let mut first = None;
-    for valued in ranked.into_iter().take(PROVEN_MAX) {
-        let case = ProofCase {
-            blisk: &part.blisk,
-            tool: &part.cutter,
-            path: &valued.plan.path,
-            to_slot: valued.plan.turn,
-            allowance_mm: part.roughing.allowance_mm,
-            fixture: &part.fixtures,
-        };
-        let proof = prove(&case, &ProofResolution::default()).ok_or("a blade is not above the hub")?;
-        if is_safe(part, &proof) {
-            return Ok((valued, proof));
-        }
-        first.get_or_insert((valued, proof));
-    }
-    first.ok_or_else(|| "there is no plan".into())
+/// Positions of the rotary axes for a plan, on the part's machine.
+fn slot_placement(part: &PartFile, plan: &SlotPlan) -> Result<Placement, String> {
+    let found = match &part.machine {
+        Some(file) => placement(&file.machine, &plan.turn),
+        None => placement(&any_table().map_err(|error| format!("{error:?}"))?, &plan.turn),
+    };
+    found.map_err(|error| error.to_string())
 }
 
 /// Feeds of the program.

@@ -3,6 +3,7 @@
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::{CupMill, figures, files};
+use crate::console::note;
 use crate::part::{MachineSource, PartFile};
 
 impl CupMill {
@@ -12,6 +13,7 @@ impl CupMill {
     /// See [`super::PlanCommand::run`].
     pub fn run(&self) -> Result<(), Failure> {
         let part = PartFile::load(&self.part)?;
+        note(format_args!("comparing paths along some 200 directions of the tool, then planning and proving the best"));
         let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
         if self.widths {
             return figures::widths(&composed, self.json);

@@ -9,8 +9,9 @@
 
 use nalgebra::Rotation3;
 
-use crate::geometry::blisk::Blank;
 use crate::vector::{Point, Vector};
+
+use super::blisk::Blank;
 
 /// Greatest height, along the slot's z, of a blank and boxes (opposite corners, part frame) in a full turn, mm.
 pub fn highest_mm(blank: &Blank, boxes: &[[Point; 2]], to_slot: &Rotation3<f64>) -> f64 {

@@ -1,0 +1,122 @@
+//! Search for the directions of the tool in which a path removes most from a slot: on a grid, then about the best places of it in ever
+//! smaller steps.
+//!
+//! Where the ring does not pass over the whole depth, the lowest parts of the sides are left out until it does.
+
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
+
+use crate::cup_mill::plan::PreparedSlot;
+use crate::cup_mill::room::{DirectionGrid, LEAN_MAX_RAD, LEAN_STEP_RAD, Room, leans};
+use crate::cup_mill::side::RAISES;
+use crate::cutter::CupMill;
+
+/// Direction and its value.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// Prepared slot, by the edges from which the path starts.
+    pub edge: usize,
+    /// Direction with its room.
+    pub room: Room,
+    /// Parts of the sides' height that are left out.
+    pub raise: usize,
+    /// Removed fraction of the slot.
+    pub share_ratio: f64,
+    /// Lean and tilt.
+    at: [f64; 2],
+}
+
+/// Number of places of the grid about which the search goes on.
+const STARTS: usize = 4;
+/// Number of halvings of the grid's step.
+const HALVINGS: usize = 3;
+/// Most steps from a place of the grid.
+const ROUNDS_MAX: usize = 9;
+/// Least distance of places about which the search goes on, in steps of the grid.
+const APART_STEPS: f64 = 1.5;
+/// Steps about a place.
+const AROUND: [[f64; 2]; 8] =
+    [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
+
+/// Search over all directions and edges.
+pub struct AxisSearch<'s, V> {
+    /// Slot from both edges.
+    pub prepared: &'s [PreparedSlot; 2],
+    /// Cutter.
+    pub cutter: &'s CupMill,
+    /// Removed fraction of the slot, by edge, room and left out parts; `None` if there is no plan.
+    pub value: V,
+}
+
+impl<V: Fn(usize, Room, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
+    /// Best directions, not near to each other.
+    pub fn best(&self) -> Vec<Candidate> {
+        // Every second place, as on a chessboard.
+        let grid = || leans().step_by(2);
+        let places: Vec<(usize, [f64; 2])> = (0..2).flat_map(|edge| grid().map(move |at| (edge, at))).collect();
+        let found: Vec<Candidate> = places.into_par_iter().filter_map(|(edge, at)| self.candidate(edge, at)).collect();
+        let starts = apart(found, STARTS);
+        let refined = starts.par_iter().map(|start| self.refined(*start)).collect();
+        apart(refined, STARTS)
+    }
+
+    /// Direction at a place, with as little of the sides left out as possible.
+    fn candidate(&self, edge: usize, at: [f64; 2]) -> Option<Candidate> {
+        let prepared = &self.prepared[edge];
+        let direction = DirectionGrid::new(prepared.walls(0))?.direction(at);
+        let room = |raise: usize| prepared.walls(raise).room(self.cutter, &direction).filter(|room| room.room_mm > 0.0);
+        let (mut short, mut passed) = (0, RAISES - 1);
+        let mut found = room(0).map(|room| (room, 0));
+        if found.is_none() {
+            found = Some((room(passed)?, passed));
+            while passed - short > 1 {
+                let middle = (short + passed) / 2;
+                match room(middle) {
+                    Some(room) => (found, passed) = (Some((room, middle)), middle),
+                    None => short = middle,
+                }
+            }
+        }
+        let (room, raise) = found?;
+        let share_ratio = (self.value)(edge, room, raise)?;
+        Some(Candidate { edge, room, raise, share_ratio, at })
+    }
+
+    fn refined(&self, start: Candidate) -> Candidate {
+        let mut best = start;
+        let mut step = LEAN_STEP_RAD / 2.0;
+        let mut halvings = 0;
+        for _ in 0..ROUNDS_MAX {
+            let near = |by: &[f64; 2]| {
+                let at = [0, 1].map(|k: usize| (best.at[k] + by[k] * step).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD));
+                self.candidate(best.edge, at)
+            };
+            let around: Vec<Candidate> = AROUND.par_iter().filter_map(near).collect();
+            let nearest = around.into_iter().max_by(|a, b| a.share_ratio.total_cmp(&b.share_ratio));
+            match nearest.filter(|near| near.share_ratio > best.share_ratio) {
+                Some(better) => best = better,
+                None if halvings == HALVINGS => break,
+                None => {
+                    halvings += 1;
+                    step /= 2.0;
+                }
+            }
+        }
+        best
+    }
+}
+
+/// The `count` best candidates that are not near to better ones.
+fn apart(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
+    candidates.sort_by(|a, b| b.share_ratio.total_cmp(&a.share_ratio));
+    let mut kept: Vec<Candidate> = Vec::new();
+    for one in candidates {
+        let is_near = |other: &Candidate| {
+            let off = [0, 1].map(|k: usize| (one.at[k] - other.at[k]).abs());
+            one.edge == other.edge && off[0].max(off[1]) < APART_STEPS * LEAN_STEP_RAD
+        };
+        if kept.len() < count && !kept.iter().any(is_near) {
+            kept.push(one);
+        }
+    }
+    kept
+}

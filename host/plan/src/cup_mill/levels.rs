@@ -1,0 +1,101 @@
+//! Base position, pivots and levels of a path in one slot, for one direction of the tool.
+
+use arcfeed_nc::modal::Turn;
+
+use crate::path::{Level, SlotPath};
+
+use super::base::{Base, Limits, settle};
+use super::depth::levels_mm;
+use super::infeasibility::Infeasible;
+use super::interior::{InteriorPivot, interior};
+use super::level::Stop;
+use super::roughing::{BaseLimits, Request};
+use super::turns::{Surroundings, Turns};
+
+/// Most levels of a path: more are a mistake in the greatest axial depth.
+const LEVELS_MAX: f64 = 1000.0;
+
+/// Data that are the same on all levels.
+pub struct LevelContext<'a> {
+    /// Surroundings.
+    around: &'a Surroundings,
+    /// Base position.
+    pub base: Base,
+    /// B1.
+    pub interior: InteriorPivot,
+    outward: Turn,
+}
+
+impl Surroundings {
+    fn limits(&self, limits: BaseLimits) -> Limits<'_> {
+        let whole = |is_outside: bool| {
+            let own = self.blades.iter().filter(move |near| near.is_own && (near.blade == 0) == is_outside);
+            own.filter(move |_| limits == BaseLimits::WholeBlades).map(|near| &near.patch)
+        };
+        let [pressure, suction] = self.upper();
+        Limits {
+            outside: std::iter::once(&pressure.patch).chain(whole(true)).collect(),
+            inside: std::iter::once(&suction.patch).chain(whole(false)).collect(),
+            hollow: suction.tip_middle(),
+        }
+    }
+
+    /// Base position and B1. `None` if no position touches both blades as required.
+    pub fn level_context(&self, request: &Request<'_>) -> Option<LevelContext<'_>> {
+        let Surroundings { pressure, suction, .. } = self;
+        let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
+        let base = settle(&self.limits(request.limits), request.cutter, lines)?;
+        // Sense in which the outer circle, turned about A, approaches the pressure side's middle.
+        let spoke = pressure.tip_middle() - base.exterior;
+        let away = pressure.tip_middle() - suction.tip_middle();
+        let outward = if spoke.perp(&away) >= 0.0 { Turn::Ccw } else { Turn::Cw };
+        let interior = interior(suction, request.cutter, &base, outward, request.roughing.interior_contact)?;
+        Some(LevelContext { around: self, base, interior, outward })
+    }
+}
+
+impl LevelContext<'_> {
+    /// Ends of the turns and the path, from the highest material `top_mm` down; the tool is lifted to `clear_mm`.
+    ///
+    /// # Errors
+    /// The cup is not deep enough, or there are too many levels.
+    pub fn path(
+        &self,
+        request: &Request<'_>,
+        top_mm: f64,
+        clear_mm: f64,
+    ) -> Result<(Vec<[Stop; 2]>, SlotPath), Infeasible> {
+        let LevelContext { around, base, interior, outward } = self;
+        let Request { cutter, roughing, .. } = *request;
+        let pivots = [base.exterior, interior.pivot];
+        let turns = Turns { around, cutter, centre: base.centre, pivots, outward: *outward };
+        let low_mm = turns.lowest_mm().ok_or(Infeasible::NoFloor)?;
+        let tallest_mm = around.suction.patch.samples().map(|point| point.z).fold(f64::MIN, f64::max);
+        let needed_mm = tallest_mm - low_mm;
+        if needed_mm > cutter.cavity_depth_mm {
+            return Err(Infeasible::Shallow { cavity_mm: cutter.cavity_depth_mm, needed_mm });
+        }
+        let depth_max_mm = roughing.axial_depth_max_mm;
+        let depth_mm = (top_mm - low_mm).max(0.0);
+        if depth_mm > LEVELS_MAX * depth_max_mm {
+            return Err(Infeasible::Levels { depth_mm, depth_max_mm, least_mm: depth_mm / LEVELS_MAX });
+        }
+        let coarse_mm = request.levels_max.map_or(0.0, |levels| depth_mm / f64::from(levels));
+        let heights = levels_mm(cutter, top_mm, low_mm, depth_max_mm.max(coarse_mm));
+        let stops = turns.stops(&heights);
+        let levels = heights.iter().zip(&stops).map(|(height_mm, [exterior, interior])| Level {
+            height_mm: *height_mm,
+            exterior_end: exterior.centre,
+            interior_end: interior.centre,
+        });
+        let path = SlotPath {
+            exterior: base.exterior,
+            interior: interior.pivot,
+            base: base.centre,
+            outward: *outward,
+            levels: levels.collect(),
+            clear_mm,
+        };
+        Ok((stops, path))
+    }
+}
