@@ -22,19 +22,20 @@ from math import atan
 
 from rotor import ENDS_MM, cartesian, hub_mm, sides
 
-# The faces begin below the hub.
-SHARES = [-0.06 + 1.06 * k / 8 for k in range(9)]
-# The program's interpolation is least exact at both ends: there the points are dense.
-POINTS = 181
+# The face begins below the hub and ends above the tip.
+SHARES = [-0.12 + 1.24 * k / 12 for k in range(13)]
+POINTS = 101
 
 
-def face(side):
-    grid = Array2_gp_Pnt(1, POINTS, 1, len(SHARES))
+def blade():
+    """One face around the blade, periodic: an end of the interpolation at an edge would be less exact."""
+    grid = Array2_gp_Pnt(1, 2 * (POINTS - 1), 1, len(SHARES))
     for j, s in enumerate(SHARES):
-        for i, phi in enumerate(sides(s, POINTS)[side]):
+        pressure, suction = sides(s, POINTS)
+        for i, phi in enumerate(suction + pressure[-2:0:-1]):
             grid.SetValue(i + 1, j + 1, gp_Pnt(*cartesian(s, phi)))
     surface = GeomAPI_PointsToBSplineSurface()
-    surface.Interpolate(grid)
+    surface.Interpolate(grid, True)
     return BRepBuilderAPI_MakeFace(surface.Surface(), 1e-6).Face()
 
 
@@ -49,8 +50,7 @@ document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
 shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
 colours = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
 for name, shape, colour in (
-    ("PRESSURE", face(0), (1.0, 0.0, 0.0)),
-    ("SUCTION", face(1), (1.0, 0.0, 0.0)),
+    ("BLADE", blade(), (1.0, 0.0, 0.0)),
     ("HUB", hub(), (0.0, 0.0, 1.0)),
 ):
     label = shapes.AddShape(shape, False)
