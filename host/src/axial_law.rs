@@ -152,14 +152,15 @@ fn below(values: &[(f64, f64)], length_mm: f64) -> Option<Table> {
     let parts = (TABLE_KNOTS_MAX - 1).min(values.len());
     let part_of = |at_mm: f64| ((at_mm / length_mm * parts as f64).max(0.0) as usize).min(parts - 1);
     let mut least = vec![f64::INFINITY; parts];
+    let mut lower = |[from_mm, to_mm]: [f64; 2], value_mm: f64| {
+        least[part_of(from_mm)..=part_of(to_mm)].iter_mut().for_each(|part| *part = part.min(value_mm));
+    };
     for pair in values.windows(2) {
-        for part in part_of(pair[0].0)..=part_of(pair[1].0) {
-            least[part] = least[part].min(pair[0].1).min(pair[1].1);
-        }
+        lower([pair[0].0, pair[1].0], pair[0].1.min(pair[1].1));
     }
     let (first, last) = (values.first()?, values.last()?);
-    (0..=part_of(first.0)).for_each(|part| least[part] = least[part].min(first.1));
-    (part_of(last.0)..parts).for_each(|part| least[part] = least[part].min(last.1));
+    lower([0.0, first.0], first.1);
+    lower([last.0, length_mm], last.1);
     let knot = |border: usize| -> Knot {
         let around = &least[border.saturating_sub(1)..(border + 1).min(parts)];
         let path_mm = around.iter().copied().fold(f64::INFINITY, f64::min) * F32_RATIO;
@@ -191,7 +192,7 @@ mod tests {
             .map(|at| f64::from(at) * 0.25)
             .map(|at_mm| MappedSection { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 })
             .collect();
-        for (torque_max_n_m, largest) in [(f64::INFINITY, 0.1), (9.0, 0.0592)] {
+        for (torque_max_n_m, largest) in [(f64::INFINITY, 0.1), (13.0, 0.0659)] {
             let law = law(torque_max_n_m);
             let table = law.table(&sections, 30.0, (1.0, true)).expect("a table");
             let mut most = 0.0_f64;

@@ -250,8 +250,8 @@ impl EngagementMeter {
         if *count != reached.block.count || moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {
             return;
         }
-        let EngagementSettings { layers, ahead_mm, .. } = &self.settings;
-        let tool = ToolAt { layers, slices: &self.slices, ahead_mm: *ahead_mm, tip_mm: reached.tip_mm };
+        let &EngagementSettings { ref layers, ahead_mm, depth_mm, .. } = &self.settings;
+        let tool = ToolAt { layers, slices: &self.slices, depth_mm, ahead_mm, tip_mm: reached.tip_mm };
         moved.samples.push(sections.sample(&tool, &reached.segment, at_mm));
     }
 

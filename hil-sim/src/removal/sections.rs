@@ -74,6 +74,8 @@ pub(super) struct ToolAt<'a> {
     pub layers: &'a Layers,
     /// Slices of the tool from the tip upwards, each as high as a layer.
     pub slices: &'a [Slice],
+    /// Height above the tip up to which the sides cut.
+    pub depth_mm: f64,
     /// Distance within which material counts: a chip's thickness.
     pub ahead_mm: f64,
     /// Position of the tip on the workpiece.
@@ -117,18 +119,22 @@ impl SectionSettings {
         section.moment_sum_max_mm2(self.edges.end)
     }
 
-    /// Moment of the edges of both sides, for a motion in this direction. (2)
+    /// Moment of the edges of both sides, for a motion in this direction. Every layer that the tool reaches into counts
+    /// as a whole. (2)
     fn side_mm2(&self, tool: &ToolAt<'_>, motion_rad: f64) -> f64 {
-        let ToolAt { layers, slices, tip_mm, .. } = tool;
-        let lowest = layers.nth(tip_mm[2] + LEVEL_RATIO * layers.rise_mm());
-        let of_layer = |(slice, nth): (&Slice, i64)| {
+        let ToolAt { layers, slices, depth_mm, tip_mm, .. } = tool;
+        let level_mm = LEVEL_RATIO * layers.rise_mm();
+        let (lowest, highest) = (layers.nth(tip_mm[2] + level_mm), layers.nth(tip_mm[2] + depth_mm - level_mm));
+        let of_layer = |nth: i64| {
+            let Some(slice) = slices.get((nth - lowest) as usize).or(slices.last()) else { return 0.0 };
             let sides = [(Edge::Outer, slice.outer_mm), (Edge::Inner, slice.inner_mm)];
-            let sides = sides.into_iter().filter(|(_, radius_mm)| *radius_mm > 0.0);
-            let in_material =
-                |(side, radius_mm)| radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), motion_rad);
-            layers.rise_mm() * sides.map(in_material).sum::<f64>()
+            let in_material = |(side, radius_mm)| match radius_mm > 0.0 {
+                true => radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), motion_rad),
+                false => 0.0,
+            };
+            layers.rise_mm() * sides.into_iter().map(in_material).sum::<f64>()
         };
-        slices.iter().zip(lowest..).map(of_layer).sum()
+        (lowest..=highest).map(of_layer).sum()
     }
 
     /// Most edges of a circle that are in the material of a layer at once.

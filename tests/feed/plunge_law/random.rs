@@ -132,6 +132,9 @@ fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
         let limits = [sample.power_w, sample.torque_n_m, sample.feed_per_tooth_mm * CHIP_RATIO];
         let loads =
             [found.most(|load| load.power_w), found.most(|load| load.torque_n_m), found.most(|load| load.chip_mm)];
+        if seed % 10 == 9 {
+            println!("{} programs", seed + 1);
+        }
         above_before += usize::from(loads.iter().zip(limits).any(|(load, limit)| load[1] > limit));
         for ((load, limit), most) in loads.iter().zip(limits).zip(&mut most) {
             *most = most.max(load[0] / limit);
@@ -139,7 +142,7 @@ fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
         }
     }
     println!(
-        "{programs} programs, {governed} descents; largest power, torque and chip over their limits {:.3}, {:.3}, {:.3}; {above_before} programs \
+        "{programs} programs, {governed} descents; largest power, torque and chip over their limits {:.4}, {:.4}, {:.4}; {above_before} programs \
          above a limit as programmed",
         most[0], most[1], most[2]
     );
