@@ -10,6 +10,12 @@ mod move_counts;
 
 mod move_trace;
 
+mod unit_survey;
+
+mod tool_comment;
+
+mod tool_notes;
+
 mod path_summary;
 
 mod lines;
@@ -27,12 +33,6 @@ mod expansion;
 mod executed_places;
 
 mod source;
-
-mod unit_survey;
-
-mod tool_comment;
-
-mod tool_notes;
 
 mod conventions;
 

@@ -110,7 +110,7 @@ fn the_table_of_tools_has_the_comment_that_describes_the_tool() {
     ] {
         let (_, report) = check(&scratch, &corner(&format!("{before}\nS1000M3"), ""), &[]);
         let tools = report["summary"]["tools"].as_array().expect("tools");
-        let own = tools.iter().find(|tool| tool["tool"] == Value::from(1)).expect("T1");
+        let own = tools.iter().find(|tool| tool["tool"].as_i64() == Some(1)).expect("T1");
         assert_eq!(own["comment"], Value::from(comment), "{before}");
     }
 }

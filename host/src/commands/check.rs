@@ -151,14 +151,10 @@ impl Check {
         };
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
         let path = of_run.unwrap_or(path);
-        let bytes = source.bytes.as_slice();
-        let of_unit = assumed.iter().map(|assumed| (assumed.warning(), assumed.line_of(bytes)));
-        for (warning, text) in decimals.warnings().into_iter().chain(path.warnings(bytes)).chain(of_unit) {
-            findings.add(warning, Some(text));
-        }
-        let path = PathFigures::new(&path);
-        findings.sort();
+        let of_unit = assumed.iter().map(|assumed| (assumed.warning(), assumed.line_of(&source.bytes)));
+        findings.add_all(decimals.warnings().into_iter().chain(path.warnings(&source.bytes)).chain(of_unit));
         findings.print();
+        let path = PathFigures::new(&path);
         // The axis positions of a faulty program are unknown.
         let on =
             self.machine.as_ref().filter(|_| findings.errors == 0).map(|machine| load_machine(machine)).transpose()?;
@@ -176,13 +172,12 @@ impl Check {
         if findings.errors > 0 {
             return Err(refusal(&source, findings.errors));
         }
-        if let Some(file) = &job {
+        if let Some(mut file) = job {
             // The moves of macros are only known while they run.
             let used = used.as_ref().filter(|_| source.macro_line.is_none());
-            warn_of_rules(&self.program, file, used.map(|used| (source.path.as_path(), used)));
-        }
-        if let Some(question) = job.and_then(|mut file| name_tool(&mut file.job, &source.path, &summary.tools)) {
-            return Err(Failure::Input(question));
+            warn_of_rules(&self.program, &file, used.map(|used| (source.path.as_path(), used)));
+            let question = name_tool(&mut file.job, &source.path, &summary.tools);
+            question.map_or(Ok(()), |question| Err(Failure::Input(question)))?;
         }
         on.zip(whole).map_or(Ok(()), |(file, program)| self.run_program(&program, &file))
     }

@@ -23,7 +23,7 @@ pub struct ControlArgs {
     #[arg(long)]
     pub decimals: Option<Convention>,
     /// Unit at power-on: that of a program without G20 and G21
-    #[arg(long, value_parser = unit_named)]
+    #[arg(long, value_name = "inch|mm", value_parser = unit_named)]
     pub units: Option<LengthUnit>,
 }
 

@@ -192,7 +192,8 @@ impl PathSummary {
         }
     }
 
-    /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, each with the text of its line in the program.
+    /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, each with the text of
+    /// its line in the program.
     pub fn warnings<'a>(&self, program: &'a [u8]) -> Vec<(Diagnostic, &'a [u8])> {
         if self.stopped.is_empty() {
             return Vec::new();
@@ -437,7 +438,7 @@ mod tests {
             found.into_iter().map(|(warning, _)| warning.line).collect::<Vec<_>>()
         };
         assert_eq!(lines("T1M6\nS1000M3\nG1X1.F100.\nM5\nG0X0\nG1X1.\nX2.\nM3\nX3.\nM30\n"), [6]);
-        assert_eq!(lines("T1M6\nG0X0\nG1X1.F100.\nT2M6\nG2I1.\nS100M4\nX2.\nM5\nG81Z-1.R1.\n"), [3, 9]);
+        assert_eq!(lines("T1M6\nG0X0\nG1X1.F100.\nT2M6\nX3.\nS100M4\nX2.\nM5\nG81Z-1.R1.\n"), [3, 9]);
         assert_eq!(lines("S1000\nG1X1.F100.\n"), [2]);
         assert_eq!(lines("T1M6\nG187M3\nG1X1.F100.\n"), [0; 0]);
         assert_eq!(lines("G1X1.F100.\nM3\nX2.\nT1M6\nM29S500\nG84Z-5.R1.F500.\n"), [0; 0]);

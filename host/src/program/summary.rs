@@ -20,7 +20,8 @@ pub struct ProgramSummary {
     pub comments: usize,
     /// Moves.
     pub moves: MoveCounts,
-    /// Numbers of the tools that the program loads, without T0, which puts one away; each with the first line with it in the spindle, counted from 1.
+    /// Numbers of the tools that the program loads, without T0, which puts one away; each with the first line with it in the
+    /// spindle, counted from 1.
     pub tools: Vec<(i64, usize)>,
     /// The program can end in one of the lines.
     pub may_end: bool,

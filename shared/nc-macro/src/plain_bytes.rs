@@ -44,37 +44,41 @@ pub fn has_plain_bytes(line: &[u8]) -> bool {
     line.iter().fold(OUTSIDE, next) != OTHER
 }
 
-#[allow(clippy::indexing_slicing, reason = "the compiler evaluates it")]
 const fn kinds() -> [u8; 256] {
-    let (mut kinds, mut byte) = ([MARK; 256], 0);
-    while byte < 256 {
-        kinds[byte] = match byte as u8 {
-            b'0' => ZERO,
-            b'1' => ONE,
-            b'6' => SIX,
-            b'9' => NINE,
-            b'2'..=b'8' => DIGIT,
-            b' ' | b'\t' | b'\r' => BLANK,
-            b'G' | b'g' => G,
-            b'M' | b'm' => M,
-            b'A'..=b'Z' | b'a'..=b'z' => ADDRESS,
-            b'(' => OPEN,
-            b')' => CLOSE,
-            b'#' | b'[' | b']' | b'=' => MACRO,
-            _ => MARK,
-        };
-        byte += 1;
+    let (mut kinds, mut byte) = ([MARK; 256], 0_u8);
+    let mut rest = kinds.as_mut_slice();
+    while let Some((kind, more)) = rest.split_first_mut() {
+        *kind = kind_of(byte);
+        (rest, byte) = (more, byte.wrapping_add(1));
     }
     kinds
 }
 
-#[allow(clippy::indexing_slicing, reason = "the compiler evaluates it")]
+const fn kind_of(byte: u8) -> u8 {
+    match byte {
+        b'0' => ZERO,
+        b'1' => ONE,
+        b'6' => SIX,
+        b'9' => NINE,
+        b'2'..=b'8' => DIGIT,
+        b' ' | b'\t' | b'\r' => BLANK,
+        b'G' | b'g' => G,
+        b'M' | b'm' => M,
+        b'A'..=b'Z' | b'a'..=b'z' => ADDRESS,
+        b'(' => OPEN,
+        b')' => CLOSE,
+        b'#' | b'[' | b']' | b'=' => MACRO,
+        _ => MARK,
+    }
+}
+
+/// Next states, by state and kind in one byte.
 const fn next_states() -> [u8; 256] {
-    let (mut states, mut index) = ([OTHER; 256], 0);
-    while index < 256 {
-        let (state, kind) = (index as u8 & 0xF0, index as u8 & 0x0F);
-        states[index] = next_state(state, kind);
-        index += 1;
+    let (mut states, mut index) = ([OTHER; 256], 0_u8);
+    let mut rest = states.as_mut_slice();
+    while let Some((state, more)) = rest.split_first_mut() {
+        *state = next_state(index & 0xF0, index & 0x0F);
+        (rest, index) = (more, index.wrapping_add(1));
     }
     states
 }

@@ -74,8 +74,9 @@ impl<'a> CheckFindings<'a> {
         }
     }
 
-    /// Sorts the findings for the JSON object by their places.
-    pub fn sort(&mut self) {
+    /// Adds findings of the whole program, and sorts those for the JSON object by their places.
+    pub fn add_all<'t>(&mut self, found: impl Iterator<Item = (Diagnostic, &'t [u8])>) {
+        found.for_each(|(diagnostic, text)| self.add(diagnostic, Some(text)));
         self.listed.sort_by_key(|found| (found.line, found.column));
     }
 
