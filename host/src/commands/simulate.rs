@@ -7,6 +7,8 @@ pub mod run_figures;
 
 mod surface;
 
+mod assumed_stock;
+
 mod body;
 
 mod edges;
@@ -62,6 +64,7 @@ use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
+use assumed_stock::StockArgs;
 use block_lines::block_lines;
 use control::control_settings;
 use junit::TestSuite;
@@ -91,6 +94,8 @@ pub struct Simulate {
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
     #[command(flatten)]
+    stock: StockArgs,
+    #[command(flatten)]
     input: JobInput,
 }
 
@@ -100,8 +105,9 @@ impl Simulate {
     /// # Errors
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, program) = self.input.load()?;
+        let (mut file, program) = self.input.load()?;
         let job = &self.input.job;
+        self.stock.apply(self.input.is_job(), &mut file, &program)?;
         let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
         refuse_inputs(&outputs, &file.inputs(job))?;
         let setup = Setup::of(job, &file)?;
