@@ -10,6 +10,8 @@ mod move_counts;
 
 mod move_trace;
 
+mod corner_moves;
+
 mod path_summary;
 
 mod lines;
@@ -49,6 +51,7 @@ use arcfeed_units::{LengthUnit, Nm};
 pub use block_delete::BlockDeleteEffect;
 pub use contour_check::may_have_contours;
 pub use conventions::{DecimalSurvey, fitting_convention};
+pub use corner_moves::{CornerMove, CornerMoves};
 pub use diagnostic::{Diagnostic, FeedKept, Severity};
 pub use executed_places::ExecutedPlaces;
 pub use expansion::{Expansion, RunBounds};

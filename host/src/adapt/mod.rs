@@ -33,6 +33,8 @@ pub mod spelling;
 
 pub mod split;
 
+mod corner_line;
+
 mod planned_block;
 
 mod writer;

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::job::Job;
+use arcfeed_nc::segment::Segment;
 
 use crate::job::JobFile;
-use crate::program::ProgramLine;
+use crate::program::{CornerMoves, ProgramLine};
 
 /// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program, given as its
 /// path and what its moves meet, those that none of its moves meets.
@@ -53,18 +54,27 @@ enum Met {
 #[derive(Clone, Debug)]
 pub struct RuleUse {
     met: Vec<Met>,
+    corners: CornerMoves,
 }
 
 impl RuleUse {
     /// Before the first line.
     pub fn new(job: &Job) -> Self {
-        RuleUse { met: vec![Met::Never; job.rules.len()] }
+        RuleUse { met: vec![Met::Never; job.rules.len()], corners: CornerMoves::default() }
     }
 
     /// The next line, with its tool's place among the job's.
     pub fn add(&mut self, line: &ProgramLine, job: &Job, tool: Option<usize>) {
-        let (Some(segment), Some(tool)) = (line.segment(), tool) else { return };
-        let fits = |rule: &CutRule| usize::from(rule.tool) == tool && rule.fits(&segment, &job.tool_of(rule).tool);
+        let corners = line.meaning.as_ref().map(|meaning| self.corners.pass(0, meaning)).unwrap_or_default();
+        let inserted = corners.into_iter().flatten().filter_map(|(_, corner)| corner.inserted);
+        let Some(tool) = tool else { return };
+        for segment in line.segment().into_iter().chain(inserted) {
+            self.add_move(&segment, job, tool);
+        }
+    }
+
+    fn add_move(&mut self, segment: &Segment, job: &Job, tool: usize) {
+        let fits = |rule: &CutRule| usize::from(rule.tool) == tool && rule.fits(segment, &job.tool_of(rule).tool);
         let fitting = job.rules.iter().zip(&mut self.met).filter(|(rule, _)| fits(rule));
         for (place, (_, met)) in fitting.enumerate() {
             *met = (*met).max(if place == 0 { Met::First } else { Met::Behind });

@@ -37,6 +37,7 @@ mod assertions;
 
 mod junit;
 
+use std::iter;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -119,9 +120,9 @@ impl Simulate {
         let mut simulation = in_memory(&file, &for_memory(&program, &adapted, &file)?, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file.job));
         let mut before = in_memory(&file, &program.file(), ControllerFault::LawOff)?;
-        // The meter needs the engaged arcs and the sides of contours there, too.
-        let metered = |known: &PlannedConditions| known.along.is_some() || known.side.is_some();
-        before.set_planned_conditions(foreseen(&program, &adapted, &file.job).into_iter().filter(metered));
+        // The meter needs the engaged arcs, the sides of contours and the rules of moves beside corners there, too.
+        let metered = |block: &PlannedBlock| block.along.is_some() || block.contour.is_some() || block.is_cut_off;
+        before.set_planned_conditions(foreseen_where(&program, &adapted, &file.job, metered));
         // Results are written and printed even if a later step fails.
         let [after, unadapted] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
@@ -312,11 +313,22 @@ pub(super) fn in_memory_of(
 /// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
 /// with their engagement and the largest feed that the job allows on them.
 pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedConditions> {
+    foreseen_where(program, adapted, job, |_| true)
+}
+
+/// The same for chosen moves.
+fn foreseen_where(
+    program: &Program,
+    adapted: &Adapted,
+    job: &Job,
+    choose: impl Fn(&PlannedBlock) -> bool,
+) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let is_known =
         |block: &&PlannedBlock| block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8;
-    let moves = adapted.blocks.iter().filter(is_known);
-    let known = moves.map(|block| PlannedConditions {
+    let moves =
+        adapted.blocks.iter().flat_map(|block| iter::once(block).chain(block.inserted.as_deref())).filter(is_known);
+    let known = moves.filter(|block| choose(block)).map(|block| PlannedConditions {
         segment: block.segment,
         rule: block.rule.filter(|_| block.demand.is_some()),
         along: block.along.clone(),

@@ -2,7 +2,7 @@
 
 use arcfeed_tests::{Scratch, run};
 
-use super::{POCKET, refused, text_of};
+use super::{POCKET, adapted, blocks_of, refused, streamed, text_of};
 
 #[test]
 fn a_stock_is_assumed_and_named() {
@@ -57,4 +57,22 @@ fn the_chip_before_and_after_is_a_multiple_of_what_the_own_f_gives() {
     let number = |index: usize| words[index].parse::<f64>().expect("a ratio");
     let [before, after] = [[6, 8], [9, 11]].map(|columns| columns.map(number));
     assert!((before[1] - 8.0 / 3.0).abs() < 5e-3 && (after[1] - 1.0).abs() < 1e-3 && after[0] > 0.99, "{said}");
+}
+
+#[test]
+fn rounded_corners_alone_make_a_tool_an_end_mill_with_arcs() {
+    let scratch = Scratch::new("without-job-rounded");
+    let frame = "G90G94G21G17\nS5000M3\nG0X0Y0\nG1X50.F1000.,R3.\nY40.,R8.\nX0\nM30\n";
+    let path = scratch.write("p.nc", frame);
+    let wanted = frame
+        .replace("G1X50.F1000.,R3.\nY40.,R8.\nX0", "G1X45.F1000.\nX50.,R3.F375.\nY30.F1000.\nY40.,R8.F615.3\nX0F1000.");
+    assert_eq!(adapted(&path, &["--tool", "10"]), wanted);
+    assert_eq!(blocks_of(&streamed(&path, &["--tool", "10"])), blocks_of(&wanted));
+    // Feed at the contour over that of the own F: 8/3 in the first corner.
+    let said = text_of(&run(&["simulate", &path, "--tool", "10"]).stdout);
+    let inside = said.lines().find(|line| line.trim_start().starts_with("1 ccw inside")).expect("a movement");
+    assert!(
+        inside.contains("own F    1.62") && inside.contains(".. 2.66") && inside.contains("1.000 .. 1.000"),
+        "{said}"
+    );
 }
