@@ -16,6 +16,8 @@ mod tool_comment;
 
 mod tool_notes;
 
+mod corner_moves;
+
 mod path_summary;
 
 mod lines;
@@ -55,6 +57,7 @@ use arcfeed_units::{LengthUnit, Nm};
 pub use block_delete::BlockDeleteEffect;
 pub use contour_check::may_have_contours;
 pub use conventions::{DecimalSurvey, fitting_convention};
+pub use corner_moves::{CornerMove, CornerMoves};
 pub use diagnostic::{Diagnostic, FeedKept, Severity};
 pub use executed_places::ExecutedPlaces;
 pub use expansion::{Expansion, RunBounds};

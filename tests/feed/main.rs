@@ -4,6 +4,8 @@ mod geometry;
 
 mod compensated;
 
+mod corners;
+
 mod engage;
 
 mod engaged_arc_oracle;

@@ -1,4 +1,6 @@
-//! `adapt` and `simulate` of a program without a job file: the tools come from its comments and from options.
+//! `adapt`, `simulate` and `stream` of a program without a job file: the tools come from its comments and from options.
+
+mod measured;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,6 +15,8 @@ use fastrand::Rng;
 const POCKET: &str = "examples/pocket/pocket.nc";
 /// Random programs.
 const PROGRAMS: u64 = 300;
+/// Of those, streamed to the simulated control.
+const STREAMS: u64 = 24;
 
 fn text_of(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("arcfeed speaks UTF-8")
@@ -175,6 +179,75 @@ fn a_simulation_needs_no_job_file() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["alarms"], serde_json::json!([]));
     assert!(report["cycle_time_s"].as_f64() > report["baseline_cycle_time_s"].as_f64());
+}
+
+/// Blocks of a program: its lines without `%`, as a control counts them.
+fn blocks_of(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| !matches!(line.trim(), "" | "%")).collect()
+}
+
+/// Blocks that the simulated control executes when the program is streamed to it.
+fn streamed(program: &str, options: &[&str]) -> String {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let scratch = Scratch::new(&format!("without-job-stream-{}", COUNT.fetch_add(1, Ordering::Relaxed)));
+    let executed = scratch.path("executed.nc");
+    let output = run(&[&["stream", program, "--executed", &executed, "--baudrate", "115200"], options].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    file_text(&executed)
+}
+
+#[test]
+fn a_program_is_streamed_with_the_feeds_that_adapt_writes() {
+    let scratch = Scratch::new("without-job-streams");
+    let mut streams = 0;
+    for seed in 0..STREAMS {
+        let text = random_program(&mut Rng::with_seed(seed));
+        let path = scratch.write("p.nc", &text);
+        if run(&["check", &path]).status.code() != Some(0) || !text.contains("G2") && !text.contains("G3") {
+            continue;
+        }
+        let options: &[&str] = [&[][..], &["--milling", "conventional"], &["--max", "150"]][seed as usize % 3];
+        let [executed, wanted] = [streamed(&path, options), adapted(&path, options)];
+        assert_eq!(blocks_of(&executed), blocks_of(&wanted), "seed {seed}:\n{text}");
+        streams += 1;
+    }
+    println!("{streams} programs streamed");
+    assert!(streams > STREAMS / 2);
+}
+
+#[test]
+fn a_stream_without_a_job_has_the_report_of_one_with_a_job() {
+    let scratch = Scratch::new("without-job-same");
+    let (program, job) = (scratch.write("p.nc", file_text(POCKET)), scratch.path("job.toml"));
+    let options = ["--tool", "10", "--teeth", "4", "--feed-per-tooth", "0.05"];
+    assert_eq!(run(&[&["init", &program, "-o", &job][..], &options].concat()).status.code(), Some(0));
+    let report = |arguments: &[&str]| {
+        let output = run(&[arguments, &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+        let mut report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+        report["real_time_factor"] = serde_json::Value::Null;
+        report
+    };
+    let without = report(&[&["stream", &program][..], &options].concat());
+    assert_eq!(without, report(&["stream", &job]));
+    assert!(without["cycle_time_s"].as_f64() > without["baseline_cycle_time_s"].as_f64());
+}
+
+#[test]
+fn a_stream_without_a_job_needs_a_mode_that_its_line_can_carry() {
+    let teeth = ["--tool", "10", "--teeth", "4", "--feed-per-tooth", "0.05"];
+    let stream = |options: &[&str]| refused(&[&["stream", POCKET][..], &teeth, options].concat());
+    // Without a board nothing sets the override of a real control.
+    let (code, message) = stream(&["--mode", "safe-base", "--port", "loop://"]);
+    assert!(code == Some(2) && message.contains("--board"), "{message}");
+    let (code, message) = stream(&["--port", "loop://", "--board", "loop://"]);
+    assert!(code == Some(2) && message.contains("a board has nothing to do"), "{message}");
+    let (code, message) = stream(&["--mode", "safe-base", "--board", "sim:"]);
+    assert!(code == Some(0), "{message}");
+    let (code, message) = refused(&["stream", POCKET, "--tool", "10", "--mode", "safe-base"]);
+    assert!(code == Some(2) && message.contains("missing: --feed-per-tooth LENGTH; or make a job file"), "{message}");
+    let (code, message) = refused(&["stream", "examples/pocket/job-contour.toml", "--tool", "10"]);
+    assert!(code == Some(2) && message.contains("write them into the job"), "{message}");
 }
 
 /// A contour of lines and arcs with several tools, planes, levels and feeds.

@@ -35,6 +35,8 @@ pub mod spelling;
 
 pub mod split;
 
+mod corner_line;
+
 mod planned_block;
 
 mod writer;

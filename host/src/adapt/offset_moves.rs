@@ -1,4 +1,5 @@
-//! Moves of the tool centre under G41 and G42, line by line, as a control executes them.
+//! Moves of the tool centre under G41 and G42, and moves beside a chamfer or rounded corner, line by line, as a control
+//! executes them.
 //!
 //! The end of a move depends on the corner behind it. Therefore this reader is ahead of the lines that are planned, by as
 //! many blocks as a control reads together. A block-delete switch (`/`) may change the corners of a contour, and a chamfer or
@@ -15,6 +16,8 @@ use arcfeed_nc::settings::CompensationType;
 use arcfeed_nc::word::is_mark;
 use arcfeed_units::Nm;
 
+use crate::program::{CornerMove, CornerMoves};
+
 /// Path of the tool centre for the move of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CenterPath {
@@ -25,6 +28,8 @@ pub enum CenterPath {
     NoRadius,
     /// Known.
     Known(OffsetMove),
+    /// Beside a chamfer or rounded corner, without G41 and G42.
+    Corner(CornerMove),
 }
 
 /// Move of the tool centre along a contour.
@@ -66,6 +71,7 @@ pub(super) struct OffsetMoves<'a> {
     lines: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
     reader: Reader,
     compensator: Compensator,
+    corners: CornerMoves,
     line: InterpretedLine,
     /// Lines read and not yet taken.
     read: VecDeque<CenterPath>,
@@ -94,6 +100,7 @@ impl<'a> OffsetMoves<'a> {
         OffsetMoves {
             lines: Box::new(lines),
             compensator: Compensator::new(reader.settings().compensation),
+            corners: CornerMoves::default(),
             reader,
             line: InterpretedLine::default(),
             read: VecDeque::new(),
@@ -107,7 +114,9 @@ impl<'a> OffsetMoves<'a> {
 
     /// The path for the move of the next line.
     pub fn take(&mut self) -> CenterPath {
-        let is_open = |moves: &Self| moves.held.front().is_some_and(|held| held.number == moves.taken);
+        let is_open = |moves: &Self| {
+            moves.corners.holds(moves.taken) || moves.held.front().is_some_and(|held| held.number == moves.taken)
+        };
         while (self.read.is_empty() || is_open(self)) && self.read_next() {}
         self.taken += 1;
         self.read.pop_front().unwrap_or_default()
@@ -140,10 +149,12 @@ impl<'a> OffsetMoves<'a> {
     fn compensate(&mut self, was_in_contour: bool) {
         let command = ContourCommand::of(&self.line, self.reader.modal(), self.reader.tables());
         let sign = side_sign(self.reader.modal());
+        let is_in_contour = sign != 0 || self.compensator.is_active();
+        self.pass_corner(is_in_contour);
         let is_unknown = self.line.step.motion.is_some() && self.line.segment.is_none();
         // A chamfer or rounded corner has the feed of its block, and is not among these moves.
         let is_other = self.line.parsed.block.delete.is_some() || self.line.step.corner.is_some();
-        let is_other_contour = is_other && (sign != 0 || self.compensator.is_active());
+        let is_other_contour = is_other && is_in_contour;
         if is_unknown || is_other_contour || (self.is_lost && sign != 0) {
             self.lose();
             return;
@@ -159,6 +170,20 @@ impl<'a> OffsetMoves<'a> {
         match command.apply(self.line.segment.as_ref(), &mut self.compensator) {
             Ok(moves) => self.release(&moves),
             Err(_) => self.lose(),
+        }
+    }
+
+    /// Sets the moves beside corners that are known by now; those within a contour under compensation are not.
+    fn pass_corner(&mut self, is_in_contour: bool) {
+        if is_in_contour {
+            self.corners = CornerMoves::default();
+            return;
+        }
+        let number = self.taken + self.read.len() - 1;
+        for (line, corner) in self.corners.pass(number, &self.line).into_iter().flatten() {
+            if let Some(entry) = self.read.get_mut(line - self.taken) {
+                *entry = CenterPath::Corner(corner);
+            }
         }
     }
 
@@ -187,15 +212,16 @@ impl<'a> OffsetMoves<'a> {
             };
             let Some(HeldLine { number, place }) = self.held.pop_front() else { return };
             let path = match place {
-                None => CenterPath::None,
+                None => None,
                 Some(place) if place.radius == Nm(0) && place.of_program == CompensationType::Control => {
-                    CenterPath::NoRadius
+                    Some(CenterPath::NoRadius)
                 }
                 Some(place) => {
-                    CenterPath::Known(OffsetMove { segment: *segment, place: ContourPlace { has_corner, ..place } })
+                    let place = ContourPlace { has_corner, ..place };
+                    Some(CenterPath::Known(OffsetMove { segment: *segment, place }))
                 }
             };
-            if let Some(entry) = self.read.get_mut(number - self.taken) {
+            if let (Some(entry), Some(path)) = (self.read.get_mut(number - self.taken), path) {
                 *entry = path;
             }
             has_corner = false;
@@ -208,10 +234,12 @@ impl<'a> OffsetMoves<'a> {
             Err(_) => self.lose(),
         }
         self.held.clear();
+        self.corners = CornerMoves::default();
     }
 
     fn lose(&mut self) {
         self.compensator.reset();
+        self.corners = CornerMoves::default();
         self.held.clear();
         self.is_lost = true;
     }

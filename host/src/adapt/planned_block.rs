@@ -33,10 +33,15 @@ const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a 
 pub struct PlannedBlock {
     /// Line in the program, counted from 1.
     pub line: usize,
-    /// Move of the block; along a contour under G41 or G42 that of the tool centre, if it is known.
+    /// Move of the block: beside a chamfer or rounded corner, where a law looks at it, without the part that the corner takes
+    /// away; along a contour under G41 or G42 that of the tool centre, if it is known.
     pub segment: Segment,
     /// Conditions of its law there.
     pub contour: Option<ContourPlace>,
+    /// Whether its move is shorter than programmed, because of a chamfer or rounded corner at one of its ends.
+    pub is_cut_off: bool,
+    /// Chamfer or rounded corner behind it, which has the feed of the same block.
+    pub inserted: Option<Box<PlannedBlock>>,
     /// Index of the cut rule that fits it.
     pub rule: Option<usize>,
     /// Whether the plunge law is to govern it; it has no cut rule then.
@@ -76,6 +81,8 @@ impl PlannedBlock {
             line,
             segment,
             contour: None,
+            is_cut_off: false,
+            inserted: None,
             rule: None,
             is_descent: false,
             along: None,
@@ -109,6 +116,22 @@ impl PlannedBlock {
         let has_corner = self.contour.is_some_and(|place| place.has_corner);
         let is_outside = matches!(rule.work, Work::Mill { side: ContourSide::Outside, .. });
         if has_corner && is_outside { Segment { path: Path::Line, ..self.segment } } else { self.segment }
+    }
+
+    /// Feed that a law has set on its move, or on the corner behind it.
+    pub fn governed_feed(&self) -> Option<Nm> {
+        let is_governed = self.demand.is_some() || self.reason == PlanReason::Corner;
+        self.sent.filter(|_| is_governed)
+    }
+
+    /// Adds the chamfer or rounded corner behind it. Both have one F: the least that both may have.
+    pub fn insert(&mut self, mut inserted: PlannedBlock) {
+        let least = [self.sent, inserted.sent].into_iter().flatten().min();
+        if least < self.sent {
+            self.reason = PlanReason::Corner;
+        }
+        (self.sent, inserted.sent) = (least, least);
+        self.inserted = Some(Box::new(inserted));
     }
 
     /// Programmed feed, per minute.

@@ -19,6 +19,8 @@ pub enum PlanReason {
     ArcClamp,
     /// The law governs it, but the job's fastest feed, or its largest raise of the programmed one, is lower.
     FeedCeiling,
+    /// The chamfer or rounded corner at its end has this feed, the least that both may have.
+    Corner,
     /// A cut rule matches it, but it moves along the tool's axis: a plunge, ramp, helix or roll-in.
     Axial,
     /// A cut rule matches it, but another tool than the job's is in the spindle.
@@ -39,7 +41,7 @@ pub enum PlanReason {
     NoRadius,
     /// A cut rule matches it, but the radius of the D in force is not that of the job's tool.
     OtherRadius,
-    /// A cut rule matches it, but it is under G41 or G42, where only F words govern.
+    /// A cut rule matches it, but it is under G41 or G42, or beside a chamfer or rounded corner, where only F words govern.
     NeedsRewriting,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
     NoDemand,
@@ -69,6 +71,7 @@ impl PlanReason {
             PlanReason::Axis => "axis",
             PlanReason::ArcClamp => "arc-clamp",
             PlanReason::FeedCeiling => "feed-ceiling",
+            PlanReason::Corner => "corner",
             PlanReason::Axial => "axial",
             PlanReason::OtherTool => "other-tool",
             PlanReason::Spindle => "spindle",
@@ -110,7 +113,7 @@ impl PlanReason {
                 "the radius of its D differs by more than a quarter from that of the job's tool: correct one of them; where D holds only wear, state compensation = \"wear\" in the settings file",
             ),
             PlanReason::NeedsRewriting => Some(
-                "it is under G41 or G42, where a law works through F words only: write mode = \"rewrite-only\" in [override]",
+                "it is under G41 or G42, or beside a chamfer or rounded corner, where a law works through F words only: write mode = \"rewrite-only\" in [override]",
             ),
             PlanReason::Overload => Some(
                 "no feed of it keeps max_power and max_torque in [spindle]: the material rubs too much, or they are too low",

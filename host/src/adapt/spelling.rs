@@ -8,7 +8,7 @@ use arcfeed_nc::block::Block;
 use arcfeed_nc::modal::{Plane, Pose};
 use arcfeed_nc::number::DIGITS_MAX;
 use arcfeed_nc::segment::Arc;
-use arcfeed_nc::word::Word;
+use arcfeed_nc::word::{CHAMFER, ROUNDING, Word};
 use arcfeed_units::LengthUnit;
 
 use super::modes::Modes;
@@ -40,8 +40,8 @@ pub struct Spelling<'a> {
 /// Move that is written in pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrittenShape {
-    /// An arc in this plane.
-    Arc(Plane),
+    /// An arc, or a line before a corner, in this plane.
+    InPlane(Plane),
     /// A line along this axis.
     Line(usize),
 }
@@ -55,6 +55,43 @@ impl<'a> Spelling<'a> {
         };
         let is_plain = block.words.iter().all(is_shared) && !block.assigns && block.program.is_none();
         is_plain.then_some(Spelling { text, block, modes, shape })
+    }
+
+    /// The spelling of a line's block with a chamfer or rounded corner; `None` if it has words that two blocks cannot share.
+    pub fn of_line(text: &'a [u8], block: &'a Block, modes: Modes, plane: Plane) -> Option<Self> {
+        let is_shared = |word: &Word| match word.letter {
+            b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code) && code != 2 && code != 3),
+            CHAMFER | ROUNDING => true,
+            letter => b"XYZF".contains(&letter),
+        };
+        let is_plain = block.words.iter().all(is_shared) && !block.assigns && block.program.is_none();
+        let shape = WrittenShape::InPlane(plane);
+        (is_plain && block.delete.is_none()).then_some(Spelling { text, block, modes, shape })
+    }
+
+    /// Edits that turn a line into its part up to `end`, without its corner; `None` if a number cannot be written.
+    pub fn line_up_to(&self, start: &Pose, end: &Pose) -> Option<Vec<Edit>> {
+        let mut edits = vec![Edit::replacing(self.corner()?, String::new())];
+        for (axis, word) in self.axis_words() {
+            edits.push(Edit::replacing(word, self.coordinate(axis, start, end)?));
+        }
+        Some(edits)
+    }
+
+    /// The rest of a line, with its corner but without F; `None` if a number cannot be written.
+    pub fn rest_of_line(&self, start: &Pose, end: &Pose) -> Option<String> {
+        let words = self.axis_words().map(|(axis, _)| self.coordinate(axis, start, end)).collect::<Option<String>>()?;
+        Some(words + self.written(self.corner()?))
+    }
+
+    fn corner(&self) -> Option<&'a Word> {
+        self.block.words.iter().find(|word| matches!(word.letter, CHAMFER | ROUNDING))
+    }
+
+    /// Words of the axes in the plane, in the order X, Y, Z.
+    fn axis_words(&self) -> impl Iterator<Item = (usize, &'a Word)> + use<'a> {
+        let block = self.block;
+        self.axes(false).filter_map(move |axis| Some((axis, block.word(AXES[axis])?)))
     }
 
     /// Reports whether the block gives the centre of the arc by R.
@@ -115,7 +152,7 @@ impl<'a> Spelling<'a> {
     fn axes(&self, rises: bool) -> impl Iterator<Item = usize> + use<> {
         let shape = self.shape;
         (0..3).filter(move |axis| match shape {
-            WrittenShape::Arc(plane) => rises || *axis != plane.axes().2,
+            WrittenShape::InPlane(plane) => rises || *axis != plane.axes().2,
             WrittenShape::Line(along) => *axis == along,
         })
     }

@@ -195,7 +195,7 @@ impl Governed<'_> {
 
     fn spelling(&self) -> Option<Spelling<'_>> {
         let shape = match self.segment.arc() {
-            Some(arc) => WrittenShape::Arc(arc.plane),
+            Some(arc) => WrittenShape::InPlane(arc.plane),
             None => WrittenShape::Line(axis_of(self.segment)?),
         };
         Spelling::of(&self.line.text, self.block()?, self.modes, shape)

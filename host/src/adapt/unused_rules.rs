@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::job::Job;
+use arcfeed_nc::segment::Segment;
 
 use crate::job::JobFile;
 use crate::job::rule_scope;
-use crate::program::{ExecutedPlaces, ProgramLine};
+use crate::program::{CornerMoves, ExecutedPlaces, ProgramLine};
 
 /// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program, given as its
 /// path and what its moves meet, those that none of its moves meets.
@@ -57,24 +58,33 @@ pub struct RuleUse {
     /// Number of lines so far.
     lines: usize,
     places: Option<Arc<ExecutedPlaces>>,
+    corners: CornerMoves,
 }
 
 impl RuleUse {
     /// Before the first line of a program whose lines have these places.
     pub fn new(job: &Job, places: Option<Arc<ExecutedPlaces>>) -> Self {
-        RuleUse { met: vec![Met::Never; job.rules.len()], lines: 0, places }
+        RuleUse { met: vec![Met::Never; job.rules.len()], lines: 0, places, corners: CornerMoves::default() }
     }
 
     /// The next line, with its tool's place among the job's.
     pub fn add(&mut self, line: &ProgramLine, file: &JobFile, tool: Option<usize>) {
         self.lines += 1;
+        let corners = line.meaning.as_ref().map(|meaning| self.corners.pass(0, meaning)).unwrap_or_default();
+        let inserted = corners.into_iter().flatten().filter_map(|(_, corner)| corner.inserted);
+        let Some(tool) = tool else { return };
+        for segment in line.segment().into_iter().chain(inserted) {
+            self.add_move(&segment, file, tool);
+        }
+    }
+
+    fn add_move(&mut self, segment: &Segment, file: &JobFile, tool: usize) {
         let JobFile { job, rule_scopes, .. } = file;
-        let (Some(segment), Some(tool)) = (line.segment(), tool) else { return };
         let line = self.places.as_ref().map_or(Some(self.lines), |places| places.own_line(self.lines));
         let fits = |index: usize, rule: &CutRule| {
             usize::from(rule.tool) == tool
-                && rule.fits(&segment, &job.tool_of(rule).tool)
-                && rule_scope::admits(rule_scopes, index, line, &segment)
+                && rule.fits(segment, &job.tool_of(rule).tool)
+                && rule_scope::admits(rule_scopes, index, line, segment)
         };
         let fitting = job.rules.iter().zip(&mut self.met).enumerate().filter(|(index, (rule, _))| fits(*index, rule));
         for (place, (_, (_, met))) in fitting.enumerate() {

@@ -14,6 +14,7 @@ use arcfeed_nc::reader::Reader;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Nm, PERCENT};
 
+use super::corner_line::{CornerLine, TwoBlocks, governs_corners};
 use super::descents::{Descending, Descents};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
@@ -27,7 +28,7 @@ use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::rule_scope::{self, RuleScope};
 use crate::job::{JobFile, Plunge, SpindleLimits};
-use crate::program::{ExecutedPlaces, ProgramLine};
+use crate::program::{CornerMove, ExecutedPlaces, ProgramLine};
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
 const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
@@ -177,6 +178,7 @@ impl<'a> Writer<'a> {
         let (mut block, profile) = self.plan(number, line, segment, path);
         self.is_start_certain = is_certain;
         let texts = match &profile {
+            _ if block.is_cut_off => self.beside_corner(line, &mut block, profile.as_ref()),
             Some(profile) if block.contour.is_some() => {
                 self.in_one_piece(&mut block, profile);
                 None
@@ -184,7 +186,7 @@ impl<'a> Writer<'a> {
             Some(profile) => self.in_pieces(line, &mut block, profile),
             None => None,
         };
-        let governed = block.sent.filter(|_| block.demand.is_some());
+        let governed = block.governed_feed();
         if governed.is_some() {
             self.last_governed = Some(number);
         }
@@ -197,7 +199,7 @@ impl<'a> Writer<'a> {
         Ok(PlannedLine { block: Some(block), text: texts.join(end) })
     }
 
-    /// Plan of a line's move, and the answers of the law along it.
+    /// Plan of a line's move with the corner behind it, and the answers of the law along the move.
     fn plan(
         &mut self,
         number: usize,
@@ -206,18 +208,36 @@ impl<'a> Writer<'a> {
         path: &CenterPath,
     ) -> (PlannedBlock, Option<Profile>) {
         let under = self.special(line);
-        let offset = self.offset_move(path, line, under);
-        let under = under.filter(|_| offset.is_none());
-        let segment = offset.map_or(segment, |offset| offset.segment.shifted(Pose::ORIGIN.minus(line.origin)));
-        let new = || PlannedBlock { contour: offset.map(|offset| offset.place), ..PlannedBlock::new(number, segment) };
-        let mut block = new();
+        let (offset, corner) = (self.offset_move(path, line, under), self.corner_move(path, line, under));
+        let under = under.filter(|_| offset.is_none() && corner.is_none());
+        let executed = offset.map(|offset| offset.segment).or(corner.map(|corner| corner.segment));
+        let in_program = |segment: Segment| segment.shifted(Pose::ORIGIN.minus(line.origin));
+        let mut new = PlannedBlock::new(number, executed.map_or(segment, in_program));
+        (new.contour, new.is_cut_off, new.under) = (offset.map(|offset| offset.place), corner.is_some(), under);
+        new.along = self.engagement_along(if corner.is_some() { &segment } else { &new.segment }, line.machining.tool);
+        let (mut block, profile) = self.plan_move(line, new, path);
+        if let Some(inserted) = corner.and_then(|corner| corner.inserted) {
+            let new = PlannedBlock { is_cut_off: true, ..PlannedBlock::new(number, in_program(inserted)) };
+            block.insert(self.plan_move(line, new, path).0);
+        }
+        (block, profile)
+    }
+
+    /// Plan of one move of a line, which is `new` so far.
+    fn plan_move(
+        &mut self,
+        line: &ProgramLine,
+        new: PlannedBlock,
+        path: &CenterPath,
+    ) -> (PlannedBlock, Option<Profile>) {
+        let (number, segment, under) = (new.line, new.segment, new.under);
+        let mut block = PlannedBlock { under: None, ..new.clone() };
         block.limit = MoveLimit::of(line, &segment, self.job, self.machine);
-        block.along = self.engagement_along(&segment, line.machining.tool);
         let place = self.places.map_or(Some(number), |places| places.own_line(number));
         let admits = |rule: usize| rule_scope::admits(self.scopes, rule, place, &segment);
         let matched = match_move(self.job, self.machine, line, &segment, admits);
         let descent = self.descents.as_mut().and_then(|descents| descents.next(&segment, &matched));
-        if let Some(descent) = descent.filter(|_| under.is_none() && !line.follows_tip) {
+        if let Some(descent) = descent.filter(|_| under.is_none() && !block.is_cut_off && !line.follows_tip) {
             return self.plan_descent(line, block, descent);
         }
         let reason = match matched {
@@ -226,12 +246,13 @@ impl<'a> Writer<'a> {
             // Under G43.4 rotary axes turn as a matter of course.
             Err(PlanReason::Rotary) if under.is_some() => PlanReason::Special,
             Err(reason) => reason,
-            Ok(_) if is_along_contour(under) && self.reader.is_none() => PlanReason::NeedsRewriting,
+            Ok(_) if needs_rewriting(under) && self.reader.is_none() => PlanReason::NeedsRewriting,
             Ok(_) if is_along_contour(under) && *path == CenterPath::NoRadius => PlanReason::NoRadius,
             Ok(_) if under.is_some() => PlanReason::Special,
             Ok((index, _)) if let Some(reason) = block.contour.and_then(|place| self.contour_fault(index, &place)) => {
                 reason
             }
+            Ok((index, _)) if block.is_cut_off && !governs_corners(self.job, index) => PlanReason::Special,
             Ok(_) if line.skipping.is_some() => PlanReason::BlockDelete,
             Ok(_) if self.kept.contains(number) => PlanReason::FeedLeak,
             Ok(_) if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
@@ -240,7 +261,7 @@ impl<'a> Writer<'a> {
                 let profile = govern(&mut block, self.job, spindle, self.modes.unit);
                 if block.is_too_short_to_slow_down(self.job, &self.accelerations_mm_per_s2) {
                     let (rule, reason) = (block.rule, PlanReason::Short);
-                    return (PlannedBlock { rule, reason, ..new() }, None);
+                    return (PlannedBlock { rule, reason, ..new }, None);
                 }
                 return (block, profile);
             }
@@ -311,6 +332,13 @@ impl<'a> Writer<'a> {
         (is_along_contour(under) && is_plain && self.is_start_certain).then_some(*offset)
     }
 
+    /// Move beside a chamfer or rounded corner, where a law may look at it.
+    fn corner_move(&self, path: &CenterPath, line: &ProgramLine, under: Option<NotModelled>) -> Option<CornerMove> {
+        let CenterPath::Corner(corner) = path else { return None };
+        let is_plain = self.modes.per_minute && !self.modes.taps && !line.follows_tip;
+        (under == Some(NotModelled::Corner) && is_plain && self.is_start_certain).then_some(*corner)
+    }
+
     /// Why the law of a rule does not govern a move along a contour although its path is known.
     fn contour_fault(&self, rule: usize, place: &ContourPlace) -> Option<PlanReason> {
         let rule = self.job.rules.get(rule)?;
@@ -331,6 +359,34 @@ impl<'a> Writer<'a> {
         let (Some(feed), Some(teeth_per_min)) = (block.sent, block.teeth_per_min) else { return };
         block.pieces = vec![SentPiece { until_ratio: 1.0, feed }];
         block.chip_error = ChipError::of(&block.pieces, profile, teeth_per_min);
+    }
+
+    /// Texts of a line without a law that ends in a slower corner, in two blocks; `None` where one F does for the block, or
+    /// must do.
+    fn beside_corner(
+        &mut self,
+        line: &ProgramLine,
+        block: &mut PlannedBlock,
+        profile: Option<&Profile>,
+    ) -> Option<Vec<Vec<u8>>> {
+        if let Some(profile) = profile {
+            self.in_one_piece(block, profile);
+        }
+        let is_line = block.segment.path == Path::Line && block.demand.is_none();
+        let is_slower = is_line && block.reason == PlanReason::Corner;
+        let (FeedPolicy::RewriteOnly(settings), Some(before), true) = (&self.job.policy, &self.reader, is_slower)
+        else {
+            return None;
+        };
+        let (programmed, own, corner) = (line.segment()?, block.programmed()?, block.sent?);
+        let least_mm = settings.least_length.to_mm();
+        let whole = CornerLine { line, cut_off: block.segment, programmed, modes: self.modes, before, least_mm };
+        let written = whole.write(corner, &mut self.feeds);
+        block.whole = written.as_ref().err().copied();
+        let TwoBlocks { texts, until_ratio } = written.ok()?;
+        block.pieces =
+            [(until_ratio, own), (1.0, corner)].map(|(until_ratio, feed)| SentPiece { until_ratio, feed }).into();
+        Some(texts)
     }
 
     /// The line, with its feed or another.
@@ -359,6 +415,11 @@ impl<'a> Writer<'a> {
 /// Whether a move is under G41 or G42.
 fn is_along_contour(under: Option<NotModelled>) -> bool {
     matches!(under, Some(NotModelled::MoveUnder(410 | 420)))
+}
+
+/// Whether a law governs a move through F words only.
+fn needs_rewriting(under: Option<NotModelled>) -> bool {
+    is_along_contour(under) || under == Some(NotModelled::Corner)
 }
 
 /// Whether a block's code, comments apart, has an F word.

@@ -189,11 +189,11 @@ impl<'a> Table<'a> {
     fn add(&mut self, block: &PlannedBlock) {
         self.moves += 1;
         self.f_words += block.f_words;
-        if block.demand.is_some() {
+        if block.governed_feed().is_some() {
             self.governed += 1;
-            self.pieces += block.pieces.len();
+            self.pieces += block.pieces.len().max(1);
         }
-        if block.rule.is_none() && !block.is_descent {
+        if block.rule.is_none() && !block.is_descent && block.governed_feed().is_none() {
             return;
         }
         let figures = BlockFigures::new(block, self.job);

@@ -9,7 +9,7 @@ use arcfeed_model::job::LawKind;
 use arcfeed_nc::alarm::NotModelled;
 
 use super::job_values::JobValues;
-use super::outcome::{Failure, file_failure, load_unmapped, read_source};
+use super::outcome::{Failure, file_failure, read_source};
 use crate::adapt::{Adapted, Known, PlanReason, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
 use crate::console::note;
@@ -22,16 +22,6 @@ use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;
-
-/// Loads a job and its program, both without errors, with the engagement map that the job names.
-///
-/// # Errors
-/// Every error of the program, one per line; a program too long to be kept as a whole; a fault of the map.
-pub fn load(job: &Path) -> Result<(JobFile, Program), Failure> {
-    let (mut file, program) = load_unmapped(job)?;
-    read_map(&mut file, || program.bytes())?;
-    Ok((file, program))
-}
 
 /// A job file, or a program with the values that a job would add to it.
 #[derive(Debug, clap::Args)]
@@ -49,10 +39,10 @@ impl JobInput {
         self.job.extension().is_some_and(|extension| extension == "toml")
     }
 
-    /// As [`load`].
+    /// Loads job and program, both without errors, with the engagement map that the job names.
     ///
     /// # Errors
-    /// See [`load`]; options beside a job file; a missing option.
+    /// See [`JobInput::load_text`]; a program too long to be kept as a whole.
     pub fn load(&self) -> Result<(JobFile, Program), Failure> {
         let (file, source, _) = self.load_text()?;
         let program = source.whole().map_err(Failure::Input)?;

@@ -111,11 +111,13 @@ impl JobValues {
             control: &self.control_keys(control, path),
         };
         let text = job(&findings);
-        let open: Vec<String> = questions::open(&text).into_iter().map(|question| option_of(&question.key)).collect();
+        let open: Vec<String> = questions::open(&text).into_iter().map(|question| question.key).collect();
+        let open = missing_options(&open);
         if !open.is_empty() {
             return Err(failed(format!("missing: {}; or make a job file: `arcfeed init`", open.join(", "))));
         }
-        let file = JobFile::parse(path, &text).map_err(|error| match error {
+        // The text is that of a job file in the program's folder.
+        let file = JobFile::parse(&path.with_extension("toml"), &text).map_err(|error| match error {
             FileError::Content { message, .. } => failed(message),
             error => error.into(),
         })?;
@@ -181,6 +183,13 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
             Ok(())
         }
     }
+}
+
+/// Options that answer these questions. The highest feed is that of the program where a feed per tooth is given.
+fn missing_options(keys: &[String]) -> Vec<String> {
+    let is_open = |name: &str| keys.iter().any(|key| key.ends_with(name));
+    let asked = keys.iter().filter(|key| !(key.ends_with("max_feed") && is_open("feed_per_tooth")));
+    asked.map(|key| option_of(key)).collect()
 }
 
 /// Option that answers a question.

@@ -10,6 +10,8 @@ pub mod job_values;
 
 pub mod job_input;
 
+pub mod line_args;
+
 pub mod five_axis;
 
 pub mod check;

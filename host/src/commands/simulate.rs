@@ -7,6 +7,8 @@ pub mod run_figures;
 
 mod surface;
 
+mod assumed_stock;
+
 mod body;
 
 mod edges;
@@ -43,6 +45,7 @@ mod assertions;
 
 mod junit;
 
+use std::iter;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -69,6 +72,7 @@ use crate::report::figures::RunReport;
 use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
+use assumed_stock::StockArgs;
 use control::control_settings;
 use junit::TestSuite;
 use listing::Listing;
@@ -98,6 +102,8 @@ pub struct Simulate {
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
     #[command(flatten)]
+    stock: StockArgs,
+    #[command(flatten)]
     input: JobInput,
 }
 
@@ -107,8 +113,9 @@ impl Simulate {
     /// # Errors
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
-        let (file, program) = self.input.load()?;
+        let (mut file, program) = self.input.load()?;
         let job = &self.input.job;
+        self.stock.apply(self.input.is_job(), &mut file, &program)?;
         let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
         refuse_inputs(&outputs, &file.inputs(job))?;
         let setup = Setup::of(job, &file)?;
@@ -120,7 +127,7 @@ impl Simulate {
         let sent = for_memory(&program, &adapted, &file)?;
         let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
-        let mut before = unadapted(&file, &program, foreseen(&program, &adapted, &file))?;
+        let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
         // Results are written and printed even if a later step fails.
         let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
@@ -324,13 +331,33 @@ pub(super) fn in_memory_of(
 /// with their engagement and the largest feed that the job allows on them. The machine does not know the scopes of
 /// rules either: with them all moves are planned.
 pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
+    foreseen_where(program, adapted, file, |_| true)
+}
+
+/// The same for the original program: only what the meter needs there, too. That is engaged arcs, sides of contours,
+/// rules of moves beside corners, and scopes of rules.
+pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
+    let has_scopes = has_scopes(file);
+    foreseen_where(program, adapted, file, |block| {
+        has_scopes || block.along.is_some() || block.contour.is_some() || block.is_cut_off
+    })
+}
+
+/// The same for chosen moves.
+fn foreseen_where(
+    program: &Program,
+    adapted: &Adapted,
+    file: &JobFile,
+    choose: impl Fn(&PlannedBlock) -> bool,
+) -> Vec<PlannedConditions> {
     let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
     let has_scopes = has_scopes(file);
     let is_known = |block: &&PlannedBlock| {
         has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
     };
-    let moves = adapted.blocks.iter().filter(is_known);
-    let known = moves.map(|block| PlannedConditions {
+    let moves =
+        adapted.blocks.iter().flat_map(|block| iter::once(block).chain(block.inserted.as_deref())).filter(is_known);
+    let known = moves.filter(|block| choose(block)).map(|block| PlannedConditions {
         segment: block.segment,
         rule: block.rule.filter(|_| block.demand.is_some()),
         along: block.along.clone(),
@@ -347,17 +374,14 @@ pub fn has_scopes(file: &JobFile) -> bool {
     file.rule_scopes.iter().any(|scope| scope.key().is_some())
 }
 
-/// Simulation of the original program, without arcfeed, not begun.
+/// Simulation of the original program, without arcfeed, not begun; `foreseen` is that of [`foreseen_before`].
 fn unadapted(file: &JobFile, program: &Program, foreseen: Vec<PlannedConditions>) -> Result<Simulation, Failure> {
     let mut simulation = in_memory(file, &program.file(), ControllerFault::LawOff)?;
-    // The meter needs the engaged arcs, the sides of contours and the scopes of rules there, too.
-    let has_scopes = has_scopes(file);
-    let metered = |known: &PlannedConditions| has_scopes || known.along.is_some() || known.side.is_some();
-    simulation.set_planned_conditions(foreseen.into_iter().filter(metered));
+    simulation.set_planned_conditions(foreseen);
     Ok(simulation)
 }
 
-/// Runs the original program, without arcfeed, and adds its figures.
+/// Runs the original program, without arcfeed, and adds its figures; `foreseen` is that of [`foreseen_before`].
 ///
 /// # Errors
 /// The run never ends.

@@ -6,6 +6,8 @@ use std::sync::atomic::Ordering;
 use arcfeed_units::Micros;
 use serde::Serialize;
 
+use super::job_input::JobInput;
+use super::line_args::LineArgs;
 use super::outcome::{Failure, json_text, on_interrupt, refuse_inputs, say, write_whole};
 use super::stream::preparation::PreparedProgram;
 use crate::console::note;
@@ -23,14 +25,11 @@ const SILENCE: Micros = Micros::from_ms(10_000);
 /// Compare a program that the control punches from its memory with the transmission of a job
 #[derive(Debug, clap::Args)]
 pub struct Verify {
-    /// The job file
-    job: PathBuf,
     /// The line: a serial port's name or one of pyserial's URLs (docs/ports.md)
     #[arg(long, value_name = "URL")]
     port: PortUrl,
-    /// Line rate, in place of the job's
-    #[arg(long)]
-    baudrate: Option<u32>,
+    #[command(flatten)]
+    line: LineArgs,
     /// Compare with the transmission of `stream --keep-comments`
     #[arg(long)]
     keep_comments: bool,
@@ -40,6 +39,8 @@ pub struct Verify {
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    input: JobInput,
 }
 
 /// Figures of a comparison.
@@ -72,8 +73,8 @@ impl Verify {
             let message = "--port linuxcnc: reads files; compare them with `arcfeed adapt --for linuxcnc`";
             return Err(Failure::Usage(message.into()));
         }
-        let ready = PreparedProgram::load(&self.job, self.baudrate, !self.keep_comments)?;
-        refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.job))?;
+        let ready = PreparedProgram::load(&self.input, &self.line, !self.keep_comments)?;
+        refuse_inputs(&[self.output.as_deref()], &ready.file.inputs(&self.input.job))?;
         let mut port = open(&self.port, &ready.file.serial)?;
         let mut back = ReadBack::new(ready.wire.encode);
         if !self.json {

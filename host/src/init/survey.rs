@@ -11,7 +11,9 @@ use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_units::{LengthUnit, Nm};
 
 use crate::console::note;
-use crate::program::{AssumedUnit, Program, ToolNote, ToolNotes, check_line_count, read_bounded};
+use crate::program::{
+    AssumedUnit, CornerMoves, Program, ProgramLine, ToolNote, ToolNotes, check_line_count, read_bounded,
+};
 
 /// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
 const SMOOTH_COSINE: f64 = 0.9994;
@@ -113,7 +115,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
     let has_changes = blocks(program).any(|(_, block)| is_change(block));
     let has_radii = has_radii(program);
     let (mut chosen, mut tool, mut speed) = (None, None, None);
-    let mut before: Option<Segment> = None;
+    let (mut before, mut corners): (Option<Segment>, _) = (None, CornerMoves::default());
     for (index, line) in program.lines.iter().enumerate() {
         let Some(meaning) = &line.meaning else { continue };
         let block = &meaning.parsed.block;
@@ -127,7 +129,8 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         speed = commanded.or(speed);
         found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
-        let is_governed = meaning.step.is_plain() || has_radii && is_along_contour(meaning);
+        let rounded = inserted_arc(&mut corners, (index, line), tool);
+        let is_governed = meaning.step.is_plain() || is_corner(meaning) || has_radii && is_along_contour(meaning);
         let Some(segment) = line.segment().filter(|_| is_governed) else { continue };
         // A corner needs a smooth exit, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)
@@ -135,6 +138,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         {
             last.is_corner = last.is_corner && joins_smoothly(before, &segment);
         }
+        found.arcs.extend(rounded);
         if let Some(arc) = segment.arc() {
             let is_corner = before.as_ref().is_some_and(|before| joins_smoothly(before, &segment));
             found.arcs.push(FoundArc { tool, is_corner, ..FoundArc::new(index + 1, &segment, arc) });
@@ -163,6 +167,28 @@ fn has_radii(program: &Program) -> bool {
 
 fn is_along_contour(meaning: &InterpretedLine) -> bool {
     matches!(meaning.step.beyond_plain, Some(NotModelled::MoveUnder(410 | 420)))
+}
+
+/// Whether a chamfer or rounded corner outside compensated contours is at one of the ends of its move.
+fn is_corner(meaning: &InterpretedLine) -> bool {
+    meaning.step.beyond_plain == Some(NotModelled::Corner)
+}
+
+/// Rounded corner before the move of a line, given with its index.
+fn inserted_arc(
+    corners: &mut CornerMoves,
+    (index, line): (usize, &ProgramLine),
+    tool: Option<i64>,
+) -> Option<FoundArc> {
+    let meaning = line.meaning.as_ref()?;
+    if !meaning.step.is_plain() && !is_corner(meaning) {
+        *corners = CornerMoves::default();
+        return None;
+    }
+    let [before, _] = corners.pass(index, meaning);
+    let (before, corner) = before?;
+    let segment = corner.inserted?;
+    Some(FoundArc { tool, is_corner: true, ..FoundArc::new(before + 1, &segment, segment.arc()?) })
 }
 
 impl Survey {

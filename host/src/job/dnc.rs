@@ -4,7 +4,7 @@ use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
 
 use super::schema::DncTable;
-use super::serial::{Parity, SerialSettings};
+use super::serial::SerialSettings;
 use super::{Complaint, at};
 
 /// Longest wait that a job may set.
@@ -61,10 +61,9 @@ impl Default for DncSettings {
 
 /// Checks the table.
 pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, Complaint> {
-    let is_bare = serial.bytesize == 8 && serial.parity == Parity::None;
     let code = match &given.code {
         None => None,
-        Some(code) if !is_bare => {
+        Some(code) if !serial.is_bare() => {
             let message =
                 "with this line its parity bit makes the code; remove code, or set bytesize = 8 and parity = \"N\"";
             return Err(at(code, message));

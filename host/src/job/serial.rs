@@ -51,6 +51,11 @@ impl SerialSettings {
         1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
     }
 
+    /// Whether characters have eight bits and no parity bit, so that the sender can make their code itself.
+    pub fn is_bare(&self) -> bool {
+        self.bytesize == 8 && self.parity == Parity::None
+    }
+
     /// Longest time in which the line may accept no character: unlimited with RTS/CTS, by which the control may stop
     /// it. Otherwise only the sender can stop the line, so that one that accepts nothing is broken.
     pub fn write_timeout(&self) -> Option<Micros> {

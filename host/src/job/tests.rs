@@ -357,10 +357,12 @@ fn the_programmed_feed_is_a_target_of_the_contour_law_in_pieces_alone() {
     assert!(setup.follows_program && setup.tool.active_teeth() == 1);
     let cut = "workpiece = { block = { from = [0, 0, 0], to = [9, 9, 9] }, step = 1 }\n\
                cutting = { kc11 = 700, mc = 0.2, radial = 0.3, axial = 0.1, axial_depth = 1 }\n";
+    let power = "workpiece = { block = { from = [0, 0, 0], to = [9, 9, 9] }, step = 1, material = \"Ti-6Al-4V\" }\n";
     for (text, message) in [
         (job.replace("\"contour\"", "\"engagement\""), "only the contour law"),
         (job.replace("rewrite-only", "safe-base"), "needs [override] mode"),
         (job.to_owned() + cut, "[cutting] needs a feed per tooth"),
+        (job.to_owned() + power, "the estimate of the power needs the feed per tooth"),
     ] {
         let complaint = parse(&text).expect_err(message);
         assert!(complaint.contains(message), "{complaint}");

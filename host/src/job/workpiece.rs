@@ -6,6 +6,7 @@ use arcfeed_kinematics::vector::{Vector, difference, length};
 use arcfeed_model::job::Job;
 use arcfeed_model::tool::Tool;
 use arcfeed_units::{LengthUnit, Nm};
+use serde::Serialize;
 use toml::Spanned;
 
 use super::flexible::{self, Flexible, Shape};
@@ -14,7 +15,7 @@ use super::stl::StlFile;
 use super::{Complaint, at, length_mm};
 
 /// Memory of a stock, unless the job sets it.
-const MEMORY_MIB: usize = 512;
+pub const MEMORY_MAX_BYTES: usize = 512 * MIB;
 
 /// Bytes in a MiB.
 const MIB: usize = 1 << 20;
@@ -24,6 +25,8 @@ const MIB: usize = 1 << 20;
 pub struct Workpiece {
     /// Shape before the cut.
     pub blank: Blank,
+    /// Source of that shape, if no job file describes it.
+    pub assumed: Option<AssumedStock>,
     /// Target shape.
     pub target: Option<StlFile>,
     /// Material, and the byte offset of its name in the job file.
@@ -38,6 +41,33 @@ pub struct Workpiece {
     pub body: Body,
     /// Byte offset of its table in the job file.
     pub offset: usize,
+}
+
+/// Stock that no job describes: a block.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AssumedStock {
+    /// Source of its size.
+    #[serde(flatten)]
+    pub source: StockSource,
+    /// Lowest coordinates.
+    pub from: [f64; 3],
+    /// Highest coordinates.
+    pub to: [f64; 3],
+}
+
+/// Source of the size of a stock.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "source", rename_all = "lowercase")]
+pub enum StockSource {
+    /// The option `--stock`.
+    Option,
+    /// A comment of the program.
+    Comment {
+        /// Line, counted from 1.
+        line: usize,
+    },
+    /// The cutting moves.
+    Extents,
 }
 
 /// Shape of the stock.
@@ -102,8 +132,14 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         Some(mib) if !(1..=1 << 20).contains(mib.as_ref()) => {
             return Err(at(mib, "memory_mib must be 1 or more, in MiB"));
         }
-        given => given.as_ref().map_or(MEMORY_MIB, |mib| *mib.as_ref()) * MIB,
+        given => given.as_ref().map_or(MEMORY_MAX_BYTES, |mib| *mib.as_ref() * MIB),
     };
+    if let Some(material) = material.as_ref().filter(|_| job.tools.first().follows_program) {
+        return Err(at(
+            material,
+            "the estimate of the power needs the feed per tooth: write it in [law] in place of \"programmed\", or remove material",
+        ));
+    }
     let flexible = entry.as_ref().flexible.as_ref();
     if let Some(flexible) = flexible.filter(|_| table.cutting.is_none()) {
         return Err(at(flexible, "[workpiece.flexible] needs [cutting]: without edges there are no forces"));
@@ -111,6 +147,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
     Ok(Some(Workpiece {
         flexible: flexible.map(|flexible| flexible::build(flexible, job.unit, &named)).transpose()?,
         blank: blank(entry, job.unit, folder, stl_unit)?,
+        assumed: None,
         target,
         material: material.as_ref().map(|name| (name.as_ref().clone(), name.span().start)),
         step_mm: length_mm(step, job.unit, "step")?,

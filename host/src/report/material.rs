@@ -5,6 +5,8 @@ use std::fmt;
 use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
+use crate::job::workpiece::{AssumedStock, StockSource};
+
 /// Cubic millimetres in a cubic centimetre.
 const MM3_PER_CM3: f64 = 1e3;
 
@@ -24,6 +26,8 @@ pub struct VolumeUnit {
 /// Workpiece of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialFigures {
+    /// Stock of a program without a job file.
+    pub assumed_stock: Option<AssumedStock>,
     /// `cm3` or `in3`.
     pub volume_unit: &'static str,
     /// `cm3/min` or `in3/min`.
@@ -160,7 +164,10 @@ impl MaterialFigures {
         let name = |block: u32, n: Option<i64>| n.map_or(format!("block {block}"), |n| format!("N{n}"));
         let at_rapid = self.rapids(unit).map(|block| {
             let BlockFigures { block, n, taken, .. } = block;
-            format!("{}: {} {} taken at rapid", name(*block, *n), short(taken.removed), self.volume_unit)
+            let is_assumed = self.assumed_stock.is_some_and(|stock| stock.source != StockSource::Option);
+            let of_stock = if is_assumed { " from the assumed stock" } else { "" };
+            let block = name(*block, *n);
+            format!("{block}: {} {} taken at rapid{of_stock}", short(taken.removed), self.volume_unit)
         });
         let mut warnings: Vec<String> = at_rapid.take(SHOWN).collect();
         if let more @ 1.. = self.rapids(unit).count().saturating_sub(SHOWN) {
@@ -192,9 +199,26 @@ impl LeftOutBlocks {
     }
 }
 
+impl fmt::Display for AssumedStock {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = [0, 1, 2].map(|axis| [self.from[axis], self.to[axis]].map(short).join(" .. "));
+        match self.source {
+            StockSource::Option => write!(f, "stock as --stock gives it")?,
+            StockSource::Comment { line } => write!(f, "stock ASSUMED, as the comment in line {line} gives it")?,
+            StockSource::Extents => write!(f, "stock ASSUMED, the cutting moves and the tool's radius about them")?,
+        }
+        write!(f, ": X {x}, Y {y}, Z {z}; the tool ASSUMED flat, cutting over that height")?;
+        let is_given = self.source == StockSource::Option;
+        if is_given { Ok(()) } else { write!(f, "; give the true stock with --stock") }
+    }
+}
+
 impl fmt::Display for MaterialFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let MaterialFigures { volume_unit, rate_unit, taken, left, .. } = self;
+        if let Some(assumed) = &self.assumed_stock {
+            writeln!(f, "  {assumed}")?;
+        }
         writeln!(
             f,
             "  workpiece: {} {volume_unit} removed (its rays agree within {}), {} left",

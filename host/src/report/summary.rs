@@ -180,7 +180,14 @@ fn write_measure(f: &mut fmt::Formatter<'_>, report: &RunReport, movement: &Move
         None => "moves that are not measured",
     };
     let tool = movement.tool.filter(|_| report.tools.len() > 1).map_or(String::new(), |tool| format!("T{tool}: "));
-    writeln!(f, "  {tool}{measure}, {}:", report.unit)?;
+    let is_alike = |other: &MovementFigures| (other.tool, other.measure) == (movement.tool, movement.measure);
+    let is_own = |other: &MovementFigures| is_alike(other) && other.chip_load.is_some() && target(other).is_none();
+    let unit = if !report.movements.iter().any(is_own) {
+        report.unit
+    } else {
+        "as a multiple of what the block's own F gives"
+    };
+    writeln!(f, "  {tool}{measure}, {unit}:")?;
     writeln!(
         f,
         "    {:<24}{:>5}  {:<9}{:<20}{:<20}{:<19}{:<14}changes per arc",
@@ -188,14 +195,22 @@ fn write_measure(f: &mut fmt::Formatter<'_>, report: &RunReport, movement: &Move
     )
 }
 
+/// Target of a movement; `None` if it is that of each block's own F.
+fn target(movement: &MovementFigures) -> Option<f64> {
+    movement.chip_load.or(movement.baseline_chip_load).and_then(|figures| figures.target)
+}
+
 fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt::Result {
     let MovementFigures { rule, rotation, direction, side, arcs, chip_load, baseline_chip_load, .. } = movement;
     let range = |chip_load: &Option<ChipLoadFigures>| match chip_load {
         Some(ChipLoadFigures { min: Some(min), max: Some(max), .. }) => format!("{min:.5} .. {max:.5}"),
-        _ => "-".into(),
+        Some(ChipLoadFigures { error_ratio_min, error_ratio_max, .. }) => {
+            format!("{:.3} .. {:.3}", 1.0 + error_ratio_min, 1.0 + error_ratio_max)
+        }
+        None => "-".into(),
     };
-    let target = chip_load.or(*baseline_chip_load).and_then(|figures| figures.target);
-    let target = target.map_or("-".into(), |target| format!("{target:.5}"));
+    let own = if chip_load.is_some() { "own F" } else { "-" };
+    let target = target(movement).map_or(own.into(), |target| format!("{target:.5}"));
     let error = chip_load.map_or("-".into(), |figures| {
         format!("{:+.2} .. {:+.2} %", 1e2 * figures.error_ratio_min, 1e2 * figures.error_ratio_max)
     });

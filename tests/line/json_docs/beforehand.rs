@@ -122,6 +122,10 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         .replace("'lines'", "'arcs'\ndirection = 'ccw'");
     let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", contour.replace("outside", "inside"))]);
     reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
+    scratch.write("corner.nc", "G21G90G94\nG0X0Y0\nG1X50.F1000.,R3.\nY40.\nM30\n");
+    let corner = contour.replace("outside", "inside").replace("roll.nc", "corner.nc");
+    let corner = scratch.write("corner.toml", corner + "[override]\nmode = 'rewrite-only'\n");
+    reasons.extend(objects(&["adapt", &corner]).1.iter().map(|block| block["reason"].to_string()));
     reasons.extend(along_contours(&scratch, &contour.replace("outside", "inside")));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {

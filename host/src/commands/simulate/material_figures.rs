@@ -43,6 +43,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseli
         before.rate_max = before.rate_max.max(rule.baseline.rate_max);
     }
     MaterialFigures {
+        assumed_stock: setup.workpiece.assumed,
         volume_unit: volumes.label,
         rate_unit: volumes.rate_label,
         taken: total,

@@ -10,7 +10,7 @@ use arcfeed_units::S_PER_MIN;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::for_control::{TargetControl, check_for_linuxcnc, feed_source, prepared_path, write_for_linuxcnc};
-use super::super::job_input::{adapted, load_text};
+use super::super::job_input::adapted;
 use super::super::measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
 use super::super::outcome::{Failure, on_interrupt, refuse_inputs};
 use super::super::simulate::finish;
@@ -58,10 +58,10 @@ impl Stream {
     /// The job or the program is at fault, LinuxCNC does not run it to its end, or the operator stopped it.
     pub fn to_linuxcnc(&self) -> Result<(), Failure> {
         self.check_options()?;
-        let (file, source, _) = load_text(&self.job)?;
-        let output = self.job.with_extension("linuxcnc.ngc");
+        let (file, source, _) = self.input.load_text()?;
+        let output = self.input.job.with_extension("linuxcnc.ngc");
         let output = std::path::absolute(&output).map_err(|error| Failure::Input(error.to_string()))?;
-        refuse_inputs(&[Some(&output), Some(&prepared_path(&output))], &file.inputs(&self.job))?;
+        refuse_inputs(&[Some(&output), Some(&prepared_path(&output))], &file.inputs(&self.input.job))?;
         check_for_linuxcnc(&source, &file)?;
         let program = source.whole().map_err(Failure::Input)?;
         let planned = adapted(&program, &file);
@@ -90,7 +90,7 @@ impl Stream {
     fn check_options(&self) -> Result<(), Failure> {
         let options = [
             ("--board", self.board.is_some()),
-            ("--baudrate", self.baudrate.is_some()),
+            ("--baudrate, --bytesize, --parity, --stopbits, --rtscts", self.line.is_any()),
             ("--keep-comments", self.keep_comments),
             ("--journal", self.journal.is_some()),
             ("--resume", self.resume.is_wanted()),

@@ -23,8 +23,11 @@ mod linuxcnc;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use arcfeed_model::job::FeedPolicy;
 use arcfeed_units::Micros;
 
+use super::job_input::JobInput;
+use super::line_args::LineArgs;
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use super::simulate::finish;
 use crate::board::line::{BAUDRATE, BoardLine};
@@ -47,8 +50,6 @@ use send_loop::{End, ReportMonitor, SendServices, send};
 /// Adapt a program and send it to a control; `sim:` is the simulated control, `linuxcnc:` a LinuxCNC on this computer
 #[derive(Debug, clap::Args)]
 pub struct Stream {
-    /// The job file
-    job: PathBuf,
     /// DNC line: a serial port's name, one of pyserial's URLs (docs/ports.md), `sim:` or `linuxcnc:` (docs/linuxcnc.md)
     #[arg(long, value_name = "URL", default_value = "sim:")]
     port: PortUrl,
@@ -58,9 +59,8 @@ pub struct Stream {
     /// Rate of the board's link; 8N1, no flow control
     #[arg(long, default_value_t = BAUDRATE, requires = "board")]
     board_baudrate: u32,
-    /// Line rate, in place of the job's
-    #[arg(long)]
-    baudrate: Option<u32>,
+    #[command(flatten)]
+    line: LineArgs,
     /// Refuse comments with characters that the control's code does not have, instead of sending capitals and blanks
     #[arg(long)]
     keep_comments: bool,
@@ -84,6 +84,8 @@ pub struct Stream {
     /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    input: JobInput,
 }
 
 impl Stream {
@@ -98,12 +100,13 @@ impl Stream {
         if self.tui {
             need_terminal()?;
         }
-        let mut ready = PreparedProgram::load(&self.job, self.baudrate, !self.keep_comments)?;
+        let mut ready = PreparedProgram::load(&self.input, &self.line, !self.keep_comments)?;
+        self.check_mode(&ready.file.job.policy)?;
         let is_sim = self.port.base == Base::Sim;
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
         let mut outputs = vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref()];
         outputs.extend(self.port.files().map(Some));
-        refuse_inputs(&outputs, &ready.file.inputs(&self.job))?;
+        refuse_inputs(&outputs, &ready.file.inputs(&self.input.job))?;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
@@ -139,6 +142,23 @@ impl Stream {
         self.to_serial(&ready, port, sender, (logbook, board_session))
     }
 
+    /// Checks that the feed mode and the board belong together.
+    fn check_mode(&self, policy: &FeedPolicy) -> Result<(), Failure> {
+        let message = match (policy, &self.board) {
+            (FeedPolicy::RewriteOnly(_), Some(_)) => {
+                "--board: in the mode rewrite-only the feeds are in the F words, and a board has nothing to do: write safe-base or \
+                 override-only as the mode, or drop the option"
+            }
+            (FeedPolicy::SafeBase | FeedPolicy::OverrideOnly, None)
+                if !self.input.is_job() && self.port.base != Base::Sim =>
+            {
+                "--mode: this mode needs a feed board at the override: name it with --board, or drop the option for feeds in F words"
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::Usage(message.into()))
+    }
+
     /// Connects to the board, if one is requested.
     fn board_session(&self, ready: &PreparedProgram, sender: &Sender) -> Result<BoardSession<'static>, Failure> {
         match &self.board {
@@ -152,7 +172,7 @@ impl Stream {
 
     /// Path of the journal.
     fn journal_path(&self) -> PathBuf {
-        self.journal.clone().unwrap_or_else(|| self.job.with_extension("journal"))
+        self.journal.clone().unwrap_or_else(|| self.input.job.with_extension("journal"))
     }
 
     fn to_serial(

@@ -1,7 +1,6 @@
 //! Prepares a transmission from a job: checked completely before the line is opened.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use arcfeed_control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::simulation::PlannedConditions;
@@ -9,10 +8,11 @@ use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
 use arcfeed_units::{Micros, S_PER_MIN};
 
 use super::super::executed_blocks::check_expanded;
-use super::super::job_input::{adapted, load};
+use super::super::job_input::{JobInput, adapted};
+use super::super::line_args::LineArgs;
 use super::super::outcome::Failure;
 use super::super::simulate::control::{control_settings, tape_code};
-use super::super::simulate::foreseen;
+use super::super::simulate::{foreseen, foreseen_before};
 use crate::board::plan::MoveBounds;
 use crate::checksum::fingerprint;
 use crate::console::note;
@@ -23,7 +23,7 @@ use crate::dnc::restored_state::PowerOn;
 use crate::dnc::sender::LineUse;
 use crate::dnc::starvation::{BlockLoad, Wait, predict};
 use crate::dnc::transmission::{Transmission, TransmissionFault, Wire};
-use crate::job::{JobFile, Parity};
+use crate::job::JobFile;
 use crate::port::reaction::reaction;
 use crate::port::url::PortUrl;
 use crate::program::Program;
@@ -43,6 +43,8 @@ pub struct PreparedProgram {
     pub reports: Reports,
     /// Planned data of the moves that the simulated machine does not know.
     pub foreseen: Vec<PlannedConditions>,
+    /// The same for the original program.
+    pub foreseen_before: Vec<PlannedConditions>,
     /// Bounds of moves beside their text, by line of the program's file.
     pub bounds: HashMap<usize, MoveBounds>,
     /// Notes before the first character.
@@ -54,9 +56,9 @@ impl PreparedProgram {
     ///
     /// # Errors
     /// Every error of the program, and everything that would not arrive, one per line.
-    pub fn load(job: &Path, baudrate: Option<u32>, filters: bool) -> Result<Self, Failure> {
-        let (mut file, program) = load(job)?;
-        file.serial.baudrate = baudrate.unwrap_or(file.serial.baudrate);
+    pub fn load(input: &JobInput, line: &LineArgs, filters: bool) -> Result<Self, Failure> {
+        let (mut file, program) = input.load()?;
+        line.apply(&mut file)?;
         check_expanded(&program.path, program.places.as_deref())?;
         if let Some(places) = &program.places {
             note(format_args!(
@@ -91,9 +93,20 @@ impl PreparedProgram {
             bytes: whole.frames().len(),
             ..Start::default()
         };
-        let foreseen = foreseen(&program, &adapted, &file);
+        let [foreseen, foreseen_before] = [foreseen, foreseen_before].map(|moves| moves(&program, &adapted, &file));
         let bounds = MoveBounds::of(&adapted);
-        Ok(PreparedProgram { file, program, whole, wire, start, reports, foreseen, bounds, notes: Vec::new() })
+        Ok(PreparedProgram {
+            file,
+            program,
+            whole,
+            wire,
+            start,
+            reports,
+            foreseen,
+            foreseen_before,
+            bounds,
+            notes: Vec::new(),
+        })
     }
 
     /// Settings of the line to this port.
@@ -105,7 +118,7 @@ impl PreparedProgram {
         LineUse {
             pace,
             xonxoff: serial.xonxoff,
-            eight_bits: serial.bytesize == 8 && serial.parity == Parity::None,
+            eight_bits: serial.is_bare(),
             start_timeout: timeout(dnc.start_timeout),
             xoff_timeout: timeout(dnc.xoff_timeout),
         }

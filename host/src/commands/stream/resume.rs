@@ -115,7 +115,10 @@ fn read(path: &Path, ready: &PreparedProgram) -> Result<History, Failure> {
     let (was, is) = (history.start, ready.start);
     let changed = [
         (was.program != is.program, "the program's file"),
-        (was.job != is.job, "what the job, its control's settings file or its engagement map says"),
+        (
+            was.job != is.job,
+            "what the job (or the options in its place), its control's settings file or its engagement map says",
+        ),
         (was.sent != is.sent, "what arcfeed sends for them (another version, or --keep-comments)"),
     ];
     if let Some((_, what)) = changed.into_iter().find(|(differs, _)| *differs) {

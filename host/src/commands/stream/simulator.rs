@@ -123,7 +123,7 @@ impl Stream {
         // The report of the transmission is printed even if this fails.
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
-        let compared = add_baseline(&mut report, file, &ready.program, &ready.foreseen);
+        let compared = add_baseline(&mut report, file, &ready.program, &ready.foreseen_before);
         self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {

@@ -62,7 +62,7 @@ fn damaged_characters_are_reported_at_once_in_the_log_in_the_report_and_in_json(
     let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/ibr-slot/job.toml");
     let arguments = ["stream", job.to_str().unwrap(), "--port", "COM7", "--log", log.to_str().unwrap(), "--json"];
     let stream = CommandLine::parse_from(arguments).stream;
-    let ready = PreparedProgram::load(&stream.job, None, false).unwrap();
+    let ready = PreparedProgram::load(&stream.input, &stream.line, false).unwrap();
     let mut sender = Sender::new(ready.whole.clone(), ready.line_use(&stream.port));
     let (report, end) = stream
         .over_line(&ready, &mut Damaged::default(), &mut sender, (Logbook::none(), BoardSession::none()))

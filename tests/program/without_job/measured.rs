@@ -1,0 +1,78 @@
+//! Programs without a job file on the simulated machine: assumed stocks, and the chip before and after.
+
+use arcfeed_tests::{Scratch, run};
+
+use super::{POCKET, adapted, blocks_of, refused, streamed, text_of};
+
+#[test]
+fn a_stock_is_assumed_and_named() {
+    let simulate = |options: &[&str]| run(&[&["simulate", POCKET, "--tool", "10"], options].concat());
+    let power = ["--teeth", "4", "--feed-per-tooth", "0.05", "--material", "6061"];
+    let said = text_of(&simulate(&power).stdout);
+    // Cuts from X-45. to X125., Y-20. to Y30. and down to Z-5.: the radius beside them, a tenth of the diameter below.
+    let block = "stock ASSUMED, the cutting moves and the tool's radius about them: X -50.00 .. 130.0, Y -25.00 .. 35.00, Z -6.000 .. 0;";
+    assert!(said.contains(block), "{said}");
+    assert!(said.contains("spindle power, largest, kW, estimated with"), "{said}");
+    let given = simulate(&["--stock", "-60,160,-40,70,-8,0", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&given.stdout).expect("one object");
+    let stock = &report["material"]["assumed_stock"];
+    assert_eq!(
+        (&stock["source"], &stock["from"][0], &stock["to"][2]),
+        (&"option".into(), &(-60.0).into(), &0.0.into())
+    );
+    let (code, message) = refused(&["simulate", POCKET, "--tool", "10", "--material", "6061"]);
+    assert!(code == Some(2) && message.contains("--feed-per-tooth"), "{message}");
+    let (code, message) = refused(&["simulate", "examples/pocket/job-contour.toml", "--stock", "0,1,0,1,0,1"]);
+    assert!(code == Some(2) && message.contains("write [workpiece] into the job"), "{message}");
+}
+
+#[test]
+fn a_stock_of_a_comment_has_the_closed_form_of_the_slot_that_is_cut() {
+    let scratch = Scratch::new("without-job-stock");
+    // A slot 40 long with an end mill of radius 5, 4 deep, along X and back on a half circle of radius 15 in its plane.
+    let text = "%\nO1\n(STOCK/BLOCK,100,80,20,30,40,20)\nG21G17G90G94\nT1M6\nS5000M3\nG0X0Y0Z5.\nG1Z-4.F200.\nX40.F900.\n                G3X40.Y30.I0J15.\nG0Z5.\nX-20.\nG0Z-2.\nX-25.\nM30\n%\n";
+    let output = run(&["simulate", &scratch.write("p.nc", text), "--tool", "10", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let (stock, material) = (&report["material"]["assumed_stock"], &report["material"]);
+    assert_eq!((&stock["source"], &stock["line"]), (&"comment".into(), &3.into()));
+    assert_eq!(stock["from"], serde_json::json!([-30.0, -40.0, -20.0]));
+    let pi = std::f64::consts::PI;
+    // Two half discs at the ends; the second rapid takes a disc 2 deep and a step of 5 beside it.
+    let cut = 4.0 * (10.0 * 40.0 + 10.0 * 15.0 * pi + 25.0 * pi);
+    let rapid = 2.0 * (25.0 * pi + 5.0 * 10.0);
+    let taken = [&material["taken"]["removed"], &material["at_rapid"]].map(|value| 1e3 * value.as_f64().expect("cm3"));
+    println!("removed {:.1} of {:.1} mm3, at rapid {:.1} of {rapid:.1}", taken[0], cut + rapid, taken[1]);
+    assert!((taken[0] / (cut + rapid) - 1.0).abs() < 5e-3 && (taken[1] / rapid - 1.0).abs() < 1e-2);
+    assert!(text_of(&output.stderr).contains("taken at rapid from the assumed stock"), "{}", text_of(&output.stderr));
+}
+
+#[test]
+fn the_chip_before_and_after_is_a_multiple_of_what_the_own_f_gives() {
+    let said = text_of(&run(&["simulate", POCKET, "--tool", "10"]).stdout);
+    // Contour radius 8, centre radius 3: 8/3 times the feed at the contour before, once after.
+    let inside = said.lines().find(|line| line.trim_start().starts_with("1 ccw inside")).expect("a movement");
+    let words: Vec<&str> = inside.split_whitespace().collect();
+    assert_eq!(words[4..6], ["own", "F"], "{said}");
+    let number = |index: usize| words[index].parse::<f64>().expect("a ratio");
+    let [before, after] = [[6, 8], [9, 11]].map(|columns| columns.map(number));
+    assert!((before[1] - 8.0 / 3.0).abs() < 5e-3 && (after[1] - 1.0).abs() < 1e-3 && after[0] > 0.99, "{said}");
+}
+
+#[test]
+fn rounded_corners_alone_make_a_tool_an_end_mill_with_arcs() {
+    let scratch = Scratch::new("without-job-rounded");
+    let frame = "G90G94G21G17\nS5000M3\nG0X0Y0\nG1X50.F1000.,R3.\nY40.,R8.\nX0\nM30\n";
+    let path = scratch.write("p.nc", frame);
+    let wanted = frame
+        .replace("G1X50.F1000.,R3.\nY40.,R8.\nX0", "G1X45.F1000.\nX50.,R3.F375.\nY30.F1000.\nY40.,R8.F615.3\nX0F1000.");
+    assert_eq!(adapted(&path, &["--tool", "10"]), wanted);
+    assert_eq!(blocks_of(&streamed(&path, &["--tool", "10"])), blocks_of(&wanted));
+    // Feed at the contour over that of the own F: 8/3 in the first corner.
+    let said = text_of(&run(&["simulate", &path, "--tool", "10"]).stdout);
+    let inside = said.lines().find(|line| line.trim_start().starts_with("1 ccw inside")).expect("a movement");
+    assert!(
+        inside.contains("own F    1.62") && inside.contains(".. 2.66") && inside.contains("1.000 .. 1.000"),
+        "{said}"
+    );
+}
