@@ -24,8 +24,6 @@ pub mod adapt;
 
 pub mod simulate;
 
-mod measured_run;
-
 pub mod measure;
 
 pub mod engage;
