@@ -1,8 +1,10 @@
 """Run of an NC program on the LinuxCNC of `display.py`: arms the component, takes a sample each servo period.
 
-Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, line (to begin with; 0 for the whole
-program), steps (single block), events, seconds. Reports one JSON object a line. Events come in their order: [WHEN, command,
-arguments], WHEN being {"line": the line in execution}, {"after": seconds since the event before} or {"idle": true}. The machine is not in step with the clock of the wall, so that only a line gives its place.
+Arguments as JSON in the file named by ARCFEED_DRIVE: program, samples, report, arm, mdi (a block before the run), line (to
+begin with; 0 for the whole program), steps (single block up to this line; 0 for none), events, seconds. Reports one JSON
+object a line. Events come in their order: [WHEN, command, arguments], WHEN being {"line": the line in execution}, {"after":
+seconds since the event before} or {"idle": true}. The machine is not in step with the clock of the wall, so that only a
+line gives its place.
 """
 
 import json
@@ -83,6 +85,11 @@ def main():
         "freeze": lambda name: stop("-STOP", name),
         "thaw": lambda name: stop("-CONT", name),
     }
+    if wanted["mdi"]:
+        command.mode(linuxcnc.MODE_MDI)
+        command.wait_complete()
+        command.mdi(wanted["mdi"])
+        command.wait_complete()
     run_mode()
     command.program_open(wanted["program"])
     command.wait_complete()
@@ -105,7 +112,8 @@ def main():
         while int(pin("sampler.0.curr-depth")) > 1000:
             time.sleep(0.05)
         overruns = int(pin("sampler.0.overruns"))
-        if wanted["steps"]:
+        steps = wanted["steps"]
+        if steps:
             command.auto(linuxcnc.AUTO_STEP)
         else:
             command.auto(linuxcnc.AUTO_RUN, wanted["line"])
@@ -122,8 +130,11 @@ def main():
                 say(event=name, state=pin("arcfeed.state"), feed=pin("arcfeed.adaptive-feed"))
             if stat.interp_state == linuxcnc.INTERP_IDLE and not events:
                 break
-            if wanted["steps"] and stat.paused and stat.inpos:
-                command.auto(linuxcnc.AUTO_STEP)
+            if steps and stat.paused and stat.inpos:
+                # A step over the end would begin the program again.
+                steps = steps if stat.motion_line < wanted["steps"] else 0
+                command.auto(linuxcnc.AUTO_STEP if steps else linuxcnc.AUTO_RESUME)
+                time.sleep(0.2)
             for name in FUNCTIONS:
                 times[name].append(pin(name + ".time"))
         time.sleep(0.3)

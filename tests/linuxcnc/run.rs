@@ -39,10 +39,12 @@ pub struct Ran {
 pub struct Run {
     /// The component is armed.
     pub arms: bool,
+    /// Block before the run; empty for none.
+    pub mdi: &'static str,
     /// Line to begin with; 0 for the whole program.
     pub line: usize,
-    /// Single block.
-    pub steps: bool,
+    /// Single block up to this line; 0 for none.
+    pub steps: usize,
     /// Events, as `drive.py` has them.
     pub events: Value,
 }
@@ -50,7 +52,7 @@ pub struct Run {
 impl Run {
     /// Whole program without events.
     pub fn whole(arms: bool) -> Self {
-        Run { arms, line: 0, steps: false, events: json!([]) }
+        Run { arms, mdi: "", line: 0, steps: 0, events: json!([]) }
     }
 }
 
@@ -67,9 +69,9 @@ impl Machine {
     pub fn run(&self, run: &Run) -> Ran {
         let [program, samples, report, drive] =
             ["program.ngc", "samples", "report", "drive.json"].map(|file| self.path(file));
-        let Run { arms, line, steps, events } = run;
+        let Run { arms, mdi, line, steps, events } = run;
         let arguments = json!({
-            "program": program, "samples": samples, "report": report, "arm": arms, "line": line, "steps": steps,
+            "program": program, "samples": samples, "report": report, "arm": arms, "mdi": mdi, "line": line, "steps": steps,
             "events": events, "seconds": PROGRAM_SECONDS
         });
         fs::write(&drive, arguments.to_string()).expect("a file");

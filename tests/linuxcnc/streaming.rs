@@ -31,7 +31,7 @@ fn in_linuxcnc(machine: &Machine, python: &str) {
     assert!(status.is_ok_and(|status| status.success()), "{script}");
 }
 
-/// Runs a job; `action` gets the message that the component waits for a person, and the standard input.
+/// Runs a job; types the word that arms the component where that is requested.
 fn streamed(machine: &Machine, job: &str) -> Value {
     let mut child = stream(machine, job, "--json")
         .stdin(Stdio::piped())
@@ -100,8 +100,11 @@ fn check_interrupt(machine: &Machine) {
     println!("{message}");
     assert_eq!(output.status.code(), Some(130), "{message}");
     assert!(message.contains("the program is paused, axes at rest"), "{message}");
-    // It is still in execution there.
+    // It is still in execution there, and its file stays as it is.
+    let written = || std::fs::metadata(machine.path("rewrite-only.linuxcnc.ngc")).and_then(|file| file.modified());
+    let before = written().expect("the program");
     let (code, message) = refused(machine, &job);
+    assert_eq!(before, written().expect("the program"));
     assert!(code == Some(3) && message.contains("is executing"), "{message}");
     in_linuxcnc(machine, "c.abort()");
 }

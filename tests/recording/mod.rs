@@ -1,5 +1,6 @@
 //! The example job as it ran on the simulated machine with the controller that is given each block: positions and overrides.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use arcfeed::adapt::adapt;
@@ -38,12 +39,13 @@ impl Recording {
 /// The run of `examples/ibr-slot`.
 pub fn ibr_slot() -> &'static Recording {
     static RUN: OnceLock<Recording> = OnceLock::new();
-    RUN.get_or_init(record)
+    RUN.get_or_init(|| record(&root().join("examples/ibr-slot/job.toml")))
 }
 
-fn record() -> Recording {
-    let file = JobFile::load(&root().join("examples/ibr-slot/job.toml")).expect("the example's job is sound");
-    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
+/// The run of a job.
+pub fn record(job: &Path) -> Recording {
+    let file = JobFile::load(job).expect("the job is sound");
+    let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the job has a program");
     let text = [adapt(&program, &file.job).text, b"\n".to_vec()].concat();
     let mut settings = control_settings(&file);
     // The override of a tick is in effect at the next one.

@@ -1,12 +1,14 @@
 //! `arcfeed measure`: chip load of a run from the positions of the machine that made it.
 
+pub mod measured_run;
+
 use std::path::PathBuf;
 
 use super::for_control::TargetControl;
 use super::job_input::{JobInput, adapted};
-use super::measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
 use super::outcome::{Failure, file_failure};
 use super::simulate::finish;
+use measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
 
 /// Measure the chip load of a run from the positions of the machine that made it
 ///

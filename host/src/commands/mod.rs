@@ -26,8 +26,6 @@ pub mod adapt;
 
 pub mod simulate;
 
-mod measured_run;
-
 pub mod measure;
 
 pub mod engage;

@@ -1,7 +1,7 @@
 """Conversation with a running LinuxCNC: opens an NC program, runs it and reports, for `arcfeed stream --port linuxcnc:`.
 
 Arguments: the NC program, and `component` if the HAL component arcfeed has its feed. Commands are lines on standard
-input: arm, run, pause. Reports are lines on standard output: a JSON object, or a row of halsampler (sampler.hal of arcfeed
+input: open, arm, run, pause. The file of the program need not be there before `open`. Reports are lines on standard output: a JSON object, or a row of halsampler (sampler.hal of arcfeed
 has its columns). The end of standard input ends the conversation, not the program on the machine.
 """
 
@@ -127,7 +127,7 @@ class Sampler:
     """Rows of every servo period from its begin on."""
 
     def __init__(self):
-        # Rows from before, which nobody has read.
+        # Rows from before that were not read.
         self.old = value("sampler.0.curr-depth")
         # A process group of its own: Ctrl-C is not for it.
         self.process = subprocess.Popen(["halsampler", "-c", "0", "-t"], stdout=subprocess.PIPE, text=True,
@@ -186,6 +186,9 @@ def main(program, has_component):
 
 
 def converse(stat, command, program, has_component):
+    report(idle={})
+    if sys.stdin.readline().strip() != "open":
+        return
     open_program(stat, command, program, has_component)
     fault = sampler_fault()
     report(ready={"moves": value("arcfeed.moves") or 0, "period_s": servo_period_s(stat), "no_samples": fault,

@@ -14,6 +14,8 @@ use serde::Deserialize;
 const SCRIPT: &str = include_str!("session.py");
 /// Pythons that may have LinuxCNC's module: of the terminal's environment, and of Debian's package.
 const PYTHONS: [&str; 2] = ["python3", "/usr/bin/python3"];
+/// Longest time until the machine's side has begun.
+const START: Duration = Duration::from_secs(10);
 const NO_LINUXCNC: &str = "no Python here has LinuxCNC's module `linuxcnc`; run this on the machine's computer, in a terminal \
                            where the command `linuxcnc` works";
 
@@ -25,6 +27,8 @@ pub enum SessionEvent {
     Fault(String),
     /// Message for a person.
     Note(String),
+    /// The machine is on, homed and idle.
+    Idle {},
     /// The program is open.
     Ready(Ready),
     /// State of the run.
@@ -110,11 +114,12 @@ pub struct Session {
 }
 
 impl Session {
-    /// Opens a program on the machine, which reads it from this file; `has_component`: the component has its feed.
+    /// Session for a program in this file; `has_component`: the component has its feed. The program is opened by the command
+    /// `open`.
     ///
     /// # Errors
-    /// No Python has LinuxCNC's module. Every other fault is an event.
-    pub fn open(program: &Path, has_component: bool) -> Result<Self, String> {
+    /// LinuxCNC is not there, or not ready: the reason and the remedy.
+    pub fn begin(program: &Path, has_component: bool) -> Result<Self, String> {
         let python = PYTHONS.into_iter().find(|python| has_module(python)).ok_or(NO_LINUXCNC)?;
         let mut command = Command::new(python);
         command.args(["-c", SCRIPT]).arg(program).args(has_component.then_some("component"));
@@ -136,7 +141,15 @@ impl Session {
             }
             Some(())
         });
-        Ok(Session { script, commands, events })
+        let session = Session { script, commands, events };
+        loop {
+            match session.event(START)? {
+                Some(SessionEvent::Idle {}) => return Ok(session),
+                Some(SessionEvent::Fault(message)) => return Err(message),
+                Some(_) => {}
+                None => return Err("LinuxCNC does not answer; look at the machine".into()),
+            }
+        }
     }
 
     /// Next event within this time; `Err` when the session is over.
@@ -153,7 +166,7 @@ impl Session {
         }
     }
 
-    /// Sends a command: `arm`, `run` or `pause`.
+    /// Sends a command: `open`, `arm`, `run` or `pause`.
     pub fn send(&mut self, command: &str) {
         // A script that is gone is reported by the next event.
         let _gone = self.commands.as_mut().map(|commands| writeln!(commands, "{command}"));
@@ -198,6 +211,7 @@ mod tests {
     #[test]
     fn the_reports_of_the_script_are_events() {
         let event = |text: &str| serde_json::from_str::<SessionEvent>(text).expect(text);
+        assert_eq!(event(r#"{"idle": {}}"#), SessionEvent::Idle {});
         assert_eq!(event(r#"{"fault": "off"}"#), SessionEvent::Fault("off".into()));
         let status = Status { line: 3, paused: false, at_rest: true, armed: false };
         let text = r#"{"status": {"line": 3, "paused": false, "at_rest": true, "armed": false}}"#;

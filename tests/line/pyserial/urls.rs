@@ -122,7 +122,7 @@ fn meaning(url: &PortUrl) -> String {
         Base::Native(name) => name.clone(),
         Base::Socket(address, _) | Base::Rfc2217(address, _) => format!("{}:{}", address.host, address.port),
         Base::Hwgrep(wanted) => find(&ports(), wanted, |_| true).unwrap_or_default(),
-        Base::Loop(_) | Base::Sim => String::new(),
+        Base::Loop(_) | Base::Sim | Base::LinuxCnc => String::new(),
     }
 }
 

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::for_control::{TargetControl, check_for_linuxcnc, feed_source, prepared_path, write_for_linuxcnc};
 use super::super::job_input::adapted;
-use super::super::measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
+use super::super::measure::measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
 use super::super::outcome::{Failure, on_interrupt, refuse_inputs};
 use super::super::simulate::finish;
 use super::Stream;
@@ -66,9 +66,11 @@ impl Stream {
         let program = source.whole().map_err(Failure::Input)?;
         let planned = adapted(&program, &file);
         let blocks = blocks_by_line(&source, &file, &planned, false, Some(TargetControl::Linuxcnc))?;
-        write_for_linuxcnc(&output, &source, &file, planned.text.clone())?;
         let has_component = feed_source(&file) == FeedSource::Component;
-        let session = Session::open(&output, has_component).map_err(Failure::Machine)?;
+        // A LinuxCNC that executes this very file keeps it as it is.
+        let mut session = Session::begin(&output, has_component).map_err(Failure::Machine)?;
+        write_for_linuxcnc(&output, &source, &file, planned.text.clone())?;
+        session.send("open");
         let mut run = LinuxCncRun {
             measured: MeasuredRun::new(&file.job),
             blocks,
@@ -123,6 +125,7 @@ impl LinuxCncRun<'_> {
             match session.event(WAIT).map_err(Failure::Machine)? {
                 Some(SessionEvent::Fault(message)) => return Err(Failure::Machine(message)),
                 Some(SessionEvent::Note(message)) => self.say(&message),
+                Some(SessionEvent::Idle {}) | None => {}
                 Some(SessionEvent::Ready(ready)) => self.begin(ready, has_component),
                 Some(SessionEvent::Sample(sample)) => self.add(&sample),
                 Some(SessionEvent::Status(status)) => {
@@ -137,7 +140,6 @@ impl LinuxCncRun<'_> {
                     self.missing = ended.missing;
                     return Ok(RunEnd::Ended { is_on: ended.is_on });
                 }
-                None => {}
             }
             for line in person.iter().flat_map(Receiver::try_iter) {
                 match line.trim() {

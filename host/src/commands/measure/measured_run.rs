@@ -18,9 +18,9 @@ use arcfeed_nc::segment::Segment;
 use arcfeed_nc::text::Lines;
 use arcfeed_units::{Micros, MmPerMin, Nm, PERCENT, RevPerMin, S_PER_MIN, US_PER_S};
 
-use super::for_control::{TargetControl, feed_source, translated};
-use super::outcome::Failure;
-use super::simulate::run_figures::of_chips;
+use super::super::for_control::{TargetControl, feed_source, translated};
+use super::super::outcome::Failure;
+use super::super::simulate::run_figures::of_chips;
 use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::JobFile;
 use crate::program::Source;
