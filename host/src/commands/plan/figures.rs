@@ -330,7 +330,11 @@ pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
         say(format_args!("  ring's width, mm   outer radius, mm   taken of the slot, %"));
     }
     let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
-    for (trial, is_own) in by_width.iter().map(|trial| (trial, trial.width_mm == own_mm)).chain(by_middle.iter().map(|trial| (trial, false))) {
+    for (trial, is_own) in by_width
+        .iter()
+        .map(|trial| (trial, trial.width_mm == own_mm))
+        .chain(by_middle.iter().map(|trial| (trial, false)))
+    {
         let outer_radius_mm = trial.middle_mm + trial.width_mm / 2.0;
         let (share_ratio, why) = match &trial.share_ratio {
             Ok(share) => (Some(*share), None),
