@@ -105,7 +105,10 @@ fn no_pair_of_ten_million_is_nearer_than_the_proof_says() {
         let [certified_mm, _] = proven_mm(&blisk, &plan, &tool);
         let sampler = Sampler { rotor, tool: &tool, steps: plan.path.steps(), turn: plan.turn };
         let least_mm = sampler.least_mm();
-        println!("{} hand {}, {width_mm} mm wide: certified {certified_mm:.4}, sampled {least_mm:.4} mm", rotor.name, rotor.hand);
+        println!(
+            "{} hand {}, {width_mm} mm wide: certified {certified_mm:.4}, sampled {least_mm:.4} mm",
+            rotor.name, rotor.hand
+        );
         assert!(least_mm >= certified_mm, "{} {width_mm}: {least_mm} < {certified_mm}", rotor.name);
         // The samples come as near as the proof's own bounds are apart, so they could have found a wrong one.
         assert!(least_mm < certified_mm + 0.1, "{} {width_mm}: {least_mm} {certified_mm}", rotor.name);

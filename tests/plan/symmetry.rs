@@ -86,7 +86,11 @@ const VARIANTS: [Variant; 5] = [
     Variant { name: "turned by 7 pitches and 0.1 rad", change: turned, signs: [1.0, 1.0] },
     Variant { name: "mirrored in y", change: |s| moved(&s, |p| Point::new(p.x, -p.y, p.z)), signs: [-1.0, 1.0] },
     Variant { name: "mirrored in z", change: |s| moved(&s, |p| Point::new(p.x, p.y, -p.z)), signs: [1.0, -1.0] },
-    Variant { name: "upside down", change: |s| reversed(moved(&s, |p| Point::new(p.x, -p.y, -p.z))), signs: [-1.0, -1.0] },
+    Variant {
+        name: "upside down",
+        change: |s| reversed(moved(&s, |p| Point::new(p.x, -p.y, -p.z))),
+        signs: [-1.0, -1.0],
+    },
 ];
 
 #[test]

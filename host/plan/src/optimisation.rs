@@ -6,7 +6,7 @@
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::axis_search::{AxisSearch, Candidate};
-use crate::cup_mill::infeasibility::Infeasible;
+use crate::cup_mill::infeasibility::{Infeasible, check_levels};
 use crate::cup_mill::neighbours::NEARER_RATIO;
 use crate::cup_mill::normal_form::{GRAIN_MM, StartEdge};
 use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Request, Roughing, SlotPlan};
@@ -46,6 +46,8 @@ const CELL_MM: f64 = 1.0;
 const COARSE_CELL_MM: f64 = 2.0;
 /// Levels of plans that are compared first.
 const COARSE_LEVELS: u32 = 6;
+/// Least removed fraction of the slot that is worth a path.
+const LEAST_RATIO: f64 = 0.02;
 /// Number of plans that are proven before the search gives up.
 const PROVEN_MAX: usize = 6;
 
@@ -53,13 +55,10 @@ impl<'p> Problem<'p> {
     /// Problem from a rotor, its slot in the part frame, a cutter, and the requirements.
     ///
     /// # Errors
-    /// A blade is not above the hub.
-    pub fn new(
-        blisk: &'p Blisk,
-        slot: &Slot,
-        cutter: &'p CupMill,
-        roughing: &'p Roughing,
-    ) -> Result<Self, Infeasible> {
+    /// A blade is not above the hub, or there would be too many levels.
+    pub fn new(blisk: &'p Blisk, slot: &Slot, cutter: &'p CupMill, roughing: &'p Roughing) -> Result<Self, Infeasible> {
+        let hub_radius_mm = blisk.hub.profile_mm.iter().map(|place| place[1]).fold(f64::INFINITY, f64::min);
+        check_levels(blisk.blank.radius_mm - hub_radius_mm, roughing.axial_depth_max_mm)?;
         let from = |start| PreparedSlot::new(blisk, slot, roughing.allowance_mm, start, Some(GRAIN_MM));
         let (leading, trailing) = rayon::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));
         Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
@@ -178,7 +177,7 @@ impl<'p> Problem<'p> {
             let roughing = Roughing { axis: AxisChoice::Found(room), ..*self.roughing };
             let request = Request { raise, levels_max: Some(COARSE_LEVELS), ..Request::whole(cutter, &roughing) };
             let valued = self.valued(edge, &request, COARSE_CELL_MM).ok()?;
-            admits(&valued.plan).then_some(valued.share_ratio)
+            (valued.share_ratio >= LEAST_RATIO && admits(&valued.plan)).then_some(valued.share_ratio)
         };
         let search = AxisSearch { prepared: &self.prepared, cutter, value };
         let (found, roomiest) = rayon::join(|| search.best(), || self.along_with(cutter, AxisChoice::Roomiest));

@@ -59,7 +59,8 @@ pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, In
     let mut widths_mm: Vec<f64> = (0..=LOOKS).map(|k| least_mm + step_mm * f64::from(k)).collect();
     widths_mm.push(own_mm);
     let mut by_width: Vec<Trial> = widths_mm.into_par_iter().map(|width_mm| trial(own_middle_mm, width_mm)).collect();
-    let most = |trials: &[Trial]| trials.iter().max_by(|a, b| a.worth().total_cmp(&b.worth())).map_or(own_mm, |t| t.width_mm);
+    let most =
+        |trials: &[Trial]| trials.iter().max_by(|a, b| a.worth().total_cmp(&b.worth())).map_or(own_mm, |t| t.width_mm);
     let best_mm = most(&by_width);
     let mut ends = [(best_mm - step_mm).max(least_mm), best_mm + step_mm];
     for _ in 0..SECTIONS {

@@ -8,6 +8,9 @@ use super::normal_form::StartEdge;
 use super::room::Room;
 use super::side::OffsetSide;
 
+/// Most levels of a path: more are a mistake in the greatest axial depth.
+const LEVELS_MAX: f64 = 1000.0;
+
 /// Reason why there is no plan.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Infeasible {
@@ -50,7 +53,9 @@ pub enum Infeasible {
     #[error("the best paths collide, or leave less than the allowance: their proofs do not hold")]
     Unproven,
     /// There would be too many levels.
-    #[error("levels of {depth_max_mm} mm are too many for a depth of {depth_mm:.1} mm: `axial_depth_max` must be {least_mm:.3} mm or more")]
+    #[error(
+        "levels of {depth_max_mm} mm are too many for a depth of {depth_mm:.1} mm: `axial_depth_max` must be {least_mm:.3} mm or more"
+    )]
     Levels {
         /// Depth, mm.
         depth_mm: f64,
@@ -59,6 +64,15 @@ pub enum Infeasible {
         /// Least value of it, mm.
         least_mm: f64,
     },
+}
+
+/// Checks the number of levels of a depth.
+///
+/// # Errors
+/// There would be too many.
+pub fn check_levels(depth_mm: f64, depth_max_mm: f64) -> Result<(), Infeasible> {
+    let least_mm = depth_mm / LEVELS_MAX;
+    if depth_max_mm < least_mm { Err(Infeasible::Levels { depth_mm, depth_max_mm, least_mm }) } else { Ok(()) }
 }
 
 /// Description of the place where the ring is blocked.

@@ -55,7 +55,8 @@ pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn,
     let mut best = (0.0, contact(0.0)?);
     if best.1.0 > share {
         // Samples of the curve come within a sample's distance of the place; from there on the curve itself counts.
-        let near = |k: &i32| tip.sampled(&turning(step * f64::from(*k))).is_some_and(|start| start.at[0] <= share + SAMPLE);
+        let near =
+            |k: &i32| tip.sampled(&turning(step * f64::from(*k))).is_some_and(|start| start.at[0] <= share + SAMPLE);
         let found = (1..=STEPS).find(near).and_then(|first| (first..=STEPS).find(|k| met(step * f64::from(*k))));
         let angle = match found {
             Some(k) => {

@@ -6,14 +6,11 @@ use crate::path::{Level, SlotPath};
 
 use super::base::{Base, Limits, settle};
 use super::depth::levels_mm;
-use super::infeasibility::Infeasible;
+use super::infeasibility::{Infeasible, check_levels};
 use super::interior::{InteriorPivot, interior};
 use super::level::Stop;
 use super::roughing::{BaseLimits, Request};
 use super::turns::{Surroundings, Turns};
-
-/// Most levels of a path: more are a mistake in the greatest axial depth.
-const LEVELS_MAX: f64 = 1000.0;
 
 /// Data that are the same on all levels.
 pub struct LevelContext<'a> {
@@ -77,9 +74,7 @@ impl LevelContext<'_> {
         }
         let depth_max_mm = roughing.axial_depth_max_mm;
         let depth_mm = (top_mm - low_mm).max(0.0);
-        if depth_mm > LEVELS_MAX * depth_max_mm {
-            return Err(Infeasible::Levels { depth_mm, depth_max_mm, least_mm: depth_mm / LEVELS_MAX });
-        }
+        check_levels(depth_mm, depth_max_mm)?;
         let coarse_mm = request.levels_max.map_or(0.0, |levels| depth_mm / f64::from(levels));
         let heights = levels_mm(cutter, top_mm, low_mm, depth_max_mm.max(coarse_mm));
         let stops = turns.stops(&heights);

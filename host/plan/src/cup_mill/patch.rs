@@ -61,7 +61,13 @@ impl Patch {
     /// comparisons of many plans.
     pub fn coarse(&self, stride: usize) -> Self {
         let samples = self.thinned_places(stride).copied().collect();
-        Patch { point: Arc::clone(&self.point), steps: self.steps.map(|steps| steps / stride), samples, is_coarse: true, ..*self }
+        Patch {
+            point: Arc::clone(&self.point),
+            steps: self.steps.map(|steps| steps / stride),
+            samples,
+            is_coarse: true,
+            ..*self
+        }
     }
 
     /// Searches end at the best sample.

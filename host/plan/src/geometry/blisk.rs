@@ -58,8 +58,7 @@ impl Revolution {
     pub fn normal(&self, point: &Point) -> Vector {
         let radius_mm = libm::hypot(point.x, point.y);
         let nearest = self.nearest([point.z, radius_mm]);
-        let [from, to] =
-            nearest.map_or([[0.0, 0.0], [1.0, 0.0]], |at| [self.profile_mm[at], self.profile_mm[at + 1]]);
+        let [from, to] = nearest.map_or([[0.0, 0.0], [1.0, 0.0]], |at| [self.profile_mm[at], self.profile_mm[at + 1]]);
         let (along, up) = (to[0] - from[0], to[1] - from[1]);
         Vector::new(point.x / radius_mm * along, point.y / radius_mm * along, -up).normalize()
     }
