@@ -8,4 +8,6 @@ mod lines;
 
 mod sections;
 
-pub mod passage;
+mod passage;
+
+mod plans;
