@@ -11,3 +11,5 @@ mod sections;
 mod passage;
 
 mod plans;
+
+mod command;
