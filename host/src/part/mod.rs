@@ -11,6 +11,8 @@ mod geometry;
 
 mod tool;
 
+pub mod plunge;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
@@ -134,8 +136,7 @@ impl PartFile {
     /// # Errors
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        PartFile::parse(path, &text)
+        PartFile::parse(path, &read(path)?)
     }
 
     /// Checks a part given as text. `path` is used in messages and to locate the files that it names.
@@ -143,34 +144,46 @@ impl PartFile {
     /// # Errors
     /// See [`FileError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
-        let read = || -> Result<PartTable, Complaint> {
-            toml::from_str(text)
-                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
-        };
-        let table = refuse_numbers(text).and_then(|()| read());
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let built = table.map_err(PartError::Here).and_then(|table| build(&table, path, folder));
-        built.map_err(|wrong| match wrong {
-            PartError::There(error) => error,
-            PartError::Here((offset, message)) => {
-                let [line, column] = place(text, offset);
-                FileError::Content { path: path.into(), line, column, message: with_key(text, offset, &message) }
-            }
-        })
+        parse(path, text, build)
     }
+}
+
+fn read(path: &Path) -> Result<String, FileError> {
+    std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })
+}
+
+/// Reads the tables of a part, and checks them by `build`, which takes the tables, the part file and its folder.
+fn parse<T>(
+    path: &Path,
+    text: &str,
+    build: impl Fn(&PartTable, &Path, &Path) -> Result<T, PartError>,
+) -> Result<T, FileError> {
+    let read = || -> Result<PartTable, Complaint> {
+        toml::from_str(text).map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
+    };
+    let table = refuse_numbers(text).and_then(|()| read());
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let built = table.map_err(PartError::Here).and_then(|table| build(&table, path, folder));
+    built.map_err(|wrong| match wrong {
+        PartError::There(error) => error,
+        PartError::Here((offset, message)) => {
+            let [line, column] = place(text, offset);
+            FileError::Content { path: path.into(), line, column, message: with_key(text, offset, &message) }
+        }
+    })
 }
 
 fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, PartError> {
     let unit: LengthUnit = table.units.into();
-    let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let blank = blank(&table.blank, unit)?;
-    let cutter = tool::build(&table.cutter, unit)?;
+    let cutter = table.cutter.as_ref().ok_or((0, "a cup mill's plan needs the table [cutter]".into()))?;
+    let cutter = tool::build(cutter, unit)?;
     let (roughing, feeds) = roughing(&table.roughing, unit)?;
     let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
     check_speed(&table.roughing.rev_per_min, machine.as_ref())?;
     let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
     Ok(PartFile {
-        name: table.name.clone().unwrap_or_else(own_name),
+        name: name(table, path),
         unit,
         cutter,
         roughing,
@@ -193,6 +206,12 @@ fn check_speed(entry: &Spanned<f64>, machine: Option<&MachineFile>) -> Result<()
         return Ok(());
     }
     Err(at(entry, &format!("the machine's spindle turns at {low} to {high} rev/min (`spindle_range` of its file)")))
+}
+
+/// Name of the part, or else that of the file.
+fn name(table: &PartTable, path: &Path) -> String {
+    let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    table.name.clone().unwrap_or_else(own_name)
 }
 
 fn machine_source(entry: &PartMachineTable, folder: &Path) -> Option<MachineSource> {
@@ -226,9 +245,11 @@ fn roughing(entry: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds)
         }
         given => given.as_ref().map_or(INTERIOR_CONTACT, |share| *share.as_ref()),
     };
+    let needed = "a cup mill's plan needs `axial_depth_max` in [roughing]";
+    let axial_depth_max = entry.axial_depth_max.as_ref().ok_or_else(|| at(&entry.allowance, needed))?;
     let roughing = Roughing {
         allowance_mm: length_mm(&entry.allowance, unit, "allowance")?,
-        axial_depth_max_mm: length_mm(&entry.axial_depth_max, unit, "axial_depth_max")?,
+        axial_depth_max_mm: length_mm(axial_depth_max, unit, "axial_depth_max")?,
         interior_contact,
         clearance_mm: feed(&entry.clearance, "clearance")?.unwrap_or(CLEARANCE_MM),
         axis: axis(entry.axis).unwrap_or_default(),

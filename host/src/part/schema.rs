@@ -12,7 +12,8 @@ pub struct PartTable {
     pub name: Option<String>,
     pub geometry: Spanned<GeometryTable>,
     pub blank: BlankTable,
-    pub cutter: CutterTable,
+    pub cutter: Option<CutterTable>,
+    pub plunge: Option<Spanned<PlungeTable>>,
     pub roughing: RoughingTable,
     #[serde(default)]
     pub fixture: Vec<Spanned<FixtureTable>>,
@@ -155,9 +156,40 @@ pub struct CutterTable {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+pub struct PlungeTable {
+    pub diameter: Spanned<Quantity>,
+    pub corner_radius: Option<Spanned<Quantity>>,
+    pub core_radius: Option<Spanned<Quantity>>,
+    pub width_max: Option<Spanned<Quantity>>,
+    pub teeth: Spanned<u16>,
+    pub length: Option<Spanned<Quantity>>,
+    #[serde(default)]
+    pub neck: Vec<Spanned<[Quantity; 2]>>,
+    #[serde(default)]
+    pub holder: Vec<Spanned<[Quantity; 2]>>,
+    pub cusp: Option<Spanned<Quantity>>,
+    #[serde(default)]
+    pub fit: FitWord,
+    pub clearance: Option<Spanned<Quantity>>,
+    pub relief: Option<Spanned<Quantity>>,
+    pub rev_per_min: Option<Spanned<f64>>,
+    pub feed_per_tooth: Option<Spanned<Quantity>>,
+    pub approach_feed: Option<Spanned<Quantity>>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum FitWord {
+    #[default]
+    Gap,
+    Area,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RoughingTable {
     pub allowance: Spanned<Quantity>,
-    pub axial_depth_max: Spanned<Quantity>,
+    pub axial_depth_max: Option<Spanned<Quantity>>,
     pub interior_contact: Option<Spanned<f64>>,
     pub clearance: Option<Spanned<Quantity>>,
     #[serde(default)]

@@ -23,6 +23,14 @@ fn what_plan_prints_is_documented_and_so_is_a_plan_that_is_refused() {
 }
 
 #[test]
+fn what_a_plan_of_plunges_prints_is_documented() {
+    let documented = Documented::read();
+    let planned = object(&["plan", "plunge", "examples/impeller-13/PART.toml"], 0);
+    documented.assert_fits("plan plunge", &planned);
+    assert!(planned["safe"] == true);
+}
+
+#[test]
 fn what_init_prints_is_documented_for_every_kind_of_program() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-init");

@@ -15,10 +15,10 @@ fn curve(row: &Row<'_>) -> (Box<dyn Fn(f64) -> [[f64; 2]; 3]>, [f64; 2]) {
     match row.word("kind") {
         // Chord p1 along x, turning p2.
         "arc" => {
-            let radius = p1 / 2.0 / (p2 / 2.0).sin();
+            let radius = p1 / 2.0 / libm::sin(p2 / 2.0);
             let arc = move |t: f64| {
-                let (sin, cos) = t.sin_cos();
-                let point = [radius * sin, radius * (cos - (p2 / 2.0).cos())];
+                let (sin, cos) = libm::sincos(t);
+                let point = [radius * sin, radius * (cos - libm::cos(p2 / 2.0))];
                 [point, [radius * cos, -radius * sin], [-radius * sin, -radius * cos]]
             };
             (Box::new(arc), [-p2 / 2.0, p2 / 2.0])
@@ -32,7 +32,7 @@ fn curve(row: &Row<'_>) -> (Box<dyn Fn(f64) -> [[f64; 2]; 3]>, [f64; 2]) {
         }
         "hyperbola" => {
             let hyperbola = move |x: f64| {
-                let root = (p2 * p2 + x * x).sqrt();
+                let root = libm::sqrt(p2 * p2 + x * x);
                 [[x, -p1 * root], [1.0, -p1 * x / root], [0.0, -p1 * p2 * p2 / (root * root * root)]]
             };
             (Box::new(hyperbola), [-p3, p4])
@@ -46,7 +46,7 @@ fn twist_and_bend_of_curves_are_their_closed_forms() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_twist_bend_curves.csv")) {
         let (curve, range) = curve(&row);
-        let (sin, cos) = row.number("rotated_rad").sin_cos();
+        let (sin, cos) = libm::sincos(row.number("rotated_rad"));
         // The file's axis is x; ours is z.
         let turned = |[x, y]: [f64; 2]| Vector::new(sin * x + cos * y, 0.0, cos * x - sin * y);
         let shape = CurveShape::new(range, |t| {

@@ -8,4 +8,8 @@ mod lines;
 
 mod sections;
 
-pub mod passage;
+mod passage;
+
+mod plans;
+
+mod command;

@@ -117,7 +117,7 @@ fn nearest_sample_mm(axes: &Boundary, z_mm: f64, to_mm: f64) -> f64 {
         for k in 0..=40 {
             let at = floor + (end - floor) * (f64::from(k) / 40.0);
             let square = samples.iter().map(|sample| (sample - at).norm_squared()).fold(f64::INFINITY, f64::min);
-            least_mm = least_mm.min(square.sqrt());
+            least_mm = least_mm.min(libm::sqrt(square));
         }
     }
     least_mm

@@ -11,3 +11,7 @@ pub mod job;
 pub mod stl;
 
 pub mod baseline;
+
+pub mod plunge_nc;
+
+pub mod plunge_job;

@@ -9,12 +9,15 @@
 //!
 //! The curve is followed from radius to radius, from its last place: looking on both sides of one fixed angle loses bowed passages. Our own.
 
+use core::cell::Cell;
+
+use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
 use crate::proof::bodies;
 use crate::proof::spheres::Tree;
-use crate::vector::Point;
+use crate::vector::{Point, Vector};
 
 use super::distance::nearest;
 
@@ -26,12 +29,16 @@ const SPACING_MM: f64 = 0.3;
 const STRIDE_MM: f64 = 0.02;
 /// Precision of the wall, mm.
 const PRECISION_MM: f64 = 1e-10;
+/// Pieces of a side, in both directions, whose corners are the blade's points from which a search starts.
+const SHEET: u32 = 40;
 /// Most steps of one search.
 const STEPS_MAX: usize = 2000;
 
 /// Blades of a rotor.
 pub struct Field {
     tree: Tree,
+    /// Points of the first blade: radius, place along the rotor's axis, angle about it.
+    sheet: Vec<[f64; 3]>,
     /// Angle from one blade to the next.
     pub pitch_rad: f64,
     /// Greatest and least distance of the blade from the rotor's axis, mm.
@@ -64,6 +71,9 @@ struct Wall<'f> {
     side: WallSide,
     z_mm: f64,
     distance_mm: f64,
+    turn_rad: f64,
+    /// Nearest point of the last look: the next one is not farther from it than that.
+    last: Cell<Point>,
 }
 
 impl Field {
@@ -75,19 +85,23 @@ impl Field {
             corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
         };
         let (radii_mm, ends_mm) = (range(|point| libm::hypot(point.x, point.y)), range(|point| point.z));
-        Field { tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
+        Field { sheet: sheet(blisk), tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
     }
 
     /// Distance of a point from the blade of a wall, at least, and the blade's nearest point.
     pub fn distance(&self, side: WallSide, point: &Point) -> (f64, Point) {
-        let turn = match side {
-            WallSide::Left => 0.0,
-            WallSide::Right => self.pitch_rad,
-        };
-        let turn = nalgebra::Rotation3::from_axis_angle(&crate::vector::Vector::z_axis(), turn);
+        let turn = Rotation3::from_axis_angle(&Vector::z_axis(), self.turn_rad(side));
         let (found_mm, on) =
             nearest(&self.tree, &(turn.inverse() * point), f64::INFINITY).unwrap_or((f64::INFINITY, *point));
         (found_mm - CHORD_MM, turn * on)
+    }
+
+    /// Angle of a wall's blade.
+    fn turn_rad(&self, side: WallSide) -> f64 {
+        match side {
+            WallSide::Left => 0.0,
+            WallSide::Right => self.pitch_rad,
+        }
     }
 
     /// Places of both walls at a distance from the blades, by growing radius from `from_mm` up to where the blades end, in the plane at `z_mm`.
@@ -96,10 +110,23 @@ impl Field {
         let radii_mm =
             spaced([from_mm, tip_mm]).chain(spaced([tip_mm, tip_mm + distance_mm]).skip(1)).collect::<Vec<f64>>();
         let sides = [WallSide::Left, WallSide::Right];
-        let found: Vec<_> =
-            sides.into_par_iter().map(|side| Wall { field: self, side, z_mm, distance_mm }.places(&radii_mm)).collect();
+        let found: Vec<_> = sides
+            .into_par_iter()
+            .map(|side| {
+                let (turn_rad, last) = (self.turn_rad(side), Cell::new(self.tree.triangles()[0][0]));
+                Wall { field: self, side, z_mm, distance_mm, turn_rad, last }.places(&radii_mm)
+            })
+            .collect();
         <[Vec<WallPlace>; 2]>::try_from(found).unwrap_or_default()
     }
+}
+
+/// Points of both sides of the first blade, as radius, place and angle.
+fn sheet(blisk: &Blisk) -> Vec<[f64; 3]> {
+    let places = || (0..=SHEET).flat_map(|i| (0..=SHEET).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SHEET))));
+    let faces = [&blisk.pressure, &blisk.suction].into_iter();
+    let points = faces.flat_map(|face| places().map(|[u, v]| face.point(u, v)));
+    points.map(|point| [libm::hypot(point.x, point.y), point.z, libm::atan2(point.y, point.x)]).collect()
 }
 
 /// Radii from one to another, evenly.
@@ -120,9 +147,12 @@ impl Wall<'_> {
 
     /// Distance beyond the wall, mm; negative behind it.
     fn beyond_mm(&self, radius_mm: f64, angle_rad: f64) -> f64 {
-        let (sin, cos) = libm::sincos(angle_rad);
+        let (sin, cos) = libm::sincos(angle_rad - self.turn_rad);
         let point = Point::new(radius_mm * cos, radius_mm * sin, self.z_mm);
-        self.field.distance(self.side, &point).0 - self.distance_mm
+        let within_mm = (point - self.last.get()).norm() * (1.0 + 1e-12) + 1e-12;
+        let (found_mm, on) = nearest(&self.field.tree, &point, within_mm).unwrap_or((within_mm, self.last.get()));
+        self.last.set(on);
+        found_mm - CHORD_MM - self.distance_mm
     }
 
     /// Places at these radii, those at which there is material.
@@ -138,7 +168,10 @@ impl Wall<'_> {
             let mut last_rad = first_rad;
             let mut found = Vec::new();
             for radius_mm in indices.map(|index| radii_mm[index]) {
-                if let Some(angle_rad) = self.edge(radius_mm, last_rad) {
+                // Where the blade ends before the plane the axis may come as far as its edge stands.
+                let is_beside = radius_mm <= self.field.radii_mm[1];
+                let found_rad = self.edge(radius_mm, last_rad).or_else(|| self.sheet(radius_mm).filter(|_| is_beside));
+                if let Some(angle_rad) = found_rad {
                     last_rad = angle_rad;
                     found.push(WallPlace { radius_mm, angle_rad });
                 }
@@ -151,16 +184,16 @@ impl Wall<'_> {
         places
     }
 
+    /// Angle of the blade's point nearest to the plane at a radius.
+    fn sheet(&self, radius_mm: f64) -> Option<f64> {
+        let off = |[known_mm, z_mm, _]: &[f64; 3]| libm::hypot(known_mm - radius_mm, z_mm - self.z_mm);
+        let nearest = self.field.sheet.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(nearest[2] + self.turn_rad)
+    }
+
     /// Wall at a radius, from the blade's point nearest to the plane there; `None` if the blade does not come near.
     fn start(&self, radius_mm: f64) -> Option<f64> {
-        let off = |point: &Point| {
-            let (up, along) = (libm::hypot(point.x, point.y) - radius_mm, point.z - self.z_mm);
-            up * up + along * along
-        };
-        let corners = self.field.tree.triangles().iter().flatten();
-        let nearest = corners.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        let turn_rad = if self.side == WallSide::Left { 0.0 } else { self.field.pitch_rad };
-        let angle_rad = libm::atan2(nearest.y, nearest.x) + turn_rad;
+        let angle_rad = self.sheet(radius_mm)?;
         if self.beyond_mm(radius_mm, angle_rad) < 0.0 { self.edge(radius_mm, angle_rad) } else { None }
     }
 

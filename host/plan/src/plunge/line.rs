@@ -73,7 +73,7 @@ fn fitted(samples: &[CurveSample], slope: impl Fn(&Hulls) -> f64) -> Option<Supp
     let points = |sample: &CurveSample| [sample.along_mm, sample.height_mm];
     let upper = hull(samples.iter().map(points), 1.0);
     let counted = || samples.iter().filter(|sample| sample.is_counted).map(points);
-    let (first, last) = (counted().next()?[0], counted().last()?[0]);
+    let (first, last) = (counted().next()?[0], counted().next_back()?[0]);
     if last <= first || upper.len() < 2 {
         return None;
     }
@@ -137,9 +137,9 @@ fn least_gap(upper: &[[f64; 2]], lower: &[[f64; 2]]) -> f64 {
 
 /// Edge of the upper hull over a place (3).
 fn edge_over(upper: &[[f64; 2]], place_mm: f64) -> [[f64; 2]; 2] {
-    let edges = upper.windows(2).map(|pair| [pair[0], pair[1]]);
+    let mut edges = upper.windows(2).map(|pair| [pair[0], pair[1]]);
     let over = edges.clone().find(|pair| pair[1][0] >= place_mm);
-    over.or_else(|| edges.last()).unwrap_or([[0.0; 2], [1.0, 0.0]])
+    over.or_else(|| edges.next_back()).unwrap_or([[0.0; 2], [1.0, 0.0]])
 }
 
 fn edge_slope([from, to]: [[f64; 2]; 2]) -> f64 {

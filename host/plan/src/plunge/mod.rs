@@ -17,3 +17,17 @@ mod distance;
 pub mod field;
 
 pub mod boundary;
+
+pub mod mill;
+
+pub mod column;
+
+pub mod infeasibility;
+
+pub mod passage;
+
+pub mod rows;
+
+pub mod plan;
+
+pub mod proof;

@@ -43,7 +43,14 @@ impl Section {
     }
 
     fn disc(radius_mm: f64, heights_mm: [f64; 2]) -> Section {
-        Section { low: [-radius_mm, heights_mm[0]], high: [radius_mm, heights_mm[1]], rounding_mm: 0.0 }
+        Section::rounded_disc(radius_mm, heights_mm, 0.0)
+    }
+
+    /// Cylinder about the axis between two heights, with rounded edges.
+    pub fn rounded_disc(radius_mm: f64, heights_mm: [f64; 2], rounding_mm: f64) -> Section {
+        let half_mm = radius_mm - rounding_mm;
+        let [low_mm, high_mm] = [heights_mm[0] + rounding_mm, heights_mm[1] - rounding_mm];
+        Section { low: [-half_mm, low_mm], high: [half_mm, high_mm], rounding_mm }
     }
 
     /// Signed distance of a point, mm, by its distance from the axis and its height above the tool's bottom; negative

@@ -15,15 +15,15 @@ use crate::console::note;
 use crate::part::MachineSource;
 
 /// Largest distance of meshes from the surfaces, mm.
-const CHORD_MM: f64 = 0.02;
+pub(super) const CHORD_MM: f64 = 0.02;
 /// Width of the stock on either side of the slot, in pitches.
-const BESIDE_PITCHES: f64 = 0.75;
+pub(super) const BESIDE_PITCHES: f64 = 0.75;
 /// Depth of the stock below the hub, mm.
-const BELOW_HUB_MM: f64 = 5.0;
+pub(super) const BELOW_HUB_MM: f64 = 5.0;
 /// Distance of the simulation's dexel rays, mm.
 const RAYS_MM: f64 = 0.5;
 /// Control of the programs.
-const CONTROL: &str = "fanuc-16i";
+pub(super) const CONTROL: &str = "fanuc-16i";
 
 /// Writes the plan's files into a folder.
 ///
@@ -136,7 +136,7 @@ fn machine_file(composed: &PlanResult) -> Option<String> {
 }
 
 /// File name that every file system accepts.
-fn file_stem(name: &str) -> String {
+pub(super) fn file_stem(name: &str) -> String {
     let stem: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
     if stem.trim_matches(['-', '.']).is_empty() { "plan".into() } else { stem }

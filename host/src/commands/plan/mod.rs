@@ -16,6 +16,9 @@ mod files;
 #[cfg(feature = "plan")]
 mod run;
 
+#[cfg(feature = "plan")]
+mod plunge;
+
 use std::path::PathBuf;
 
 use super::outcome::Failure;
@@ -32,6 +35,7 @@ pub struct PlanCommand {
 #[derive(Debug, clap::Subcommand)]
 enum Method {
     CupMill(CupMill),
+    Plunge(Plunge),
 }
 
 /// Rough the slots of a bladed rotor with a cup mill (docs/plan.md)
@@ -50,14 +54,36 @@ struct CupMill {
     json: bool,
 }
 
+/// Bore out the passages of a bladed rotor by plunging (docs/plunge.md)
+#[derive(Debug, clap::Args)]
+struct Plunge {
+    /// The part file
+    part: PathBuf,
+    /// Folder for the NC program, plunges.apt, job.toml, stock.stl, finished.stl and report.html; created if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
 impl PlanCommand {
     /// Runs the command.
     ///
     /// # Errors
     /// The part file is at fault, there is no plan, or a file cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
-        let Method::CupMill(method) = &self.method;
-        method.run()
+        match &self.method {
+            Method::CupMill(method) => method.run(),
+            Method::Plunge(method) => method.run(),
+        }
+    }
+}
+
+#[cfg(not(feature = "plan"))]
+impl Plunge {
+    fn run(&self) -> Result<(), Failure> {
+        Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
     }
 }
 

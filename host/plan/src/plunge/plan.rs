@@ -1,0 +1,181 @@
+//! Plan of one passage: planes, columns, tips, order.
+//!
+//! ```text
+//! floor: the tip moves along t onto the hub with its allowance, and is lifted for its flat end (mill.rs)
+//! order: planes from one face of the blank to the other; in a plane from the side that was cut last         (1)
+//! ```
+//!
+//! The first plane stands where the mill's core is beside the blank, and at most on its face.
+//!
+//! Source: An Luling et al. for planes and axes; the rest is ours.
+
+use nalgebra::Rotation3;
+
+use crate::frame::slot_frame;
+use crate::vector::{Point, Vector};
+
+use super::boundary::{Boundary, LargestTool};
+use super::column::{Column, columns, spacing_max_mm};
+use super::field::WallSide;
+use super::infeasibility::PlungeInfeasible;
+use super::passage::{Passage, PlungeRequirements};
+use super::rows::Rows;
+
+/// Largest angle between the tool's axis and the hub's normal, degrees.
+const ANGLE_MAX_DEG: f64 = 60.0;
+/// Plunge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plunge {
+    /// Plane, from 0.
+    pub plane: usize,
+    /// Tool axis, part frame.
+    pub axis: Vector,
+    /// Rotation from the part frame into that of the tool.
+    pub to_tool: Rotation3<f64>,
+    /// Middle of the mill's end at the lowest place, part frame.
+    pub tip: Point,
+    /// Height at which the tool turns and moves, along its axis from the rotor's axis, mm.
+    pub clear_mm: f64,
+    /// Highest and lowest place of the blank under the mill's end, along the axis, mm.
+    pub roof_mm: [f64; 2],
+    /// Step off the wall across the axis, towards growing angles if positive, mm.
+    pub relief_mm: f64,
+    /// Lift of the flat end from the floor, mm.
+    pub lift_mm: f64,
+    /// Angle between the axis and the hub's normal.
+    pub lean_rad: f64,
+}
+
+/// Plane and its boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlungePlane {
+    /// Place along the rotor's axis, mm.
+    pub z_mm: f64,
+    /// Boundary axes.
+    pub boundary: Boundary,
+    /// Columns.
+    pub columns: usize,
+    /// Distance of neighbouring columns at the roof, mm.
+    pub spacing_mm: f64,
+    /// Distance from the plane before, square to the axes, over the one allowed by the cusp, at most.
+    pub step_ratio: f64,
+}
+
+/// Plan of a passage.
+#[derive(Clone, Debug)]
+pub struct PassagePlan {
+    /// Planes in order.
+    pub planes: Vec<PlungePlane>,
+    /// Plunges in order.
+    pub plunges: Vec<Plunge>,
+    /// Largest tool in planes along the blade.
+    pub largest: Vec<LargestTool>,
+}
+
+impl Plunge {
+    /// Places of the mill's end in its own frame: above, at the lowest place, off the wall, above.
+    pub fn places(&self) -> [Point; 4] {
+        let low = self.to_tool * self.tip;
+        let off = low + Vector::new(self.relief_mm, 0.0, self.relief_mm.abs());
+        let above = |place: Point| Point::new(place.x, place.y, self.clear_mm);
+        [above(low), low, off, above(off)]
+    }
+}
+
+impl Passage<'_> {
+    /// Plan of the passage.
+    ///
+    /// # Errors
+    /// The mill does not pass, or its core would stand on material.
+    pub fn plan(&self) -> Result<PassagePlan, PlungeInfeasible> {
+        let largest = self.largest();
+        let range_mm = self.range_mm()?;
+        let rows = Rows { passage: self, range_mm }.places()?;
+        let (mut planes, mut plunges, mut from_left) = (Vec::new(), Vec::new(), true);
+        for row in rows {
+            let (z_mm, axes) = (row.z_mm, row.boundary);
+            if axes.room_mm() < 0.0 {
+                return Err(self.too_narrow(z_mm, &axes, &largest));
+            }
+            let spacing_mm = spacing_max_mm(self.mill, row.distance_mm)
+                .ok_or(PlungeInfeasible::Rows { row_mm: row.distance_mm, core_mm: self.mill.core_radius_mm })?;
+            let mut found = columns(&axes, z_mm, spacing_mm);
+            let count = found.len();
+            if !from_left {
+                found.reverse(); // (1)
+            }
+            from_left = !from_left;
+            for column in &found {
+                plunges.push(self.plunge(planes.len(), column, &axes, z_mm)?);
+            }
+            let spacing_mm = axes.widths_mm()[0] / (count.max(2) - 1) as f64;
+            planes.push(PlungePlane { z_mm, boundary: axes, columns: count, spacing_mm, step_ratio: row.step_ratio });
+        }
+        Ok(PassagePlan { planes, plunges, largest })
+    }
+
+    /// First and last plane: on the faces of the blank, with the core beside it, or where the blades come near.
+    fn range_mm(&self) -> Result<[f64; 2], PlungeInfeasible> {
+        let (core_mm, faces_mm) = (self.mill.core_radius_mm, self.blisk.blank.faces_mm);
+        // Beyond this distance from the blade's edge no wall bounds the passage.
+        let reach_mm = 0.9 * (self.mill.radius_mm + self.needs.allowance_mm);
+        let [from_mm, to_mm] = self.field.ends_mm;
+        let first_mm = (faces_mm[0] - core_mm).max(from_mm - reach_mm);
+        if core_mm > 0.0 && first_mm > faces_mm[0] - core_mm {
+            return Err(PlungeInfeasible::Core { z_mm: first_mm, face_mm: faces_mm[0], core_mm });
+        }
+        Ok([first_mm, faces_mm[1].min(to_mm + reach_mm)])
+    }
+
+    /// Refusal of a plane.
+    fn too_narrow(&self, z_mm: f64, axes: &Boundary, largest: &[LargestTool]) -> PlungeInfeasible {
+        let touching = [(WallSide::Left, 0), (WallSide::Right, 1)]
+            .map(|(side, index)| self.field.distance(side, &axes.to_part(&axes.touching[index], z_mm)).1);
+        let least_mm = largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);
+        let largest_mm = (least_mm.is_finite() && least_mm > 0.0).then_some(2.0 * least_mm);
+        PlungeInfeasible::TooNarrow { z_mm, missing_mm: -axes.room_mm(), touching, largest_mm }
+    }
+
+    fn plunge(&self, plane: usize, column: &Column, axes: &Boundary, z_mm: f64) -> Result<Plunge, PlungeInfeasible> {
+        let PlungeRequirements { allowance_mm, clearance_mm, relief_mm, .. } = *self.needs;
+        let hub = &self.blisk.hub;
+        // Along the axis from below the floor to the roof: the last place on the hub with its allowance.
+        let above_mm = |way_mm: f64| hub.height_mm(&(column.floor + column.axis * way_mm)) - allowance_mm;
+        let (mut low, mut high) = (-self.mill.radius_mm, (column.roof - column.floor).norm());
+        for _ in 0..60 {
+            let middle = (low + high) / 2.0;
+            if above_mm(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        let on_floor = column.floor + column.axis * high;
+        let lean_rad = libm::acos(hub.normal(&on_floor).dot(&column.axis).clamp(-1.0, 1.0));
+        if lean_rad.to_degrees() > ANGLE_MAX_DEG {
+            return Err(PlungeInfeasible::Steep { z_mm, angle_deg: lean_rad.to_degrees() });
+        }
+        let lift_mm = self.mill.lift_mm(lean_rad);
+        let tip = on_floor + column.axis * lift_mm;
+        // The axis lies across the rotor's axis: its frame exists.
+        let to_tool = slot_frame(&column.axis).ok_or(PlungeInfeasible::NoBoundary { z_mm })?;
+        let beside_mm = (to_tool * tip).x.abs();
+        let room_mm = axes.room_mm() * column.share.max(1.0 - column.share);
+        let is_clear = self.mill.is_relieved_by(relief_mm) && room_mm >= relief_mm;
+        // In the tool's frame x points to growing angles about the rotor's axis.
+        let away = if column.share < 0.5 { 1.0 } else { -1.0 };
+        Ok(Plunge {
+            plane,
+            axis: column.axis,
+            to_tool,
+            tip,
+            clear_mm: self.turning_mm + clearance_mm,
+            roof_mm: roof_mm(self.blisk.blank.radius_mm, beside_mm, self.mill.radius_mm),
+            relief_mm: if is_clear { away * relief_mm } else { 0.0 },
+            lift_mm,
+            lean_rad,
+        })
+    }
+}
+
+/// Highest and lowest place of a cylinder under a disc, along the disc's axis; 0 beyond the cylinder.
+fn roof_mm(cylinder_mm: f64, beside_mm: f64, radius_mm: f64) -> [f64; 2] {
+    let at = |beside_mm: f64| libm::sqrt((cylinder_mm * cylinder_mm - beside_mm * beside_mm).max(0.0));
+    [at((beside_mm - radius_mm).max(0.0)), at(beside_mm + radius_mm)]
+}

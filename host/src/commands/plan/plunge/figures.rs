@@ -1,0 +1,243 @@
+//! Output of a plan of plunges: text and JSON.
+
+use std::fmt::Write as _;
+
+use arcfeed_plan::plunge::machinability::SideMeasures;
+use arcfeed_plan::plunge::mill::MillPart;
+use serde::Serialize;
+
+use super::super::figures::obstacle_word;
+use super::result::PlungeResult;
+
+/// Figures of one plan, `arcfeed plan plunge --json` (docs/json.md). Lengths mm, angles degrees, times minutes; part frame.
+#[derive(Debug, Serialize)]
+pub struct PlungeFigures {
+    /// Name of the part.
+    pub name: String,
+    /// The mill touches nothing, and keeps the allowance.
+    pub safe: bool,
+    /// Diameter of the mill.
+    pub diameter_mm: f64,
+    /// Largest diameter that passes in all planes along the blade.
+    pub largest_diameter_mm: Option<f64>,
+    /// Number of passages.
+    pub passages: u32,
+    /// Plunges of one passage.
+    pub plunges: usize,
+    /// Measures of both sides: pressure, suction.
+    pub sides: [SideFigures; 2],
+    /// Twist of the camber lines.
+    pub camber_twist_deg: f64,
+    /// Least and greatest distance of corresponding points of both sides.
+    pub width_mm: [f64; 2],
+    /// Least distance of both sides.
+    pub free_width_mm: f64,
+    /// Planes in order.
+    pub planes: Vec<PlaneFigures>,
+    /// Largest tool in planes along the blade.
+    pub largest: Vec<LargestToolFigures>,
+    /// Clearances of the mill.
+    pub clearances: Vec<PlungeClearanceFigures>,
+    /// Greatest lift of the flat end above the floor.
+    pub lift_max_mm: f64,
+    /// Time of the feed moves of one passage.
+    pub passage_min: f64,
+}
+
+/// Measures of a side. Pairs: split at the greatest curvature, and at the point farthest from the chord.
+#[derive(Debug, Serialize)]
+pub struct SideFigures {
+    /// Greatest twist.
+    pub twist_deg: [f64; 2],
+    /// Greatest bend.
+    pub bend_deg: [f64; 2],
+    /// Greatest sag.
+    pub sag_mm: f64,
+    /// Depth.
+    pub depth_mm: f64,
+}
+
+/// Plane.
+#[derive(Debug, Serialize)]
+pub struct PlaneFigures {
+    /// Place along the rotor's axis.
+    pub z_mm: f64,
+    /// Widths between the boundary axes at roof and floor.
+    pub width_mm: [f64; 2],
+    /// Tilts of the boundary axes from the middle.
+    pub tilt_deg: [f64; 2],
+    /// Greatest additional allowance beside the left and the right boundary axis.
+    pub left_over_mm: [f64; 2],
+    /// Columns.
+    pub columns: usize,
+    /// Distance of the columns at the roof.
+    pub spacing_mm: f64,
+    /// Step from the plane before over the one of the allowed cusp.
+    pub step_ratio: f64,
+}
+
+/// Largest tool of a plane.
+#[derive(Debug, Serialize)]
+pub struct LargestToolFigures {
+    /// Place along the rotor's axis.
+    pub z_mm: f64,
+    /// Diameter.
+    pub diameter_mm: f64,
+    /// Points of the blades that it touches.
+    pub touching_mm: [[f64; 3]; 2],
+}
+
+/// Clearance.
+#[derive(Debug, Serialize)]
+pub struct PlungeClearanceFigures {
+    /// `cutter`, `neck`, `holder`.
+    pub part: String,
+    /// `blades`, `hub`, `fixture`, `blank`.
+    pub obstacle: String,
+    /// Lower bound.
+    pub certified_mm: f64,
+    /// Distance found.
+    pub found_mm: f64,
+    /// Plunge at that place, from 1.
+    pub plunge: usize,
+}
+
+impl PlungeFigures {
+    /// Figures of a plan.
+    pub fn of(result: &PlungeResult) -> Self {
+        let PlungeResult { part, machinability, plan, proof, .. } = result;
+        let least_mm = plan.largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);
+        let planes = plan.planes.iter().map(|plane| PlaneFigures {
+            z_mm: plane.z_mm,
+            width_mm: plane.boundary.widths_mm(),
+            tilt_deg: plane.boundary.tilts_rad().map(f64::to_degrees),
+            left_over_mm: plane.boundary.gaps_mm(),
+            columns: plane.columns,
+            spacing_mm: plane.spacing_mm,
+            step_ratio: plane.step_ratio,
+        });
+        let largest = plan.largest.iter().map(|found| LargestToolFigures {
+            z_mm: found.z_mm,
+            diameter_mm: 2.0 * found.radius_mm,
+            touching_mm: found.touching.map(Into::into),
+        });
+        let clearances = proof.clearances.iter().map(|found| PlungeClearanceFigures {
+            part: mill_part_word(found.part).into(),
+            obstacle: obstacle_word(found.obstacle).into(),
+            certified_mm: found.bounds_mm[0],
+            found_mm: found.bounds_mm[1],
+            plunge: found.plunge + 1,
+        });
+        PlungeFigures {
+            name: part.name.clone(),
+            safe: proof.holds(),
+            diameter_mm: 2.0 * part.mill.radius_mm,
+            largest_diameter_mm: least_mm.is_finite().then_some(2.0 * least_mm),
+            passages: part.blisk.blades,
+            plunges: plan.plunges.len(),
+            sides: machinability.sides.each_ref().map(side),
+            camber_twist_deg: machinability.camber_twist_rad.to_degrees(),
+            width_mm: machinability.widths.corresponding_mm,
+            free_width_mm: machinability.widths.free_mm,
+            planes: planes.collect(),
+            largest: largest.collect(),
+            clearances: clearances.collect(),
+            lift_max_mm: plan.plunges.iter().map(|plunge| plunge.lift_mm).fold(0.0, f64::max),
+            passage_min: result.passage_min,
+        }
+    }
+
+    /// Greatest additional allowance on the left and on the right.
+    pub fn left_over_mm(&self) -> [f64; 2] {
+        [0, 1].map(|side| self.planes.iter().map(|plane| plane.left_over_mm[side]).fold(0.0, f64::max))
+    }
+}
+
+fn side(measures: &SideMeasures) -> SideFigures {
+    SideFigures {
+        twist_deg: measures.twist_rad.map(f64::to_degrees),
+        bend_deg: measures.bend_rad.map(f64::to_degrees),
+        sag_mm: measures.sag_mm,
+        depth_mm: measures.depth_mm,
+    }
+}
+
+/// Name in the JSON and on the page.
+pub fn mill_part_word(part: MillPart) -> &'static str {
+    match part {
+        MillPart::Cutter => "cutter",
+        MillPart::Neck => "neck",
+        MillPart::Holder => "holder",
+    }
+}
+
+/// Text of the plan for people.
+pub fn text(figures: &PlungeFigures) -> String {
+    let mut text = format!(
+        "{}: {} passages, {} planes, {} plunges each, diameter {:.3} mm",
+        figures.name,
+        figures.passages,
+        figures.planes.len(),
+        figures.plunges,
+        figures.diameter_mm
+    );
+    if let Some(largest_mm) = figures.largest_diameter_mm {
+        let _ = write!(text, " (the largest that passes: {largest_mm:.2} mm)");
+    }
+    let _ = writeln!(text, "\n  side      twist, degrees   bend, degrees   sag, mm   depth, mm");
+    for (name, side) in ["pressure", "suction"].iter().zip(&figures.sides) {
+        let ([twist, _], [bend, _]) = (side.twist_deg, side.bend_deg);
+        let _ =
+            writeln!(text, "  {name:<8}  {twist:>14.2}  {bend:>14.2}  {:>8.3}  {:>10.2}", side.sag_mm, side.depth_mm);
+    }
+    let [narrow, wide] = figures.width_mm;
+    let _ = writeln!(
+        text,
+        "  width {narrow:.2} to {wide:.2} mm between corresponding points, {:.2} mm free",
+        figures.free_width_mm
+    );
+    let [left, right] = figures.left_over_mm();
+    let _ = writeln!(
+        text,
+        "  left over for finishing, beyond the allowance: at most {left:.2} mm left, {right:.2} mm right"
+    );
+    let _ = writeln!(text, "  clearances over all plunges, mm, at least:");
+    for found in &figures.clearances {
+        let _ = writeln!(text, "    {:<6} from {:<8} {:>9.3}", found.part, found.obstacle, found.certified_mm);
+    }
+    let _ = write!(
+        text,
+        "  time: {:.1} min a passage, {:.0} min the part, without rapids and indexing",
+        figures.passage_min,
+        f64::from(figures.passages) * figures.passage_min
+    );
+    text
+}
+
+/// Reason for which nothing is written.
+pub fn refusal(result: &PlungeResult) -> String {
+    let open: Vec<String> = result
+        .proof
+        .open()
+        .map(|found| {
+            let (part, obstacle) = (mill_part_word(found.part), obstacle_word(found.obstacle));
+            let plunge = &result.plan.plunges[found.plunge];
+            let point = found.place.map(|place| plunge.to_tool.inverse() * place.point);
+            let at = point.map_or(String::new(), |at| format!(", at ({:.2}, {:.2}, {:.2})", at.x, at.y, at.z));
+            let distance_mm = found.bounds_mm[0];
+            if part == "cutter" && distance_mm > 0.0 {
+                format!(
+                    "the cutter comes as near as {distance_mm:.3} mm to the {obstacle} in plunge {}{at}",
+                    found.plunge + 1
+                )
+            } else {
+                format!(
+                    "the {part} touches the {obstacle} in plunge {}, {:.3} mm deep{at}",
+                    found.plunge + 1,
+                    -distance_mm
+                )
+            }
+        })
+        .collect();
+    format!("{}; nothing is written", open.join("; "))
+}

@@ -1,0 +1,134 @@
+//! Files of a plan of plunges. All of them are made before the first is written.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
+use arcfeed_plan::output::job::Machine;
+use arcfeed_plan::output::plunge_job::PlungeJob;
+use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
+use arcfeed_plan::output::stl::to_stl;
+
+use super::super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
+use super::super::files::{BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, file_stem};
+use super::figures::PlungeFigures;
+use super::page::page;
+use super::result::PlungeResult;
+use crate::console::note;
+use crate::part::MachineSource;
+use crate::post::cl::{Cl, ClPoint};
+
+/// Writes the plan's files into a folder.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write(result: &PlungeResult, figures: &PlungeFigures, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::Input(error.to_string());
+    let name = format!("{}.nc", file_stem(&result.part.name));
+    let text = program(&result.plan.plunges, &setup(result));
+    let [stock, finished] = meshes(result).map(|triangles| to_stl(&triangles));
+    let (stock, finished) = (stock.map_err(failed)?, finished.map_err(failed)?);
+    let (cl, job) = (cl(result).write(), job(result, &name));
+    let page = page(result, figures).to_string();
+    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+    let files: [(&str, &[u8]); 6] = [
+        (&name, text.as_bytes()),
+        ("plunges.apt", cl.as_bytes()),
+        ("job.toml", job.as_bytes()),
+        ("stock.stl", &stock),
+        ("finished.stl", &finished),
+        ("report.html", page.as_bytes()),
+    ];
+    for (name, _) in files {
+        refuse_inputs(&[Some(&folder.join(name))], inputs)?;
+    }
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        write_whole(&path, bytes)?;
+        note(format_args!("{}: {} bytes", path.display(), bytes.len()));
+    }
+    Ok(())
+}
+
+fn setup(result: &PlungeResult) -> PlungeSetup {
+    let part = &result.part;
+    PlungeSetup {
+        number: part.output.number,
+        title: vec![
+            part.name.clone(),
+            format!("{} passages, plunge mill D{:.3} mm", part.blisk.blades, 2.0 * part.mill.radius_mm),
+            "zero: where A and B cross, the rotor's axis along B".into(),
+        ],
+        unit: part.output.unit,
+        tool: part.output.tool,
+        rev_per_min: part.feeds.rev_per_min,
+        coolant: part.output.coolant,
+        tilt_deg: result.tilt_deg,
+        index: result.index,
+        passages: part.blisk.blades,
+        feeds: result.feeds,
+    }
+}
+
+/// CL points of all passages, part frame.
+fn cl(result: &PlungeResult) -> Cl {
+    let pitch_rad = result.part.blisk.pitch_rad();
+    let mut cl = Cl { name: Some(result.part.name.clone()), ..Cl::default() };
+    for passage in 0..result.part.blisk.blades {
+        let passage_rad = f64::from(passage) * pitch_rad;
+        for plunge in &result.plan.plunges {
+            let axis = axis_in_part(plunge, passage_rad).into();
+            for step in plunge_moves(plunge, &result.feeds) {
+                let tip_mm = in_part(plunge, &step.to, passage_rad).into();
+                let pose = ToolPose { tip_mm, axis };
+                cl.points.push(ClPoint { line: 0, pose, feed_mm_per_min: step.feed_mm_per_min });
+            }
+        }
+    }
+    cl
+}
+
+/// Blank and finished part about the first passage, in the frame of its first plunge.
+fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
+    let blisk = &result.part.blisk;
+    let middle_rad = result.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
+    // A plan has a plunge.
+    let turn = result.plan.plunges[0].to_tool;
+    let reach_rad = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
+    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
+    let sector = Sector {
+        angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
+        faces_mm: blisk.blank.faces_mm,
+        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
+    };
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, [0, 1], CHORD_MM)]
+        .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+}
+
+fn job(result: &PlungeResult, program: &str) -> String {
+    let part = &result.part;
+    let whole = match &part.machine_source {
+        Some(MachineSource::File(path)) => {
+            let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
+            Some(whole.to_string_lossy().into_owned())
+        }
+        _ => None,
+    };
+    let machine = match &part.machine_source {
+        Some(MachineSource::Preset(preset)) => Some(Machine::Preset(preset)),
+        Some(MachineSource::File(_)) => whole.as_deref().map(Machine::File),
+        None => None,
+    };
+    PlungeJob {
+        unit: part.output.unit,
+        program,
+        mill: &part.mill,
+        tool: part.output.tool,
+        rev_per_min: part.feeds.rev_per_min,
+        feed_per_tooth_mm: part.feeds.per_tooth_mm,
+        feed_max_mm_per_min: result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min),
+        control: CONTROL,
+        machine,
+    }
+    .text()
+}
