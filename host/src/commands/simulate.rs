@@ -33,11 +33,11 @@ mod run_findings;
 
 mod viewer;
 
-mod page;
+pub(super) mod page;
 
 mod block_lines;
 
-mod listing;
+pub(super) mod listing;
 
 mod assertions;
 
@@ -98,11 +98,20 @@ pub struct Simulate {
     /// Write the outcomes of the assertions here, as JUnit XML
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
+    /// Leave the summary out.
+    #[arg(skip)]
+    is_silent: bool,
     #[command(flatten)]
     input: JobInput,
 }
 
 impl Simulate {
+    /// Simulation that only writes its report.
+    pub fn report_of(input: JobInput, report: PathBuf) -> Self {
+        let (surface, assertions, junit) = (None, Vec::new(), None);
+        Simulate { json: false, report: Some(report), surface, assertions, junit, is_silent: true, input }
+    }
+
     /// Runs the command.
     ///
     /// # Errors
@@ -147,18 +156,8 @@ impl Simulate {
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
             let chips = [&simulation, &before].map(|run| run.meter().moves());
-            let name = file.program.display().to_string();
-            let shown = PageContent {
-                title: &title,
-                program: &name,
-                listing: &listing,
-                report: &report,
-                job: &file.job,
-                runs,
-                chips,
-                deviation,
-                marks,
-            };
+            let (title, listing, report, job) = (&title, &listing, &report, &file.job);
+            let shown = PageContent { title, listing, report, job, runs, chips, deviation, marks };
             ended = ended.and(shown.write(path));
         }
         let evidence = Evidence {
@@ -170,7 +169,8 @@ impl Simulate {
             program: file.program.display().to_string(),
         };
         let asserted = self.judge(&evidence, ended.is_ok(), started);
-        ended.and(finish(&report, self.json, title)).and(asserted)
+        let finished = if self.is_silent { stopped(&report) } else { finish(&report, self.json, title) };
+        ended.and(finished).and(asserted)
     }
 
     /// Judges the assertions, and writes their outcomes.
@@ -284,20 +284,16 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
     } else {
         print(format_args!("{}", RunSummary { title, report }.to_string().trim_end()))
     };
-    match report.alarms.first() {
-        None => printed.map_err(Failure::Unprinted),
-        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
-    }
+    stopped(report)?;
+    printed.map_err(Failure::Unprinted)
 }
 
-/// Runs a program from the control's memory to its end.
-///
-/// # Errors
-/// The run never ends.
-pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
-    let mut simulation = in_memory(file, program, fault)?;
-    RunObserver::default().run(&mut simulation)?;
-    Ok(simulation)
+/// The control's alarm as a failure.
+fn stopped(report: &RunReport) -> Result<(), Failure> {
+    match report.alarms.first() {
+        None => Ok(()),
+        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
+    }
 }
 
 fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
@@ -347,8 +343,31 @@ pub fn foreseen(program: &Program, adapted: &Adapted, job: &Job) -> Vec<PlannedC
 ///
 /// # Errors
 /// The run never ends.
-pub fn add_baseline(report: &mut RunReport, file: &JobFile, program: &Program) -> Result<(), Failure> {
-    let simulation = run_in_memory(file, &program.file(), ControllerFault::LawOff)?;
+pub fn add_baseline(
+    report: &mut RunReport,
+    file: &JobFile,
+    program: &Program,
+) -> Result<(Simulation, RunObserver), Failure> {
+    let (simulation, observer) = observed_in_memory(file, &program.file(), ControllerFault::LawOff)?;
     compare(report, measure(&simulation, &file.job));
-    Ok(())
+    Ok((simulation, observer))
+}
+
+/// Runs a program from the control's memory to its end.
+///
+/// # Errors
+/// The run never ends.
+pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
+    observed_in_memory(file, program, fault).map(|(simulation, _)| simulation)
+}
+
+fn observed_in_memory(
+    file: &JobFile,
+    program: &[u8],
+    fault: ControllerFault,
+) -> Result<(Simulation, RunObserver), Failure> {
+    let mut simulation = in_memory(file, program, fault)?;
+    let mut observer = RunObserver::default();
+    observer.run(&mut simulation)?;
+    Ok((simulation, observer))
 }

@@ -30,6 +30,9 @@ use crate::report::page::marks::section as marks_section;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
 
+/// Most moves of a path that is drawn below the viewer, which draws any number of them in less space.
+const DRAWN_MAX: usize = 2_000;
+
 /// Formats of a surface file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceFormat {
@@ -43,8 +46,6 @@ pub enum SurfaceFormat {
 pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
-    /// Program's path.
-    pub program: &'a str,
     /// Program's lines, and those of the executed blocks.
     pub listing: &'a Listing,
     /// Figures of the run.
@@ -125,7 +126,10 @@ impl PageContent<'_> {
         let plots = plots.into_iter().filter(|(_, observer, _)| !observer.log.chips.is_empty());
         let section = |(name, observer, chips): (&str, &RunObserver, &[MoveChips])| Section {
             heading: format!("Chip load along the path, {name}"),
-            body: path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+            body: match observer.log.moves.len() {
+                0..=DRAWN_MAX => path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+                moves => format!("<p>The path has {moves} moves: the viewer above shows it.</p>"),
+            },
         };
         plots.map(section).collect()
     }

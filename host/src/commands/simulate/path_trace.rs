@@ -233,8 +233,8 @@ mod tests {
         let largest_mm = points.windows(2).map(sagitta_mm).fold(0.0, f64::max);
         // Chords of the sagitta 0.005 mm: 2 acos(1 - s / r) each.
         let least = std::f64::consts::TAU / (2.0 * libm::acos(1.0 - TOLERANCE_MM / radius_mm));
-        println!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
-        assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0);
+        let found = format!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
+        assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0, "{found}");
     }
 
     #[test]
@@ -256,8 +256,7 @@ mod tests {
             ..point(ms, [0.0, ms as f64, (ms % 7) as f64], ms as u32)
         };
         let points = trace(1_000, (0..100_000).map(period));
-        println!("{} points", points.len());
-        assert!((400..1_000).contains(&points.len()));
+        assert!((400..1_000).contains(&points.len()), "{} points", points.len());
         assert_eq!(points.last().map(|point| point.at), Some(Micros::from_ms(99_999)));
         assert!(points.windows(2).all(|pair| pair[0].at < pair[1].at));
         assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 3.0);

@@ -35,7 +35,7 @@ pub fn viewer_data(content: &PageContent<'_>) -> ViewerData {
     let [(after, _), (before, _)] = *runs;
     let sides = [("before", before, &listing.block_lines[1]), ("after", after, &listing.block_lines[0])];
     ViewerData {
-        program: content.program.to_owned(),
+        title: content.title.to_owned(),
         unit: job.unit.label(),
         runs: sides.map(|(name, observer, lines)| run(job.unit, name, observer, lines)).into(),
         tool: outline(&job.tools.first().tool, after.cutter.as_ref(), job.unit),
