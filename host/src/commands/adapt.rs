@@ -14,7 +14,6 @@ use super::executed_blocks::check_expanded;
 use super::for_control::{TargetControl, check_for_linuxcnc, prepared_path, write_for_linuxcnc};
 use super::job_input::{JobInput, KeptMoves, UnknownMoves};
 use super::outcome::{Failure, refuse_inputs, say, write_whole};
-use super::simulate::Simulate;
 use crate::adapt::rewrite::Leak;
 use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
@@ -150,8 +149,12 @@ impl Adapt {
             (Some(output), None) => write_whole(output, &text)?,
             (None, _) => {}
         }
-        let report = self.report.as_ref().map(|path| Simulate::report_of(self.input.clone(), path.clone()));
-        report.map_or(Ok(()), |simulate| simulate.run())
+        Ok(())
+    }
+
+    /// Path of the report, if one is requested, and the input that is simulated for it.
+    pub fn report(&self) -> Option<(&JobInput, &Path)> {
+        self.report.as_deref().map(|path| (&self.input, path))
     }
 
     /// Prints the lines of the file that differ from those written back, if that is requested.

@@ -29,15 +29,15 @@ mod spindle_load;
 
 mod path_plot;
 
+mod block_lines;
+
+pub(super) mod listing;
+
 mod run_findings;
 
 mod viewer;
 
 pub(super) mod page;
-
-mod block_lines;
-
-pub(super) mod listing;
 
 mod assertions;
 
@@ -72,7 +72,7 @@ use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
 use control::control_settings;
 use junit::TestSuite;
-use listing::Listing;
+use listing::ProgramListing;
 use observer::RunObserver;
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
@@ -152,7 +152,7 @@ impl Simulate {
             ended = ended.and(format.write(after.stock(), path));
         }
         let executed = [&simulation, &before].map(|run| run.control().executed());
-        let listing = Listing::new(&program, &adapted, &sent, executed);
+        let listing = ProgramListing::new(&program, &adapted, &sent, executed);
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
             let chips = [&simulation, &before].map(|run| run.meter().moves());

@@ -17,10 +17,10 @@ use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
-use super::listing::Listing;
+use super::listing::ProgramListing;
 use super::move_log::{Curve, MoveLog};
 use super::observer::RunObserver;
-use super::viewer::viewer_data;
+use super::viewer::{ViewerInput, viewer_data};
 use super::{load_figures, mark_figures, path_plot};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
@@ -47,7 +47,7 @@ pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
     /// Program's lines, and those of the executed blocks.
-    pub listing: &'a Listing,
+    pub listing: &'a ProgramListing,
     /// Figures of the run.
     pub report: &'a RunReport,
     /// Job: its unit of lengths and its target chip load.
@@ -116,7 +116,10 @@ impl PageContent<'_> {
             }
         }
         sections.extend(self.marks());
-        Page { title: self.title.to_owned(), viewer: Some(viewer_data(self)), sections }
+        let &PageContent { title, report, job, chips, listing, .. } = self;
+        let runs = self.runs.map(|(observer, _)| observer);
+        let viewer = viewer_data(&ViewerInput { title, report, job, runs, chips, listing });
+        Page { title: title.to_owned(), viewer: Some(viewer), sections }
     }
 
     /// The path before and after, with the measured chip load; empty if nothing was measured.

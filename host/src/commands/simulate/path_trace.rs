@@ -180,11 +180,16 @@ fn merge_last(points: &mut Vec<TracePoint>, interval_min: Micros) {
     }
 }
 
-/// Later point with the values of both: the larger feed and chip load.
+/// Later point with the values of both: the larger feed and chip load. A rapid has no feed, and does not hide a cut.
 fn merged(before: &TracePoint, next: TracePoint) -> TracePoint {
     let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::max);
     TracePoint {
-        feed_mm_per_min: before.feed_mm_per_min.max(next.feed_mm_per_min),
+        is_rapid: before.is_rapid && next.is_rapid,
+        feed_mm_per_min: match (before.is_rapid, next.is_rapid) {
+            (true, false) => next.feed_mm_per_min,
+            (false, true) => before.feed_mm_per_min,
+            _ => before.feed_mm_per_min.max(next.feed_mm_per_min),
+        },
         chip_ratio: largest(before.chip_ratio, next.chip_ratio),
         ..next
     }
@@ -260,5 +265,16 @@ mod tests {
         assert_eq!(points.last().map(|point| point.at), Some(Micros::from_ms(99_999)));
         assert!(points.windows(2).all(|pair| pair[0].at < pair[1].at));
         assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 3.0);
+    }
+
+    #[test]
+    fn a_cut_merged_with_a_rapid_keeps_its_feed_and_stays_a_cut() {
+        let cut = point(1, [0.0; 3], 1);
+        let rapid = TracePoint { is_rapid: true, feed_mm_per_min: 2e4, chip_ratio: None, ..point(2, [1.0; 3], 2) };
+        for (before, next) in [(rapid, cut), (cut, rapid)] {
+            let merged = merged(&before, next);
+            assert_eq!((merged.is_rapid, merged.feed_mm_per_min, merged.chip_ratio), (false, 600.0, Some(1.0)));
+        }
+        assert!(merged(&rapid, rapid).is_rapid);
     }
 }

@@ -6,7 +6,7 @@ use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::simulation::Simulation;
 
 use super::super::outcome::Failure;
-use super::super::simulate::listing::Listing;
+use super::super::simulate::listing::ProgramListing;
 use super::super::simulate::observer::RunObserver;
 use super::super::simulate::page::PageContent;
 use super::preparation::PreparedProgram;
@@ -27,7 +27,7 @@ pub fn write<D: OverrideSource>(
     let PreparedProgram { file, program, .. } = ready;
     let adapted = adapt_with(program, &file.job, Known::of(file));
     let executed = [simulation.control().executed(), baseline.control().executed()];
-    let listing = Listing::new(program, &adapted, &adapted.text, executed);
+    let listing = ProgramListing::new(program, &adapted, &adapted.text, executed);
     let content = PageContent {
         title: &format!("{}: sent to the simulated control", file.program.display()),
         listing: &listing,
