@@ -44,7 +44,10 @@ fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Init(command) => command.run(),
         Command::Engage(command) => command.run(),
-        Command::Adapt(command) => command.run(),
+        Command::Adapt(command) => command.run().and_then(|()| match command.report() {
+            Some((input, path)) => Simulate::report_of(input.clone(), path.to_owned()).run(),
+            None => Ok(()),
+        }),
         Command::Plan(command) => command.run(),
         Command::Post(command) => command.run(),
         Command::Stream(command) => command.run(),

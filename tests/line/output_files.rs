@@ -51,7 +51,9 @@ fn no_command_writes_over_a_file_that_it_reads() {
     let input = "this is the input";
     for output in [&program, &linked, &symbolic, &job] {
         refused(&["adapt", &job, "-o", output], output, input);
+        refused(&["adapt", &job, "--report", output], output, input);
         refused(&["simulate", &job, "--report", output], output, input);
+        refused(&["stream", &job, "--report", output], output, input);
         refused(&["stream", &job, "--log", output], output, input);
         refused(&["stream", &job, "--executed", output], output, input);
         refused(&["stream", &job, "--journal", output], output, input);

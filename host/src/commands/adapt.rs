@@ -40,6 +40,9 @@ pub struct Adapt {
     /// (docs/linuxcnc.md)
     #[arg(long = "for", value_enum, value_name = "CONTROL", requires = "output", conflicts_with = "diff")]
     target: Option<TargetControl>,
+    /// Simulate the program before and after, and write the report here, as one HTML file (docs/report.md)
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
     /// Print the lines that change
     #[arg(long, conflicts_with = "json")]
     diff: bool,
@@ -92,7 +95,8 @@ impl Adapt {
     pub fn run(&self) -> Result<(), Failure> {
         let (file, source, may_leak) = self.input.load_text()?;
         let prepared = self.output.as_deref().filter(|_| self.target.is_some()).map(prepared_path);
-        refuse_inputs(&[self.output.as_deref(), prepared.as_deref()], &file.inputs(&self.input.job))?;
+        let outputs = [&self.output, &prepared, &self.report].map(Option::as_deref);
+        refuse_inputs(&outputs, &file.inputs(&self.input.job))?;
         let places = source.places.as_deref();
         let expands = self.expand || self.target.is_some();
         if expands {
@@ -142,11 +146,17 @@ impl Adapt {
             text = write_back(&source, &text, &line_ends).map_err(Failure::Input)?;
             self.print_changes(&source, &text);
         }
-        let Some(output) = &self.output else { return Ok(()) };
-        match self.target {
-            Some(TargetControl::Linuxcnc) => write_for_linuxcnc(output, &source, &file, text),
-            None => write_whole(output, &text),
+        match (&self.output, self.target) {
+            (Some(output), Some(TargetControl::Linuxcnc)) => write_for_linuxcnc(output, &source, &file, text)?,
+            (Some(output), None) => write_whole(output, &text)?,
+            (None, _) => {}
         }
+        Ok(())
+    }
+
+    /// Path of the report, if one is requested, and the input that is simulated for it.
+    pub fn report(&self) -> Option<(&JobInput, &Path)> {
+        self.report.as_deref().map(|path| (&self.input, path))
     }
 
     /// Prints the lines of the file that differ from those written back, if that is requested.

@@ -24,7 +24,7 @@ use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 const KEPT_LINES: usize = 3;
 
 /// A job file, or a program with the values that a job would add to it.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct JobInput {
     /// The job file (.toml); or an NC program, for end mills: tools from its comments or from the options below
     #[arg(value_name = "JOB.toml|PROGRAM.nc")]

@@ -31,15 +31,15 @@ mod spindle_load;
 
 mod path_plot;
 
+mod block_lines;
+
+pub(super) mod listing;
+
 mod run_findings;
 
 mod viewer;
 
-mod page;
-
-mod block_lines;
-
-mod listing;
+pub(super) mod page;
 
 mod assertions;
 
@@ -75,7 +75,7 @@ use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
 use assumed_stock::StockArgs;
 use control::control_settings;
 use junit::TestSuite;
-use listing::Listing;
+use listing::ProgramListing;
 use observer::RunObserver;
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
@@ -101,6 +101,9 @@ pub struct Simulate {
     /// Write the outcomes of the assertions here, as JUnit XML
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
+    /// Leave the summary out.
+    #[arg(skip)]
+    is_silent: bool,
     #[command(flatten)]
     stock: StockArgs,
     #[command(flatten)]
@@ -108,6 +111,21 @@ pub struct Simulate {
 }
 
 impl Simulate {
+    /// Simulation that only writes its report.
+    pub fn report_of(input: JobInput, report: PathBuf) -> Self {
+        let (surface, assertions, junit) = (None, Vec::new(), None);
+        Simulate {
+            json: false,
+            report: Some(report),
+            surface,
+            assertions,
+            junit,
+            is_silent: true,
+            stock: StockArgs::default(),
+            input,
+        }
+    }
+
     /// Runs the command.
     ///
     /// # Errors
@@ -146,22 +164,12 @@ impl Simulate {
             ended = ended.and(format.write(after.stock(), path));
         }
         let executed = [&simulation, &before].map(|run| run.control().executed());
-        let listing = Listing::new(&program, &adapted, &sent, executed);
+        let listing = ProgramListing::new(&program, &adapted, &sent, executed);
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
             let chips = [&simulation, &before].map(|run| run.meter().moves());
-            let name = file.program.display().to_string();
-            let shown = PageContent {
-                title: &title,
-                program: &name,
-                listing: &listing,
-                report: &report,
-                job: &file.job,
-                runs,
-                chips,
-                deviation,
-                marks,
-            };
+            let (title, listing, report, job) = (&title, &listing, &report, &file.job);
+            let shown = PageContent { title, listing, report, job, runs, chips, deviation, marks };
             ended = ended.and(shown.write(path));
         }
         let evidence = Evidence {
@@ -173,7 +181,8 @@ impl Simulate {
             program: file.program.display().to_string(),
         };
         let asserted = self.judge(&evidence, ended.is_ok(), started);
-        ended.and(finish(&report, self.json, title)).and(asserted)
+        let finished = if self.is_silent { stopped(&report) } else { finish(&report, self.json, title) };
+        ended.and(finished).and(asserted)
     }
 
     /// Judges the assertions, and writes their outcomes.
@@ -287,20 +296,16 @@ pub fn finish(report: &RunReport, json: bool, title: String) -> Result<(), Failu
     } else {
         print(format_args!("{}", RunSummary { title, report }.to_string().trim_end()))
     };
-    match report.alarms.first() {
-        None => printed.map_err(Failure::Unprinted),
-        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
-    }
+    stopped(report)?;
+    printed.map_err(Failure::Unprinted)
 }
 
-/// Runs a program from the control's memory to its end.
-///
-/// # Errors
-/// The run never ends.
-pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
-    let mut simulation = in_memory(file, program, fault)?;
-    RunObserver::default().run(&mut simulation)?;
-    Ok(simulation)
+/// The control's alarm as a failure.
+fn stopped(report: &RunReport) -> Result<(), Failure> {
+    match report.alarms.first() {
+        None => Ok(()),
+        Some(alarm) => Err(Failure::Machine(format!("the control stopped at {alarm}"))),
+    }
 }
 
 fn in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
@@ -390,9 +395,24 @@ pub fn add_baseline(
     file: &JobFile,
     program: &Program,
     foreseen: &[PlannedConditions],
-) -> Result<(), Failure> {
+) -> Result<(Simulation, RunObserver), Failure> {
     let mut simulation = unadapted(file, program, foreseen.to_vec())?;
-    RunObserver::default().run(&mut simulation)?;
+    let observer = observe(&mut simulation)?;
     compare(report, measure(&simulation, &file.job));
-    Ok(())
+    Ok((simulation, observer))
+}
+
+/// Runs a program from the control's memory to its end.
+///
+/// # Errors
+/// The run never ends.
+pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
+    let mut simulation = in_memory(file, program, fault)?;
+    observe(&mut simulation).map(|_| simulation)
+}
+
+fn observe(simulation: &mut Simulation) -> Result<RunObserver, Failure> {
+    let mut observer = RunObserver::default();
+    observer.run(simulation)?;
+    Ok(observer)
 }

@@ -26,6 +26,8 @@ interface Plot {
 export class Curves {
     private readonly plots: Plot[] = [];
     private along: Along = 'time';
+    /** Places of the points of each run along the axis. */
+    private places = new Map<Run, Float64Array>();
     private range: [number, number] = [0, 1];
     private colors = { text: '#000', grid: '#ccc' };
 
@@ -37,6 +39,7 @@ export class Curves {
         private readonly abscissa: (run: Run, time: number, along: Along) => number,
         private readonly pointed: (place: number, along: Along) => void,
     ) {
+        this.place();
         this.range = this.whole();
         quantities.forEach((quantity) => this.plots.push(this.create(quantity)));
         new ResizeObserver(() => this.resize()).observe(parent);
@@ -44,7 +47,12 @@ export class Curves {
 
     setAlong(along: Along): void {
         this.along = along;
+        this.place();
         this.zoom(this.whole());
+    }
+
+    private place(): void {
+        this.places = new Map(this.runs.map((run) => [run, run.time.map((time) => this.abscissa(run, time, this.along))]));
     }
 
     setColors(text: string, grid: string): void {
@@ -152,13 +160,14 @@ export class Curves {
         const data: (number | null)[][] = [xs];
         for (const run of this.runs) {
             const values = run.columns.get(quantity.key)?.values;
-            if (!values) continue;
+            const places = this.places.get(run);
+            if (!values || !places) continue;
             const least = new Array<number | null>(bins).fill(null);
             const largest = new Array<number | null>(bins).fill(null);
-            let end = this.abscissa(run, run.time[0], this.along);
+            let end = places[0];
             for (let i = 1; i < run.points; i++) {
                 const begin = end;
-                end = this.abscissa(run, run.time[i], this.along);
+                end = places[i];
                 if (Number.isNaN(values[i]) || end < low || begin > high) continue;
                 const first = Math.max(Math.floor(((begin - low) / (high - low)) * bins), 0);
                 const last = Math.min(Math.ceil(((end - low) / (high - low)) * bins) - 1, bins - 1);

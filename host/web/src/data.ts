@@ -14,7 +14,7 @@ interface ColumnHead {
 
 interface Header {
     schema: number;
-    program: string;
+    title: string;
     unit: string;
     runs: { name: string; points: number; columns: ColumnHead[] }[];
     tool: [number, number][];
@@ -56,7 +56,7 @@ export interface Line {
 }
 
 export interface ReportData {
-    program: string;
+    title: string;
     unit: string;
     runs: RunData[];
     tool: [number, number][];
@@ -87,8 +87,8 @@ export async function read(base64: string): Promise<ReportData> {
     });
     const heights = header.heights && { ...header.heights, values: take(header.heights.column, header.heights.cells).values };
     const lines = readLines(new TextDecoder().decode(bytes.subarray(at, at + header.text_bytes)));
-    const { program, unit, tool, findings } = header;
-    return { program, unit, runs, tool, heights, findings, lines };
+    const { title, unit, tool, findings } = header;
+    return { title, unit, runs, tool, heights, findings, lines };
 }
 
 /** Sums of the differences, whose bytes stand in four planes. */

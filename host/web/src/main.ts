@@ -72,11 +72,17 @@ class Viewer {
     private createScene(): PathScene | null {
         const canvas = element<HTMLCanvasElement>('path');
         try {
+            let pointer: PointerEvent | null = null;
             const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
             canvas.addEventListener('pointermove', (event) => {
                 if (event.buttons !== 0) return;
-                const found = scene.pick(event.clientX, event.clientY);
-                if (found) this.select(found.run, found.time, 'scene');
+                // The pointer moves more often than a picture is drawn.
+                if (!pointer) requestAnimationFrame(() => {
+                    const found = pointer && scene.pick(pointer.clientX, pointer.clientY);
+                    pointer = null;
+                    if (found) this.select(found.run, found.time, 'scene');
+                });
+                pointer = event;
             });
             canvas.addEventListener('click', (event) => {
                 const found = scene.pick(event.clientX, event.clientY);

@@ -146,23 +146,23 @@ export class PathScene {
         const m = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse).elements;
         const { run, segments } = drawn;
         const [xs, ys, zs] = run.place;
-        const screen = (i: number): [number, number] => {
-            const [x, y, z] = [xs[i] - this.center.x, ys[i] - this.center.y, zs[i] - this.center.z];
-            return [
-                ((m[0] * x + m[4] * y + m[8] * z + m[12]) / 2 + 0.5) * width,
-                (0.5 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / 2) * box.height,
-            ];
-        };
+        const { x: cx, y: cy, z: cz } = this.center;
+        const [halfWidth, halfHeight] = [width / 2, box.height / 2];
+        const across = (i: number) => (m[0] * (xs[i] - cx) + m[4] * (ys[i] - cy) + m[8] * (zs[i] - cz) + m[12] + 1) * halfWidth;
+        const down = (i: number) => (1 - m[1] * (xs[i] - cx) - m[5] * (ys[i] - cy) - m[9] * (zs[i] - cz) - m[13]) * halfHeight;
         let best = { distance: NEAR, time: NaN };
-        let [last, b] = [-1, [0, 0] as [number, number]];
+        let [last, bx, by] = [-1, 0, 0];
         for (const end of segments) {
-            const a = last === end - 1 ? b : screen(end - 1);
-            b = screen(end);
+            const [ax, ay] = last === end - 1 ? [bx, by] : [across(end - 1), down(end - 1)];
+            bx = across(end);
+            by = down(end);
             last = end;
-            const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+            const outside = (p: number, a: number, b: number) => p < Math.min(a, b) - NEAR || p > Math.max(a, b) + NEAR;
+            if (outside(px, ax, bx) || outside(py, ay, by)) continue;
+            const [dx, dy] = [bx - ax, by - ay];
             const square = dx * dx + dy * dy;
-            const part = square > 0 ? Math.min(Math.max(((px - a[0]) * dx + (py - a[1]) * dy) / square, 0), 1) : 1;
-            const distance = Math.hypot(a[0] + part * dx - px, a[1] + part * dy - py);
+            const part = square > 0 ? Math.min(Math.max(((px - ax) * dx + (py - ay) * dy) / square, 0), 1) : 1;
+            const distance = Math.hypot(ax + part * dx - px, ay + part * dy - py);
             if (distance < best.distance) {
                 // Not quite at the beginning, which belongs to the point before.
                 const within = Math.max(part, 1e-3);
@@ -170,15 +170,6 @@ export class PathScene {
             }
         }
         return Number.isNaN(best.time) ? null : { run, time: best.time };
-    }
-
-    /** Place of a point of the part on the canvas, in CSS pixels of the first picture. */
-    onScreen(place: [number, number, number]): [number, number] {
-        const box = this.canvas.getBoundingClientRect();
-        const width = box.width / this.shown.length;
-        this.setFrustum(width, box.height);
-        const point = this.local(...place).project(this.camera);
-        return [(point.x / 2 + 0.5) * width, (0.5 - point.y / 2) * box.height];
     }
 
     /** Directions of the axes on the screen. */
@@ -235,10 +226,11 @@ export class PathScene {
         for (const counts of [(run: Run, i: number) => i > 0 && run.rapid[i] === 0, () => true]) {
             const low = new Vector3(Infinity, Infinity, Infinity);
             const high = low.clone().negate();
+            const point = new Vector3();
             for (const run of runs) {
                 for (let i = 0; i < run.points; i++) {
                     if (!counts(run, i)) continue;
-                    const point = new Vector3(run.place[0][i], run.place[1][i], run.place[2][i]);
+                    point.set(run.place[0][i], run.place[1][i], run.place[2][i]);
                     low.min(point);
                     high.max(point);
                 }
@@ -325,8 +317,8 @@ export class PathScene {
         const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
         geometry.setIndex(triangles);
         geometry.computeVertexNormals();
-        // Behind the path, which runs exactly on the floors that it has cut.
-        const offset = { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 };
-        return new Mesh(geometry, new MeshLambertMaterial({ color: 0x9fb0c3, side: DoubleSide, ...offset }));
+        // The path runs in and behind the material, and stays visible.
+        const glass = { transparent: true, opacity: 0.45, depthWrite: false };
+        return new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
     }
 }

@@ -1,18 +1,13 @@
 // A report in a real browser: `node test/page.mjs REPORT.html FACTS.json [PICTURE.png]`. The facts are figures of `simulate --json`, and what
 // is known about the program itself: a line, the places and the chips on it.
 import assert from 'node:assert/strict';
-import { existsSync, readFileSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { pathToFileURL } from 'node:url';
-import { chromium } from 'playwright-core';
+import { launch, open } from './browser.mjs';
 
 const [report, factsFile, screenshot] = process.argv.slice(2);
 const facts = JSON.parse(readFileSync(factsFile, 'utf8'));
-const browsers = ['chromium', 'chromium-browser', 'google-chrome'].map((name) => `/usr/bin/${name}`);
-// WebGL without a graphics card.
-const args = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
-const browser = await chromium.launch({ executablePath: browsers.find(existsSync), args });
-const page = await browser.newPage({ viewport: { width: 1400, height: 1300 } });
+const { browser, page } = await launch({ width: 1200, height: 900 });
 const [messages, requests] = [[], []];
 page.on('console', (message) => messages.push(message.text()));
 page.on('pageerror', (error) => messages.push(error.message));
@@ -57,8 +52,7 @@ const close = (actual, wanted, tolerance, what) =>
     assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual}, not ${wanted} within ${tolerance}`);
 
 async function opens() {
-    await page.goto(pathToFileURL(report).href);
-    await page.waitForFunction(() => document.documentElement.dataset.viewer === 'ready', null, { timeout: 60_000 });
+    await open(page, report);
     const drawn = await colors();
     console.log(`picture: ${drawn.drawn} pixels drawn in ${drawn.colors} colours`);
     assert.ok(drawn.drawn > 2_000 && drawn.colors > 20, 'the picture is empty');
@@ -147,6 +141,7 @@ async function links() {
     });
     await set(await scrub.evaluate((scrub) => scrub.min));
     await page.locator('#path').hover({ position: { x: tip[0], y: tip[1] } });
+    await settle();
     const pointed = await values('after');
     console.log(`pointed at the tool: line ${pointed.Line}, X ${pointed.X} Y ${pointed.Y}`);
     for (const axis of ['X', 'Y']) close(pointed[axis], found[axis], facts.pixel, `${axis} by the picture`);
@@ -165,6 +160,12 @@ async function switches() {
     for (const view of ['XY', 'XZ', 'YZ', 'iso']) {
         await page.locator(`[data-view=${view}]`).click();
         assert.ok((await colors()).drawn > 500, view);
+    }
+    const stock = page.locator('#stock');
+    if (await stock.isVisible()) {
+        const full = await colors();
+        await stock.uncheck();
+        assert.notDeepEqual((await colors()).counts, full.counts, 'the stock stays');
     }
     const light = await colors();
     await page.locator('#theme').click();

@@ -14,6 +14,8 @@ const WEB: &str = "host/web";
 
 const BROWSERS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
+const POCKET: &str = "examples/pocket/job-contour.toml";
+
 /// A slot by a mill of R 5 mm, with forces and a limit of the spindle.
 const SLOT: &str = "%\nG21G17G90G94\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X20.F600.\nN5G0Z5.\nN6M30\n%\n";
 const SLOT_JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
@@ -49,15 +51,15 @@ fn node(arguments: &[&str]) -> String {
     out
 }
 
-/// Runs a job, and looks for the facts in its page.
+/// Runs a job by a command, and looks for the facts in its page.
 #[track_caller]
-fn check(test: &str, job: &str, facts: impl Fn(&Value) -> Value) {
+fn check(test: &str, [command, job]: [&str; 2], facts: impl Fn(&Value) -> Value) {
     if !(has_node(test) && has_browser(test)) {
         return;
     }
     let scratch = Scratch::new(test);
     let page = scratch.path("run.html");
-    let output = run(&["simulate", job, "--json", "--report", &page]);
+    let output = run(&[command, job, "--json", "--report", &page]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
     let mut facts = facts(&report);
@@ -74,29 +76,60 @@ fn largest_chip(report: &Value) -> f64 {
 
 #[test]
 fn a_report_opens_from_disk_and_shows_one_moment_in_path_curves_and_text() {
-    // N160: a corner of the contour's radius 8 mm, on which the centre of the mill of R 5 mm runs on 3 mm: the programmed feed is 8/3 of that
-    // on the contour.
-    check("page-pocket", "examples/pocket/job-contour.toml", |report| {
-        json!({
-            "curves": 3,
-            "tables": ["feed per tooth at the contour", "Along time", "Chip load along the path, after"],
-            "largest": [["chip", largest_chip(report), 2e-3]],
-            "find": "N160G3",
-            "line": 15,
-            "place": { "center": [42, 27], "radius": 3, "Z": -5, "tolerance": 6e-3 },
-            "chip": { "before": 8.0 / 3.0, "after": 1.0 },
-            "pixel": 0.6,
-            "pixel_s": 0.03,
-            // The four corners and the slot, before the adaptation.
-            "findings": 5,
-        })
-    });
+    check("page-pocket", ["simulate", POCKET], pocket_facts);
+}
+
+#[test]
+fn a_run_over_the_simulated_line_has_the_same_viewer() {
+    check("page-stream", ["stream", POCKET], pocket_facts);
+    let scratch = Scratch::new("page-serial");
+    let output = run(&["stream", POCKET, "--port", "loop://", "--report", &scratch.path("run.html")]);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && words.contains("--report: a control on a serial line"), "{words}");
+    assert!(scratch.files().is_empty());
+}
+
+#[test]
+fn adapt_writes_the_report_that_simulate_writes_and_its_own_output() {
+    let scratch = Scratch::new("page-adapt");
+    let [adapted, simulated, program] = ["adapted.html", "simulated.html", "out.nc"].map(|name| scratch.path(name));
+    for arguments in [
+        ["adapt", POCKET, "-o", &program, "--report", &adapted].as_slice(),
+        &["simulate", POCKET, "--report", &simulated],
+    ] {
+        assert_eq!(run(arguments).status.code(), Some(0), "{arguments:?}");
+    }
+    let data = |path: &str| {
+        let html = std::fs::read_to_string(path).expect("a page");
+        let (_, data) = html.split_once("id=\"arcfeed-data\">").expect("its data");
+        data.split_once("</script>").expect("their end").0.to_owned()
+    };
+    assert!(data(&adapted).len() > 1_000 && data(&adapted) == data(&simulated));
+    assert!(std::fs::read_to_string(&program).expect("the program").contains("N160G3X42.Y30.I-3.J.0F1200."));
+}
+
+/// Facts of the pocket. N160 is a corner of the contour's radius 8 mm, on which the centre of the mill of R 5 mm runs on 3 mm: the programmed
+/// feed at the contour is 8/3 of the wanted one.
+fn pocket_facts(report: &Value) -> Value {
+    json!({
+        "curves": 3,
+        "tables": ["feed per tooth at the contour", "Along time", "Chip load along the path, after"],
+        "largest": [["chip", largest_chip(report), 2e-3]],
+        "find": "N160G3",
+        "line": 15,
+        "place": { "center": [42, 27], "radius": 3, "Z": -5, "tolerance": 6e-3 },
+        "chip": { "before": 8.0 / 3.0, "after": 1.0 },
+        "pixel": 0.6,
+        "pixel_s": 0.03,
+        // The four corners and the slot, before the adaptation.
+        "findings": 5,
+    })
 }
 
 #[test]
 fn a_report_shows_the_ring_its_removal_rate_and_the_remaining_stock() {
     // N144: about the centre that I and J give from the end of N142.
-    check("page-ring", "examples/ibr-slot/job.toml", |report| {
+    check("page-ring", ["simulate", "examples/ibr-slot/job.toml"], |report| {
         json!({
             "curves": 4,
             "tables": ["Heights, seen along Z", "removal rate, in3/min"],
@@ -116,7 +149,7 @@ fn a_report_shows_forces_and_leads_to_each_block_above_a_limit() {
     let scratch = Scratch::new("page-slot-job");
     scratch.write("program.nc", SLOT);
     let job = scratch.write("job.toml", SLOT_JOB);
-    check("page-slot", &job, |report| {
+    check("page-slot", ["simulate", &job], |report| {
         let [load, power] = [&report["loads"]["load"], &report["spindle"]["power"]];
         let above = ["above", "baseline_above"].map(|key| power[key].as_array().expect("a list").len());
         assert!(above[0] > 0, "{power}");

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  the chip's emulator and Python's packages, where missing       packages.rs, unpack.rs
+//! packages  emulator, browser, packages of Python and npm, where missing  packages.rs, unpack.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! tests     built beside the boards, then run, results added up          tally.rs, selection.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs

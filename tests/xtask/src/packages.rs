@@ -1,9 +1,11 @@
 //! Programs of the operating system that the tests run: present, or installed from Debian's packages; and what
-//! `tests/line/wire/decode.py` decodes with, from the Python Package Index, into the build directory.
+//! `tests/line/wire/decode.py` decodes with, from the Python Package Index, into the build directory; and the packages of npm that build
+//! and test the viewer of reports, into its folder.
 //!
 //! No package is ever removed, and a person at a terminal is asked before anything runs as root.
 
 use std::io::{BufRead, IsTerminal};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use crate::command::{Failure, announce, build_dir, output, program, run};
@@ -35,7 +37,7 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 6] = [
+const NEEDS: [Need; 8] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
@@ -85,7 +87,26 @@ const NEEDS: [Need; 6] = [
         runs_unpacked: false,
         is_optional: true,
     },
+    Need {
+        what: "a browser for reports",
+        package: "chromium",
+        shown_by: &[&["chromium", "--version"], &["chromium-browser", "--version"], &["google-chrome", "--version"]],
+        elsewhere: "install Chromium or Chrome",
+        runs_unpacked: false,
+        is_optional: true,
+    },
+    Need {
+        what: "Node and npm, for the viewer of reports",
+        package: "npm",
+        shown_by: &[&["sh", "-c", "node --version && npm --version"]],
+        elsewhere: "install Node 20 or later with npm",
+        runs_unpacked: false,
+        is_optional: true,
+    },
 ];
+
+/// Folder of the viewer of reports.
+const WEB: &str = "host/web";
 
 /// Packages that the decoding script needs.
 const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
@@ -95,7 +116,28 @@ const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
 /// # Errors
 /// Not there and not to be had; says what was tried and what to do.
 pub fn install() -> Result<(), Failure> {
-    NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages())
+    let needs = NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages());
+    if let Err(failure) = install_node_packages() {
+        announce(&format!(
+            "WITHOUT the packages of npm for the viewer ({}). With npm and the network, run `npm ci` in {WEB}.",
+            failure.what
+        ));
+    }
+    needs
+}
+
+/// Into the viewer's folder, as its lock file has them; nothing of the packages runs while they are installed.
+fn install_node_packages() -> Result<(), Failure> {
+    announce("packages of npm for the viewer of reports");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(WEB);
+    let (lock, installed) = (folder.join("package-lock.json"), folder.join("node_modules/installed-lock.json"));
+    let read = |path: &Path| std::fs::read(path).map_err(|error| Failure::new(format!("{}: {error}", path.display())));
+    let wanted = read(&lock)?;
+    if read(&installed).is_ok_and(|found| found == wanted) {
+        return Ok(());
+    }
+    run(program("npm", &["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"]).current_dir(&folder))?;
+    std::fs::write(&installed, wanted).map_err(|error| Failure::new(format!("{}: {error}", installed.display())))
 }
 
 /// Installs LinuxCNC and its compiler of components, if they are missing.

@@ -22,7 +22,7 @@ const QUICK: [&str; 12] = [
     "machine",
 ];
 /// Parts of test names that `quick` leaves out: tests that run for seconds, or build something first.
-const SLOW: [&str; 28] = [
+const SLOW: [&str; 29] = [
     "blade::",
     "chips::",
     "cutting_loads::",
@@ -45,6 +45,7 @@ const SLOW: [&str; 28] = [
     "plain_build::",
     "program_memory::",
     "pyserial::",
+    "report_page::",
     "rewrite_only::",
     "serving_clients::",
     "stability::",

@@ -8,15 +8,15 @@ use crate::program::{Program, in_capitals};
 
 /// Program as text, with the line of each executed block.
 #[derive(Clone, Debug, Default)]
-pub struct Listing {
+pub struct ProgramListing {
     /// Lines of the program's file, each with its text as sent.
     pub lines: Vec<[Vec<u8>; 2]>,
     /// Line, counted from 1, of each executed block; of the run and of the original program.
     pub block_lines: [Vec<Option<usize>>; 2],
 }
 
-impl Listing {
-    /// Listing of a program; `sent` is its text in the control's memory, and `executed` has the blocks of the run and of
+impl ProgramListing {
+    /// ProgramListing of a program; `sent` is its text in the control's memory, and `executed` has the blocks of the run and of
     /// the original program.
     pub fn new(program: &Program, adapted: &Adapted, sent: &[u8], executed: [&[Vec<u8>]; 2]) -> Self {
         let file = program.file();
@@ -43,7 +43,7 @@ impl Listing {
             (false, _) => text_of(&line_ends(sent), sent),
         };
         let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
-        Listing { lines, block_lines: [after, before] }
+        ProgramListing { lines, block_lines: [after, before] }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
 
+use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
@@ -64,13 +65,18 @@ impl RunObserver {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
+        self.record(simulation);
+        Ok(())
+    }
+
+    /// Processes a period without the workpiece.
+    pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
         let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((simulation.now(), percent));
         }
-        Ok(())
     }
 }
 

@@ -17,10 +17,10 @@ use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
-use super::listing::Listing;
+use super::listing::ProgramListing;
 use super::move_log::{Curve, MoveLog};
 use super::observer::RunObserver;
-use super::viewer::viewer_data;
+use super::viewer::{ViewerInput, viewer_data};
 use super::{load_figures, mark_figures, path_plot};
 use crate::report::figures::RunReport;
 use crate::report::material::{DeviationFigures, VolumeUnit};
@@ -29,6 +29,9 @@ use crate::report::page::map::Map;
 use crate::report::page::marks::section as marks_section;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
+
+/// Most moves of a path that is drawn below the viewer, which draws any number of them in less space.
+const DRAWN_MAX: usize = 2_000;
 
 /// Formats of a surface file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,10 +46,8 @@ pub enum SurfaceFormat {
 pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
-    /// Program's path.
-    pub program: &'a str,
     /// Program's lines, and those of the executed blocks.
-    pub listing: &'a Listing,
+    pub listing: &'a ProgramListing,
     /// Figures of the run.
     pub report: &'a RunReport,
     /// Job: its unit of lengths and its target chip load.
@@ -115,7 +116,10 @@ impl PageContent<'_> {
             }
         }
         sections.extend(self.marks());
-        Page { title: self.title.to_owned(), viewer: Some(viewer_data(self)), sections }
+        let &PageContent { title, report, job, chips, listing, .. } = self;
+        let runs = self.runs.map(|(observer, _)| observer);
+        let viewer = viewer_data(&ViewerInput { title, report, job, runs, chips, listing });
+        Page { title: title.to_owned(), viewer: Some(viewer), sections }
     }
 
     /// The path before and after, with the measured chip load; empty if nothing was measured.
@@ -125,7 +129,10 @@ impl PageContent<'_> {
         let plots = plots.into_iter().filter(|(_, observer, _)| !observer.log.chips.is_empty());
         let section = |(name, observer, chips): (&str, &RunObserver, &[MoveChips])| Section {
             heading: format!("Chip load along the path, {name}"),
-            body: path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+            body: match observer.log.moves.len() {
+                0..=DRAWN_MAX => path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+                moves => format!("<p>The path has {moves} moves: the viewer above shows it.</p>"),
+            },
         };
         plots.map(section).collect()
     }

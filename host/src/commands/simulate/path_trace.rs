@@ -180,11 +180,16 @@ fn merge_last(points: &mut Vec<TracePoint>, interval_min: Micros) {
     }
 }
 
-/// Later point with the values of both: the larger feed and chip load.
+/// Later point with the values of both: the larger feed and chip load. A rapid has no feed, and does not hide a cut.
 fn merged(before: &TracePoint, next: TracePoint) -> TracePoint {
     let largest = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::max);
     TracePoint {
-        feed_mm_per_min: before.feed_mm_per_min.max(next.feed_mm_per_min),
+        is_rapid: before.is_rapid && next.is_rapid,
+        feed_mm_per_min: match (before.is_rapid, next.is_rapid) {
+            (true, false) => next.feed_mm_per_min,
+            (false, true) => before.feed_mm_per_min,
+            _ => before.feed_mm_per_min.max(next.feed_mm_per_min),
+        },
         chip_ratio: largest(before.chip_ratio, next.chip_ratio),
         ..next
     }
@@ -233,8 +238,8 @@ mod tests {
         let largest_mm = points.windows(2).map(sagitta_mm).fold(0.0, f64::max);
         // Chords of the sagitta 0.005 mm: 2 acos(1 - s / r) each.
         let least = std::f64::consts::TAU / (2.0 * libm::acos(1.0 - TOLERANCE_MM / radius_mm));
-        println!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
-        assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0);
+        let found = format!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
+        assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0, "{found}");
     }
 
     #[test]
@@ -256,10 +261,20 @@ mod tests {
             ..point(ms, [0.0, ms as f64, (ms % 7) as f64], ms as u32)
         };
         let points = trace(1_000, (0..100_000).map(period));
-        println!("{} points", points.len());
-        assert!((400..1_000).contains(&points.len()));
+        assert!((400..1_000).contains(&points.len()), "{} points", points.len());
         assert_eq!(points.last().map(|point| point.at), Some(Micros::from_ms(99_999)));
         assert!(points.windows(2).all(|pair| pair[0].at < pair[1].at));
         assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 3.0);
+    }
+
+    #[test]
+    fn a_cut_merged_with_a_rapid_keeps_its_feed_and_stays_a_cut() {
+        let cut = point(1, [0.0; 3], 1);
+        let rapid = TracePoint { is_rapid: true, feed_mm_per_min: 2e4, chip_ratio: None, ..point(2, [1.0; 3], 2) };
+        for (before, next) in [(rapid, cut), (cut, rapid)] {
+            let merged = merged(&before, next);
+            assert_eq!((merged.is_rapid, merged.feed_mm_per_min, merged.chip_ratio), (false, 600.0, Some(1.0)));
+        }
+        assert!(merged(&rapid, rapid).is_rapid);
     }
 }

@@ -5,14 +5,17 @@ use arcfeed_dexel::lattice::Lattice;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::rate::windows;
+use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_model::job::Job;
 use arcfeed_model::tool::Tool as JobTool;
 use arcfeed_units::{LengthUnit, Micros, Nm};
 
 use super::edges::UPRIGHT;
+use super::listing::ProgramListing;
 use super::observer::RunObserver;
-use super::page::PageContent;
 use super::path_trace::TracePoint;
 use super::run_findings::findings;
+use crate::report::figures::RunReport;
 use crate::report::material::VolumeUnit;
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{HeightGrid, RunPath, ViewerData};
@@ -29,18 +32,33 @@ const HEIGHT_RATIO: f64 = 2.0;
 /// Value over time: beginning, end, value.
 type Window = (Micros, Micros, f64);
 
+/// Runs to be shown; the run and the original program.
+pub struct ViewerInput<'a> {
+    /// Title of the report.
+    pub title: &'a str,
+    /// Figures of the run.
+    pub report: &'a RunReport,
+    /// Job.
+    pub job: &'a Job,
+    /// Observers of the runs.
+    pub runs: [&'a RunObserver; 2],
+    /// Measured chips, move by move.
+    pub chips: [&'a [MoveChips]; 2],
+    /// Program's lines, and those of the executed blocks.
+    pub listing: &'a ProgramListing,
+}
+
 /// Data of both runs.
-pub fn viewer_data(content: &PageContent<'_>) -> ViewerData {
-    let PageContent { job, report, runs, chips, listing, .. } = content;
-    let [(after, _), (before, _)] = *runs;
+pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
+    let ViewerInput { title, report, job, runs: [after, before], chips, listing } = *input;
     let sides = [("before", before, &listing.block_lines[1]), ("after", after, &listing.block_lines[0])];
     ViewerData {
-        program: content.program.to_owned(),
+        title: title.to_owned(),
         unit: job.unit.label(),
         runs: sides.map(|(name, observer, lines)| run(job.unit, name, observer, lines)).into(),
         tool: outline(&job.tools.first().tool, after.cutter.as_ref(), job.unit),
         heights: after.cutter.as_ref().map(|cutter| heights(cutter, job.unit)),
-        findings: findings(report, job.unit, *chips),
+        findings: findings(report, job.unit, chips),
         lines: listing.lines.clone(),
     }
 }

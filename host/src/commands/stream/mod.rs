@@ -16,6 +16,8 @@ mod sim_link;
 
 mod send_loop;
 
+mod run_page;
+
 mod simulator;
 
 mod linuxcnc;
@@ -81,6 +83,9 @@ pub struct Stream {
     /// Write the blocks that the control executed here (sim: only)
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
+    /// Write the report of the run here, as one HTML file (sim: only; docs/report.md)
+    #[arg(long, value_name = "OUT.html")]
+    report: Option<PathBuf>,
     /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -104,12 +109,18 @@ impl Stream {
         self.check_mode(&ready.file.job.policy)?;
         let is_sim = self.port.base == Base::Sim;
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
-        let mut outputs = vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref()];
+        let mut outputs =
+            vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref(), self.report.as_deref()];
         outputs.extend(self.port.files().map(Some));
         refuse_inputs(&outputs, &ready.file.inputs(&self.input.job))?;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
+        }
+        if self.report.is_some() && !is_sim {
+            let message =
+                "--report: a control on a serial line does not say where its axes are; drop the option, or use sim:";
+            return Err(Failure::Usage(message.into()));
         }
         if self.speed.is_some() && !is_sim {
             return Err(Failure::Usage(

@@ -10,6 +10,7 @@ use arcfeed_units::Micros;
 
 use super::super::outcome::Failure;
 use super::super::simulate::control::control_settings;
+use super::super::simulate::observer::RunObserver;
 use crate::job::JobFile;
 use crate::port::{Machine, Port, PortError};
 use crate::report::figures::{AlarmFigures, LinkFigures};
@@ -34,6 +35,8 @@ pub struct SimPort<D = InProcessController> {
     fed: (usize, u64),
     /// Start of simulated time, and its seconds per second; `None`: as fast as possible.
     tempo: Option<(Instant, u32)>,
+    /// Observer of the run, for a report.
+    observer: Option<RunObserver>,
 }
 
 impl SimPort {
@@ -54,6 +57,26 @@ impl<D: OverrideSource> SimPort<D> {
             bits_per_char: f64::from(file.serial.bits_per_char()),
             fed: (0, 0),
             tempo: speed.map(|speed| (Instant::now(), speed)),
+            observer: None,
+        }
+    }
+
+    /// Observes the run from here on.
+    pub fn observe(&mut self) {
+        self.observer = Some(RunObserver::default());
+    }
+
+    /// Observer of the run until now, if there is one.
+    pub fn take_observer(&mut self) -> Option<RunObserver> {
+        let mut observer = self.observer.take()?;
+        observer.trace.end();
+        Some(observer)
+    }
+
+    fn step(&mut self) {
+        self.simulation.step();
+        if let Some(observer) = &mut self.observer {
+            observer.record(&self.simulation);
         }
     }
 
@@ -121,7 +144,7 @@ impl<D: OverrideSource> Port for SimPort<D> {
     fn wait(&mut self, deadline: Micros) {
         // At least one step, and none after the first with output: the sender must see an XOFF at once.
         loop {
-            self.simulation.step();
+            self.step();
             self.keep_tempo();
             let control = self.simulation.control();
             if self.fed.0 != control.executed().len() {
@@ -156,7 +179,7 @@ impl<D: OverrideSource> Port for SimPort<D> {
         self.simulation.control_mut().hold();
         let latest = self.simulation.now().after(REST_MAX);
         while !self.simulation.control().is_at_rest() && self.simulation.now() < latest {
-            self.simulation.step();
+            self.step();
         }
         self.simulation.control().is_at_rest()
     }

@@ -30,7 +30,7 @@ use super::preparation::PreparedProgram;
 use super::send_loop::{End, send};
 use super::sim_link::{BoardEnd, Pipe, SimLink};
 use super::sim_port::SimPort;
-use super::{Stream, write_executed};
+use super::{Stream, run_page, write_executed};
 use crate::board::line::{BAUDRATE, BoardLine};
 use crate::dnc::outbox::Outbox;
 use crate::dnc::reports;
@@ -107,10 +107,14 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
+        if self.report.is_some() {
+            sim.borrow_mut().observe();
+        }
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
         let services = self.services(ready, (&*line, &sender), (logbook, board_session))?;
         let (end, heard) = send(&mut *line, &mut sender, outbox, services)?;
         drop(line);
+        let observer = sim.borrow_mut().take_observer();
         let sim = sim.borrow();
         let simulation = sim.simulation();
         let mut report = measure(simulation, &file.job);
@@ -123,7 +127,13 @@ impl Stream {
         // The report of the transmission is printed even if this fails.
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
-        let compared = add_baseline(&mut report, file, &ready.program, &ready.foreseen_before);
+        let compared =
+            add_baseline(&mut report, file, &ready.program, &ready.foreseen_before).and_then(|(baseline, before)| {
+                let shown = self.report.as_ref().zip(observer);
+                shown.map_or(Ok(()), |(path, after)| {
+                    run_page::write(path, ready, &report, (&after, simulation), (&before, &baseline))
+                })
+            });
         self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {

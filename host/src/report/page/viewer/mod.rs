@@ -31,8 +31,8 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 
 /// Data of the viewer; lengths in the job's unit.
 #[derive(Clone, Debug)]
 pub struct ViewerData {
-    /// Name of the program.
-    pub program: String,
+    /// Title of the report.
+    pub title: String,
     /// Unit of lengths.
     pub unit: &'static str,
     /// Runs: before, then after.
@@ -85,7 +85,7 @@ pub struct RunFinding {
 #[derive(Serialize)]
 struct Header<'a> {
     schema: u32,
-    program: &'a str,
+    title: &'a str,
     unit: &'static str,
     runs: Vec<RunHeader<'a>>,
     tool: &'a [[f64; 2]],
@@ -126,7 +126,7 @@ impl ViewerData {
         let text = self.text();
         let header = Header {
             schema: SCHEMA,
-            program: &self.program,
+            title: &self.title,
             unit: self.unit,
             runs: self.runs.iter().map(RunPath::header).collect(),
             tool: &self.tool,

@@ -1,0 +1,42 @@
+//! Report page of a run over the simulated line, beside the original program.
+
+use std::path::Path;
+
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::simulation::Simulation;
+
+use super::super::outcome::Failure;
+use super::super::simulate::listing::ProgramListing;
+use super::super::simulate::observer::RunObserver;
+use super::super::simulate::page::PageContent;
+use super::preparation::PreparedProgram;
+use crate::adapt::{Known, adapt_with};
+use crate::report::figures::RunReport;
+
+/// Writes the page of a run and of the original program.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write<D: OverrideSource>(
+    path: &Path,
+    ready: &PreparedProgram,
+    report: &RunReport,
+    (after, simulation): (&RunObserver, &Simulation<D>),
+    (before, baseline): (&RunObserver, &Simulation),
+) -> Result<(), Failure> {
+    let PreparedProgram { file, program, .. } = ready;
+    let adapted = adapt_with(program, &file.job, Known::of(file));
+    let executed = [simulation.control().executed(), baseline.control().executed()];
+    let listing = ProgramListing::new(program, &adapted, &adapted.text, executed);
+    let content = PageContent {
+        title: &format!("{}: sent to the simulated control", file.program.display()),
+        listing: &listing,
+        report,
+        job: &file.job,
+        runs: [(after, simulation.now()), (before, baseline.now())],
+        chips: [simulation.meter().moves(), baseline.meter().moves()],
+        deviation: None,
+        marks: Vec::new(),
+    };
+    content.write(path)
+}
