@@ -11,6 +11,7 @@ use arcfeed_plan::output::nc;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 
+use super::refusal::{idle, with_remedy};
 use crate::part::PartFile;
 use crate::report::page::plan::BaselineResult;
 
@@ -59,7 +60,10 @@ impl PlanResult {
             Some(axis) => problem.along(axis).map(|valued| vec![valued]),
             None => problem.ranked(presents),
         });
-        let (valued, proof) = best_safe(&part, ranked.map_err(|why| why.to_string())?)?;
+        let (valued, proof) = best_safe(&part, ranked.map_err(|why| with_remedy(&why, &part.cutter))?)?;
+        if let Some(message) = idle(proof.removed.share_ratio()) {
+            return Err(message);
+        }
         let plan = &valued.plan;
         let placement = placement(machine, &plan.turn).map_err(|error| error.to_string())?;
         let cutter = &part.cutter;

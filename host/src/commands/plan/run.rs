@@ -2,6 +2,7 @@
 
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
+use super::refusal::{RefusalFigures, set_aside};
 use super::{CupMill, figures, files};
 use crate::part::{MachineSource, PartFile};
 
@@ -11,8 +12,23 @@ impl CupMill {
     /// # Errors
     /// See [`super::PlanCommand::run`].
     pub fn run(&self) -> Result<(), Failure> {
-        let part = PartFile::load(&self.part)?;
-        let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
+        let ran = self.planned();
+        if let (Err(Failure::Input(_)), Some(folder)) = (&ran, &self.output) {
+            set_aside(folder);
+        }
+        ran
+    }
+
+    fn planned(&self) -> Result<(), Failure> {
+        let refused = |message: String| {
+            if self.json {
+                let figures = RefusalFigures { safe: false, refused: &message };
+                say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+            }
+            Failure::Input(message)
+        };
+        let part = PartFile::load(&self.part).map_err(|error| refused(error.to_string()))?;
+        let composed = PlanResult::of(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
         if self.widths {
             return figures::widths(&composed, self.json);
         }
