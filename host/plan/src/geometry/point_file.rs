@@ -101,7 +101,7 @@ pub enum Fault {
         span: f64,
         /// Missing side.
         missing: &'static str,
-        /// Its word in the file.
+        /// Word for it in the file.
         word: &'static str,
     },
     /// Neither side.
