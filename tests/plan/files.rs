@@ -29,7 +29,10 @@ fn the_table_of_sections_is_read_point_for_point() {
     assert_eq!(read, published());
     let inch = PointFileFrame { unit_mm: 25.4, ..Y };
     let large = Revolution { profile_mm: hub().profile_mm.iter().map(|place| place.map(|x| x * 25.4)).collect() };
-    let read = sections::read(TEXT, &inch, &large).unwrap();
+    let read = sections::read(&TEXT.replace("_mm", ""), &inch, &large).unwrap();
+    assert_eq!(sections::read(&TEXT.replace("_mm", "_in"), &Y, &large).unwrap(), read);
+    // A unit behind a name is the column's own.
+    assert_eq!(sections::read(TEXT, &inch, &hub()).unwrap(), published());
     assert!((read.pressure[3][5] - published().pressure[3][5] * 25.4).norm() < 1e-9);
 }
 

@@ -9,7 +9,7 @@ use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimisation::Problem;
-use arcfeed_plan::vector::Point;
+use arcfeed_plan::vector::{Flat, Point};
 use arcfeed_tests::{Scratch, root, skip_loudly};
 
 /// Largest difference of two plans, and of two surfaces, mm.
@@ -140,4 +140,46 @@ fn the_same_rotor_in_every_format_gives_the_same_plan() {
         );
         assert!(off_mm < PLAN_MM && surface_mm < PLAN_MM, "{name}");
     }
+}
+
+/// Distance of a point from the filleted rotor in closed form, mm: a quarter of a circle of 2 mm between each section's outline and the hub.
+fn off_fillet_mm(point: &Point) -> f64 {
+    const FILLET_MM: f64 = 2.0;
+    let mixed = |root: f64, tip: f64, share: f64| root + (tip - root) * share;
+    let radius_mm = libm::hypot(point.x, point.y);
+    let hub_mm = 70.0 + 0.03 * point.z;
+    let share = (radius_mm - hub_mm) / (98.6 - hub_mm);
+    let height_mm = 28.6 * share;
+    let (sin, cos) = libm::sincos(mixed(28.0, 42.0, share).to_radians());
+    let around_mm = libm::atan2(point.y, point.x) * radius_mm;
+    let seen = Flat::new(point.z * cos + around_mm * sin, point.z * sin - around_mm * cos);
+    let outline = |k: i32| {
+        let (sin, cos) = libm::sincos(core::f64::consts::TAU * f64::from(k) / 8000.0);
+        let thickness_mm = mixed(3.2, 2.2, share) / 2.0;
+        Flat::new(12.0 * cos, mixed(1.4, 1.0, share) * sin * sin + thickness_mm * sin)
+    };
+    let beside = |k: i32| {
+        let (from, to) = (outline(k), outline(k + 1));
+        let along = to - from;
+        let part = ((seen - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+        (seen - from - along * part).norm()
+    };
+    let off_mm = (0..8000).map(beside).fold(f64::INFINITY, f64::min);
+    if height_mm < FILLET_MM {
+        (libm::hypot(FILLET_MM - off_mm, FILLET_MM - height_mm) - FILLET_MM).abs()
+    } else {
+        off_mm
+    }
+}
+
+#[test]
+fn a_fillet_at_the_root_belongs_to_the_finished_surface() {
+    let Some(folder) = folder() else { return };
+    let part = rotor(&folder, "stl = { blade = \"filleted.stl\", hub = \"hub.stl\", blades = 19 }");
+    assert_eq!(flaws(&part.blisk, part.roughing.allowance_mm), []);
+    let places = (0..=40).flat_map(|i| (0..=40).map(move |j| [f64::from(i) / 40.0, f64::from(j) / 40.0]));
+    let of_faces = |[u, v]: [f64; 2]| [&part.blisk.pressure, &part.blisk.suction].map(|face| face.point(u, v));
+    let worst_mm = places.flat_map(of_faces).map(|point| off_fillet_mm(&point)).fold(0.0, f64::max);
+    println!("{worst_mm:.4} mm off the blade with its fillet at most");
+    assert!(worst_mm < 0.015);
 }

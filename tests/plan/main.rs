@@ -17,6 +17,8 @@ mod meshes;
 
 mod flaws;
 
+mod refusals;
+
 mod rotor37;
 
 mod proof_cases;

@@ -67,6 +67,9 @@ fn generated(entry: &Spanned<GenerateTable>, unit: LengthUnit, blank: &Blank) ->
             HandWord::Left => Hand::Left,
         },
     };
+    if rotor.chord_mm.iter().any(|chord_mm| *chord_mm > 2.0 * rotor.tip_radius_mm) {
+        return Err(at(entry, "chord must be less than the rotor's diameter"));
+    }
     let blade = rotor.sections(SECTIONS, POINTS).map_err(|error| at(entry, &error.to_string()))?;
     Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), blade))
 }

@@ -34,6 +34,10 @@ use schema::{
 /// Default of `interior_contact`, a fraction, and of `clearance`.
 const INTERIOR_CONTACT: f64 = 0.1;
 const CLEARANCE_MM: f64 = 5.0;
+/// Most levels over the whole radius of a blank.
+const LEVELS_MAX: f64 = 1_000.0;
+/// Largest radius of a blank: a larger one is in another unit than its number.
+const RADIUS_MAX_MM: f64 = 5_000.0;
 
 /// Checked part file. Part frame, millimetres.
 #[derive(Clone, Debug)]
@@ -181,6 +185,9 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     let (roughing, feeds) = roughing(&table.roughing, unit)?;
     let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
     check_speed(&table.roughing.rev_per_min, machine.as_ref())?;
+    if let Some(entry) = &table.roughing.axial_depth_max {
+        check_levels(entry, roughing.axial_depth_max_mm, &blank)?;
+    }
     let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
     Ok(PartFile {
         name: name(table, path),
@@ -197,6 +204,19 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
         baseline: table.baseline.as_ref().map(|entry| baseline(entry, unit)).transpose()?,
         blisk: geometry::build(&table.geometry, unit, blank, folder)?,
     })
+}
+
+/// Rejects a depth that makes more levels than a program can have.
+fn check_levels(entry: &Spanned<Quantity>, depth_mm: f64, blank: &Blank) -> Result<(), Complaint> {
+    let least_mm = blank.radius_mm / LEVELS_MAX;
+    if depth_mm >= least_mm {
+        return Ok(());
+    }
+    let message = format!(
+        "with levels of {depth_mm:.4} mm a blank of {:.3} mm radius takes thousands of them; {least_mm:.3} mm at least",
+        blank.radius_mm
+    );
+    Err(at(entry, &message))
 }
 
 /// Rejects a speed that the machine's spindle does not have.
@@ -232,7 +252,17 @@ fn blank(entry: &BlankTable, unit: LengthUnit) -> Result<Blank, Complaint> {
     if faces_mm[0].is_nan() || faces_mm[1].is_nan() || faces_mm[0] >= faces_mm[1] {
         return Err(at(&entry.to, "`to` must lie above `from`, along the rotor's axis"));
     }
-    Ok(Blank { radius_mm: length_mm(&entry.radius, unit, "radius")?, faces_mm })
+    let radius_mm = length_mm(&entry.radius, unit, "radius")?;
+    if radius_mm > RADIUS_MAX_MM {
+        let message =
+            format!("a blank's radius is {RADIUS_MAX_MM} mm at most; this one is {radius_mm} mm: check `units`");
+        return Err(at(&entry.radius, &message));
+    }
+    if faces_mm.iter().any(|face| face.abs() > RADIUS_MAX_MM) {
+        let message = format!("a blank's face lies {RADIUS_MAX_MM} mm from zero at most: check `units`");
+        return Err(at(&entry.from, &message));
+    }
+    Ok(Blank { radius_mm, faces_mm })
 }
 
 fn roughing(entry: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds), Complaint> {

@@ -20,6 +20,10 @@ fn what_plan_prints_is_documented_and_so_is_a_plan_that_is_refused() {
     let refused = object(&["plan", "cup-mill", &part], 1);
     documented.assert_fits("plan cup-mill", &refused);
     assert!(planned["safe"] == true && refused["safe"] == false);
+    let faulty =
+        object(&["plan", "cup-mill", &scratch.write("faulty.toml", text.replace("blades = 19", "blades = -19"))], 1);
+    documented.assert_fits("plan cup-mill, refused", &faulty);
+    assert!(faulty["refused"].as_str().is_some_and(|why| why.contains("2 to 1000 blades")), "{faulty}");
 }
 
 #[test]

@@ -6,6 +6,9 @@ use super::blade::{RotorAxis, Sections};
 use super::blisk::Revolution;
 use crate::vector::Point;
 
+/// Largest number of a file.
+const NUMBER_MAX: f64 = 1e9;
+
 /// Axis and unit of a file's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointFileFrame {
@@ -33,13 +36,16 @@ pub enum Fault {
     /// Not a finite number.
     #[error("`{0}` is no number")]
     NotANumber(String),
+    /// A number that no part has.
+    #[error("`{0}` is too large for a part; check the file's units")]
+    TooLarge(String),
     /// Not the text of a STEP file.
     #[error("this is no complete STEP file (ISO 10303-21); export it anew as AP203 or AP214")]
     NotStep,
     /// A comma within a number.
     #[error("`{0}` has a decimal comma; export numbers with a decimal point")]
     DecimalComma(String),
-    /// More values than columns.
+    /// More or fewer values than columns.
     #[error(
         "{found} values in a line of {columns} columns; numbers need a decimal point, a comma separates two values"
     )]
@@ -95,7 +101,7 @@ pub enum Fault {
         span: f64,
         /// Missing side.
         missing: &'static str,
-        /// Its word in the file.
+        /// Word for it in the file.
         word: &'static str,
     },
     /// Neither side.
@@ -125,7 +131,7 @@ pub enum Fault {
         expected: usize,
     },
     /// Too few sections.
-    #[error("{found} sections; a blade needs 2 at least, from the hub to the tip, on both sides alike")]
+    #[error("a blade needs 2 sections at least, from the hub to the tip, on both sides alike; there are {found}")]
     Sections {
         /// Number of sections.
         found: usize,
@@ -281,7 +287,8 @@ pub(super) fn refuse_commas(line: usize, text: &str) -> Result<(), ReadError> {
 /// The word is no such number.
 pub fn number(line: usize, (column, word): (usize, &str)) -> Result<f64, ReadError> {
     let value = word.parse::<f64>().ok().filter(|value| value.is_finite());
-    value.ok_or_else(|| Fault::NotANumber(word.to_owned()).at(line, column))
+    let value = value.ok_or_else(|| Fault::NotANumber(word.to_owned()).at(line, column))?;
+    if value.abs() <= NUMBER_MAX { Ok(value) } else { Err(Fault::TooLarge(word.to_owned()).at(line, column)) }
 }
 
 impl PointFileFrame {

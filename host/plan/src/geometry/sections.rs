@@ -179,10 +179,11 @@ impl Row {
 fn row(text: &str, line: usize, columns: &Columns, frame: &PointFileFrame) -> Result<Row, ReadError> {
     refuse_commas(line, text)?;
     let words = words(text);
-    if words.len() > columns.count {
-        return Err(Fault::Values { found: words.len(), columns: columns.count }.at(line, words[columns.count].0));
-    }
     let end = text.chars().count() + 1;
+    if words.len() != columns.count {
+        let column = words.get(columns.count).map_or(end, |(column, _)| *column);
+        return Err(Fault::Values { found: words.len(), columns: columns.count }.at(line, column));
+    }
     let word = |at: usize| words.get(at).copied().unwrap_or((end, ""));
     let value = |column: Column| Ok::<f64, ReadError>(number(line, word(column.at))? * column.factor);
     let (column, side) = word(columns.side);

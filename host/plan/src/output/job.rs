@@ -69,6 +69,9 @@ pub enum Machine<'a> {
     Preset(&'a str),
 }
 
+/// First words of a job file that a planner wrote.
+pub const FIRST_WORDS: &str = "# The job of a planned program";
+
 /// Largest raise of the planned feed.
 const RAISE: f64 = 4.0;
 
@@ -80,7 +83,7 @@ impl JobFile<'_> {
             LengthUnit::Mm => "mm",
         };
         let mut text = format!(
-            "# The job of a planned program: `arcfeed adapt` and `arcfeed simulate` take it. The planner wrote it, and writes it anew.\n\
+            "{FIRST_WORDS}: `arcfeed adapt` and `arcfeed simulate` take it. The planner wrote it, and writes it anew.\n\
              units = \"{unit}\"\nprogram = {}\n",
             quoted(self.program)
         );

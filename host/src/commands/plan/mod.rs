@@ -2,6 +2,9 @@
 //! nothing.
 
 #[cfg(feature = "plan")]
+mod refusal;
+
+#[cfg(feature = "plan")]
 mod plan_result;
 
 #[cfg(feature = "plan")]

@@ -11,6 +11,7 @@ use arcfeed_plan::output::nc;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::Proof;
 
+use super::refusal::{idle, with_remedy};
 use crate::part::PartFile;
 use crate::report::page::plan::BaselineResult;
 
@@ -54,7 +55,10 @@ impl PlanResult {
         let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
         let proven = problem.and_then(|problem| problem.with_fixture(&part.fixtures).proven(part.axis, presents));
-        let (valued, proof) = proven.map_err(|why| why.to_string())?;
+        let (valued, proof) = proven.map_err(|why| with_remedy(&why, &part.cutter))?;
+        if let Some(message) = idle(proof.removed.share_ratio()) {
+            return Err(message);
+        }
         let plan = &valued.plan;
         let placement = slot_placement(&part, plan)?;
         if let Some(file) = &part.machine {

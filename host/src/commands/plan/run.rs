@@ -2,6 +2,7 @@
 
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
+use super::refusal::{RefusalFigures, set_aside};
 use super::{CupMill, figures, files};
 use crate::console::note;
 use crate::part::{MachineSource, PartFile};
@@ -12,9 +13,24 @@ impl CupMill {
     /// # Errors
     /// See [`super::PlanCommand::run`].
     pub fn run(&self) -> Result<(), Failure> {
-        let part = PartFile::load(&self.part)?;
+        let ran = self.planned();
+        if let (Err(Failure::Input(_)), Some(folder)) = (&ran, &self.output) {
+            set_aside(folder);
+        }
+        ran
+    }
+
+    fn planned(&self) -> Result<(), Failure> {
+        let refused = |message: String| {
+            if self.json {
+                let figures = RefusalFigures { safe: false, refused: &message };
+                say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+            }
+            Failure::Input(message)
+        };
+        let part = PartFile::load(&self.part).map_err(|error| refused(error.to_string()))?;
         note(format_args!("comparing paths along some 200 directions of the tool, then planning and proving the best"));
-        let composed = PlanResult::of(part).map_err(|why| Failure::Input(format!("{}: {why}", self.part.display())))?;
+        let composed = PlanResult::of(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
         if self.widths {
             return figures::widths(&composed, self.json);
         }
