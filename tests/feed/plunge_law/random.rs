@@ -72,7 +72,8 @@ impl RandomPlunges {
     }
 }
 
-/// Plunges, some of them beside others or in two stages, and ramps out of one hole into another.
+/// Plunges, some of them beside others or in two stages, and ramps from the floor of a hole. A dwell before a ramp lets the
+/// last chip of the plunge end: docs/limitations.md has the load where there is none.
 fn program(random: &mut Rng, rev_per_min: u16) -> String {
     let mut text = format!("%\nG21G17G90G94\nS{rev_per_min}M3\nN1G0X0.Y0.Z3.\n");
     let [mut x, mut y] = [0.0, 0.0];
@@ -87,7 +88,7 @@ fn program(random: &mut Rng, rev_per_min: u16) -> String {
             }
             1 => {
                 (x, y) = (x + between(random, -2.0, 2.0), y + between(random, -2.0, 2.0));
-                let _ = writeln!(text, "X{x:.3}Y{y:.3}Z-{:.3}", depth + between(random, 0.5, 3.0));
+                let _ = writeln!(text, "G4P200\nG1X{x:.3}Y{y:.3}Z-{:.3}", depth + between(random, 0.5, 3.0));
             }
             _ => {}
         }
