@@ -134,17 +134,22 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         .replace("'lines'", "'arcs'\ndirection = 'ccw'");
     let (_, roll) = objects(&["adapt", &scratch.write("roll.toml", contour.replace("outside", "inside"))]);
     reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
-    scratch.write("corner.nc", "G21G90G94\nG0X0Y0\nG1X50.F1000.,R3.\nY40.\nM30\n");
-    let corner = contour.replace("outside", "inside").replace("roll.nc", "corner.nc");
-    let corner = scratch.write("corner.toml", corner + "[override]\nmode = 'rewrite-only'\n");
-    reasons.extend(objects(&["adapt", &corner]).1.iter().map(|block| block["reason"].to_string()));
-    reasons.extend(along_contours(&scratch, &contour.replace("outside", "inside")));
+    let inside = contour.replace("outside", "inside");
+    reasons.extend(along_contours(&scratch, &inside).into_iter().chain(before_a_corner(&scratch, &inside)));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
     };
     assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
     assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
+}
+
+/// Reasons of a line before a rounded corner; `job` is one of the contour law for `roll.nc`.
+fn before_a_corner(scratch: &Scratch, job: &str) -> Vec<String> {
+    scratch.write("corner.nc", "G21G90G94\nG0X0Y0\nG1X50.F1000.,R3.\nY40.\nM30\n");
+    let job = job.replace("roll.nc", "corner.nc") + "[override]\nmode = 'rewrite-only'\n";
+    let (_, blocks) = objects(&["adapt", &scratch.write("corner.toml", job)]);
+    blocks.iter().map(|block| block["reason"].to_string()).collect()
 }
 
 /// Reasons of arcs under G41 in a job for the program `roll.nc`: another mode, no radius of D, a wrong one.
