@@ -70,7 +70,7 @@ impl Patch {
         }
     }
 
-    /// Searches end at the best sample.
+    /// Whether searches end at the best sample.
     pub fn is_coarse(&self) -> bool {
         self.is_coarse
     }
