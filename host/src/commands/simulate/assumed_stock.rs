@@ -231,7 +231,7 @@ mod tests {
         let wanted = block([-50.0, -40.0, -18.5], [50.0, 40.0, 1.5]);
         assert_eq!(StockBlock::commented(&program(text)), Some((wanted, 3)));
         assert_eq!(StockBlock::commented(&program(&text.replace("100.0", "0"))), None);
-        assert_eq!(StockBlock::commented(&program(&text.replace("/BLOCK", ""))), None);
+        assert_eq!(StockBlock::commented(&program(&text.replace("/block", ""))), None);
     }
 
     #[test]
