@@ -208,11 +208,10 @@ pub fn stop_reason(stop: &Stop) -> String {
     }
 }
 
-/// Text of the plan for people.
-pub fn text(composed: &PlanResult, figures: &Figures) -> String {
+/// Slots, levels, and the tool's axis in words.
+fn heading(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
-    let [pressure, suction, hub] = figures.removed.left_max_mm;
-    let mut text = format!(
+    format!(
         "{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side {}\n  the ring turns near the blades' {} edges\n",
         figures.name,
         figures.slots,
@@ -223,7 +222,13 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         figures.room_mm,
         depth_phrase(figures.depth_ratio),
         figures.start_edge,
-    );
+    )
+}
+
+/// Text of the plan for people.
+pub fn text(composed: &PlanResult, figures: &Figures) -> String {
+    let [pressure, suction, hub] = figures.removed.left_max_mm;
+    let mut text = heading(composed, figures);
     let _ =
         writeln!(text, "  level  height, mm   D, degrees about A, ended by            E, degrees about B1, ended by");
     for (index, level) in figures.levels.iter().enumerate() {
