@@ -27,7 +27,7 @@ fn ring_mm(tool: &CupMill, radius_mm: f64, height_mm: f64) -> f64 {
         return beside_mm;
     }
     let (across_mm, below_mm) = (beside_mm + corner_mm, corner_mm - height_mm);
-    if across_mm > 0.0 { across_mm.hypot(below_mm) - corner_mm } else { -height_mm }
+    if across_mm > 0.0 { libm::hypot(across_mm, below_mm) - corner_mm } else { -height_mm }
 }
 
 /// Place of the tool on a step.
@@ -35,14 +35,15 @@ fn place(step: &Step, share: f64) -> [f64; 3] {
     let Some((centre, sense)) = step.about else {
         return [0, 1, 2].map(|k: usize| step.from[k] + (step.to[k] - step.from[k]) * share);
     };
-    let angle = |at: [f64; 3]| (at[1] - centre.y).atan2(at[0] - centre.x);
+    let angle = |at: [f64; 3]| libm::atan2(at[1] - centre.y, at[0] - centre.x);
     let (from, to) = (angle(step.from), angle(step.to));
     let sweep = if sense == Turn::Ccw { to - from } else { from - to };
     // The arcs of a path are shorter than half a turn; one without length may end just before its start.
     let sweep = (sweep + 3.0).rem_euclid(core::f64::consts::TAU) - 3.0;
-    let radius_mm = (step.from[0] - centre.x).hypot(step.from[1] - centre.y);
+    let radius_mm = libm::hypot(step.from[0] - centre.x, step.from[1] - centre.y);
     let at = if sense == Turn::Ccw { from + sweep * share } else { from - sweep * share };
-    [centre.x + radius_mm * at.cos(), centre.y + radius_mm * at.sin(), step.from[2]]
+    let (sin, cos) = libm::sincos(at);
+    [centre.x + radius_mm * cos, centre.y + radius_mm * sin, step.from[2]]
 }
 
 /// Step and its share, height and place on a side.
@@ -60,7 +61,7 @@ impl Sampler<'_> {
         let angle = core::f64::consts::TAU / f64::from(BLADES) * f64::from(blade);
         let point: Point = self.turn * self.rotor.point(height, along, outward, angle);
         let [x, y, z] = place(&self.steps[step], share);
-        ring_mm(self.tool, (point.x - x).hypot(point.y - y), point.z - z)
+        ring_mm(self.tool, libm::hypot(point.x - x, point.y - y), point.z - z)
     }
 
     fn least_mm(&self) -> f64 {

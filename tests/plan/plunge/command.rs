@@ -25,6 +25,26 @@ fn words(line: &str) -> Vec<(char, f64)> {
     found
 }
 
+/// Largest distance of places of a program, with their B, from those of CL data. The table turns the part about the rotor's
+/// axis, which is Y.
+fn apart_mm(places: &[[f64; 4]], cl: &[[f64; 6]]) -> f64 {
+    let sense = {
+        let angle = |at: usize| libm::atan2(cl[at][4], cl[at][3]);
+        let other = (0..cl.len()).find(|at| (angle(*at) - angle(0)).abs() > 0.01).unwrap();
+        let turned = (places[other][3] - places[0][3] + 180.0).rem_euclid(360.0) - 180.0;
+        (turned * (angle(other) - angle(0))).signum()
+    };
+    let zero = places[0][3].to_radians() - sense * libm::atan2(cl[0][4], cl[0][3]);
+    let mut off_mm = 0.0_f64;
+    for ([x, y, z, b], [px, py, pz, ..]) in places.iter().zip(cl) {
+        let (sin, cos) = libm::sincos(sense * (b.to_radians() - zero));
+        // X towards growing angles, Y along the rotor's axis, Z along the tool.
+        let back = [z * cos - x * sin, z * sin + x * cos, *y];
+        off_mm = (0..3).map(|axis| (back[axis] - [px, py, pz][axis]).abs()).fold(off_mm, f64::max);
+    }
+    off_mm
+}
+
 #[test]
 fn program_and_cl_data_of_the_example_are_the_same_path_with_standing_axes() {
     let scratch = Scratch::new("plunge-example");
@@ -69,20 +89,7 @@ fn program_and_cl_data_of_the_example_are_the_same_path_with_standing_axes() {
         }
     }
     assert_eq!(places.len(), cl.len());
-    let sense = {
-        let angle = |at: usize| libm::atan2(cl[at][4], cl[at][3]);
-        let other = (0..cl.len()).find(|at| (angle(*at) - angle(0)).abs() > 0.01).unwrap();
-        let turned = (places[other][3] - places[0][3] + 180.0).rem_euclid(360.0) - 180.0;
-        (turned * (angle(other) - angle(0))).signum()
-    };
-    let zero = places[0][3].to_radians() - sense * libm::atan2(cl[0][4], cl[0][3]);
-    let mut off_mm = 0.0_f64;
-    for ([x, y, z, b], [px, py, pz, ..]) in places.iter().zip(&cl) {
-        let (sin, cos) = libm::sincos(sense * (b.to_radians() - zero));
-        // X towards growing angles, Y along the rotor's axis, Z along the tool.
-        let back = [z * cos - x * sin, z * sin + x * cos, *y];
-        off_mm = (0..3).map(|axis| (back[axis] - [px, py, pz][axis]).abs()).fold(off_mm, f64::max);
-    }
+    let off_mm = apart_mm(&places, &cl);
     println!("{} places of program and CL data: {off_mm:.5} mm apart at most", cl.len());
     assert!(off_mm < PLACE_MM);
 

@@ -9,8 +9,11 @@ use arcfeed_plan::vector::{Point, Vector};
 use super::table::{Row, Worst, rows};
 use crate::published_rotor;
 
-/// Curve of a row with its derivatives, before its rotation, and the range of its parameter.
-fn curve(row: &Row<'_>) -> (Box<dyn Fn(f64) -> [[f64; 2]; 3]>, [f64; 2]) {
+/// Point of a curve with its two derivatives at a parameter.
+type Curve = Box<dyn Fn(f64) -> [[f64; 2]; 3]>;
+
+/// Curve of a row, before its rotation, and the range of its parameter.
+fn curve(row: &Row<'_>) -> (Curve, [f64; 2]) {
     let [p1, p2, p3, p4] = row.numbers(["p1", "p2", "p3", "p4"]);
     match row.word("kind") {
         // Chord p1 along x, turning p2.
