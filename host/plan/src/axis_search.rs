@@ -1,7 +1,7 @@
 //! Search for the directions of the tool in which a path removes most from a slot: on a grid, then about the best places of it in ever
 //! smaller steps.
 //!
-//! Where the ring does not pass over the whole depth, the lowest parts of the sides are left out until it does.
+//! If the ring does not pass over the whole depth, the lowest parts of the sides are left out until it does.
 
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 

@@ -3,8 +3,9 @@
 use arcfeed_model::job::Job;
 use arcfeed_nc::text::Lines;
 
+use super::known::{KeptLines, Known};
 use super::rewrite::Leak;
-use super::writer::{KeptLines, Known, PlannedLine, Writer};
+use super::writer::{PlannedLine, Writer};
 use crate::program::{ProgramLine, Source, may_have_contours};
 
 /// The same plan line by line, for a program of any length: nothing is kept of a line that is done. The override at the end of each

@@ -25,6 +25,8 @@ mod rule_match;
 
 mod descents;
 
+mod known;
+
 pub mod unused_rules;
 
 pub mod reason;
@@ -52,12 +54,14 @@ pub mod write_back;
 use arcfeed_model::job::{FeedPolicy, Job};
 
 use crate::program::{Program, ProgramLine, may_have_contours};
+use known::KeptLines;
+pub use known::Known;
 pub use line_plan::LinePlan;
 pub use planned_block::PlannedBlock;
 pub use reason::PlanReason;
 use rewrite::Leak;
-use writer::{KeptLines, Writer};
-pub use writer::{Known, PlannedLine};
+pub use writer::PlannedLine;
+use writer::Writer;
 
 /// Adapted program.
 #[derive(Clone, Debug)]

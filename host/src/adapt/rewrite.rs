@@ -187,6 +187,15 @@ pub(super) fn feed_word(feed: Nm, unit: LengthUnit) -> String {
     format!("F{units}.{}", digits.trim_end_matches('0'))
 }
 
+/// Whether a block's code, comments apart, has an F word.
+pub fn has_feed(text: &[u8]) -> bool {
+    let mut in_comment = false;
+    text.iter().any(|&byte| {
+        in_comment = (in_comment || byte == b'(') && byte != b')';
+        !in_comment && byte.eq_ignore_ascii_case(&b'F')
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

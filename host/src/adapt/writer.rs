@@ -1,7 +1,5 @@
 //! Line by line: what a law wants of a move, and the text that is sent for it.
 
-use std::collections::BTreeSet;
-
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_model::cut::Work;
 use arcfeed_model::engaged::EngagedTable;
@@ -16,6 +14,7 @@ use arcfeed_units::{Nm, PERCENT};
 
 use super::corner_line::{CornerLine, TwoBlocks, governs_corners};
 use super::descents::{Descending, Descents};
+use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
@@ -27,70 +26,10 @@ use super::rule_match::match_move;
 use super::split::{ChipError, Governed, SentPiece};
 use crate::engagement::{EngagementMap, Lookup};
 use crate::job::rule_scope::{self, RuleScope};
-use crate::job::{JobFile, Plunge, SpindleLimits};
 use crate::program::{CornerMove, ExecutedPlaces, ProgramLine};
 
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
 const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
-
-/// Governed blocks that may keep their feed because it would leak, one by one.
-const LEAKS_MAX: usize = 64;
-
-/// Further input beside program and job.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Known<'a> {
-    /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
-    pub machine: Option<&'a Machine>,
-    /// Engaged arcs of the tool's circles, for rules that expect engagement per move.
-    pub map: Option<&'a EngagementMap>,
-    /// Accelerations of X, Y and Z.
-    pub accelerations_mm_per_s2: Option<[f64; 3]>,
-    /// The plunge law, with the limits of the spindle.
-    pub plunge: Option<(Plunge, SpindleLimits)>,
-    /// Scopes of the cut rules.
-    pub scopes: &'a [RuleScope],
-    /// Places of the lines in the program's file, if they are its blocks as executed.
-    pub places: Option<&'a ExecutedPlaces>,
-}
-
-impl<'a> Known<'a> {
-    /// All that a job's files tell.
-    pub fn of(file: &'a JobFile) -> Self {
-        let drives = file.machine.as_ref().and_then(|named| named.drives.as_ref());
-        Known {
-            machine: file.machine.as_ref().map(|named| &named.machine),
-            map: file.map.as_ref(),
-            accelerations_mm_per_s2: drives
-                .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
-            plunge: file.plunge.map(|plunge| (plunge, file.spindle)),
-            scopes: &file.rule_scopes,
-            places: None,
-        }
-    }
-}
-
-/// Lines that keep their feed because it would leak into others.
-#[derive(Clone, Debug, Default)]
-pub(super) struct KeptLines {
-    one_by_one: BTreeSet<usize>,
-    /// So many leaks: every block after the first of them keeps its feed.
-    all_from: Option<usize>,
-}
-
-impl KeptLines {
-    fn contains(&self, line: usize) -> bool {
-        self.all_from.is_some_and(|first| line >= first) || self.one_by_one.contains(&line)
-    }
-
-    /// And the line whose feed leaks, if there is one.
-    pub fn with(mut self, line: Option<usize>) -> Self {
-        match line {
-            Some(line) if self.one_by_one.len() < LEAKS_MAX => drop(self.one_by_one.insert(line)),
-            _ => self.all_from = Some(self.one_by_one.first().copied().unwrap_or(0)),
-        }
-        self
-    }
-}
 
 /// A line as it is sent.
 #[derive(Clone, Debug)]
@@ -194,7 +133,7 @@ impl<'a> Writer<'a> {
             Some(texts) => texts,
             None => vec![self.whole(line, governed)?],
         };
-        block.f_words = texts.iter().filter(|text| has_feed(text)).count();
+        block.f_words = texts.iter().filter(|text| rewrite::has_feed(text)).count();
         let end = if line.ending.is_empty() { self.line_end } else { &line.ending };
         Ok(PlannedLine { block: Some(block), text: texts.join(end) })
     }
@@ -420,13 +359,4 @@ fn is_along_contour(under: Option<NotModelled>) -> bool {
 /// Whether a law governs a move through F words only.
 fn needs_rewriting(under: Option<NotModelled>) -> bool {
     is_along_contour(under) || under == Some(NotModelled::Corner)
-}
-
-/// Whether a block's code, comments apart, has an F word.
-fn has_feed(text: &[u8]) -> bool {
-    let mut in_comment = false;
-    text.iter().any(|&byte| {
-        in_comment = (in_comment || byte == b'(') && byte != b')';
-        !in_comment && byte.eq_ignore_ascii_case(&b'F')
-    })
 }

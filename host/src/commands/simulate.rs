@@ -5,6 +5,8 @@ pub mod control;
 
 pub mod run_figures;
 
+mod conditions;
+
 mod surface;
 
 mod assumed_stock;
@@ -45,7 +47,6 @@ mod assertions;
 
 mod junit;
 
-use std::iter;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
@@ -57,14 +58,11 @@ use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::{PlannedConditions, Simulation};
-use arcfeed_model::machine::FeedLimit;
-use arcfeed_units::{LengthUnit, PERCENT};
+use arcfeed_units::LengthUnit;
 
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, json_text, refuse_inputs, write_whole};
-use crate::adapt::limit::is_tip_line;
-use crate::adapt::{Adapted, PlannedBlock};
 use crate::console::{note, print};
 use crate::job::{JobFile, SpindleLimits};
 use crate::program::{Folder, Program, in_capitals};
@@ -73,6 +71,7 @@ use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
 use assumed_stock::StockArgs;
+pub use conditions::{foreseen, foreseen_before, has_scopes};
 use control::control_settings;
 use junit::TestSuite;
 use listing::ProgramListing;
@@ -330,53 +329,6 @@ pub(super) fn in_memory_of(
         simulation.control_mut().set_library(Box::new(Folder(folder.clone())));
     }
     Ok(simulation)
-}
-
-/// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
-/// with their engagement and the largest feed that the job allows on them. The machine does not know the scopes of
-/// rules either: with them all moves are planned.
-pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
-    foreseen_where(program, adapted, file, |_| true)
-}
-
-/// The same for the original program: only what the meter needs there, too. That is engaged arcs, sides of contours,
-/// rules of moves beside corners, and scopes of rules.
-pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
-    let has_scopes = has_scopes(file);
-    foreseen_where(program, adapted, file, |block| {
-        has_scopes || block.along.is_some() || block.contour.is_some() || block.is_cut_off
-    })
-}
-
-/// The same for chosen moves.
-fn foreseen_where(
-    program: &Program,
-    adapted: &Adapted,
-    file: &JobFile,
-    choose: impl Fn(&PlannedBlock) -> bool,
-) -> Vec<PlannedConditions> {
-    let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
-    let has_scopes = has_scopes(file);
-    let is_known = |block: &&PlannedBlock| {
-        has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
-    };
-    let moves =
-        adapted.blocks.iter().flat_map(|block| iter::once(block).chain(block.inserted.as_deref())).filter(is_known);
-    let known = moves.filter(|block| choose(block)).map(|block| PlannedConditions {
-        segment: block.segment,
-        rule: block.rule.filter(|_| block.demand.is_some()),
-        along: block.along.clone(),
-        limit: block.limit.map(FeedLimit::from),
-        end_percent: block.end_percent,
-        side: block.contour.and_then(|place| place.side),
-        target: block.target(&file.job),
-    });
-    known.collect()
-}
-
-/// Whether a rule of the job has a scope, which no simulated machine knows.
-pub fn has_scopes(file: &JobFile) -> bool {
-    file.rule_scopes.iter().any(|scope| scope.key().is_some())
 }
 
 /// Simulation of the original program, without arcfeed, not begun; `foreseen` is that of [`foreseen_before`].

@@ -10,7 +10,7 @@ use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
-use super::schema::{FitWord, PartTable, PlungeTable};
+use super::schema::{FitWord, PartPlungeTable, PartTable};
 use super::{CLEARANCE_MM, Feeds, MachineSource, Output, PartError};
 use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
@@ -85,7 +85,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PlungePart, Pa
     })
 }
 
-fn mill(entry: &PlungeTable, unit: LengthUnit) -> Result<PlungeMill, Complaint> {
+fn mill(entry: &PartPlungeTable, unit: LengthUnit) -> Result<PlungeMill, Complaint> {
     let radius_mm = length_mm(&entry.diameter, unit, "diameter")? / 2.0;
     let below_radius = |given: &Option<Spanned<Quantity>>, name: &str| match given {
         None => Ok(0.0),
@@ -129,7 +129,7 @@ fn mill(entry: &PlungeTable, unit: LengthUnit) -> Result<PlungeMill, Complaint> 
 }
 
 fn needs(
-    entry: &PlungeTable,
+    entry: &PartPlungeTable,
     mill: &PlungeMill,
     allowance_mm: f64,
     unit: LengthUnit,
@@ -158,7 +158,7 @@ fn needs(
 }
 
 /// Feeds of `[plunge]`, or else those of `[roughing]`.
-fn feeds(entry: &PlungeTable, table: &PartTable, unit: LengthUnit) -> Result<Feeds, Complaint> {
+fn feeds(entry: &PartPlungeTable, table: &PartTable, unit: LengthUnit) -> Result<Feeds, Complaint> {
     let speed = entry.rev_per_min.as_ref().unwrap_or(&table.roughing.rev_per_min);
     let chip = entry.feed_per_tooth.as_ref().unwrap_or(&table.roughing.feed_per_tooth);
     let approach = entry.approach_feed.as_ref().or(table.roughing.approach_feed.as_ref());

@@ -13,7 +13,7 @@ pub struct PartTable {
     pub geometry: Spanned<GeometryTable>,
     pub blank: BlankTable,
     pub cutter: Option<CutterTable>,
-    pub plunge: Option<Spanned<PlungeTable>>,
+    pub plunge: Option<Spanned<PartPlungeTable>>,
     pub roughing: RoughingTable,
     #[serde(default)]
     pub fixture: Vec<Spanned<FixtureTable>>,
@@ -156,7 +156,7 @@ pub struct CutterTable {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct PlungeTable {
+pub struct PartPlungeTable {
     pub diameter: Spanned<Quantity>,
     pub corner_radius: Option<Spanned<Quantity>>,
     pub core_radius: Option<Spanned<Quantity>>,

@@ -1,0 +1,59 @@
+//! Conditions of moves that the simulated machine does not know, from the plan of the program.
+
+use std::iter;
+
+use arcfeed_hil_sim::simulation::PlannedConditions;
+use arcfeed_model::machine::FeedLimit;
+use arcfeed_units::PERCENT;
+
+use crate::adapt::limit::is_tip_line;
+use crate::adapt::{Adapted, PlannedBlock};
+use crate::job::JobFile;
+use crate::program::Program;
+
+/// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
+/// with their engagement and the largest feed that the job allows on them. The machine does not know the scopes of
+/// rules either: with them all moves are planned.
+pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
+    foreseen_where(program, adapted, file, |_| true)
+}
+
+/// The same for the original program: only what the meter needs there, too. That is engaged arcs, sides of contours,
+/// rules of moves beside corners, and scopes of rules.
+pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
+    let has_scopes = has_scopes(file);
+    foreseen_where(program, adapted, file, |block| {
+        has_scopes || block.along.is_some() || block.contour.is_some() || block.is_cut_off
+    })
+}
+
+/// The same for chosen moves.
+fn foreseen_where(
+    program: &Program,
+    adapted: &Adapted,
+    file: &JobFile,
+    choose: impl Fn(&PlannedBlock) -> bool,
+) -> Vec<PlannedConditions> {
+    let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
+    let has_scopes = has_scopes(file);
+    let is_known = |block: &&PlannedBlock| {
+        has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
+    };
+    let moves =
+        adapted.blocks.iter().flat_map(|block| iter::once(block).chain(block.inserted.as_deref())).filter(is_known);
+    let known = moves.filter(|block| choose(block)).map(|block| PlannedConditions {
+        segment: block.segment,
+        rule: block.rule.filter(|_| block.demand.is_some()),
+        along: block.along.clone(),
+        limit: block.limit.map(FeedLimit::from),
+        end_percent: block.end_percent,
+        side: block.contour.and_then(|place| place.side),
+        target: block.target(&file.job),
+    });
+    known.collect()
+}
+
+/// Whether a rule of the job has a scope, which no simulated machine knows.
+pub fn has_scopes(file: &JobFile) -> bool {
+    file.rule_scopes.iter().any(|scope| scope.key().is_some())
+}
