@@ -110,6 +110,8 @@ fn a_contour_under_compensation_needs_the_radius_of_its_d() {
     let path = scratch.write("p.nc", blocks);
     let unknown = run(&["adapt", &path, "--tool", "10"]);
     assert_eq!(unknown.status.code(), Some(0), "{}", text_of(&unknown.stderr));
+    let said = text_of(&unknown.stderr);
+    assert!(said.contains("p.nc:6: note: the arcs under G41 or G42 (1) keep their feed"), "{said}");
     assert_eq!(adapted(&path, &["--tool", "10"]), blocks);
     let settings = scratch.write("machine.toml", "unit = 'mm'\n[radius]\n7 = 5.0\n");
     // Contour radius 20, centre 15.

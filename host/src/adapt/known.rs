@@ -30,7 +30,7 @@ pub struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// All that a job's files tell.
+    /// All that the files of a job state.
     pub fn of(file: &'a JobFile) -> Self {
         let drives = file.machine.as_ref().and_then(|named| named.drives.as_ref());
         Known {

@@ -97,6 +97,13 @@ impl JobValues {
         let loaded = survey::load(path, (settings, tables), unit, self.library.as_deref());
         let (_, survey) = loaded.map_err(Failure::Input)?;
         survey.warn_of_unit(path);
+        if let Some((line, count)) = survey.without_radius {
+            note(format_args!(
+                "{}:{line}: note: the arcs under G41 or G42 ({count}) keep their feed, because the radius of D is unknown: give a settings \
+                 file (--settings) with [radius], or with compensation = \"wear\" if D holds only wear (docs/compensation.md)",
+                path.display()
+            ));
+        }
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
@@ -161,7 +168,7 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
         return Err(format!("{} looks like a cup mill, which needs a job file: `arcfeed init`", name(cup)));
     }
     if proposal.tools.iter().all(|tool| tool.cuts.is_empty()) {
-        note(format_args!("note: no end mill has arcs in G17: all feeds stay"));
+        note(format_args!("note: no end mill has arcs in G17 that a law can govern: all feeds stay"));
         return Ok(());
     }
     proposal.tools.retain(|tool| noted(tool) || is_named(tool));

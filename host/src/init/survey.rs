@@ -39,6 +39,8 @@ pub struct Survey {
     pub arcs: Vec<FoundArc>,
     /// Straight cutting moves.
     pub lines: usize,
+    /// Line of the first arc under G41 or G42 with a D of unknown radius, counted from 1, and the number of all of them.
+    pub without_radius: Option<(usize, usize)>,
 }
 
 /// Cutting moves of a tool.
@@ -131,6 +133,10 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
         let rounded = inserted_arc(&mut corners, (index, line), tool);
         let is_governed = meaning.step.is_plain() || is_corner(meaning) || has_radii && is_along_contour(meaning);
+        if !is_governed && is_along_contour(meaning) && line.segment().is_some_and(|segment| segment.arc().is_some()) {
+            let (first, count) = found.without_radius.unwrap_or((index + 1, 0));
+            found.without_radius = Some((first, count + 1));
+        }
         let Some(segment) = line.segment().filter(|_| is_governed) else { continue };
         // A corner needs a smooth exit, too.
         if let (Some(last), Some(before)) = (found.arcs.last_mut(), &before)

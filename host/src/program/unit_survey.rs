@@ -45,7 +45,7 @@ impl AssumedUnit {
         let unit = if self.likely == Some(LengthUnit::Mm) { "millimetres" } else { "inches" };
         let [line, column, end_column] = self.place;
         let message = format!(
-            "no G20 or G21 in the program: its lengths are read as {unit}, {}; write G20 or G21 at its start, or say --units inch or \
+            "no G20 or G21 in the program: its lengths are read as {unit}, {}; write G20 or G21 at its start, or give --units inch or \
              --units mm",
             self.why
         );
