@@ -60,7 +60,7 @@ fn check_and_adapt_need_memory_for_the_text_alone() {
 #[test]
 fn a_program_of_many_faults_needs_no_more() {
     let scratch = Scratch::new("memory-faults");
-    let path = scratch.write("bad.nc", "G1X1.Q\n".repeat(line_count()));
+    let path = scratch.write("bad.nc", "G21\n".to_owned() + &"G1X1.Q\n".repeat(line_count()));
     let (ended, kb) = measure(&scratch, &["check", "--json", &path]);
     assert_eq!(ended.code, Some(1));
     let report: serde_json::Value = serde_json::from_str(&ended.out).expect("one object");

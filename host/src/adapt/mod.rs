@@ -19,6 +19,8 @@ pub mod modes;
 
 pub mod limit;
 
+pub mod reason;
+
 pub mod offset_moves;
 
 mod rule_match;
@@ -28,8 +30,6 @@ mod descents;
 mod known;
 
 pub mod unused_rules;
-
-pub mod reason;
 
 pub mod rewrite;
 

@@ -9,13 +9,16 @@ use std::collections::VecDeque;
 
 use arcfeed_compensation::compensator::{CenterMove, CenterMoves, Compensator};
 use arcfeed_compensation::contour::{ContourCommand, side_sign};
-use arcfeed_model::cut::ContourSide;
+use arcfeed_model::cut::{ContourSide, Work};
+use arcfeed_model::job::{Job, LawKind};
+use arcfeed_model::tool::Tool;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc::settings::CompensationType;
 use arcfeed_nc::word::is_mark;
 use arcfeed_units::Nm;
 
+use super::reason::PlanReason;
 use crate::program::{CornerMove, CornerMoves};
 
 /// Path of the tool centre for the move of a line.
@@ -63,6 +66,21 @@ impl ContourPlace {
             CompensationType::Wear => 0,
         };
         4 * (self.radius.0.abs() - expected).abs() <= tool_radius.0
+    }
+
+    /// Why the law of a rule does not govern a move here although its path is known.
+    pub fn fault(&self, job: &Job, rule: usize) -> Option<PlanReason> {
+        let rule = job.rules.get(rule)?;
+        let setup = job.tool_of(rule);
+        let (Tool::EndMill(mill), Work::Mill { .. }) = (&setup.tool, &rule.work) else {
+            return Some(PlanReason::Special);
+        };
+        match setup.law {
+            _ if !self.fits(mill.radius) => Some(PlanReason::OtherRadius),
+            LawKind::Contour { .. } => None,
+            LawKind::Engagement if !self.has_corner => None,
+            _ => Some(PlanReason::Special),
+        }
     }
 }
 

@@ -1,10 +1,8 @@
 //! Line by line: what a law wants of a move, and the text that is sent for it.
 
 use arcfeed_kinematics::machine::Machine;
-use arcfeed_model::cut::Work;
 use arcfeed_model::engaged::EngagedTable;
-use arcfeed_model::job::{FeedPolicy, Job, LawKind};
-use arcfeed_model::tool::Tool;
+use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::modal::{Feed, Pose};
@@ -17,7 +15,7 @@ use super::descents::{Descending, Descents};
 use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
-use super::offset_moves::{CenterPath, ContourPlace, OffsetMove, OffsetMoves};
+use super::offset_moves::{CenterPath, OffsetMove, OffsetMoves};
 use super::planned_block::{PlannedBlock, govern, govern_descent};
 use super::profile::Profile;
 use super::reason::PlanReason;
@@ -188,9 +186,7 @@ impl<'a> Writer<'a> {
             Ok(_) if needs_rewriting(under) && self.reader.is_none() => PlanReason::NeedsRewriting,
             Ok(_) if is_along_contour(under) && *path == CenterPath::NoRadius => PlanReason::NoRadius,
             Ok(_) if under.is_some() => PlanReason::Special,
-            Ok((index, _)) if let Some(reason) = block.contour.and_then(|place| self.contour_fault(index, &place)) => {
-                reason
-            }
+            Ok((index, _)) if let Some(reason) = block.contour.and_then(|place| place.fault(self.job, index)) => reason,
             Ok((index, _)) if block.is_cut_off && !governs_corners(self.job, index) => PlanReason::Special,
             Ok(_) if line.skipping.is_some() => PlanReason::BlockDelete,
             Ok(_) if self.kept.contains(number) => PlanReason::FeedLeak,
@@ -276,21 +272,6 @@ impl<'a> Writer<'a> {
         let CenterPath::Corner(corner) = path else { return None };
         let is_plain = self.modes.per_minute && !self.modes.taps && !line.follows_tip;
         (under == Some(NotModelled::Corner) && is_plain && self.is_start_certain).then_some(*corner)
-    }
-
-    /// Why the law of a rule does not govern a move along a contour although its path is known.
-    fn contour_fault(&self, rule: usize, place: &ContourPlace) -> Option<PlanReason> {
-        let rule = self.job.rules.get(rule)?;
-        let setup = self.job.tool_of(rule);
-        let (Tool::EndMill(mill), Work::Mill { .. }) = (&setup.tool, &rule.work) else {
-            return Some(PlanReason::Special);
-        };
-        match setup.law {
-            _ if !place.fits(mill.radius) => Some(PlanReason::OtherRadius),
-            LawKind::Contour { .. } => None,
-            LawKind::Engagement if !place.has_corner => None,
-            _ => Some(PlanReason::Special),
-        }
     }
 
     /// One F for a move along a contour.

@@ -130,8 +130,8 @@ pub fn refusal(path: &Path, text: &str) -> Option<String> {
         MachineFile::parse(text).err()
     } else if text.contains("[geometry") {
         // One file may have the tools of both planners.
-        let for_cup_mill = text.contains("[cutter]").then(|| PartFile::parse(path, text).err()).flatten();
-        let for_plunges = || text.contains("[plunge]").then(|| PlungePart::parse(path, text).err()).flatten();
+        let for_cup_mill = text.contains("[cutter").then(|| PartFile::parse(path, text).err()).flatten();
+        let for_plunges = || text.contains("[plunge").then(|| PlungePart::parse(path, text).err()).flatten();
         for_cup_mill.or_else(for_plunges).map(|error| stripped(error.to_string()))
     } else {
         JobFile::parse(path, text).err().map(|error| stripped(error.to_string()))

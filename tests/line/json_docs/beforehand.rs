@@ -136,6 +136,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
     reasons.extend(roll.iter().map(|block| block["reason"].to_string()));
     let inside = contour.replace("outside", "inside");
     reasons.extend(along_contours(&scratch, &inside).into_iter().chain(before_a_corner(&scratch, &inside)));
+    reasons.extend(of_plunges(&scratch));
     let schema = documented.texts.iter().find(|text| text["title"] == "adapt").expect("a schema");
     let listed = |field: &str| -> BTreeSet<String> {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
@@ -150,6 +151,20 @@ fn before_a_corner(scratch: &Scratch, job: &str) -> Vec<String> {
     let job = job.replace("roll.nc", "corner.nc") + "[override]\nmode = 'rewrite-only'\n";
     let (_, blocks) = objects(&["adapt", &scratch.write("corner.toml", job)]);
     blocks.iter().map(|block| block["reason"].to_string()).collect()
+}
+
+/// Reasons of plunges: with a torque below what the material rubs, and at another position of a rotary axis.
+fn of_plunges(scratch: &Scratch) -> Vec<String> {
+    let program = "G21G17G90G94\nS1000M3\nG0X0Y0Z3.\nG1Z-3.F100.\nG0Z3.\nB90.\nX1.\nG1Z-4.F100.\nG0Z3.\nM30\n";
+    scratch.write("plunge.nc", program);
+    let job = "units = 'mm'\nprogram = 'plunge.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2, height = 30 }\n\
+               workpiece = { block = { from = [-9, -9, -9], to = [9, 9, 0] }, step = 0.5 }\n\
+               cutting = { cutting = [1000, 0, 0], edge = [60, 0, 0], axial_depth = 2 }\n\
+               spindle = { rev_per_min = 1000, max_torque = '1 Nm' }\nlimits = { max_feed = 900 }\n\
+               law = { kind = 'plunge', feed_per_tooth = 0.05 }\nplunge = { map = 'plunge.map' }\n";
+    let job = scratch.write("plunge.toml", job);
+    objects(&["engage", &job]);
+    objects(&["adapt", &job]).1.iter().map(|block| block["reason"].to_string()).collect()
 }
 
 /// Reasons of arcs under G41 in a job for the program `roll.nc`: another mode, no radius of D, a wrong one.
