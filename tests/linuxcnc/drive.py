@@ -15,6 +15,9 @@ import time
 import linuxcnc
 
 
+# Longest wait for an order to be carried out, on a loaded computer.
+ORDER_SECONDS = 30
+
 with open(os.environ["ARCFEED_DRIVE"]) as arguments:
     WANTED = json.load(arguments)
 REPORT = open(WANTED["report"], "w")
@@ -49,6 +52,19 @@ def is_due(when, stat, waited):
     return stat.motion_line >= when["line"] if "line" in when else waited >= when["after"]
 
 
+def begin(command, stat, line):
+    """Begins the program. LinuxCNC drops this order while it still reads the file."""
+    until = time.time() + ORDER_SECONDS
+    while time.time() < until:
+        command.auto(linuxcnc.AUTO_RUN, line)
+        for _ in range(20):
+            stat.poll()
+            if stat.interp_state != linuxcnc.INTERP_IDLE:
+                return
+            time.sleep(0.05)
+    say(error="LinuxCNC does not begin the program")
+
+
 def stop(signal, name):
     subprocess.run(["pkill", signal, "-u", str(os.getuid()), "-f", name], check=True)
 
@@ -63,12 +79,12 @@ def main():
 
     def run_mode():
         command.mode(linuxcnc.MODE_AUTO)
-        command.wait_complete()
+        command.wait_complete(ORDER_SECONDS)
 
     def power():
         for state in (linuxcnc.STATE_OFF, linuxcnc.STATE_ON):
             command.state(state)
-            command.wait_complete()
+            command.wait_complete(ORDER_SECONDS)
 
     actions = {
         "power": power,
@@ -87,12 +103,12 @@ def main():
     }
     if wanted["mdi"]:
         command.mode(linuxcnc.MODE_MDI)
-        command.wait_complete()
+        command.wait_complete(ORDER_SECONDS)
         command.mdi(wanted["mdi"])
-        command.wait_complete()
+        command.wait_complete(ORDER_SECONDS)
     run_mode()
     command.program_open(wanted["program"])
-    command.wait_complete()
+    command.wait_complete(ORDER_SECONDS)
     stat.poll()
     for _ in range(40):
         if stat.file == wanted["program"] and pin("arcfeed.moves") != "0" and pin("arcfeed-program.valid") == "TRUE":
@@ -116,7 +132,7 @@ def main():
         if steps:
             command.auto(linuxcnc.AUTO_STEP)
         else:
-            command.auto(linuxcnc.AUTO_RUN, wanted["line"])
+            begin(command, stat, wanted["line"])
         started = last = time.time()
         events = list(wanted["events"])
         time.sleep(0.5)
@@ -145,7 +161,7 @@ def main():
     say(ended=stat.interp_state == linuxcnc.INTERP_IDLE, seconds=time.time() - started, state=pin("arcfeed.state"),
         reason=pin("arcfeed.reason"), missing=overruns, times=times, most=most)
     command.abort()
-    command.wait_complete()
+    command.wait_complete(ORDER_SECONDS)
 
 
 main()
