@@ -53,7 +53,7 @@ def is_due(when, stat, waited):
 
 
 def begin(command, stat, line):
-    """Begins the program. LinuxCNC drops this order while it still reads the file."""
+    """Begins the program. On a loaded computer LinuxCNC has been seen not to do so at the first order."""
     until = time.time() + ORDER_SECONDS
     while time.time() < until:
         command.auto(linuxcnc.AUTO_RUN, line)
