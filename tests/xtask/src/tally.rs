@@ -1,7 +1,7 @@
 //! The workspace's tests, with their results added up.
 //!
 //! Two runs go side by side, the longest begun first: where the tests of one wait for a line's time or an emulator, those of the other
-//! compute. What a run prints is shown when it ends.
+//! compute. LinuxCNC runs alone before them: its servo thread needs a core at each millisecond. What a run prints is shown when it ends.
 //!
 //! No test is skipped in silence: an ignored one fails the run. A test that lacks something outside the repository
 //! appends one line to the file named by the variable `ARCFEED_SKIP_LOG` and passes; it is counted as skipped here, and
@@ -21,6 +21,8 @@ use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
+/// Test program that runs alone.
+const ALONE: &str = "linuxcnc";
 /// Runs side by side.
 const SIDE_BY_SIDE: usize = 2;
 /// Number of tests of a run in parallel: as many as there are cores, unless the variable is set.
@@ -94,18 +96,24 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     write_log(&log)?;
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let threads = std::env::var(THREADS).unwrap_or_else(|_| cores.to_string());
-    let waiting = Mutex::new(selection.runs()?.into_iter());
+    let (alone, others): (Vec<_>, Vec<_>) =
+        selection.runs()?.into_iter().partition(|arguments| arguments.iter().any(|argument| argument == ALONE));
+    let waiting = Mutex::new(others.into_iter());
     let (tally_of_all, results) = (Mutex::new(&mut *tally), Mutex::new(Vec::new()));
+    let run_one = |arguments: Vec<String>| {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let mut tests = cargo(&arguments);
+        let output = tests.env(SKIP_LOG, &log).env(THREADS, &threads).output();
+        let mut tally = tally_of_all.lock().unwrap_or_else(PoisonError::into_inner);
+        let result = show(&tests, output, &mut tally);
+        results.lock().unwrap_or_else(PoisonError::into_inner).push(result);
+    };
+    alone.into_iter().for_each(run_one);
     thread::scope(|scope| {
         for _ in 0..SIDE_BY_SIDE {
             scope.spawn(|| {
                 while let Some(arguments) = next(&waiting) {
-                    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-                    let mut tests = cargo(&arguments);
-                    let output = tests.env(SKIP_LOG, &log).env(THREADS, &threads).output();
-                    let mut tally = tally_of_all.lock().unwrap_or_else(PoisonError::into_inner);
-                    let result = show(&tests, output, &mut tally);
-                    results.lock().unwrap_or_else(PoisonError::into_inner).push(result);
+                    run_one(arguments);
                 }
             });
         }
