@@ -36,10 +36,8 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
     let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
     let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
-    let machine_file = machine_file(composed);
-    let job = job(composed, &name, machine_file.as_deref());
+    let job = job(composed, &name);
     let page = page::report(composed).page().to_string();
-    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     let files: [(&str, &[u8]); 5] = [
         (&name, text.as_bytes()),
         ("job.toml", job.as_bytes()),
@@ -47,6 +45,15 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
         ("finished.stl", &part),
         ("report.html", page.as_bytes()),
     ];
+    write_files(folder, &files, inputs)
+}
+
+/// Writes files, each with its name, into a folder, which is created if it does not exist.
+///
+/// # Errors
+/// One of them is an input, or cannot be written.
+pub(super) fn write_files(folder: &Path, files: &[(&str, &[u8])], inputs: &[PathBuf]) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     for (name, _) in files {
         refuse_inputs(&[Some(&folder.join(name))], inputs)?;
     }
@@ -104,13 +111,10 @@ fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
 }
 
-fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> String {
+fn job(composed: &PlanResult, program: &str) -> String {
     let part = &composed.part;
-    let machine = match &part.machine_source {
-        Some(MachineSource::Preset(preset)) => Some(Machine::Preset(preset)),
-        Some(MachineSource::File(_)) => machine_file.map(Machine::File),
-        None => None,
-    };
+    let source = part.machine_source.as_ref();
+    let file = machine_file(source);
     JobFile {
         unit: part.output.unit,
         program,
@@ -123,16 +127,24 @@ fn job(composed: &PlanResult, program: &str, machine_file: Option<&str>) -> Stri
         law: if part.is_engaged_arc { Law::EngagedArc(&composed.bounds) } else { Law::Circumference },
         workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
         control: CONTROL,
-        machine,
+        machine: machine(source, file.as_deref()),
     }
     .text()
 }
 
 /// Absolute path of the machine's file, which the job finds from any folder.
-fn machine_file(composed: &PlanResult) -> Option<String> {
-    let Some(MachineSource::File(path)) = &composed.part.machine_source else { return None };
-    let whole = path.canonicalize().unwrap_or_else(|_| PathBuf::from(path));
+pub(super) fn machine_file(source: Option<&MachineSource>) -> Option<String> {
+    let Some(MachineSource::File(path)) = source else { return None };
+    let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
     Some(whole.to_string_lossy().into_owned())
+}
+
+/// The machine as the job names it; `file` is that of [`machine_file`].
+pub(super) fn machine<'s>(source: Option<&'s MachineSource>, file: Option<&'s str>) -> Option<Machine<'s>> {
+    match source? {
+        MachineSource::Preset(preset) => Some(Machine::Preset(preset)),
+        MachineSource::File(_) => file.map(Machine::File),
+    }
 }
 
 /// File name that every file system accepts.

@@ -4,18 +4,17 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::job::Machine;
 use arcfeed_plan::output::plunge_job::PlungeJob;
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
 
-use super::super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
-use super::super::files::{BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, file_stem};
+use super::super::super::outcome::Failure;
+use super::super::files::{
+    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, file_stem, machine, machine_file, write_files,
+};
 use super::figures::PlungeFigures;
 use super::page::page;
 use super::result::PlungeResult;
-use crate::console::note;
-use crate::part::MachineSource;
 use crate::post::cl::{Cl, ClPoint};
 
 /// Writes the plan's files into a folder.
@@ -30,7 +29,6 @@ pub fn write(result: &PlungeResult, figures: &PlungeFigures, folder: &Path, inpu
     let (stock, finished) = (stock.map_err(failed)?, finished.map_err(failed)?);
     let (cl, job) = (cl(result).write(), job(result, &name));
     let page = page(result, figures).to_string();
-    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     let files: [(&str, &[u8]); 6] = [
         (&name, text.as_bytes()),
         ("plunges.apt", cl.as_bytes()),
@@ -39,15 +37,7 @@ pub fn write(result: &PlungeResult, figures: &PlungeFigures, folder: &Path, inpu
         ("finished.stl", &finished),
         ("report.html", page.as_bytes()),
     ];
-    for (name, _) in files {
-        refuse_inputs(&[Some(&folder.join(name))], inputs)?;
-    }
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        write_whole(&path, bytes)?;
-        note(format_args!("{}: {} bytes", path.display(), bytes.len()));
-    }
-    Ok(())
+    write_files(folder, &files, inputs)
 }
 
 fn setup(result: &PlungeResult) -> PlungeSetup {
@@ -107,18 +97,8 @@ fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
 
 fn job(result: &PlungeResult, program: &str) -> String {
     let part = &result.part;
-    let whole = match &part.machine_source {
-        Some(MachineSource::File(path)) => {
-            let whole = path.canonicalize().unwrap_or_else(|_| path.clone());
-            Some(whole.to_string_lossy().into_owned())
-        }
-        _ => None,
-    };
-    let machine = match &part.machine_source {
-        Some(MachineSource::Preset(preset)) => Some(Machine::Preset(preset)),
-        Some(MachineSource::File(_)) => whole.as_deref().map(Machine::File),
-        None => None,
-    };
+    let source = part.machine_source.as_ref();
+    let file = machine_file(source);
     PlungeJob {
         unit: part.output.unit,
         program,
@@ -128,7 +108,7 @@ fn job(result: &PlungeResult, program: &str) -> String {
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min),
         control: CONTROL,
-        machine,
+        machine: machine(source, file.as_deref()),
     }
     .text()
 }
