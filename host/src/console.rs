@@ -2,6 +2,10 @@
 
 use std::fmt::Arguments;
 use std::io::{Write, stderr, stdout};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Lines on stderr are left out.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Prints a line on stdout.
 ///
@@ -15,5 +19,15 @@ pub fn print(line: Arguments<'_>) -> std::io::Result<()> {
 
 /// Prints a line on stderr. An error is ignored: there is no place left to report it.
 pub fn note(line: Arguments<'_>) {
-    let _lost = writeln!(stderr().lock(), "{line}");
+    if !IS_QUIET.load(Ordering::Relaxed) {
+        let _lost = writeln!(stderr().lock(), "{line}");
+    }
+}
+
+/// Does a part of a command without its lines on stderr: another part has printed the same.
+pub fn without_notes<T>(part: impl FnOnce() -> T) -> T {
+    IS_QUIET.store(true, Ordering::Relaxed);
+    let result = part();
+    IS_QUIET.store(false, Ordering::Relaxed);
+    result
 }

@@ -6,6 +6,8 @@
 
 mod place;
 
+mod plural;
+
 pub mod features;
 
 pub mod console;

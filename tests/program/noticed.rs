@@ -170,7 +170,7 @@ fn a_program_without_a_governed_move_says_why_and_what_to_change() {
     };
     let arcs = "[[cut]]\nmoves = \"arcs\"\nside = \"inside\"\n";
     for (job, why) in [
-        (job("1", &format!("{arcs}direction = \"cw\"\n")), Some("none of its 3 cutting moves fits a cut rule")),
+        (job("1", &format!("{arcs}direction = \"cw\"\n")), Some("no cut rule fits its 3 cutting moves")),
         (job("1", ""), Some("the job has no cut rule")),
         (job("2", &format!("{arcs}direction = \"ccw\"\n")), Some("2 no-rule, 1 other-tool")),
         (job("1", &format!("{arcs}direction = \"ccw\"\n")), None),

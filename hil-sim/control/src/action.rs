@@ -61,6 +61,12 @@ impl ReadBlock {
         ReadBlock { line, text, action, context: MoveContext::default(), contour: ContourCommand::default() }
     }
 
+    /// Whether it is a chamfer or rounded corner: it belongs to the block before it, whose F it has. Other moves around a corner
+    /// belong to the block behind it.
+    pub fn is_inserted(&self) -> bool {
+        matches!(self.action, Action::Corner(_)) && self.contour.corner.is_some()
+    }
+
     /// Whether a control in single block waits after this block. It does not after a block that is only a comment,
     /// after a macro statement or after a call.
     pub fn stops_single_block(&self) -> bool {

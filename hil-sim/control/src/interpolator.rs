@@ -114,7 +114,7 @@ impl Interpolator {
         }
         let QueuedBlock { block, prepared } = self.queue.pop_front()?;
         if let Some(prepared) = prepared {
-            let count = u32::try_from(count + 1).unwrap_or(u32::MAX);
+            let count = u32::try_from(count + usize::from(!block.is_inserted())).unwrap_or(u32::MAX);
             self.activate(ActiveMove { prepared, done_mm: 0.0, count, context: block.context, ends_at_rest: false });
         }
         Some(block)

@@ -97,7 +97,9 @@ impl PlanReason {
     pub const fn keeps_feed(self) -> Option<&'static str> {
         match self {
             PlanReason::Axial => Some("it moves along the tool's axis, and the law describes motion across it"),
-            PlanReason::OtherTool => Some("the job has no tool with the number of the one in the spindle"),
+            PlanReason::OtherTool => Some(
+                "no values are given for the tool in the spindle: give them to its number by a [[tool]] of the job, or by --tool T2=DIAMETER where there is no job file",
+            ),
             PlanReason::Spindle => Some(
                 "the program has not turned the spindle on at a speed (M6 and M5 stop it); where the operator does, say set_by = \"operator\" in [spindle]",
             ),

@@ -13,4 +13,6 @@ pub mod plan;
 
 pub mod standstill;
 
+mod rise;
+
 pub mod run;

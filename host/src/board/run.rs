@@ -20,6 +20,7 @@ use arcfeed_units::Micros;
 
 use super::line::BoardLine;
 use super::plan::BoardPlan;
+use super::rise::Rise;
 use super::standstill::Standstill;
 use super::words;
 use crate::dnc::transmission::Transmission;
@@ -49,6 +50,7 @@ pub struct BoardRun<'p> {
     executed_before: Option<u32>,
     refusal: Option<table::Refused>,
     has_been_engaged: bool,
+    rise: Rise,
     standstill: Standstill,
 }
 
@@ -120,6 +122,7 @@ impl<'p> BoardRun<'p> {
             executed_before: None,
             refusal: None,
             has_been_engaged: false,
+            rise: Rise::new(&job.limits),
             standstill: Standstill::default(),
         })
     }
@@ -146,6 +149,7 @@ impl<'p> BoardRun<'p> {
             Message::Refused(refused) => self.refusal = Some(refused),
             Message::Report(report) => {
                 self.has_been_engaged |= words::is_engaged(report.state);
+                self.rise.add(self.line.now(), report.override_percent);
                 self.report = Some(report);
             }
             _ => {}
@@ -239,6 +243,11 @@ impl<'p> BoardRun<'p> {
     /// Parameters are in force and the laws may have the override.
     pub fn is_armed(&self) -> bool {
         self.stage == Stage::Ready && self.report.is_some_and(|report| words::is_engaged(report.state))
+    }
+
+    /// It is armed, and its override, which begins at 0 % after power-on, rises no more: the first block has its full feed.
+    pub fn is_ready(&self) -> bool {
+        self.is_armed() && self.rise.has_ended(self.line.now())
     }
 
     /// Reason why the laws no longer have the override.

@@ -20,6 +20,7 @@ use crate::adapt::write_back::write_back;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::job::plunge;
 use crate::program::Source;
+use crate::plural::counted;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
 ///
@@ -230,7 +231,9 @@ impl<'a> Table<'a> {
         let limits = &job.limits;
         let how = if *in_pieces {
             format!(
-                "They are sent in {pieces} pieces; the moves of the program have {f_words} F words. Override 100 %."
+                "They are sent in {}; the moves of the program have {}. Override 100 %.",
+                counted(*pieces, "piece"),
+                counted(*f_words, "F word")
             )
         } else {
             format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)

@@ -22,6 +22,7 @@ use crate::adapt::unused_rules::RuleUse;
 use crate::console::note;
 use crate::job::{ControlKind, JobFile};
 use crate::machine_file::MachineFile;
+use crate::plural::counted;
 use crate::post::check::check_program;
 use crate::post::cl::Cl;
 use crate::post::cl_from_nc;
@@ -295,22 +296,28 @@ fn refusal(source: &Source, errors: usize) -> Failure {
     if let Some(advice) = is_plain.then(|| fitting_convention(source)).flatten() {
         note(format_args!("{advice}"));
     }
-    Failure::Input(format!("{}: {errors} errors: the control would stop", source.path.display()))
+    Failure::Input(format!("{}: {}: the control would stop", source.path.display(), counted(errors, "error")))
 }
 
 fn print_counts(findings: &CheckFindings<'_>, counts: Counts) {
     let (path, warnings) = (findings.path.display(), findings.warnings);
     let Counts { lines, blocks, comments, arcs, helices, linear, rapids, rotary } = counts;
     say(format_args!(
-        "{path}: {lines} lines, {blocks} blocks ({comments} of them comments): {arcs} arcs ({helices} of them helices), \
-         {linear} straight cutting moves, {rapids} rapids; a rotary axis turns in {rotary} of them; {warnings} warnings"
+        "{path}: {}, {} ({comments} of them comments): {} ({helices} of them helices), {}, {}; a rotary axis turns in {rotary} \
+         of them; {}",
+        counted(lines, "line"),
+        counted(blocks, "block"),
+        counted(arcs, "arc"),
+        counted(linear, "straight cutting move"),
+        counted(rapids, "rapid"),
+        counted(warnings, "warning")
     ));
 }
 
 /// One line with the called programs, if there are any.
 fn print_calls(findings: &CheckFindings<'_>, calls: &[CallCount]) {
     let called: Vec<String> =
-        calls.iter().map(|CallCount { program, executions }| format!("O{program:04} {executions} times")).collect();
+        calls.iter().map(|CallCount { program, executions }| format!("O{program:04} {}", counted(*executions as usize, "time"))).collect();
     if !called.is_empty() {
         say(format_args!("{}: called: {}", findings.path.display(), called.join(", ")));
     }

@@ -30,6 +30,7 @@ use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::{JobFile, Plunge};
 use crate::program::Program;
 use crate::report::material::LeftOutBlocks;
+use crate::plural::counted;
 
 /// Find the engaged arcs of the tool along each move, for rules with stock = { map = FILE }
 ///
@@ -233,19 +234,20 @@ impl Report {
         }
         let unknown = self.moves.iter().filter(|found| found.knots == 0).count() + self.descents[1];
         for left_out in &self.left_out {
-            note(format_args!("warning: {} blocks take nothing: {}", left_out.blocks, left_out.words()));
+            note(format_args!("warning: nothing is taken in {}: {}", counted(left_out.blocks, "block"), left_out.words()));
         }
         if unknown > 0 {
             note(format_args!(
-                "warning: nothing is known of {unknown} moves; they keep their own feed (where they only repeat others at other \
-                 positions of the rotary axes: --alike)"
+                "warning: nothing is known of {}, which keep their own feed (where they only repeat others at other positions \
+                 of the rotary axes: --alike)",
+                counted(unknown, "move")
             ));
         }
         let descents = match self.descents {
             [0, 0] => String::new(),
-            [known, _] => format!(", {known} descending moves"),
+            [known, _] => format!(", {}", counted(known, "descending move")),
         };
-        say(format_args!("{}: {} moves{descents}", self.map, self.moves.len()));
+        say(format_args!("{}: {}{descents}", self.map, counted(self.moves.len(), "move")));
     }
 }
 

@@ -13,6 +13,7 @@ use crate::post::cl::Cl;
 use crate::post::finding::Entry;
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
+use crate::plural::counted;
 
 /// Placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
@@ -121,7 +122,7 @@ impl PathReport<'_> {
         }
         let counted = match self.passed_over {
             Some(words) => format!("{points} points on {machine}, {words} other words passed over"),
-            None => format!("{points} moves on {machine}"),
+            None => format!("{} on {machine}", counted(*points, "move")),
         };
         let repaired = if plan.travel_deg[0] == plan.travel_deg[1] {
             String::new()

@@ -19,6 +19,7 @@ use crate::init::wording;
 use crate::job::questions::{self, Question};
 use crate::output;
 use crate::program::{Program, Severity};
+use crate::plural::counted;
 
 /// Most radii that are shown to a person.
 const GROUPS_SHOWN: usize = 20;
@@ -158,12 +159,12 @@ fn print_text(output: &Path, findings: &Findings<'_>, questions: &[Question]) {
     for tool in &proposal.tools {
         say(format_args!("{}", words(tool, findings)));
     }
-    let arcs = survey.arcs.len();
+    let arcs = counted(survey.arcs.len(), "arc");
     if questions.is_empty() {
-        say(format_args!("{arcs} arcs; {} has no open question", output.display()));
+        say(format_args!("{arcs}; {} has no open question", output.display()));
         return;
     }
-    say(format_args!("{arcs} arcs. Open questions in {}:", output.display()));
+    say(format_args!("{arcs}. Open questions in {}:", output.display()));
     for Question { key, place: [line, column], .. } in questions {
         say(format_args!("  {}:{line}:{column}: {key}", output.display()));
     }

@@ -19,6 +19,7 @@ use crate::job::cutting::Coefficients;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
 use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
+use crate::plural::counted;
 
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;
@@ -201,13 +202,14 @@ impl KeptMoves {
             (0, _) => "it has no cutting move".to_owned(),
             (_, true) => "the job has no cut rule: add a [[cut]] for its moves (docs/job.md)".into(),
             _ if unfit == cutting => format!(
-                "none of its {cutting} cutting moves fits a cut rule: compare moves, direction, n, z, lines and plane of the rules, and \
-                 the tool's number and radii, with the program"
+                "no cut rule fits its {}: compare moves, direction, n, z, lines and plane of the rules, and \
+                 the tool's number and radii, with the program",
+                counted(cutting, "cutting move")
             ),
             _ => {
                 let counts: Vec<String> =
                     self.ungoverned.iter().map(|(reason, count)| format!("{count} {reason}")).collect();
-                format!("reasons of its {cutting} cutting moves (docs/json.md): {}", counts.join(", "))
+                format!("reasons of its {} (docs/json.md): {}", counted(cutting, "cutting move"), counts.join(", "))
             }
         };
         note(format_args!(
@@ -252,12 +254,12 @@ impl UnknownMoves {
     pub fn warn(&self, program: &Path, file: &JobFile) {
         let Some(named) = file.map_file.as_ref().filter(|_| self.count > 0) else { return };
         note(format_args!(
-            "{}:{}:1: warning: {} knows nothing of {} moves from here on: they keep their own feed; make the map \
+            "{}:{}:1: warning: {} knows nothing of {} from here on, which keep their own feed; make the map \
              anew with `arcfeed engage` if rules have changed",
             program.display(),
             self.first_line,
             named.display(),
-            self.count
+            counted(self.count, "move")
         ));
     }
 }

@@ -19,6 +19,7 @@ use crate::job::JobFile;
 use crate::output;
 use crate::port::PortError;
 use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_convention};
+use crate::plural::counted;
 
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
@@ -160,7 +161,7 @@ pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bo
         Severity::Warning => {}
     });
     let advice = if errors.is_empty() { None } else { fitting_convention(&source) };
-    errors.extend((more > 0).then(|| format!("{}: and {more} errors more", source.path.display())));
+    errors.extend((more > 0).then(|| format!("{}: and {} more", source.path.display(), counted(more, "error"))));
     errors.extend(advice);
     let tools: Vec<_> = summary.tools.iter().map(|(number, line)| (*number, source.line_in_file(*line))).collect();
     errors.extend(name_tool(&mut file.job, &source.path, &tools));

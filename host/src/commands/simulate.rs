@@ -35,6 +35,8 @@ mod path_plot;
 
 mod block_lines;
 
+mod block_pairs;
+
 pub(super) mod listing;
 
 mod run_findings;
@@ -63,7 +65,7 @@ use arcfeed_units::LengthUnit;
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, json_text, refuse_inputs, write_whole};
-use crate::console::{note, print};
+use crate::console::{note, print, without_notes};
 use crate::job::{JobFile, SpindleLimits};
 use crate::program::{Folder, Program, in_capitals};
 use crate::report::figures::RunReport;
@@ -71,6 +73,7 @@ use crate::report::material::DeviationFigures;
 use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
 use assumed_stock::StockArgs;
+use block_pairs::BlockPairs;
 pub use conditions::{foreseen, foreseen_before, has_scopes};
 use control::control_settings;
 use junit::TestSuite;
@@ -100,7 +103,7 @@ pub struct Simulate {
     /// Write the outcomes of the assertions here, as JUnit XML
     #[arg(long, value_name = "OUT.xml", requires = "assertions")]
     junit: Option<PathBuf>,
-    /// Leave the summary out.
+    /// Leave the summary out, and the warnings of loading and adapting: `adapt` has printed these.
     #[arg(skip)]
     is_silent: bool,
     #[command(flatten)]
@@ -130,7 +133,7 @@ impl Simulate {
     /// # Errors
     /// The job or the program is at fault, or the simulated control raised an alarm.
     pub fn run(&self) -> Result<(), Failure> {
-        let (mut file, program) = self.input.load()?;
+        let (mut file, program) = self.once(|| self.input.load())?;
         let job = &self.input.job;
         self.stock.apply(self.input.is_job(), &mut file, &program)?;
         let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
@@ -140,7 +143,7 @@ impl Simulate {
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
         let started = Instant::now();
-        let adapted = adapted(&program, &file);
+        let adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;
         let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
@@ -151,19 +154,20 @@ impl Simulate {
         report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
         let mut ended = after.result.and(original.result);
         let title = format!("{}: simulated", file.program.display());
+        let executed = [&simulation, &before].map(|run| run.control().executed());
+        let listing = ProgramListing::new(&program, &adapted, &sent, executed);
         let (mut deviation, mut marks, mut spindle) = (None, Vec::new(), None);
         if ended.is_ok() {
             compare(&mut report, measure(&before, &file.job));
             if let Some(setup) = &setup {
-                (deviation, marks) = add_cuts(&mut report, file.job.unit, setup, &observers, target.as_ref());
+                let pairs = listing.pairs();
+                (deviation, marks) = add_cuts(&mut report, (file.job.unit, &pairs), setup, &observers, target.as_ref());
             }
             spindle = add_spindle(&mut report, &file, setup.as_ref(), &observers);
         }
         if let (Some((path, format)), Some(after)) = (surface, &observers[0].cutter) {
             ended = ended.and(format.write(after.stock(), path));
         }
-        let executed = [&simulation, &before].map(|run| run.control().executed());
-        let listing = ProgramListing::new(&program, &adapted, &sent, executed);
         if let Some(path) = &self.report {
             let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
             let chips = [&simulation, &before].map(|run| run.meter().moves());
@@ -182,6 +186,11 @@ impl Simulate {
         let asserted = self.judge(&evidence, ended.is_ok(), started);
         let finished = if self.is_silent { stopped(&report) } else { finish(&report, self.json, title) };
         ended.and(finished).and(asserted)
+    }
+
+    /// Does a part whose warnings are already printed if this simulation only writes its report.
+    fn once<T>(&self, part: impl FnOnce() -> T) -> T {
+        if self.is_silent { without_notes(part) } else { part() }
     }
 
     /// Judges the assertions, and writes their outcomes.
@@ -236,7 +245,7 @@ fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simu
 /// Adds the material that both runs removed; returns the deviations from the job's target, and the marks on walls.
 fn add_cuts(
     report: &mut RunReport,
-    unit: LengthUnit,
+    (unit, pairs): (LengthUnit, &BlockPairs),
     setup: &Setup<'_>,
     observers: &[RunObserver; 2],
     target: Option<&Stock>,
@@ -244,14 +253,14 @@ fn add_cuts(
     let [Some(after), Some(before)] = observers.each_ref().map(|observer| &observer.cutter) else {
         return (None, Vec::new());
     };
-    let mut material = material_figures::figures(unit, setup, after, before);
+    let mut material = material_figures::figures((unit, pairs), setup, after, before);
     material.warnings(unit).iter().for_each(|warning| note(format_args!("warning: {warning}")));
     let deviation = target.and_then(|target| material_figures::deviation(unit, after.stock(), target));
     material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
     report.material = Some(material);
     let mut marks = Vec::new();
     if let [Some(after), Some(before)] = observers.each_ref().map(|observer| observer.loads.as_ref()) {
-        let mut loads = load_figures::figures(unit, after, before);
+        let mut loads = load_figures::figures((unit, pairs), after, before);
         if let Some(truth) = &setup.truth {
             marks = truth.marks(after);
             loads.marks = mark_figures::figures(unit, after, &marks);

@@ -15,6 +15,7 @@ use crate::dnc::readback::{Difference, ReadBack};
 use crate::port::Port;
 use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
+use crate::plural::counted;
 
 const DC1: u8 = 0x11;
 /// Time between two polls of the line.
@@ -138,7 +139,7 @@ impl Verify {
             let verdict = VerifyReport { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
             say(format_args!("{}", json_text(&verdict)));
         } else if let Ok(blocks) = &compared {
-            say(format_args!("{path}: {blocks} blocks, in the control as they are sent"));
+            say(format_args!("{path}: {}, in the control as sent", counted(*blocks, "block")));
         }
         compared.map(|_| ()).map_err(|found| {
             let Difference { line, column, sent, received } = *found;

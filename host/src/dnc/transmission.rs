@@ -6,6 +6,7 @@ use std::fmt;
 use arcfeed_nc::block::{Parsed, Reading, parse_line};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc::word::{BYTE_ORDER_MARK, is_control_character};
+use crate::plural::counted;
 
 /// Longest block: one that does not fit the control's buffer is never complete there, and the transmission stops.
 const BLOCK_MAX: usize = 256;
@@ -62,15 +63,15 @@ impl Changes {
         let mark =
             self.has_mark.then(|| "% is sent before the first block, which the control would skip otherwise".into());
         let lines = [
-            (self.capitals, "with small letters in code are sent in capitals"),
-            (self.comments, "have comments with characters that the code lacks: sent as capitals or blanks"),
+            (self.capitals, "with small letters in code, sent in capitals"),
+            (self.comments, "with comments of characters that the code lacks, sent as capitals or blanks"),
             (
                 self.left_out,
-                "have marks that are not sent: a byte order mark, `;` behind the code, or the end mark of DOS",
+                "with marks that are not sent: a byte order mark, `;` behind the code, or the end mark of DOS",
             ),
         ];
         let found = lines.into_iter().filter(|(change, _)| change.lines > 0);
-        let said = found.map(|(change, what)| format!("{} lines {what} (first: line {})", change.lines, change.first));
+        let said = found.map(|(change, what)| format!("{} {what} (first: line {})", counted(change.lines, "line"), change.first));
         mark.into_iter().chain(said).collect()
     }
 }

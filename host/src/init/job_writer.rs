@@ -9,6 +9,7 @@ use super::groups::Group;
 use super::proposal::{Movement, ProposedCut, ProposedTool};
 use super::tool_tables;
 use super::wording::{self, length, lengths, quoted};
+use crate::plural::counted;
 
 /// Most radii in the comment.
 const GROUPS_MAX: usize = 40;
@@ -111,7 +112,11 @@ const SEVERAL: TableNames =
 
 fn arcs_found(findings: &Findings<'_>) -> String {
     let Findings { survey, groups, proposal, .. } = *findings;
-    let mut text = format!("\n# Found: {} arcs and {} straight cutting moves.\n", survey.arcs.len(), survey.lines);
+    let mut text = format!(
+        "\n# Found: {} and {}.\n",
+        counted(survey.arcs.len(), "arc"),
+        counted(survey.lines, "straight cutting move")
+    );
     for group in groups.iter().take(GROUPS_MAX) {
         text += &format!("# {}\n", wording::group(group, findings.unit()));
     }
@@ -178,9 +183,12 @@ fn rule(cut: &ProposedCut, table: &str, groups: &[Group], unit: LengthUnit) -> S
     let levels: Vec<Nm> = cut.groups.iter().flat_map(|index| groups[*index].levels.clone()).collect();
     let mut radii: Vec<String> = cut.groups.iter().map(|index| length(groups[*index].radius_mm, unit)).collect();
     radii.dedup();
-    let plural = if arcs == 1 { "" } else { "s" };
-    let mut text =
-        format!("\n# {arcs} arc{plural}, R {}, Z {}.\n{table}\n", wording::some(&radii), lengths(&levels, unit));
+    let mut text = format!(
+        "\n# {}, R {}, Z {}.\n{table}\n",
+        counted(arcs, "arc"),
+        wording::some(&radii),
+        lengths(&levels, unit)
+    );
     let direction = wording::direction(cut.turn);
     match cut.movement {
         Movement::Rotation(rotation, edge) => {

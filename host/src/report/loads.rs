@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::marks::MarksFigures;
 use super::material::{LeftOutBlocks, short};
+use crate::plural::counted;
 
 /// Loads of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -182,7 +183,7 @@ impl LoadsFigures {
     /// Warnings, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let own = self.left_out.iter().filter(|left_out| ["tilted", "backwards"].contains(&left_out.cause));
-        own.map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
+        own.map(|left_out| format!("no chips and forces in {}: {}", counted(left_out.blocks, "block"), left_out.words()))
             .collect()
     }
 }

@@ -6,6 +6,7 @@ use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
 use crate::job::workpiece::{AssumedStock, StockSource};
+use crate::plural::counted;
 
 /// Cubic millimetres in a cubic centimetre.
 const MM3_PER_CM3: f64 = 1e3;
@@ -171,7 +172,7 @@ impl MaterialFigures {
         });
         let mut warnings: Vec<String> = at_rapid.take(SHOWN).collect();
         if let more @ 1.. = self.rapids(unit).count().saturating_sub(SHOWN) {
-            warnings.push(format!("{more} more blocks take material at rapid"));
+            warnings.push(format!("{} more at rapid", counted(more, "block")));
         }
         warnings.extend(self.left_out.iter().map(|left_out| {
             let LeftOutBlocks { blocks, first_block, first_n, .. } = left_out;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::material::short;
+use crate::plural::counted;
 
 /// Most blocks that a warning names.
 const SHOWN: usize = 5;
@@ -83,7 +84,7 @@ impl SpindleLoadFigures {
                 named.push(format!("{more} more"));
             }
             let limit = written(limit);
-            format!("{side}: {quantity} above the spindle's {limit} in {} blocks: {}", blocks.len(), named.join(", "))
+            format!("{side}: {quantity} above the spindle's {limit} in {}: {}", counted(blocks.len(), "block"), named.join(", "))
         });
         warning.collect()
     }

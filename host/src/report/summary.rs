@@ -6,6 +6,7 @@ use arcfeed_model::report::THIN_RATIO;
 
 use super::chip_load::ChipLoadFigures;
 use super::figures::{LineErrorFigures, MovementFigures, ReportFigures, RestartFigures, RunReport};
+use crate::plural::counted;
 
 /// Most blocks limited by an axis in the summary.
 const SHOWN: usize = 10;
@@ -49,7 +50,7 @@ impl fmt::Display for RunSummary<'_> {
         }
         if let Some(link) = &report.link {
             write!(f, "  line: {} characters, busy {:.0} % of the time", link.bytes, 1e2 * link.utilization)?;
-            write!(f, ", stopped by the control {} times", link.xoff_count)?;
+            write!(f, ", stopped by the control {}", counted(link.xoff_count as usize, "time"))?;
             if let Some(after) = link.max_bytes_after_xoff {
                 write!(f, ", at most {after} characters after XOFF")?;
             }
@@ -73,7 +74,7 @@ impl fmt::Display for RunSummary<'_> {
             writeln!(f, "  slower than programmed: {limited}")?;
         }
         if let more @ 1.. = report.axis_limited.len().saturating_sub(SHOWN) {
-            writeln!(f, "  slower than programmed: {more} more blocks")?;
+            writeln!(f, "  slower than programmed: {more} more of these blocks")?;
         }
         for line in &report.printed {
             writeln!(f, "  printed: {line}")?;

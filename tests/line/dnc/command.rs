@@ -26,7 +26,7 @@ fn what_the_line_or_the_control_cannot_carry_is_refused_before_the_first_charact
     let executed = scratch.path("executed.nc");
     let output = run(&["stream", &job, "--executed", &executed]);
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(0) && stderr.contains("note: 1 lines have comments"), "{stderr}");
+    assert!(output.status.code() == Some(0) && stderr.contains("note: 1 line with comments"), "{stderr}");
     assert!(lines(&scratch, "executed.nc")[0].contains("(ONE  BLISK  SLOT"), "{:?}", lines(&scratch, "executed.nc")[0]);
     scratch.write("ibr-slot.nc", program.replacen("%\n", "", 1));
     let output = run(&["stream", &job, "--executed", &executed]);

@@ -26,7 +26,7 @@ fn a_program_that_the_control_has_stored_is_found_to_be_what_was_sent() {
         let output = run(&["verify", &job, "--port", &port, "-o", &received]);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(output.status.success(), "{place:?}: {said}{}", String::from_utf8_lossy(&output.stderr));
-        assert!(said.contains(&format!("{stored}, in the control as they are sent")), "{stored}, {said}");
+        assert!(said.contains(&format!("{stored}, in the control as sent")), "{stored}, {said}");
         let received = lines(&scratch, "received.nc");
         assert_eq!((received[0].as_str(), received.last().map(String::as_str)), ("%", Some("%")));
         assert!(received.iter().any(|line| line.starts_with("N146G2X-2.5752Y11.5549I4.0398J-3.0504F40.99")));

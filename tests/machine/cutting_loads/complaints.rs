@@ -70,7 +70,7 @@ fn a_tilted_tool_is_reported_to_have_no_chips() {
     let (code, report, complaints) = ran("leans", &format!("{JOB}[machine]\npreset = \"mikron-ucp710\"\n"), program);
     let report: serde_json::Value = serde_json::from_str(&report).expect("one object");
     assert!(
-        code == Some(0) && complaints.contains("2 blocks have no chips and forces: the tool is tilted"),
+        code == Some(0) && complaints.contains("no chips and forces in 2 blocks: the tool is tilted"),
         "{complaints}"
     );
     let blocks = report["loads"]["blocks"].as_array().expect("a list");

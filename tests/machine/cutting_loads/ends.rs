@@ -81,7 +81,7 @@ fn a_spindle_that_turns_backwards_is_reported_to_have_no_chips() {
     let output = run(&["simulate", &job, "--json"]);
     let complaints = String::from_utf8_lossy(&output.stderr);
     println!("{complaints}");
-    assert!(complaints.contains("2 blocks have no chips and forces: the spindle turns backwards"));
+    assert!(complaints.contains("no chips and forces in 2 blocks: the spindle turns backwards"));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["loads"]["left_out"][0]["cause"], "backwards");
     assert_eq!(report["loads"]["blocks"].as_array().map(Vec::len), Some(0));

@@ -76,3 +76,42 @@ fn rounded_corners_alone_make_a_tool_an_end_mill_with_arcs() {
         "{said}"
     );
 }
+
+#[test]
+fn blocks_before_and_after_are_those_of_one_line_also_where_a_line_is_sent_in_two_blocks() {
+    let scratch = Scratch::new("without-job-pairs");
+    // The slower rounded corner has F of its block, so `adapt` sends the line before it in two blocks.
+    let text = "%\nO1\nG21G17G90G94\nT1M6\nS5000M3\nG0X0Y0Z5.\nN1G1Z-2.F200.\nN2X40.,R6.F900.\nN3Y40.\nN4G3X20.Y60.I-20.J0\nN5G1X0\nG0Z5.\nM30\n%\n";
+    let path = scratch.write("p.nc", text);
+    let sent = adapted(&path, &["--tool", "10"]);
+    assert_eq!(sent.lines().count(), text.lines().count() + 1, "{sent}");
+    let output = run(&["simulate", &path, "--tool", "10", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let material = &report["material"];
+    let blocks = material["blocks"].as_array().expect("blocks");
+    let removed = |of: &serde_json::Value| of["removed"].as_f64().expect("a volume");
+    let names: Vec<i64> = blocks.iter().map(|block| block["n"].as_i64().expect("N")).collect();
+    println!("{names:?}");
+    assert_eq!(names, [1, 2, 3, 4, 5]);
+    // Each block of the original program once: their volumes are those of the whole run.
+    for (side, total) in [("taken", "taken"), ("baseline", "baseline")] {
+        let sum: f64 = blocks.iter().map(|block| removed(&block[side])).sum();
+        assert!((sum / removed(&material[total]) - 1.0).abs() < 1e-9, "{side}: {sum}");
+    }
+    // The same path is cut before and after.
+    for block in blocks {
+        assert!((removed(&block["taken"]) / removed(&block["baseline"]) - 1.0).abs() < 2e-2, "{block}");
+    }
+}
+
+#[test]
+fn a_report_of_adapt_prints_each_warning_once() {
+    let scratch = Scratch::new("without-job-once");
+    let (out, html) = (scratch.path("out.nc"), scratch.path("out.html"));
+    let output = run(&["adapt", POCKET, "--tool", "10", "-o", &out, "--report", &html]);
+    assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+    let said = text_of(&output.stderr);
+    let lines: std::collections::BTreeSet<&str> = said.lines().collect();
+    assert!(said.contains("note: ") && lines.len() == said.lines().count(), "{said}");
+}

@@ -11,6 +11,7 @@ use super::super::simulate::control::control_settings;
 use super::line::ControlLine;
 use super::{PERIOD, Serve};
 use crate::job::JobFile;
+use crate::plural::counted;
 
 impl Serve {
     /// Reads a program and punches it at each request; with `--once` one time.
@@ -56,10 +57,10 @@ impl Serve {
                     store = Store::new(settings.line);
                 }
                 (StoreState::Reading, StoreState::Stored) => {
-                    say(format_args!("stored: {} blocks", store.blocks().len()));
+                    say(format_args!("stored: {}", counted(store.blocks().len(), "block")));
                 }
                 (StoreState::Punching, StoreState::Stored) => {
-                    say(format_args!("punched: {} blocks", store.blocks().len()));
+                    say(format_args!("punched: {}", counted(store.blocks().len(), "block")));
                     if self.once {
                         // Closing a pseudo-terminal discards unread data.
                         return line.wait_for_silence(|| interrupted.load(Ordering::Relaxed));

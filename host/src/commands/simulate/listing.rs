@@ -3,6 +3,7 @@
 use arcfeed_nc::text::Lines;
 
 use super::block_lines::block_lines;
+use super::block_pairs::BlockPairs;
 use crate::adapt::Adapted;
 use crate::program::{Program, in_capitals};
 
@@ -44,6 +45,11 @@ impl ProgramListing {
         };
         let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
         ProgramListing { lines, block_lines: [after, before] }
+    }
+
+    /// Blocks of the run beside those of the original program.
+    pub fn pairs(&self) -> BlockPairs {
+        BlockPairs::new(self.block_lines.each_ref().map(Vec::as_slice))
     }
 }
 

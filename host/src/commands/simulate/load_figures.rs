@@ -8,6 +8,7 @@ use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_modal::dynamics::chatter::Verdict;
 use arcfeed_units::LengthUnit;
 
+use super::block_pairs::{BlockPairs, BlockPlace};
 use super::material_figures::left_out_figures;
 use crate::report::loads::{
     LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures, UnsteadyFigures, VibrationFigures,
@@ -18,7 +19,11 @@ use crate::report::page::plot::{Lane, Series};
 const W_PER_KW: f64 = 1e3;
 
 /// Figures of a run, and of the original program.
-pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
+pub fn figures(
+    (unit, pairs): (LengthUnit, &BlockPairs),
+    meter: &LoadMeter,
+    baseline: &LoadMeter,
+) -> LoadsFigures {
     let runs = [meter, baseline];
     let of = |choose: &dyn Fn(&BlockRef) -> bool| runs.map(|run| load(&sum(run, choose), unit));
     let [total, before] = of(&|_| true);
@@ -37,7 +42,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Loa
         layer: layers.rise_mm() / unit.mm(),
         step_deg: meter.step_rad().to_degrees(),
         rules: rules.collect(),
-        blocks: blocks(unit, meter, baseline),
+        blocks: blocks((unit, pairs), meter, baseline),
         vibration: (!meter.process().vibration().is_rigid()).then(|| vibration(unit, meter, baseline)),
         marks: None,
         baseline_marks: None,
@@ -100,26 +105,33 @@ fn sum(meter: &LoadMeter, choose: &dyn Fn(&BlockRef) -> bool) -> LoadStatistics 
 }
 
 /// Blocks of the run, with those of the original program if it has the same block.
-fn blocks(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vec<LoadBlockFigures> {
-    let [after, before] = [meter, baseline].map(by_block);
-    let block = |(count, (of, statistics)): (&u32, &(BlockRef, LoadStatistics))| {
-        let before = before.get(count).filter(|(other, _)| other.sequence == of.sequence);
+fn blocks(
+    (unit, pairs): (LengthUnit, &BlockPairs),
+    meter: &LoadMeter,
+    baseline: &LoadMeter,
+) -> Vec<LoadBlockFigures> {
+    let after = by_place(meter, |count| pairs.place(count));
+    let before = by_place(baseline, BlockPlace::Original);
+    let block = |(place, (of, statistics)): (&BlockPlace, &(BlockRef, LoadStatistics))| {
+        let before = before.get(place).filter(|(other, _)| other.sequence == of.sequence);
         LoadBlockFigures {
-            block: *count,
+            block: of.count,
             n: of.sequence,
             rule: of.rule.map(|rule| rule + 1),
             load: load(statistics, unit),
             baseline: before.map(|(_, statistics)| load(statistics, unit)),
         }
     };
-    after.iter().map(block).collect()
+    let mut blocks: Vec<LoadBlockFigures> = after.iter().map(block).collect();
+    blocks.sort_by_key(|block| block.block);
+    blocks
 }
 
-/// Loads of each block, by its count.
-pub fn by_block(meter: &LoadMeter) -> BTreeMap<u32, (BlockRef, LoadStatistics)> {
+/// Loads of the blocks of each place.
+pub fn by_place<P: Ord>(meter: &LoadMeter, place: impl Fn(u32) -> P) -> BTreeMap<P, (BlockRef, LoadStatistics)> {
     let mut found = BTreeMap::new();
     for (of, statistics) in meter.blocks() {
-        found.entry(of.count).or_insert((*of, LoadStatistics::default())).1.merge(statistics);
+        found.entry(place(of.count)).or_insert((*of, LoadStatistics::default())).1.merge(statistics);
     }
     found
 }

@@ -11,6 +11,7 @@ use arcfeed_hil_sim::removal::rate::{Piece, RemovedVolume};
 use arcfeed_hil_sim::removal::trail::BlockRef;
 use arcfeed_units::LengthUnit;
 
+use super::block_pairs::{BlockPairs, BlockPlace};
 use super::edges::UPRIGHT;
 use super::setup::Setup;
 use crate::report::material::{
@@ -18,7 +19,12 @@ use crate::report::material::{
 };
 
 /// Figures of a run, and of the original program.
-pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseline: &StockCutter) -> MaterialFigures {
+pub fn figures(
+    (unit, pairs): (LengthUnit, &BlockPairs),
+    setup: &Setup<'_>,
+    cutter: &StockCutter,
+    baseline: &StockCutter,
+) -> MaterialFigures {
     let volumes = VolumeUnit::of(unit);
     let step_mm = setup.workpiece.step_mm;
     let runs = [cutter, baseline];
@@ -56,7 +62,7 @@ pub fn figures(unit: LengthUnit, setup: &Setup<'_>, cutter: &StockCutter, baseli
         memory_bytes: stock.memory_bytes(),
         bytes_per_mm3: stock.memory_bytes() as f64 / whole_mm3,
         rules,
-        blocks: blocks(cutter, baseline, step_mm, volumes),
+        blocks: blocks([cutter, baseline], pairs, step_mm, volumes),
         left_out: cutter
             .left_out()
             .iter()
@@ -90,8 +96,14 @@ pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(Hei
 }
 
 /// Blocks that removed material, each once.
-fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: VolumeUnit) -> Vec<BlockFigures> {
-    let [after, before] = [cutter, baseline].map(by_block);
+fn blocks(
+    [cutter, baseline]: [&StockCutter; 2],
+    pairs: &BlockPairs,
+    step_mm: f64,
+    volumes: VolumeUnit,
+) -> Vec<BlockFigures> {
+    let after = by_place(cutter, |count| pairs.place(count));
+    let before = by_place(baseline, BlockPlace::Original);
     let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
     let cutting = after.into_iter().map(|(key, (of, pieces))| {
         let before = before.get(&key).filter(|(other, _)| other.sequence == of.sequence);
@@ -104,23 +116,28 @@ fn blocks(cutter: &StockCutter, baseline: &StockCutter, step_mm: f64, volumes: V
             baseline: before.map(|(_, pieces)| taken(pieces)),
         }
     });
-    cutting.filter(|block| block.taken.removed > 0.0).collect()
+    let mut blocks: Vec<BlockFigures> = cutting.filter(|block| block.taken.removed > 0.0).collect();
+    blocks.sort_by_key(|block| block.block);
+    blocks
 }
 
 /// Largest removal rate of each block, mm3/min, without rapids.
 pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
     let step_mm = cutter.stock().lattice().step_mm();
     let rate = |pieces: &[&Piece]| RemovedVolume::of(pieces.iter().copied(), step_mm).rate_max_per_min;
-    let blocks = by_block(cutter).into_values().filter(|(of, _)| !of.is_rapid);
+    let blocks = by_place(cutter, |count| count).into_values().filter(|(of, _)| !of.is_rapid);
     blocks.map(|(of, pieces)| (of, rate(&pieces))).collect()
 }
 
-/// Pieces of each block, with its rapids apart.
-fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
+/// Pieces of the blocks of each place, with its rapids apart.
+fn by_place<P: Ord>(
+    cutter: &StockCutter,
+    place: impl Fn(u32) -> P,
+) -> BTreeMap<(P, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];
-        found.entry((of.count, of.is_rapid)).or_insert((of, Vec::new())).1.push(piece);
+        found.entry((place(of.count), of.is_rapid)).or_insert((of, Vec::new())).1.push(piece);
     }
     found
 }

@@ -8,6 +8,7 @@ use crate::report::loads::UnsteadyFigures;
 use crate::report::material::{LeftOutBlocks, short};
 use crate::report::page::viewer::RunFinding;
 use crate::report::spindle::{BlockValue, SpindleLoadFigures};
+use crate::plural::counted;
 
 /// Measured chip load over its target above which a move is a finding.
 const CHIP_RATIO: f64 = 1.05;
@@ -89,6 +90,6 @@ fn unsteady(run: &'static str, block: &UnsteadyFigures, unit: &str) -> RunFindin
 }
 
 fn omission(what: &str, left_out: &LeftOutBlocks) -> RunFinding {
-    let text = format!("{what} in {} blocks from here on: {}", left_out.blocks, left_out.words());
+    let text = format!("{what} in {} from here on: {}", counted(left_out.blocks, "block"), left_out.words());
     finding("note", "after", left_out.first_block, named(left_out.first_block, left_out.first_n, &text))
 }

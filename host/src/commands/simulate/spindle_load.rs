@@ -15,7 +15,7 @@ use arcfeed_milling::cutting::material::Kienzle;
 use arcfeed_model::job::Job;
 use arcfeed_units::{MmPerTooth, S_PER_MIN};
 
-use super::load_figures::by_block;
+use super::load_figures::by_place;
 use super::material_figures::block_rates;
 use super::observer::RunObserver;
 use super::setup::Setup;
@@ -66,7 +66,7 @@ pub fn figures(file: &JobFile, setup: &Setup<'_>, [after, before]: [&SpindleLoad
 }
 
 fn largest(meter: &LoadMeter, value: &dyn Fn(&LoadStatistics) -> f64) -> Vec<BlockValue> {
-    let blocks = by_block(meter).into_values();
+    let blocks = by_place(meter, |count| count).into_values();
     blocks.map(|(of, load)| BlockValue { block: of.count, n: of.sequence, value: value(&load) }).collect()
 }
 

@@ -71,7 +71,7 @@ impl<'p> BoardSession<'p> {
         Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
-    /// Waits until the board has its parameters and is armed. Nothing is sent before that. `press` operates its panel
+    /// Waits until the board has its parameters, is armed, and its override has risen. Nothing is sent before that. `press` operates its panel
     /// meanwhile, again and again.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl<'p> BoardSession<'p> {
     pub fn arm(&mut self, press: &mut dyn FnMut()) -> Result<(), Failure> {
         let interrupted = on_interrupt();
         let mut asked = None;
-        while let Some(board) = self.board.as_mut().filter(|board| !board.is_armed()) {
+        while let Some(board) = self.board.as_mut().filter(|board| !board.is_ready()) {
             board.turn().map_err(|error| Failure::Machine(error.to_string()))?;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped(
@@ -89,7 +89,7 @@ impl<'p> BoardSession<'p> {
             let outage = board.outage();
             if board.stage() == Stage::Ready && asked != Some(outage) && board.report().is_some() {
                 asked = Some(outage);
-                if self.arming != Arming::Simulated {
+                if self.arming != Arming::Simulated && !board.is_armed() {
                     self.said.push(words_of(board, outage, self.arming));
                 }
             }
