@@ -17,7 +17,7 @@ use super::log::{Level, Log};
 use super::tcp::Tcp;
 use super::url::{Address, Rfc2217Options};
 use super::{Port, PortError};
-use crate::job::SerialSettings;
+use crate::settings::SerialSettings;
 use client::{RequestedLine, Rfc2217Client};
 
 /// Polling period of the connection during the negotiation.
@@ -125,7 +125,7 @@ impl Port for Rfc2217 {
 /// Line of the tests: 9600 7E2.
 #[cfg(test)]
 fn seven_even() -> SerialSettings {
-    use crate::job::Parity;
+    use crate::settings::Parity;
     SerialSettings {
         baudrate: 9_600,
         bytesize: 7,

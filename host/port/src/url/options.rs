@@ -1,7 +1,7 @@
 //! Options of a URL, `?name=value&name`, as Python's `urllib.parse.parse_qs` reads them.
 
 use super::UrlError;
-use crate::port::log::Level;
+use crate::log::Level;
 
 /// Longest wait that a URL may set.
 const SECONDS_MAX: f64 = 3_600.0;

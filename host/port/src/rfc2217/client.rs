@@ -17,8 +17,8 @@ use super::com_port::{
     SET_PARITY, SET_STOPSIZE, SUSPEND, parity_code,
 };
 use super::telnet::{Decoder, Event, Verb, say, subnegotiate};
-use crate::job::SerialSettings;
-use crate::port::url::Rfc2217Options;
+use crate::settings::SerialSettings;
+use crate::url::Rfc2217Options;
 
 /// Largest age of the known state of the modem lines, that of pyserial.
 const MODEM_STATE_AGE: Micros = Micros::from_ms(300);

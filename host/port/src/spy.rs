@@ -6,7 +6,7 @@
 //! ```
 //! Seconds since the port was opened, on the port's own clock; offset within one read or write.
 
-use crate::console::note;
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::SystemTime;
@@ -14,14 +14,17 @@ use std::time::SystemTime;
 use arcfeed_line_errors::Counts;
 use arcfeed_units::Micros;
 
+use super::log::note;
 use super::url::SpyOptions;
 use super::{Machine, Port, PortError};
-use crate::output;
 
 /// Bytes in a line of a dump.
 const ROW: usize = 16;
 const RX_COLOR: &[u8] = b"\x1b[32m";
 const TX_COLOR: &[u8] = b"\x1b[31m";
+
+/// Function that creates the file of a spy.
+pub type CreateFile = fn(&Path) -> std::io::Result<File>;
 
 /// Port with a record of its traffic.
 pub struct Spy<'p> {
@@ -36,11 +39,11 @@ impl<'p> Spy<'p> {
     ///
     /// # Errors
     /// The file cannot be created.
-    pub fn new(inner: Box<dyn Port + 'p>, options: &SpyOptions) -> Result<Self, PortError> {
+    pub fn new(inner: Box<dyn Port + 'p>, options: &SpyOptions, create: CreateFile) -> Result<Self, PortError> {
         let output: Box<dyn Write> = match &options.file {
             Some(name) => {
                 let failed = |source| PortError { name: format!("spy://...?file={name}"), source };
-                Box::new(BufWriter::new(output::create(Path::new(name)).map_err(failed)?))
+                Box::new(BufWriter::new(create(Path::new(name)).map_err(failed)?))
             }
             None => Box::new(std::io::stderr()),
         };

@@ -29,8 +29,8 @@ impl Port for Echo {
 }
 
 fn plan(text: &str) -> FaultPlan {
-    let url: crate::port::url::PortUrl = format!("fault://{text}/loop://").parse().unwrap();
-    let crate::port::url::Wrapper::Fault(plan) = &url.wrappers[0] else { panic!("{url:?}") };
+    let url: crate::url::PortUrl = format!("fault://{text}/loop://").parse().unwrap();
+    let crate::url::Wrapper::Fault(plan) = &url.wrappers[0] else { panic!("{url:?}") };
     plan.clone()
 }
 

@@ -34,7 +34,9 @@ impl Pattern {
     /// # Errors
     /// Always.
     pub fn new(_text: &str) -> Result<Self, String> {
-        Err(crate::features::not_built_in("regular expressions", "hwgrep"))
+        Err("this arcfeed was built without regular expressions (cargo feature `hwgrep`): build it with this feature, the \
+             program with `cargo build --release --features full`"
+            .to_owned())
     }
 
     /// Matches nothing.

@@ -1,8 +1,8 @@
 use super::*;
-use crate::job::Parity;
-use crate::port::rfc2217::client::{RequestedLine, Rfc2217Client};
-use crate::port::rfc2217::seven_even as line;
-use crate::port::url::Rfc2217Options;
+use crate::rfc2217::client::{RequestedLine, Rfc2217Client};
+use crate::rfc2217::seven_even as line;
+use crate::settings::Parity;
+use crate::url::Rfc2217Options;
 
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

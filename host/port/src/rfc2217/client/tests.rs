@@ -1,5 +1,5 @@
 use super::*;
-use crate::port::rfc2217::seven_even as settings;
+use crate::rfc2217::seven_even as settings;
 
 const SECOND: Micros = Micros::from_ms(1_000);
 

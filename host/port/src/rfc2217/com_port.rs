@@ -1,6 +1,6 @@
 //! Numbers of RFC 2217, the same at both ends.
 
-use crate::job::Parity;
+use crate::settings::Parity;
 
 /// Telnet's binary transmission: no bytes added behind CR.
 const BINARY: u8 = 0;

@@ -1,6 +1,7 @@
 //! Messages of `?logging=LEVEL`, on stderr in the form of Python's `logging`.
 
-use crate::console::note;
+use std::fmt::Arguments;
+use std::io::{Write, stderr};
 
 /// Level of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,9 +43,14 @@ impl Log {
     }
 
     /// Prints a message if its level is high enough.
-    pub fn say(&self, level: Level, message: std::fmt::Arguments<'_>) {
+    pub fn say(&self, level: Level, message: Arguments<'_>) {
         if self.from.is_some_and(|from| level >= from) {
             note(format_args!("{}:arcfeed.{}:{message}", format!("{level:?}").to_uppercase(), self.name));
         }
     }
+}
+
+/// Prints a line on stderr. An error is ignored: there is no place left to report it.
+pub fn note(line: Arguments<'_>) {
+    let _lost = writeln!(stderr().lock(), "{line}");
 }

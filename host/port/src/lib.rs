@@ -1,7 +1,14 @@
-//! Interface between the sender and the line. The port owns the clock: wall time for real ports, simulated time for
-//! simulated ones.
+#![doc = include_str!("../README.md")]
+//!
+//! Serial ports by pyserial's URLs.
+//!
+//! [`Port`] is the interface; the port owns the clock: wall time for real ports, simulated time for simulated ones.
+//! [`url`] parses a URL, [`open::open`] opens its port, [`list::ports`] lists the native ports, [`rfc2217::server`] offers a
+//! port to clients.
 
 mod log;
+
+pub mod settings;
 
 pub mod clock;
 

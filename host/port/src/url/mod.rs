@@ -23,8 +23,8 @@ use std::str::FromStr;
 pub use faults::{FaultPlan, Faults};
 use options::Options;
 
-use crate::port::log::Level;
-use crate::port::pattern::Pattern;
+use crate::log::Level;
+use crate::pattern::Pattern;
 
 /// Most wrappers around one port.
 const WRAPPERS_MAX: usize = 8;

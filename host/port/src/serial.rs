@@ -9,7 +9,7 @@ use serialport::{ClearBuffer, DataBits, FlowControl, SerialPort, StopBits};
 
 use super::clock::WallClock;
 use super::{Port, PortError};
-use crate::job::{Parity, SerialSettings};
+use crate::settings::{Parity, SerialSettings};
 
 /// Longest time that one write may wait for room: the caller has other work.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(20);

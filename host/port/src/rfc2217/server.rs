@@ -17,7 +17,7 @@ use super::com_port::{
     SET_DATASIZE, SET_LINESTATE_MASK, SET_MODEMSTATE_MASK, SET_PARITY, SET_STOPSIZE, SIGNATURE, SUSPEND, parity_code,
 };
 use super::telnet::{Decoder, Event, Verb, escape, say, subnegotiate};
-use crate::job::SerialSettings;
+use crate::settings::SerialSettings;
 
 /// State of the control's modem lines: carrier, DSR and CTS on.
 const MODEM_LINES: u8 = 0xb0;
