@@ -324,7 +324,7 @@ fn difference(wanted: &Modal, found: &Modal) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dnc::transmission::Wire;
+    use crate::transmission::Wire;
     use arcfeed_nc::settings::Preset;
 
     fn control() -> PowerOn {

@@ -87,9 +87,9 @@ mod tests {
     use arcfeed_units::Micros;
 
     use super::*;
-    use crate::dnc::pace::Pace;
-    use crate::dnc::sender::{CHUNK, LineUse};
-    use crate::dnc::transmission::{Transmission, Wire};
+    use crate::pace::Pace;
+    use crate::sender::{CHUNK, LineUse};
+    use crate::transmission::{Transmission, Wire};
 
     #[test]
     fn what_happens_between_two_looks_is_reported_in_its_order() {

@@ -156,8 +156,8 @@ fn cutting(sent: &Transmission, control: &PowerOn) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dnc::journal::Start;
-    use crate::dnc::transmission::Wire;
+    use crate::journal::Start;
+    use crate::transmission::Wire;
     use arcfeed_nc::block::Reading;
     use arcfeed_nc::settings::{Preset, Settings, Tables};
     use arcfeed_units::LengthUnit;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::dnc::transmission::Wire;
+use crate::transmission::Wire;
 
 const CHAR: Micros = Micros(1_146);
 const PROGRAM: &str = "%\nG0X1.\n\nM30\n%\n";

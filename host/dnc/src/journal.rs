@@ -14,14 +14,15 @@
 
 use std::fmt::Write;
 
-use crate::checksum::crc32;
+use crc::{CRC_32_ISO_HDLC, Crc};
 
+const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const NAME: &str = "arcfeed-journal 1";
 
 /// Input of a transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
-    /// [`fingerprint`](crate::checksum::fingerprint) of the program's file.
+    /// Fingerprint of the program's file.
     pub program: u64,
     /// Fingerprint of the job's data about program and control, its settings file included.
     pub job: u64,
@@ -138,7 +139,7 @@ pub fn line(number: u32, record: &Record) -> String {
 
 fn seal(text: &str) -> String {
     let mut line = String::with_capacity(text.len() + 10);
-    let _never_fails = writeln!(line, "{:08x} {text}", crc32(text.as_bytes()));
+    let _never_fails = writeln!(line, "{:08x} {text}", CRC.checksum(text.as_bytes()));
     line
 }
 
@@ -184,7 +185,7 @@ pub fn read(bytes: &[u8]) -> Result<History, JournalError> {
 fn open(line: &[u8]) -> Option<&str> {
     let text = std::str::from_utf8(line.strip_suffix(b"\n")?).ok()?;
     let (crc, rest) = text.split_once(' ')?;
-    let is_good = crc.len() == 8 && u32::from_str_radix(crc, 16).ok()? == crc32(rest.as_bytes());
+    let is_good = crc.len() == 8 && u32::from_str_radix(crc, 16).ok()? == CRC.checksum(rest.as_bytes());
     is_good.then_some(rest)
 }
 

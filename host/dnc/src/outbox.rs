@@ -1,9 +1,9 @@
 //! Characters that the sender has handed out and the line has not accepted yet, and one turn of the loop around both.
 
+use arcfeed_port::{Port, PortError};
 use arcfeed_units::Micros;
 
 use super::sender::{CHUNK, Sender, State};
-use crate::port::{Port, PortError};
 
 /// The line is gone, or accepts nothing.
 #[derive(Debug, thiserror::Error)]

@@ -148,7 +148,7 @@ fn first_difference(sent: &[u8], received: &[u8]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dnc::transmission::Wire;
+    use crate::transmission::Wire;
 
     const SENT: &str = "%\nO0012 (A PART)\nN1 G1 X1.5 F100.\n\nM30\n%\n";
 

@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! DNC sender without I/O: the characters, their times, and the records for a restart.
 //!
 //! ```text
