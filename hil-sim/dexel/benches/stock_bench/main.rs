@@ -4,7 +4,7 @@
 //!
 //! A height field of one family of rays is the yardstick for three axes: how much longer the stock takes for a ray and for a move.
 //!
-//! `cargo run --profile dist -p arcfeed-dexel --example stock_bench [STEP_MM [CASE [RAYS_MIN]]]`, CASE being a part of a case's name:
+//! `cargo bench --profile dist -p arcfeed-dexel --bench stock_bench -- [STEP_MM [CASE [RAYS_MIN]]]`, CASE being a part of a case's name:
 //! only such cases run. With RAYS_MIN 0 each is done once, which is how instructions are counted (`valgrind --tool=callgrind`).
 //! Figures of one run and its machine are in docs/stock.md.
 
@@ -212,9 +212,11 @@ fn cases(step_mm: f64) -> Result<Vec<Case>, Error> {
 }
 
 fn main() -> Result<(), Error> {
-    let step_mm = std::env::args().nth(1).map_or(Ok(0.2), |step| step.parse())?;
-    let only = std::env::args().nth(2).unwrap_or_default();
-    let asked_min = std::env::args().nth(3).map_or(Ok(ASKED_MIN), |rays| rays.parse())?;
+    // Cargo adds `--bench` to the arguments.
+    let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
+    let step_mm = arguments.next().map_or(Ok(0.2), |step| step.parse())?;
+    let only = arguments.next().unwrap_or_default();
+    let asked_min = arguments.next().map_or(Ok(ASKED_MIN), |rays| rays.parse())?;
     println!("block {EDGE_MM} x {EDGE_MM} x {HEIGHT_MM} mm, step {step_mm} mm");
     println!(
         "tool                   sweeps  rays asked  CPU s: 1 thread  Mrays/s  2 threads  busiest  gain  clock s: 1, 2"

@@ -1,7 +1,7 @@
 //! Benchmark of finite elements: errors of plates and beams against closed forms and published tables as meshes get
 //! finer, a disk of 56 sectors, points beside a plate, and queries a second. Times are wall-clock times on one core.
 //!
-//! `cargo run --profile dist -p arcfeed-modal --example fe_bench`. Figures of one run are in docs/fe.md.
+//! `cargo bench --profile dist -p arcfeed-modal --bench fe_bench`. Figures of one run are in docs/fe.md.
 
 use std::time::Instant;
 

@@ -1,7 +1,7 @@
 //! Ratio of simulated time to processor time, at a period of a millisecond on one core, and its dependence on the
 //! length of a program: the control under limits of all axes, and with controller and chip meter.
 //!
-//! `cargo run --profile dist -p arcfeed-control --example motion_bench`. Figures of one run are in docs/drives.md. The time is the
+//! `cargo bench --profile dist -p arcfeed-control --bench motion_bench`. Figures of one run are in docs/drives.md. The time is the
 //! processor's, so that other work on the machine shows less.
 
 use std::fmt::Write as _;
