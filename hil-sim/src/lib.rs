@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Simulation of the machine, which replaces the hardware for firmware and host.
 //!
 //! One simulated time base, in steps of one millisecond; no wall clock, no randomness. The control and its axes are in

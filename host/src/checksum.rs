@@ -1,16 +1,9 @@
 //! Checksums that detect changed bytes.
 
-/// CRC-32 as in IEEE 802.3.
-pub fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = u32::MAX;
-    for byte in bytes {
-        crc ^= u32::from(*byte);
-        for _ in 0..8 {
-            crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
-        }
-    }
-    !crc
-}
+use crc::{CRC_32_ISO_HDLC, Crc};
+
+/// CRC-32 as in IEEE 802.3, zlib and PNG.
+pub static CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// FNV-1a, 64 bits: detects accidental changes of a file, not forged ones.
 pub fn fingerprint(bytes: &[u8]) -> u64 {
@@ -23,7 +16,7 @@ mod tests {
 
     #[test]
     fn the_checksums_are_the_published_ones() {
-        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+        assert_eq!(CRC_32.checksum(b"123456789"), 0xCBF4_3926);
         assert_eq!(fingerprint(b"a"), 0xaf63_dc4c_8601_ec8c);
     }
 }

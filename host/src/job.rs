@@ -52,6 +52,7 @@ use crate::file_error::FileError;
 use crate::machine_file::MachineFile;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
+pub use arcfeed_port::settings::{Parity, SerialSettings};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
 pub use plunge::Plunge;
@@ -60,7 +61,6 @@ use schema::JobTable;
 pub(crate) use schema::Quantity;
 #[cfg(feature = "plan")]
 pub(crate) use schema::UnitWord;
-pub use serial::{Parity, SerialSettings};
 pub use spindle::SpindleLimits;
 pub use workpiece::Workpiece;
 

@@ -46,7 +46,7 @@ pub mod adapt;
 
 pub mod port;
 
-pub mod dnc;
+pub use arcfeed_dnc as dnc;
 
 pub mod board;
 

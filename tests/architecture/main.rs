@@ -11,6 +11,8 @@ mod manifest;
 
 mod crates;
 
+mod packages;
+
 mod modules;
 
 mod documents;

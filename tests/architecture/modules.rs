@@ -13,7 +13,8 @@ const SINGLE: &str = "shared/units/src";
 
 /// Roots of crates, `lib.rs` or `main.rs` in them.
 fn roots() -> Vec<&'static str> {
-    let others = ["host/src", "host/plan/src", "tests/xtask/src", "tests/architecture"];
+    let others =
+        ["host/port/src", "host/dnc/src", "host/src", "host/plan/src", "tests/xtask/src", "tests/architecture"];
     [&CHIP[..], &SIMULATOR, &others].concat()
 }
 

@@ -1,5 +1,7 @@
 //! The lines: serial and network ports, the DNC sender, the board link, the tap; files and memory of the commands.
 
+mod alone;
+
 mod control_timing;
 
 mod dnc;

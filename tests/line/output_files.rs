@@ -260,7 +260,7 @@ fn a_journal_never_takes_the_place_of_another_file() {
 #[test]
 fn only_one_module_writes_files() {
     let mut found = Vec::new();
-    for (path, text) in texts_below("host/src") {
+    for (path, text) in ["host/src", "host/port/src", "host/dnc/src"].into_iter().flat_map(texts_below) {
         let writes = ["File::create", "fs::write(", "fs::copy("].iter().any(|call| text.contains(call));
         let is_test =
             path.ends_with("tests.rs") || text.find("mod tests {").is_some_and(|at| !text[..at].contains("fs::write("));
@@ -268,5 +268,6 @@ fn only_one_module_writes_files() {
             found.push(path.strip_prefix(root()).expect("of the workspace").display().to_string());
         }
     }
-    assert_eq!(found, [""; 0], "these write past host/src/output.rs");
+    // The port's own way to create the file of a spy; the program gives it another.
+    assert_eq!(found, ["host/port/src/open.rs"], "these write past host/src/output.rs");
 }

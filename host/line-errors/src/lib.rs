@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Counts of damaged characters at a serial port, from the operating system: Linux, `TIOCGICOUNT` (tty_ioctl(4)).
 //!
 //! The counters are the driver's, since it was loaded, of all received characters; a pseudo-terminal has none, nor have

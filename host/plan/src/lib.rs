@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Plans the path of a cup mill, or of a plunge mill, between the blades of a rotor, and proves that the tool collides with nothing.
 //!
 //! M. Petean, *Roughing integrally bladed rotors using cup mill cutters*, master's thesis, Ecole Polytechnique de Montreal

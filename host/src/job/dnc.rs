@@ -3,8 +3,8 @@
 use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
 
+use super::SerialSettings;
 use super::schema::DncTable;
-use super::serial::SerialSettings;
 use super::{Complaint, at};
 
 /// Longest wait that a job may set.

@@ -1,6 +1,7 @@
 //! `[serial]`: the DNC line, with pyserial's names and defaults, except that XON/XOFF is on. Settings that make no
 //! sense for a sender are rejected.
 
+use arcfeed_port::settings::{Parity, SerialSettings};
 use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
 
@@ -11,57 +12,6 @@ use super::{Complaint, at};
 const TIMEOUT_MAX_S: f64 = 86_400.0;
 /// Shortest wait: less would round to 0.
 const TIMEOUT_MIN_S: f64 = 0.001;
-
-/// The DNC line, with pyserial's names.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SerialSettings {
-    /// Bits per second.
-    pub baudrate: u32,
-    /// Data bits.
-    pub bytesize: u8,
-    /// Parity.
-    pub parity: Parity,
-    /// Stop bits.
-    pub stopbits: u8,
-    /// XON/XOFF, handled by the sender itself.
-    pub xonxoff: bool,
-    /// RTS/CTS, handled by the driver or by the server at the other end of `rfc2217://`.
-    pub rtscts: bool,
-    /// Longest time in which the line may accept no character; the default is that of
-    /// [`SerialSettings::write_timeout`].
-    pub write_timeout: Option<Micros>,
-    /// No other program may open the port.
-    pub exclusive: bool,
-}
-
-/// Parity of the line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parity {
-    /// No parity bit (N).
-    None,
-    /// Even parity (E).
-    Even,
-    /// Odd parity (O).
-    Odd,
-}
-
-impl SerialSettings {
-    /// Bits on the line per character.
-    pub fn bits_per_char(&self) -> u32 {
-        1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
-    }
-
-    /// Whether characters have eight bits and no parity bit, so that the sender can make their code itself.
-    pub fn is_bare(&self) -> bool {
-        self.bytesize == 8 && self.parity == Parity::None
-    }
-
-    /// Longest time in which the line may accept no character: unlimited with RTS/CTS, by which the control may stop
-    /// it. Otherwise only the sender can stop the line, so that one that accepts nothing is broken.
-    pub fn write_timeout(&self) -> Option<Micros> {
-        self.write_timeout.or((!self.rtscts).then_some(Micros::from_ms(5_000)))
-    }
-}
 
 /// Checks the table.
 pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {

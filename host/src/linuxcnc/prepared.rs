@@ -6,14 +6,11 @@ use arcfeed_link::message::parameters::{self, ParametersError};
 use arcfeed_link::message::prepared::{PreparedHeader, seal, write_entry};
 use arcfeed_model::job::Job;
 use arcfeed_nc::modal::Feed;
-use crc::{CRC_32_ISO_HDLC, Crc};
 
 use super::dialect::Translation;
 use crate::adapt::PlannedBlock;
 use crate::board::plan::planned_move;
-
-/// Checksum of an NC file, that of zlib.
-const FILE_CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+use crate::checksum::CRC_32;
 
 /// Reason why no program can be prepared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -44,7 +41,7 @@ pub fn prepare(translation: &Translation, blocks: &[PlannedBlock], job: &Job) ->
         moves += 1;
     }
     let text = &translation.text;
-    let (program_check, program_len, entries_len) = (FILE_CRC.checksum(text), text.len() as u32, entries.len() as u32);
+    let (program_check, program_len, entries_len) = (CRC_32.checksum(text), text.len() as u32, entries.len() as u32);
     let mut bytes = PreparedHeader { program_check, program_len, moves, entries_len }.encode().to_vec();
     bytes.extend(entries);
     bytes.extend(seal(&bytes));

@@ -22,7 +22,8 @@ const QUICK: [&str; 12] = [
     "machine",
 ];
 /// Parts of test names that `quick` leaves out: tests that run for seconds, or build something first.
-const SLOW: [&str; 29] = [
+const SLOW: [&str; 30] = [
+    "alone::",
     "blade::",
     "chips::",
     "cutting_loads::",

@@ -1,11 +1,13 @@
-//! Picture of at most 256 colours as a `data:` URI: PNG with stored, uncompressed pixels.
+//! Picture of at most 256 colours as a `data:` URI: PNG.
 //!
-//! Source: PNG (Third Edition), W3C 2025, sections 5, 11 and annex D; RFC 1950, RFC 1951 (3.2.4), RFC 4648 (4).
+//! Source: PNG (Third Edition), W3C 2025, sections 5 and 11; RFC 4648 (4).
 
-use crate::checksum::crc32;
+use miniz_oxide::deflate::compress_to_vec_zlib;
 
-/// Most bytes of a stored block.
-const BLOCK_MAX: usize = 0xFFFF;
+use crate::checksum::CRC_32;
+
+/// Level of the compression, of 10.
+const LEVEL: u8 = 6;
 
 /// Colour type: indices into a palette.
 const INDEXED: u8 = 3;
@@ -26,7 +28,7 @@ fn png(width: usize, palette: &[[u8; 3]], transparent: u8, rows: &[u8]) -> Vec<u
         (0..palette.len()).map(|index| if index == usize::from(transparent) { 0 } else { 255 }).collect();
     chunk(&mut file, b"tRNS", &opacity);
     let filtered: Vec<u8> = rows.chunks(width.max(1)).flat_map(|row| [&[0], row].concat()).collect();
-    chunk(&mut file, b"IDAT", &stored(&filtered));
+    chunk(&mut file, b"IDAT", &compress_to_vec_zlib(&filtered, LEVEL));
     chunk(&mut file, b"IEND", &[]);
     file
 }
@@ -36,33 +38,8 @@ fn chunk(file: &mut Vec<u8>, kind: &[u8; 4], data: &[u8]) {
     let from = file.len();
     file.extend(kind);
     file.extend(data);
-    let check = crc32(&file[from..]);
+    let check = CRC_32.checksum(&file[from..]);
     file.extend(check.to_be_bytes());
-}
-
-/// A zlib stream of stored blocks.
-fn stored(data: &[u8]) -> Vec<u8> {
-    let mut stream = vec![0x78, 0x01];
-    let blocks = data.len().div_ceil(BLOCK_MAX).max(1);
-    for index in 0..blocks {
-        let block = &data[index * BLOCK_MAX..data.len().min((index + 1) * BLOCK_MAX)];
-        let length = block.len() as u16;
-        stream.push(u8::from(index + 1 == blocks));
-        stream.extend(length.to_le_bytes());
-        stream.extend((!length).to_le_bytes());
-        stream.extend(block);
-    }
-    stream.extend(adler_32(data).to_be_bytes());
-    stream
-}
-
-fn adler_32(data: &[u8]) -> u32 {
-    let step = |(a, b): (u32, u32), byte: &u8| {
-        let a = (a + u32::from(*byte)) % 65_521;
-        (a, (b + a) % 65_521)
-    };
-    let (a, b) = data.iter().fold((1, 0), step);
-    b << 16 | a
 }
 
 /// Data as text of RFC 4648.
@@ -85,17 +62,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn check_sums_and_digits_are_those_of_the_standards() {
-        assert_eq!(crc32(b"IEND"), 0xAE42_6082);
-        assert_eq!(adler_32(b"Wikipedia"), 0x11E6_0398);
+    fn digits_are_those_of_the_standard() {
         let pairs = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
         pairs.iter().for_each(|(plain, coded)| assert_eq!(base64(plain.as_bytes()), *coded));
     }
 
     #[test]
-    fn long_data_are_stored_in_blocks() {
-        let stream = stored(&[7; BLOCK_MAX + 1]);
-        assert_eq!(stream.len(), 2 + 5 + BLOCK_MAX + 5 + 1 + 4);
-        assert_eq!((stream[2], &stream[2 + 5 + BLOCK_MAX..][..6]), (0, &[1, 1, 0, 0xFE, 0xFF, 7][..]));
+    fn another_decoder_reads_the_same_pixels() {
+        let palette: Vec<[u8; 3]> = (0..=255).map(|shade| [shade, 255 - shade, 7]).collect();
+        for width in [1, 3, 300] {
+            let rows: Vec<u8> = (0..width * 300).map(|at| (at * at % 251) as u8).collect();
+            let file = png(width, &palette, 5, &rows);
+            let mut reader = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a PNG");
+            let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+            let frame = reader.next_frame(&mut pixels).expect("a picture");
+            assert_eq!((frame.width as usize, frame.height), (width, 300));
+            assert_eq!((frame.color_type, frame.bit_depth), (::png::ColorType::Indexed, ::png::BitDepth::Eight));
+            assert!(pixels == rows, "{width}");
+            let info = reader.info();
+            assert_eq!(info.palette.as_deref(), Some(palette.as_flattened()));
+            let opacity = info.trns.as_deref().expect("opacities");
+            assert_eq!((opacity[4], opacity[5], opacity[6]), (255, 0, 255));
+        }
     }
 }

@@ -1,0 +1,87 @@
+//! Characters that the sender has handed out and the line has not accepted yet, and one turn of the loop around both.
+
+use arcfeed_port::{Port, PortError};
+use arcfeed_units::Micros;
+
+use super::sender::{CHUNK, Sender, State};
+
+/// The line is gone, or accepts nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum LineError {
+    /// It is gone.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The line has accepted nothing for this long.
+    #[error(
+        "the line has taken no characters for {} s: check cable and flow control, or raise write_timeout in [serial]",
+        .0.to_s()
+    )]
+    Stuck(Micros),
+}
+
+/// Buffer of at most one chunk.
+#[derive(Debug)]
+pub struct Outbox {
+    held: [u8; CHUNK],
+    len: usize,
+    /// Longest time in which the line may accept nothing.
+    timeout: Option<Micros>,
+    stuck_since: Option<Micros>,
+}
+
+impl Outbox {
+    /// Empty buffer.
+    pub fn new(timeout: Option<Micros>) -> Self {
+        Outbox { held: [0; CHUNK], len: 0, timeout, stuck_since: None }
+    }
+
+    /// One turn: passes received characters to the sender, and the sender's characters to the line. Returns true if all
+    /// characters have arrived, as far as the line's rate shows.
+    ///
+    /// # Errors
+    /// The line is gone, or has accepted nothing for too long.
+    pub fn turn(&mut self, port: &mut dyn Port, sender: &mut Sender) -> Result<bool, LineError> {
+        let mut incoming = [0; 64];
+        loop {
+            let len = port.read(&mut incoming)?;
+            sender.on_bytes(port.now(), &incoming[..len]);
+            if len < incoming.len() {
+                break;
+            }
+        }
+        self.pump(port, sender)?;
+        let is_out = sender.state() == State::Sent && self.len == 0 && port.out_waiting()? == 0;
+        Ok(is_out && port.now() >= sender.arrived_at())
+    }
+
+    fn pump(&mut self, port: &mut dyn Port, sender: &mut Sender) -> Result<(), LineError> {
+        if self.len == 0 {
+            self.len = sender.poll_transmit(port.now(), &mut self.held);
+        }
+        if self.len == 0 {
+            return Ok(());
+        }
+        let taken = port.write(&self.held[..self.len])?;
+        self.held.copy_within(taken..self.len, 0);
+        self.len -= taken;
+        if taken > 0 {
+            self.stuck_since = None;
+            return Ok(());
+        }
+        let since = *self.stuck_since.get_or_insert(port.now());
+        match self.timeout {
+            Some(timeout) if port.now().since(since) >= timeout => Err(LineError::Stuck(timeout)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Number of characters handed out that the line has not accepted.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// The line has accepted all characters.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+}

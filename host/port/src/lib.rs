@@ -1,0 +1,178 @@
+#![doc = include_str!("../README.md")]
+//!
+//! Serial ports by pyserial's URLs.
+//!
+//! [`Port`] is the interface; the port owns the clock: wall time for real ports, simulated time for simulated ones.
+//! [`url`] parses a URL, [`open::open`] opens its port, [`list::ports`] lists the native ports, [`rfc2217::server`] offers a
+//! port to clients.
+
+mod log;
+
+pub mod settings;
+
+pub mod clock;
+
+pub mod pattern;
+
+pub mod url;
+
+pub mod list;
+
+pub mod serial;
+
+pub mod loopback;
+
+mod tcp;
+
+pub mod socket;
+
+pub mod rfc2217;
+
+pub mod spy;
+
+pub mod fault;
+
+pub mod reaction;
+
+pub mod open;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::SystemTime;
+
+use arcfeed_line_errors::Counts;
+use arcfeed_units::Micros;
+
+/// Report of a machine; empty over a plain DNC line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Machine {
+    /// The override in effect, %.
+    pub override_percent: Option<u8>,
+    /// Chip thickness of the last tooth over its target.
+    pub chip_ratio: Option<f64>,
+    /// Cause of a stop, in words.
+    pub alarm: Option<String>,
+}
+
+/// Line to a control.
+pub trait Port {
+    /// Time since the port was opened.
+    fn now(&self) -> Micros;
+
+    /// Reads the bytes that have arrived; returns 0 if there are none.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError>;
+
+    /// Writes bytes to the line; returns the number accepted, 0 if the line accepts none now.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError>;
+
+    /// Number of accepted bytes that have not left yet, as far as the port can know.
+    ///
+    /// # Errors
+    /// The line is gone.
+    fn out_waiting(&mut self) -> Result<usize, PortError> {
+        Ok(0)
+    }
+
+    /// Waits, until `deadline` at the latest.
+    fn wait(&mut self, deadline: Micros);
+
+    /// Damaged characters from the other end since the port was opened, if the port reports them.
+    fn line_errors(&self) -> Option<Counts> {
+        None
+    }
+
+    /// Date and time at which the port was opened, if its time is wall time.
+    fn opened(&self) -> Option<SystemTime> {
+        None
+    }
+
+    /// The control is done with the program; `None` if the port cannot know.
+    fn control_is_done(&self) -> Option<bool> {
+        None
+    }
+
+    /// Number of blocks that the control has started; `None` if the port cannot know.
+    fn blocks_executed(&self) -> Option<usize> {
+        None
+    }
+
+    /// Report of the machine, if the port can know.
+    fn machine(&self) -> Machine {
+        Machine::default()
+    }
+
+    /// Requests feed hold, if the port can; returns true if the axes rest.
+    fn feed_hold(&mut self) -> bool {
+        false
+    }
+}
+
+/// Shared port: the owner still sees the port behind it.
+impl<P: Port> Port for Rc<RefCell<P>> {
+    fn now(&self) -> Micros {
+        self.as_ref().borrow().now()
+    }
+
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
+        self.as_ref().borrow_mut().read(buffer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
+        self.as_ref().borrow_mut().write(bytes)
+    }
+
+    fn out_waiting(&mut self) -> Result<usize, PortError> {
+        self.as_ref().borrow_mut().out_waiting()
+    }
+
+    fn wait(&mut self, deadline: Micros) {
+        self.as_ref().borrow_mut().wait(deadline);
+    }
+
+    fn line_errors(&self) -> Option<Counts> {
+        self.as_ref().borrow().line_errors()
+    }
+
+    fn opened(&self) -> Option<SystemTime> {
+        self.as_ref().borrow().opened()
+    }
+
+    fn control_is_done(&self) -> Option<bool> {
+        self.as_ref().borrow().control_is_done()
+    }
+
+    fn blocks_executed(&self) -> Option<usize> {
+        self.as_ref().borrow().blocks_executed()
+    }
+
+    fn machine(&self) -> Machine {
+        self.as_ref().borrow().machine()
+    }
+
+    fn feed_hold(&mut self) -> bool {
+        self.as_ref().borrow_mut().feed_hold()
+    }
+}
+
+/// Failure of the line.
+#[derive(Debug, thiserror::Error)]
+#[error("{name}: {source}")]
+pub struct PortError {
+    /// Name of the port.
+    pub name: String,
+    /// Cause.
+    pub source: std::io::Error,
+}
+
+impl PortError {
+    /// Failure with a message that names the remedy.
+    pub fn in_words(name: &str, message: impl Into<String>) -> Self {
+        PortError { name: name.to_owned(), source: std::io::Error::other(message.into()) }
+    }
+}

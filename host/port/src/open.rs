@@ -1,0 +1,66 @@
+//! Opens the port of a URL.
+
+use std::fs::File;
+
+use super::fault::Fault;
+use super::list::{find, ports};
+use super::loopback::Loopback;
+use super::rfc2217::Rfc2217;
+use super::serial::Serial;
+use super::socket::Socket;
+use super::spy::{CreateFile, Spy};
+use super::url::{Base, PortUrl, Wrapper};
+use super::{Port, PortError};
+use crate::settings::SerialSettings;
+
+/// Opens the port and adds the URL's wrappers. An existing file of a spy is overwritten.
+///
+/// # Errors
+/// It cannot be opened. `sim:` is no port of this machine and is made elsewhere.
+pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
+    open_with(url, settings, |path| File::create(path))
+}
+
+/// As [`open`], with files of spies created by `create`.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_with(url: &PortUrl, settings: &SerialSettings, create: CreateFile) -> Result<Box<dyn Port>, PortError> {
+    let port: Box<dyn Port> = match &url.base {
+        Base::Sim => {
+            return Err(PortError::in_words(&url.text, "the control in software is not there for this command"));
+        }
+        Base::LinuxCnc => {
+            return Err(PortError::in_words(
+                &url.text,
+                "LinuxCNC reads files, not a line; this is a port for `stream` alone",
+            ));
+        }
+        Base::Native(name) => Box::new(Serial::open(name, settings)?),
+        Base::Loop(logging) => Box::new(Loopback::open(*logging)),
+        Base::Socket(address, logging) => Box::new(Socket::open(address, *logging)?),
+        Base::Rfc2217(address, options) => Box::new(Rfc2217::open(address, options, settings)?),
+        Base::Hwgrep(wanted) => {
+            let can_be_opened = |name: &str| Serial::open(name, settings).is_ok();
+            let found = find(&ports(false), wanted, can_be_opened);
+            let message = "no such port; `arcfeed ports -v` lists what the expression is looked for in";
+            let name = found.ok_or_else(|| PortError::in_words(&url.text, message))?;
+            Box::new(Serial::open(&name, settings)?)
+        }
+    };
+    wrap(url, port, create)
+}
+
+/// Adds the wrappers of a URL to a port, the outermost last.
+///
+/// # Errors
+/// The file of a spy cannot be created.
+pub fn wrap<'p>(url: &PortUrl, port: Box<dyn Port + 'p>, create: CreateFile) -> Result<Box<dyn Port + 'p>, PortError> {
+    url.wrappers.iter().rev().try_fold(port, |inner, wrapper| {
+        let wrapped: Box<dyn Port + 'p> = match wrapper {
+            Wrapper::Spy(options) => Box::new(Spy::new(inner, options, create)?),
+            Wrapper::Fault(plan) => Box::new(Fault::new(inner, plan)),
+        };
+        Ok(wrapped)
+    })
+}

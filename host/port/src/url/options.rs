@@ -1,0 +1,106 @@
+//! Options of a URL, `?name=value&name`, as Python's `urllib.parse.parse_qs` reads them.
+
+use super::UrlError;
+use crate::log::Level;
+
+/// Longest wait that a URL may set.
+const SECONDS_MAX: f64 = 3_600.0;
+
+/// Options not used yet; of an option given twice the first.
+pub struct Options(Vec<(String, String)>);
+
+impl Options {
+    /// Splits at the first `?`.
+    pub fn split(text: &str) -> (&str, Options) {
+        text.split_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
+    }
+
+    /// Splits at the last `?`.
+    pub fn split_last(text: &str) -> (&str, Options) {
+        text.rsplit_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
+    }
+
+    /// No options.
+    pub fn none() -> Self {
+        Options(Vec::new())
+    }
+
+    fn read(query: &str) -> Self {
+        let mut found: Vec<(String, String)> = Vec::new();
+        for part in query.split('&').filter(|part| !part.is_empty()) {
+            let (name, value) = part.split_once('=').unwrap_or((part, ""));
+            let name = decoded(name);
+            if found.iter().all(|(other, _)| *other != name) {
+                found.push((name, decoded(value)));
+            }
+        }
+        Options(found)
+    }
+
+    /// Names of the options.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Removes an option and returns its value, empty if it has none.
+    pub fn take(&mut self, name: &str) -> Option<String> {
+        let at = self.0.iter().position(|(other, _)| other == name)?;
+        Some(self.0.remove(at).1)
+    }
+
+    /// Removes an option without a value; returns true if it was there.
+    pub fn flag(&mut self, name: &str) -> Result<bool, UrlError> {
+        match self.take(name).as_deref() {
+            None => Ok(false),
+            Some("") => Ok(true),
+            Some(value) => Err(UrlError::new(
+                format!("{name}={value}"),
+                format!("{name} is switched on by its name alone; write {name}, or leave it out"),
+            )),
+        }
+    }
+
+    /// Removes a time in seconds.
+    pub fn seconds(&mut self, name: &str) -> Result<Option<f64>, UrlError> {
+        let Some(value) = self.take(name) else { return Ok(None) };
+        let parsed = value.parse().ok().filter(|seconds| (0.0..=SECONDS_MAX).contains(seconds));
+        let message = format!("write {name}=SECONDS, from 0 to {SECONDS_MAX}");
+        parsed.map(Some).ok_or_else(|| UrlError::new(format!("{name}={value}"), message))
+    }
+
+    /// Removes `logging`.
+    pub fn logging(&mut self) -> Result<Option<Level>, UrlError> {
+        let Some(value) = self.take("logging") else { return Ok(None) };
+        let wrong = || UrlError::new(format!("logging={value}"), "write logging=debug, info, warning or error");
+        Level::named(&value).map(Some).ok_or_else(wrong)
+    }
+
+    /// Rejects the remaining options as unknown.
+    pub fn no_more(&self, form: &str) -> Result<(), UrlError> {
+        match self.0.first() {
+            None => Ok(()),
+            Some((name, _)) => Err(UrlError::new(name, format!("unknown option; write {form}"))),
+        }
+    }
+}
+
+/// Decodes `%41` as A, `+` as a blank; other text stays.
+fn decoded(text: &str) -> String {
+    let bytes = text.as_bytes();
+    let (mut out, mut at) = (Vec::with_capacity(bytes.len()), 0);
+    while at < bytes.len() {
+        let code = bytes.get(at + 1..at + 3).filter(|hex| bytes[at] == b'%' && hex.iter().all(u8::is_ascii_hexdigit));
+        let code = code.and_then(|hex| std::str::from_utf8(hex).ok());
+        match code.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(byte) => {
+                out.push(byte);
+                at += 3;
+            }
+            None => {
+                out.push(if bytes[at] == b'+' { b' ' } else { bytes[at] });
+                at += 1;
+            }
+        }
+    }
+    String::from_utf8_lossy(&out).into_owned()
+}
