@@ -21,7 +21,14 @@
 //!
 //! at most. So (2) has s C (1 + q) on the side, and on the end the moment with r + q r in place of r, for the material as
 //! near to the axis as its moment allows: end + s C z / (2 pi) sqrt(2 end Z). Otherwise no chip is thicker than the path per
-//! tooth. In (2) both moments are the largest over a turn, so T and
+//! tooth.
+//!
+//! Where one descending move passes into another, the first tooth cuts what both have left. During this tooth the chip on the
+//! end lies between those of both moves, as does the one in front of each edge of a side. So (2) holds with the larger path
+//! of both moves if it holds for each with the moments of the joint, and with the larger S and the larger C of both:
+//! both keep the limit of the joint within a path per tooth of it.
+//!
+//! In (2) both moments are the largest over a turn, so T and
 //! P hold for every tooth, not only in the mean. On the end of a ring all inserts count: thin chips have the larger specific
 //! force. With the mean moment Z area / (2 pi) and f = kc h, (2) is the torque kc F area / (2 pi n) and the power kc area F.
 //!
@@ -34,7 +41,7 @@ use arcfeed_model::knots::{Knot, TABLE_KNOTS_MAX};
 use arcfeed_model::tool::Tool;
 use arcfeed_units::{MM_PER_M, Mm, MmPerTooth, S_PER_MIN};
 
-use crate::engagement::sections::{MappedSection, TangentialForce};
+use crate::engagement::sections::{MappedDescent, MappedJoint, MappedSection, TangentialForce};
 
 /// Share of the chip at entry and exit. (3), (4)
 const GENTLE_RATIO: f64 = 0.5;
@@ -64,6 +71,25 @@ impl Edges {
     }
 }
 
+/// Angle of a move from the plane across the tool's axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inclination {
+    /// S: sine.
+    pub sine_ratio: f64,
+    /// C: cosine.
+    pub cosine_ratio: f64,
+}
+
+impl Inclination {
+    /// A move along the axis.
+    pub const PLUNGE: Inclination = Inclination { sine_ratio: 1.0, cosine_ratio: 0.0 };
+
+    /// Angle with this sine.
+    pub fn of_sine(sine_ratio: f64) -> Self {
+        Inclination { sine_ratio, cosine_ratio: libm::sqrt((1.0 - sine_ratio * sine_ratio).max(0.0)) }
+    }
+}
+
 /// Limits of the law at a spindle speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialLaw {
@@ -87,8 +113,8 @@ pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min
 
 impl AxialLaw {
     /// Largest torque of a turn at a path per tooth. (2)
-    pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, sine: f64) -> f64 {
-        let cosine = libm::sqrt((1.0 - sine * sine).max(0.0));
+    pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, inclination: Inclination) -> f64 {
+        let Inclination { sine_ratio: sine, cosine_ratio: cosine } = inclination;
         let Edges { side: side_edges, end: end_edges } = self.edges;
         let across_mm = path_mm * cosine;
         let late_mm = across_mm * side_edges / TAU; // (5)
@@ -100,8 +126,8 @@ impl AxialLaw {
     }
 
     /// Largest path per tooth up to `most_mm` that keeps the torque; `None` if no feed does.
-    pub fn path_mm(&self, most_mm: f64, section: &MappedSection, sine: f64) -> Option<f64> {
-        let is_kept = |path_mm: f64| self.torque_n_m(path_mm, section, sine) <= self.torque_max_n_m;
+    pub fn path_mm(&self, most_mm: f64, section: &MappedSection, inclination: Inclination) -> Option<f64> {
+        let is_kept = |path_mm: f64| self.torque_n_m(path_mm, section, inclination) <= self.torque_max_n_m;
         if is_kept(most_mm) {
             return Some(most_mm);
         }
@@ -115,15 +141,23 @@ impl AxialLaw {
 
     /// Paths per tooth along a move of this length, by its sections; `is_plunge` if it runs along the axis. `None` if no
     /// feed keeps the torque somewhere, or nothing is known of the move.
-    pub fn table(&self, sections: &[MappedSection], length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
+    pub fn table(&self, moved: &MappedDescent, length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
+        let sections = &moved.sections[..];
+        let inclination = Inclination::of_sine(sine);
         let entry_mm = if is_plunge { self.entry_mm(sections) } else { f64::NEG_INFINITY };
         let gentle_from_mm = if is_plunge { length_mm - EXIT_MM } else { f64::INFINITY };
         // Each sample stands for its surroundings up to the neighbours.
         let near = |index: usize| &sections[index.saturating_sub(1)..(index + 2).min(sections.len())];
+        let ends_mm = [sections.first()?.at_mm, sections.last()?.at_mm];
         let values = (0..sections.len()).map(|index| {
             let of = |section: &MappedSection| {
                 let is_gentle = section.at_mm <= entry_mm || section.at_mm > gentle_from_mm;
-                self.path_mm(self.feed_per_tooth_mm * if is_gentle { GENTLE_RATIO } else { 1.0 }, section, sine)
+                let most_mm = self.feed_per_tooth_mm * if is_gentle { GENTLE_RATIO } else { 1.0 };
+                let is_at = |end_mm: &f64| (section.at_mm - end_mm).abs() <= self.feed_per_tooth_mm;
+                let joints = ends_mm.iter().zip(&moved.joints).filter(|(end_mm, _)| is_at(end_mm));
+                joints
+                    .filter_map(|(_, joint)| joint.as_ref())
+                    .try_fold(self.path_mm(most_mm, section, inclination)?, |most, joint| self.joint_mm(most, joint))
             };
             near(index).iter().map(of).try_fold(f64::INFINITY, |least, path_mm| Some(least.min(path_mm?)))
         });
@@ -131,6 +165,13 @@ impl AxialLaw {
             &sections.iter().map(|section| section.at_mm).zip(values.collect::<Option<Vec<_>>>()?).collect::<Vec<_>>(),
             length_mm,
         )
+    }
+
+    /// Largest path per tooth up to `most_mm` that keeps the torque at a joint.
+    fn joint_mm(&self, most_mm: f64, joint: &MappedJoint) -> Option<f64> {
+        let &MappedJoint { end_mm2, side_mm2, sine_ratio, cosine_ratio } = joint;
+        let inclination = Inclination { sine_ratio, cosine_ratio };
+        self.path_mm(most_mm, &MappedSection { at_mm: 0.0, end_mm2, side_mm2 }, inclination)
     }
 
     /// End of the entry: the first place at which the section has its size within the tool's diameter behind the contact;
@@ -180,6 +221,10 @@ mod tests {
         AxialLaw { feed_per_tooth_mm: 0.1, edges, diameter_mm: 10.0, force, torque_max_n_m }
     }
 
+    fn moved(sections: &[MappedSection], joints: [Option<MappedJoint>; 2]) -> MappedDescent {
+        MappedDescent { line: 1, sequence: None, key: 0, sections: sections.to_vec(), joints }
+    }
+
     fn at(table: &Table, at_mm: f64) -> f64 {
         let place = Place { center_mm: [0.0; 2], motion: [0.0; 2], towards: [0.0; 2], travelled_mm: at_mm as f32 };
         f64::from(table.demand(&place).expect("a demand").path_mm_per_tooth)
@@ -194,14 +239,14 @@ mod tests {
             .collect();
         for (torque_max_n_m, largest) in [(f64::INFINITY, 0.1), (13.0, 0.0659)] {
             let law = law(torque_max_n_m);
-            let table = law.table(&sections, 30.0, (1.0, true)).expect("a table");
+            let table = law.table(&moved(&sections, [None; 2]), 30.0, (1.0, true)).expect("a table");
             let mut most = 0.0_f64;
             for step in 0..=300 {
                 let at_mm = f64::from(step) * 0.1;
                 let path_mm = at(&table, at_mm);
                 most = most.max(path_mm);
                 let section = MappedSection { at_mm, end_mm2: moment(at_mm), side_mm2: 0.0 };
-                assert!(law.torque_n_m(path_mm, &section, 1.0) <= torque_max_n_m, "{at_mm}: {path_mm}");
+                assert!(law.torque_n_m(path_mm, &section, Inclination::PLUNGE) <= torque_max_n_m, "{at_mm}: {path_mm}");
                 if at_mm <= 5.0 + 0.9 * 3.0 || at_mm > 29.0 {
                     assert!(path_mm <= 0.05, "{at_mm}: {path_mm}");
                 }
@@ -214,13 +259,14 @@ mod tests {
     fn a_ramp_has_the_load_of_its_end_and_its_sides_and_no_gentle_parts() {
         let section = MappedSection { at_mm: 0.0, end_mm2: 20.0, side_mm2: 10.0 };
         let law = law(5.0);
-        let path_mm = law.path_mm(0.1, &section, 0.6).expect("a path");
+        let path_mm = law.path_mm(0.1, &section, Inclination::of_sine(0.6)).expect("a path");
         let late_mm = path_mm * 0.8 * 4.0 / TAU;
         let end = libm::pow(path_mm * 0.6, 0.75) * (20.0 + late_mm * libm::sqrt(160.0));
         let side = libm::pow(path_mm * 0.8 * (1.0 + late_mm / 5.0), 0.75) * 10.0;
         let by_hand = 2_000.0 * (end + side) / 1e3;
         assert!((by_hand - 5.0).abs() < 1e-9, "{by_hand}");
-        let table = law.table(&[section, MappedSection { at_mm: 8.0, ..section }], 8.0, (0.6, false)).expect("a table");
+        let sections = [section, MappedSection { at_mm: 8.0, ..section }];
+        let table = law.table(&moved(&sections, [None; 2]), 8.0, (0.6, false)).expect("a table");
         assert!((at(&table, 0.0) / path_mm - 1.0).abs() < 2e-6 && at(&table, 0.0) <= path_mm);
     }
 
@@ -231,7 +277,35 @@ mod tests {
             ..law(1.0)
         };
         let section = |at_mm| MappedSection { at_mm, end_mm2: 20.0, side_mm2: 0.0 };
-        assert_eq!(law.table(&[section(0.0), section(8.0)], 8.0, (1.0, true)), None);
-        assert_eq!(law.table(&[], 8.0, (1.0, true)), None);
+        assert_eq!(law.table(&moved(&[section(0.0), section(8.0)], [None; 2]), 8.0, (1.0, true)), None);
+        assert_eq!(law.table(&moved(&[], [None; 2]), 8.0, (1.0, true)), None);
+    }
+
+    #[test]
+    fn while_a_tooth_passes_from_one_move_into_another_the_torque_is_kept_on_both_sides_of_the_joint() {
+        let force = TangentialForce { specific_mpa: 1_000.0, exponent_ratio: 0.3, edge_n_per_mm: 6.0 };
+        let law = AxialLaw { force, diameter_mm: 1e9, ..law(4.0) };
+        let (end, side) = (25.0, 18.0);
+        let section = |at_mm, side_mm2| MappedSection { at_mm, end_mm2: end, side_mm2 };
+        let ramp = Inclination::of_sine(0.5);
+        let joint = MappedJoint { end_mm2: end, side_mm2: side, sine_ratio: 1.0, cosine_ratio: ramp.cosine_ratio };
+        let path = |joints, side, sine: f64, at_mm| {
+            let sections: Vec<MappedSection> = (0..=10).map(|at| section(f64::from(at), side)).collect();
+            at(&law.table(&moved(&sections, joints), 10.0, (sine, sine == 1.0)).expect("a table"), at_mm)
+        };
+        // The larger torque while a tooth passes: the end goes over from the one chip to the other, the side begins.
+        let torque = |plunge_mm: f64, ramp_mm: f64| {
+            let of = |part: f64| {
+                let end_mm = plunge_mm * (1.0 - part) + ramp_mm * ramp.sine_ratio * part;
+                let side_mm = ramp_mm * ramp.cosine_ratio * part;
+                (force.n_per_mm(end_mm) * end + force.n_per_mm(side_mm) * side) / 1e3
+            };
+            (0..=1000).map(|step| of(f64::from(step) / 1e3)).fold(0.0, f64::max)
+        };
+        let apart = torque(path([None; 2], 0.0, 1.0, 10.0), path([None; 2], side, 0.5, 0.0));
+        let joined = torque(path([None, Some(joint)], 0.0, 1.0, 10.0), path([Some(joint), None], side, 0.5, 0.0));
+        assert!(apart > 4.0 * 1.02 && joined <= 4.0, "{apart} {joined}");
+        // Away from the joint nothing changes.
+        assert_eq!(path([None; 2], side, 0.5, 5.0), path([Some(joint), None], side, 0.5, 5.0));
     }
 }

@@ -229,7 +229,7 @@ fn hex(text: &Spanned<String>) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::sections::{MappedDescent, MappedSection, TangentialForce};
+    use super::sections::{MappedDescent, MappedJoint, MappedSection, TangentialForce};
     use super::*;
     use arcfeed_nc::modal::{Feed, Pose};
 
@@ -249,8 +249,11 @@ mod tests {
     fn descents() -> MappedDescents {
         let section = |at_mm, end_mm2| MappedSection { at_mm, end_mm2, side_mm2: 0.125 };
         let sections = vec![section(0.0, 0.0), section(1.5, 12.345)];
-        let known = MappedDescent { line: 4, sequence: Some(9), key: key(&line_to(2)), sections };
-        let unknown = MappedDescent { line: 6, sequence: None, key: key(&line_to(3)), sections: Vec::new() };
+        let joint = MappedJoint { end_mm2: 12.345, side_mm2: 0.125, sine_ratio: 1.0, cosine_ratio: 0.5 };
+        let joints = [None, Some(joint)];
+        let known = MappedDescent { line: 4, sequence: Some(9), key: key(&line_to(2)), sections, joints };
+        let unknown =
+            MappedDescent { line: 6, sequence: None, key: key(&line_to(3)), sections: Vec::new(), joints: [None; 2] };
         let force = TangentialForce { specific_mpa: 800.0, exponent_ratio: 0.25, edge_n_per_mm: 0.0 };
         MappedDescents { force, moves: vec![known, unknown] }
     }
@@ -260,7 +263,7 @@ mod tests {
         let descents = descents();
         let mut lookup = descents.lookup();
         assert_eq!(lookup.next(&line_to(5)), None);
-        assert_eq!(lookup.next(&line_to(2)).map(<[MappedSection]>::len), Some(2));
+        assert_eq!(lookup.next(&line_to(2)).map(|found| found.sections.len()), Some(2));
         assert_eq!((lookup.next(&line_to(2)), lookup.next(&line_to(3))), (None, None));
     }
 

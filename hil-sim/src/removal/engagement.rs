@@ -28,7 +28,7 @@ use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
 use super::placement::{WorkpiecePlacement, between};
-use super::sections::{SectionSettings, SectionedMove, ToolAt, travelled_mm};
+use super::sections::{SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
@@ -92,8 +92,8 @@ pub struct EngagementMeter {
     /// Position at which the material was cleared last.
     cleared_mm: Option<Vector>,
     moves: Vec<EngagedMove>,
-    /// Descending moves with the count of their blocks.
-    descents: Vec<(u32, SectionedMove)>,
+    /// Sections of descending moves; `None` without the plunge law.
+    descents: Option<SectionMeter>,
     left_out: Vec<LeftOut>,
 }
 
@@ -122,15 +122,15 @@ impl EngagementMeter {
             (0..).map(|n| (f64::from(n) + 0.5) * rise_mm).take_while(|height_mm| *height_mm < settings.depth_mm);
         let slices = heights.filter_map(|height_mm| slice(&settings.tool, height_mm)).collect();
         EngagementMeter {
-            settings,
+            descents: settings.sections.map(SectionMeter::new),
             slices,
             placement: WorkpiecePlacement::default(),
             periods: Periods::default(),
             last: None,
             cleared_mm: None,
             moves: Vec::new(),
-            descents: Vec::new(),
             left_out: Vec::new(),
+            settings,
         }
     }
 
@@ -144,8 +144,8 @@ impl EngagementMeter {
         if let Some(block) = in_execution.filter(|block| self.is_sampled(block)) {
             self.open(block);
         }
-        if let Some((block, segment)) = executed {
-            self.open_descent(block, segment);
+        if let Some(((block, segment), descents)) = executed.zip(self.descents.as_mut()) {
+            descents.open(&block, segment);
         }
         if let Some(period) = self.periods.observe(simulation) {
             self.process_period(&period);
@@ -166,8 +166,8 @@ impl EngagementMeter {
     }
 
     /// Descending moves with their sections, in order of execution.
-    pub fn descents(&self) -> impl Iterator<Item = &SectionedMove> + Clone {
-        self.descents.iter().map(|(_, moved)| moved)
+    pub fn descents(&self) -> &[SectionedMove] {
+        self.descents.as_ref().map_or(&[], SectionMeter::moves)
     }
 
     /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
@@ -185,15 +185,8 @@ impl EngagementMeter {
         }
     }
 
-    fn open_descent(&mut self, block: BlockRef, segment: &Segment) {
-        let is_open = self.descents.last().is_some_and(|(count, _)| *count == block.count);
-        if !is_open && self.settings.sections.is_some_and(|sections| sections.include(segment)) {
-            self.descents.push((block.count, SectionedMove { segment: *segment, samples: Vec::new() }));
-        }
-    }
-
     fn is_descent(&self, block: &BlockRef) -> bool {
-        self.descents.last().is_some_and(|(count, _)| *count == block.count)
+        self.descents.as_ref().is_some_and(|descents| descents.is_open(block))
     }
 
     fn process_period(&mut self, Period { section, segment, axes }: &Period) {
@@ -245,14 +238,10 @@ impl EngagementMeter {
 
     /// Takes a sample of the section at a position that is `apart_mm` or more from the last one.
     fn sample_section(&mut self, reached: &Reached, apart_mm: f64) {
-        let at_mm = travelled_mm(&reached.segment, &reached.axes);
-        let Some((sections, (count, moved))) = self.settings.sections.zip(self.descents.last_mut()) else { return };
-        if *count != reached.block.count || moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {
-            return;
-        }
+        let Some(descents) = self.descents.as_mut().filter(|descents| descents.is_open(&reached.block)) else { return };
         let &EngagementSettings { ref layers, ahead_mm, depth_mm, .. } = &self.settings;
         let tool = ToolAt { layers, slices: &self.slices, depth_mm, ahead_mm, tip_mm: reached.tip_mm };
-        moved.samples.push(sections.sample(&tool, &reached.segment, at_mm));
+        descents.sample(&tool, travelled_mm(&reached.segment, &reached.axes), apart_mm);
     }
 
     /// Takes a sample at a position that is `apart_mm` or more from the last one.

@@ -11,6 +11,10 @@
 //!
 //! (2) adds the largest values of the layers, which no helix can exceed.
 //!
+//! Where one descending move passes into another, the first tooth cuts what both have left: on the end the chip goes over
+//! from that of the one move to that of the other, and on the sides the chips of both directions overlap. The section of
+//! such a joint has the larger end of both moves, and the sides in material in front of either direction.
+//!
 //! Source: geometry; the moments are those of [`arcfeed_milling::cutting::engaged_section`].
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -25,6 +29,11 @@ use arcfeed_model::tool::Edge;
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::Nm;
 use nalgebra::Vector2;
+
+use super::trail::BlockRef;
+
+/// Path between two descending moves within which the second meets the chip of the first: more than any tooth goes.
+const JOINED_MM: f64 = 2.0;
 
 /// Settings of the sections.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +64,34 @@ pub struct SectionedMove {
     pub segment: Segment,
     /// Samples in order; empty if the position on the workpiece is not known.
     pub samples: Vec<SectionSample>,
+    /// Joints with the descending moves directly before and behind it.
+    pub joints: [Option<SectionJoint>; 2],
+}
+
+/// Engaged section where one descending move passes into another.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SectionJoint {
+    /// Moment of the end's edges: the larger one of both moves. 0 if the position on the workpiece is not known.
+    pub end_mm2: f64,
+    /// Moment of the edges of the sides that have material in front of them in either direction.
+    pub side_mm2: f64,
+    /// Larger sine of the angles of both moves from the plane across the axis.
+    pub sine_ratio: f64,
+    /// Larger cosine of them.
+    pub cosine_ratio: f64,
+}
+
+/// Descending moves of a run with their sections so far; state.
+#[derive(Clone, Debug)]
+pub(super) struct SectionMeter {
+    settings: SectionSettings,
+    moves: Vec<SectionedMove>,
+    /// Count of the last descending move's block.
+    descent: Option<u32>,
+    /// Count of the block in execution.
+    block: Option<u32>,
+    /// Path since the last descending move; infinite behind a rapid.
+    apart_mm: f64,
 }
 
 /// Engaged section at one place of a move.
@@ -82,22 +119,70 @@ pub(super) struct ToolAt<'a> {
     pub tip_mm: Vector,
 }
 
-impl SectionSettings {
-    /// Whether a move has sections.
-    pub fn include(&self, segment: &Segment) -> bool {
-        self.descent(segment).is_some()
+impl SectionMeter {
+    /// State before the run.
+    pub fn new(settings: SectionSettings) -> Self {
+        SectionMeter { settings, moves: Vec::new(), descent: None, block: None, apart_mm: f64::INFINITY }
     }
 
+    /// Descending moves so far.
+    pub fn moves(&self) -> &[SectionedMove] {
+        &self.moves
+    }
+
+    /// Processes the block in execution.
+    pub fn open(&mut self, block: &BlockRef, segment: &Segment) {
+        if self.block.replace(block.count) == Some(block.count) {
+            return;
+        }
+        let Some(descent) = self.settings.descent(segment) else {
+            self.apart_mm += if block.is_rapid { f64::INFINITY } else { segment.length_mm() };
+            return;
+        };
+        let mut joints = [None; 2];
+        if let Some(before) = self.moves.last_mut().filter(|_| self.apart_mm <= JOINED_MM) {
+            let sines = self.settings.descent(&before.segment).map_or([1.0; 2], |d| [d.sine_ratio, descent.sine_ratio]);
+            let cosines = sines.map(|sine| libm::sqrt((1.0 - sine * sine).max(0.0)));
+            let [sine_ratio, cosine_ratio] = [sines, cosines].map(|[one, other]| f64::max(one, other));
+            let joint = SectionJoint { sine_ratio, cosine_ratio, ..SectionJoint::default() };
+            (before.joints[1], joints[0]) = (Some(joint), Some(joint));
+        }
+        self.moves.push(SectionedMove { segment: *segment, samples: Vec::new(), joints });
+        self.descent = Some(block.count);
+        self.apart_mm = 0.0;
+    }
+
+    /// Whether a block is the last descending move.
+    pub fn is_open(&self, block: &BlockRef) -> bool {
+        self.descent == Some(block.count)
+    }
+
+    /// Takes a sample on the last descending move, unless the one before is nearer than `apart_mm`. The first sample of a
+    /// move is that of its joint, too.
+    pub fn sample(&mut self, tool: &ToolAt<'_>, at_mm: f64, apart_mm: f64) {
+        let [before @ .., moved] = &mut self.moves[..] else { return };
+        if moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {
+            return;
+        }
+        let sample = self.settings.sample(tool, &moved.segment, at_mm);
+        if let ([.., before], Some(joint), true) = (before, &mut moved.joints[0], moved.samples.is_empty()) {
+            let last_mm2 = before.samples.last().map_or(0.0, |sample| sample.end_mm2);
+            joint.end_mm2 = sample.end_mm2.max(last_mm2);
+            joint.side_mm2 = self.settings.side_mm2(tool, &[&before.segment, &moved.segment]);
+            before.joints[1] = Some(*joint);
+        }
+        moved.samples.push(sample);
+    }
+}
+
+impl SectionSettings {
     fn descent(&self, segment: &Segment) -> Option<Descent> {
         Descent::of(segment, ToolAxis::Z).filter(|descent| self.has_ramps || descent.is_plunge())
     }
 
     /// Sample at a place of a move, after this path on it.
-    pub(super) fn sample(&self, tool: &ToolAt<'_>, segment: &Segment, at_mm: f64) -> SectionSample {
-        let [x, y] = [0, 1].map(|axis: usize| (segment.end.linear[axis].0 - segment.start.linear[axis].0) as f64);
-        let is_ramp = self.descent(segment).is_some_and(|descent| !descent.is_plunge());
-        let side_mm2 = if is_ramp { self.side_mm2(tool, libm::atan2(y, x)) } else { 0.0 };
-        SectionSample { at_mm, end_mm2: self.end_mm2(tool), side_mm2 }
+    fn sample(&self, tool: &ToolAt<'_>, segment: &Segment, at_mm: f64) -> SectionSample {
+        SectionSample { at_mm, end_mm2: self.end_mm2(tool), side_mm2: self.side_mm2(tool, &[segment]) }
     }
 
     /// Moment of the end's edges. (1)
@@ -119,9 +204,11 @@ impl SectionSettings {
         section.moment_sum_max_mm2(self.edges.end)
     }
 
-    /// Moment of the edges of both sides, for a motion in this direction. Every layer that the tool reaches into counts
-    /// as a whole. (2)
-    fn side_mm2(&self, tool: &ToolAt<'_>, motion_rad: f64) -> f64 {
+    /// Moment of the edges of both sides, for the directions of these moves; 0 if all of them are plunges. Every layer that
+    /// the tool reaches into counts as a whole. (2)
+    fn side_mm2(&self, tool: &ToolAt<'_>, moves: &[&Segment]) -> f64 {
+        let is_ramp = |segment: &&&Segment| self.descent(segment).is_some_and(|descent| !descent.is_plunge());
+        let motions_rad: Vec<f64> = moves.iter().filter(is_ramp).map(|segment| direction_rad(segment)).collect();
         let ToolAt { layers, slices, depth_mm, tip_mm, .. } = tool;
         let level_mm = LEVEL_RATIO * layers.rise_mm();
         let (lowest, highest) = (layers.nth(tip_mm[2] + level_mm), layers.nth(tip_mm[2] + depth_mm - level_mm));
@@ -129,34 +216,67 @@ impl SectionSettings {
             let Some(slice) = slices.get((nth - lowest) as usize).or(slices.last()) else { return 0.0 };
             let sides = [(Edge::Outer, slice.outer_mm), (Edge::Inner, slice.inner_mm)];
             let in_material = |(side, radius_mm)| match radius_mm > 0.0 {
-                true => radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), motion_rad),
+                true => radius_mm * self.edges_in_material(tool, (side, radius_mm, nth), &motions_rad),
                 false => 0.0,
             };
             layers.rise_mm() * sides.into_iter().map(in_material).sum::<f64>()
         };
-        (lowest..=highest).map(of_layer).sum()
+        if motions_rad.is_empty() { 0.0 } else { (lowest..=highest).map(of_layer).sum() }
     }
 
-    /// Most edges of a circle that are in the material of a layer at once.
-    fn edges_in_material(&self, tool: &ToolAt<'_>, (side, radius_mm, nth): (Edge, f64, i64), motion_rad: f64) -> f64 {
+    /// Most edges of a circle that are at once in the material of a layer, in front of one of these directions.
+    fn edges_in_material(
+        &self,
+        tool: &ToolAt<'_>,
+        (side, radius_mm, nth): (Edge, f64, i64),
+        motions_rad: &[f64],
+    ) -> f64 {
         let ToolAt { layers, ahead_mm, tip_mm, .. } = tool;
         let Some(layer) = layers.place(nth).and_then(|index| layers.layers().get(index)) else { return 0.0 };
         let circle = EdgeCircle { center_mm: Vector2::new(tip_mm[0], tip_mm[1]), radius_mm, side };
         let floor_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0) + LEVEL_RATIO;
         let spare_rad = layer.step_mm() / 2.0 / radius_mm;
-        let advance_rad = if side == Edge::Outer { motion_rad } else { motion_rad + TAU / 2.0 };
-        let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-        for [begin, end] in circle.engaged_rad(layer, *ahead_mm, floor_ratio) {
-            for turns in [-1.0, 0.0, 1.0, 2.0] {
-                let off = |end: f64| end - advance_rad + (turns - libm::floor((begin - advance_rad) / TAU)) * TAU - TAU;
-                let (low, high) = ((off(begin) - spare_rad).max(-FRAC_PI_2), (off(end) + spare_rad).min(FRAC_PI_2));
-                if low < high {
-                    (from, to) = (from.min(low), to.max(high));
-                }
+        let engaged_rad = circle.engaged_rad(layer, *ahead_mm, floor_ratio);
+        let in_front = |motion_rad: &f64| {
+            let advance_rad = if side == Edge::Outer { *motion_rad } else { motion_rad + TAU / 2.0 };
+            in_front_rad(&engaged_rad, spare_rad, advance_rad).map(|front_rad| front_rad.map(|end| end + advance_rad))
+        };
+        // Both fronts count as one, which no edge passes twice in a turn.
+        let fronts_rad: Vec<[f64; 2]> = motions_rad.iter().filter_map(in_front).collect();
+        let Some(width_rad) = hull_width_rad(&fronts_rad) else { return 0.0 };
+        (libm::floor(width_rad / (TAU / self.edges.side as f64)) + 1.0).min(self.edges.side as f64)
+    }
+}
+
+/// Part of engaged arcs in front of a direction, from the first to the last place, as angles from that direction.
+fn in_front_rad(engaged_rad: &[[f64; 2]], spare_rad: f64, advance_rad: f64) -> Option<[f64; 2]> {
+    let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+    for [begin, end] in engaged_rad {
+        for turns in [-1.0, 0.0, 1.0, 2.0] {
+            let off = |end: f64| end - advance_rad + (turns - libm::floor((begin - advance_rad) / TAU)) * TAU - TAU;
+            let (low, high) = ((off(*begin) - spare_rad).max(-FRAC_PI_2), (off(*end) + spare_rad).min(FRAC_PI_2));
+            if low < high {
+                (from, to) = (from.min(low), to.max(high));
             }
         }
-        if from < to { libm::floor((to - from) / (TAU / self.edges.side as f64)) + 1.0 } else { 0.0 }
     }
+    (from < to).then_some([from, to])
+}
+
+/// Least width of an arc that has all these arcs in it, each at most half a turn wide; `None` without arcs.
+fn hull_width_rad(arcs_rad: &[[f64; 2]]) -> Option<f64> {
+    let past = |angle_rad: f64| angle_rad - libm::floor(angle_rad / TAU) * TAU;
+    let from = |start_rad: f64| {
+        let end_rad = |[from, to]: &[f64; 2]| past(from - start_rad) + (to - from);
+        arcs_rad.iter().map(end_rad).fold(0.0, f64::max)
+    };
+    arcs_rad.iter().map(|[start_rad, _]| from(*start_rad)).reduce(f64::min)
+}
+
+/// Direction of a move across the axis.
+fn direction_rad(segment: &Segment) -> f64 {
+    let [x, y] = [0, 1].map(|axis: usize| (segment.end.linear[axis].0 - segment.start.linear[axis].0) as f64);
+    libm::atan2(y, x)
 }
 
 /// Path of a straight move up to a position of the axes.

@@ -10,7 +10,7 @@ use arcfeed_units::{Nm, RevPerMin};
 use super::PlanReason;
 use crate::axial_law::{AxialLaw, Edges, torque_max_n_m};
 use crate::engagement::EngagementMap;
-use crate::engagement::sections::{DescentLookup, MappedSection, TangentialForce};
+use crate::engagement::sections::{DescentLookup, MappedDescent, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
 
 /// Plunge law of a job with the sections of its moves; state.
@@ -31,8 +31,8 @@ struct Law {
 #[derive(Clone, Copy, Debug)]
 pub struct Descending<'a> {
     law: Law,
-    /// `None` if the map does not know the move.
-    pub sections: Option<&'a [MappedSection]>,
+    /// `None` if the map has no sections of the move.
+    pub mapped: Option<&'a MappedDescent>,
     length_mm: f64,
     descent: Descent,
 }
@@ -52,8 +52,8 @@ impl<'a> Descents<'a> {
         if !descent.is_plunge() && !self.law.plunge.has_ramps {
             return None;
         }
-        let sections = self.lookup.next(segment);
-        Some(Descending { law: self.law, sections, length_mm: segment.length_mm(), descent })
+        let mapped = self.lookup.next(segment);
+        Some(Descending { law: self.law, mapped, length_mm: segment.length_mm(), descent })
     }
 }
 
@@ -72,6 +72,6 @@ impl Descending<'_> {
             force,
             torque_max_n_m: torque_max_n_m(limits.torque_n_m, limits.power_w, f64::from(spindle.0)),
         };
-        law.table(self.sections?, self.length_mm, (self.descent.sine_ratio, self.descent.is_plunge()))
+        law.table(self.mapped?, self.length_mm, (self.descent.sine_ratio, self.descent.is_plunge()))
     }
 }

@@ -227,7 +227,7 @@ impl<'a> Writer<'a> {
             _ if self.kept.contains(block.line) => PlanReason::FeedLeak,
             _ if line.meaning.as_ref().is_some_and(|meaning| meaning.starts_unknown) => PlanReason::StartUnknown,
             None => PlanReason::Spindle,
-            Some(_) if descent.sections.is_none() => PlanReason::Unmapped,
+            Some(_) if descent.mapped.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
                 let mut governed = block.clone();
                 let profile = descent

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use arcfeed_control::ControlSettings;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::removal::engagement::{EngagedMove, EngagedSample, EngagementMeter, EngagementSettings};
-use arcfeed_hil_sim::removal::sections::{EdgeCounts, SectionSample, SectionSettings};
+use arcfeed_hil_sim::removal::sections::{EdgeCounts, SectionJoint, SectionSample, SectionSettings, SectionedMove};
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::{EngagedKnot, EngagedTable};
 use arcfeed_model::tool::Tool;
@@ -25,7 +25,7 @@ use crate::adapt::{PlanReason, PlannedBlock, adapt};
 use crate::axial_law::Edges;
 use crate::console::note;
 use crate::engagement::knot_cover::{self, Sample};
-use crate::engagement::sections::{MappedDescent, MappedDescents, MappedSection};
+use crate::engagement::sections::{MappedDescent, MappedDescents, MappedJoint, MappedSection};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::{JobFile, Plunge};
 use crate::program::Program;
@@ -195,22 +195,35 @@ fn descents(
     meter: &EngagementMeter,
 ) -> MappedDescents {
     let planned = adapt(program, &file.job).blocks;
-    let mut found = meter.descents();
+    let mut found = meter.descents().iter();
     let mut by_way = HashMap::new();
     let moves = planned.iter().filter_map(|block| {
         let key = key(&block.segment);
         let moved = found.clone().position(|moved| self::key(&moved.segment) == key).and_then(|at| found.nth(at))?;
-        let section = |sample: &SectionSample| MappedSection {
-            at_mm: sample.at_mm,
-            end_mm2: sample.end_mm2,
-            side_mm2: sample.side_mm2,
-        };
-        let own: Vec<MappedSection> = moved.samples.iter().map(section).collect();
-        let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
-        let sections = if own.is_empty() && positions_alike { known.clone() } else { own };
-        Some(MappedDescent { line: program.line_in_file(block.line), sequence: block.segment.sequence, key, sections })
+        // A move with the same path has other chips where it joins another move.
+        let is_joined = moved.joints.map(|joint| joint.is_some());
+        let known = *by_way.entry((key_at_any_position(&block.segment), is_joined)).or_insert(moved);
+        let cut = if moved.samples.is_empty() && positions_alike { known } else { moved };
+        Some(mapped((program.line_in_file(block.line), block.segment.sequence, key), cut))
     });
     MappedDescents { force: setup.force.unwrap_or_default(), moves: moves.collect() }
+}
+
+/// Entry of a move with the sections of this one.
+fn mapped((line, sequence, key): (usize, Option<i64>, u64), cut: &SectionedMove) -> MappedDescent {
+    let section = |sample: &SectionSample| MappedSection {
+        at_mm: sample.at_mm,
+        end_mm2: sample.end_mm2,
+        side_mm2: sample.side_mm2,
+    };
+    let joint = |joint: SectionJoint| MappedJoint {
+        end_mm2: joint.end_mm2,
+        side_mm2: joint.side_mm2,
+        sine_ratio: joint.sine_ratio,
+        cosine_ratio: joint.cosine_ratio,
+    };
+    let joints = cut.joints.map(|found| found.map(joint));
+    MappedDescent { line, sequence, key, sections: cut.samples.iter().map(section).collect(), joints }
 }
 
 fn table_of(found: &EngagedMove) -> Option<EngagedTable> {

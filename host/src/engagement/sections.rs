@@ -41,6 +41,19 @@ impl TangentialForce {
     }
 }
 
+/// Engaged section where one descending move passes into another: the first tooth cuts what both have left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedJoint {
+    /// Moment of the end's edges.
+    pub end_mm2: f64,
+    /// Moment of the edges of the sides.
+    pub side_mm2: f64,
+    /// Larger sine of the angles of both moves from the plane across the axis.
+    pub sine_ratio: f64,
+    /// Larger cosine of them.
+    pub cosine_ratio: f64,
+}
+
 /// A descending move of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedDescent {
@@ -52,6 +65,8 @@ pub struct MappedDescent {
     pub key: u64,
     /// Sections along it; empty if they are unknown.
     pub sections: Vec<MappedSection>,
+    /// Joints with the descending moves directly before and behind it.
+    pub joints: [Option<MappedJoint>; 2],
 }
 
 /// The descending moves of a map, in the order of execution.
@@ -85,6 +100,8 @@ struct DescentTable {
     n: Option<i64>,
     key: Spanned<String>,
     section: Spanned<Vec<[f64; 3]>>,
+    before: Option<Spanned<[f64; 4]>>,
+    behind: Option<Spanned<[f64; 4]>>,
 }
 
 impl MappedDescents {
@@ -110,28 +127,32 @@ impl MappedDescents {
             text,
             "\n# Sections of the moves that descend: path, mm; moments of the edges on the end and on the sides, mm2.\n\
              # Tangential force of a chip h mm thick and 1 mm wide: k h^(1 - m) + e, [k, m, e] in N and mm.\n\
+             # before, behind: the same where the move joins another one, with the sine and cosine of the steeper and the flatter one.\n\
              [plunge]\ntangential = [{specific_mpa:?}, {exponent_ratio:?}, {edge_n_per_mm:?}]\n"
         );
-        for MappedDescent { line, sequence, key, sections } in &self.moves {
+        for MappedDescent { line, sequence, key, sections, joints } in &self.moves {
             let _ = write!(text, "\n[[plunge.move]]\nline = {line}\n");
             if let Some(n) = sequence {
                 let _ = writeln!(text, "n = {n}");
             }
             let rows: Vec<String> = sections.iter().map(row).collect();
             let _ = write!(text, "key = \"{key:016x}\"\nsection = [\n    {}\n]\n", rows.join(",\n    "));
+            for (name, joint) in ["before", "behind"].into_iter().zip(joints) {
+                let _ = joint.map_or(Ok(()), |joint| writeln!(text, "{name} = {}", joint.row()));
+            }
         }
     }
 }
 
 impl<'m> DescentLookup<'m> {
-    /// Sections of a move: those of the next entry with the same path. An entry whose move never comes does not hide
+    /// Entry of a move with its sections: the next one with the same path. An entry whose move never comes does not hide
     /// later ones.
-    pub fn next(&mut self, segment: &Segment) -> Option<&'m [MappedSection]> {
+    pub fn next(&mut self, segment: &Segment) -> Option<&'m MappedDescent> {
         let key = key(segment);
         let at = self.ahead.iter().position(|moved| moved.key == key)?;
         let found = &self.ahead[at];
         self.ahead = &self.ahead[at + 1..];
-        Some(found.sections.as_slice()).filter(|sections| !sections.is_empty())
+        Some(found).filter(|found| !found.sections.is_empty())
     }
 }
 
@@ -153,12 +174,43 @@ impl MappedDescent {
             end_mm2: *end_mm2,
             side_mm2: *side_mm2,
         };
-        Ok(MappedDescent { line: table.line, sequence: table.n, key, sections: rows.iter().map(section).collect() })
+        let joint = |joint: &Option<Spanned<[f64; 4]>>| {
+            let parse = |row: &Spanned<[f64; 4]>| {
+                let what = "a joint has two loads from 0, and a sine and a cosine from 0 to 1";
+                MappedJoint::parse(row.as_ref()).ok_or_else(|| wrong(row.span().start, what))
+            };
+            joint.as_ref().map(parse).transpose()
+        };
+        Ok(MappedDescent {
+            line: table.line,
+            sequence: table.n,
+            key,
+            sections: rows.iter().map(section).collect(),
+            joints: [joint(&table.before)?, joint(&table.behind)?],
+        })
+    }
+}
+
+impl MappedJoint {
+    fn parse(&[end_mm2, side_mm2, sine_ratio, cosine_ratio]: &[f64; 4]) -> Option<Self> {
+        let is_joint = [end_mm2, side_mm2].iter().all(|load| load.is_finite() && *load >= 0.0)
+            && [sine_ratio, cosine_ratio].iter().all(|ratio| (0.0..=1.0).contains(ratio));
+        is_joint.then_some(MappedJoint { end_mm2, side_mm2, sine_ratio, cosine_ratio })
+    }
+
+    /// Row of the file.
+    fn row(&self) -> String {
+        let up = |ratio: f64| (libm::ceil(ratio * 1e6) / 1e6).min(1.0);
+        let [end, side] = [self.end_mm2, self.side_mm2].map(rounded_up);
+        format!("[{end:.3}, {side:.3}, {:.6}, {:.6}]", up(self.sine_ratio), up(self.cosine_ratio))
     }
 }
 
 /// Row of the file.
 fn row(section: &MappedSection) -> String {
-    let up = |load: f64| libm::ceil(load * 1e3) / 1e3;
-    format!("[{:.4}, {:.3}, {:.3}]", section.at_mm, up(section.end_mm2), up(section.side_mm2))
+    format!("[{:.4}, {:.3}, {:.3}]", section.at_mm, rounded_up(section.end_mm2), rounded_up(section.side_mm2))
+}
+
+fn rounded_up(load: f64) -> f64 {
+    libm::ceil(load * 1e3) / 1e3
 }

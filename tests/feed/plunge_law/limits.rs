@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed::axial_law::{AxialLaw, Edges, torque_max_n_m};
+use arcfeed::axial_law::{AxialLaw, Edges, Inclination, torque_max_n_m};
 use arcfeed::engagement::sections::{MappedSection, TangentialForce};
 
 use crate::plunge_law::table::rows;
@@ -28,7 +28,7 @@ fn feeds_by_chip_power_and_torque_are_those_of_an_independent_program() {
         let end_mm2 = teeth * row.number("area_mm2") / TAU;
         let section = MappedSection { at_mm: 0.0, end_mm2, side_mm2: 0.0 };
         let feed = |limits| {
-            let path_mm = law(limits).path_mm(row.number("fz_mm"), &section, 1.0).expect("a path");
+            let path_mm = law(limits).path_mm(row.number("fz_mm"), &section, Inclination::PLUNGE).expect("a path");
             path_mm * teeth * rev_per_min
         };
         let all = feed([row.number("torque_Nm"), row.number("power_kW") * 1e3]);

@@ -72,25 +72,22 @@ impl RandomPlunges {
     }
 }
 
-/// Plunges, some of them beside others or in two stages, and ramps from the floor of a hole. A dwell before a ramp lets the
-/// last chip of the plunge end: docs/limitations.md has the load where there is none.
+/// Chains of plunges and ramps in any order, one directly after the other, some of them beside earlier ones.
 fn program(random: &mut Rng, rev_per_min: u16) -> String {
     let mut text = format!("%\nG21G17G90G94\nS{rev_per_min}M3\nN1G0X0.Y0.Z3.\n");
     let [mut x, mut y] = [0.0, 0.0];
     for _ in 0..random.u8(2..=4) {
         (x, y) = (x + between(random, -3.0, 6.0), y + between(random, -4.0, 4.0));
-        let (depth, feed) = (between(random, 1.0, 10.0), between(random, 20.0, 900.0));
+        let (mut depth, feed) = (between(random, 1.0, 8.0), between(random, 20.0, 900.0));
         // Writing to a string never fails.
         let _ = write!(text, "G0X{x:.3}Y{y:.3}\nG1Z-{depth:.3}F{feed:.1}\n");
-        match random.u8(..4) {
-            0 => {
-                let _ = writeln!(text, "Z-{:.3}", depth + between(random, 0.5, 4.0));
-            }
-            1 => {
+        for _ in 0..random.u8(..4) {
+            depth += between(random, 0.5, 3.0);
+            if random.u8(..3) > 0 {
                 (x, y) = (x + between(random, -2.0, 2.0), y + between(random, -2.0, 2.0));
-                let _ = writeln!(text, "G4P200\nG1X{x:.3}Y{y:.3}Z-{:.3}", depth + between(random, 0.5, 3.0));
             }
-            _ => {}
+            let feed = if random.bool() { format!("F{:.1}", between(random, 20.0, 900.0)) } else { String::new() };
+            let _ = writeln!(text, "X{x:.3}Y{y:.3}Z-{depth:.3}{feed}");
         }
         text += "G0Z3.\n";
     }
