@@ -36,4 +36,6 @@ pub mod rings;
 
 pub mod plunge;
 
+pub mod repair;
+
 pub mod output;
