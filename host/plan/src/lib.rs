@@ -38,4 +38,6 @@ pub mod rings;
 
 pub mod plunge;
 
+pub mod repair;
+
 pub mod output;

@@ -1,6 +1,6 @@
 //! Planning of plunge milling, held to closed forms and to an independent program's figures (data/README.md).
 
-mod table;
+pub mod table;
 
 mod measures;
 

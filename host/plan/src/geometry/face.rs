@@ -100,6 +100,11 @@ impl Face {
         Point::from(sum.xyz() / sum.w)
     }
 
+    /// +1 if S_u x S_v points away from the blade, -1 if into it.
+    pub fn outward(&self) -> f64 {
+        self.outward
+    }
+
     /// Unit normal, away from the blade.
     pub fn normal(&self, u: f64, v: f64) -> Vector {
         self.point_and_normal(u, v).1

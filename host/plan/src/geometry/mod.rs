@@ -4,6 +4,10 @@ mod spline;
 
 pub mod face;
 
+pub mod surface;
+
+pub mod nearest;
+
 pub mod blisk;
 
 pub mod turning_height;

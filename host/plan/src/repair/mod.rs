@@ -1,0 +1,11 @@
+//! Planning of the milling of repaired blades, one step per file: from measured points to what finishing leaves on the nominal surface.
+//!
+//! Source: Feng, Ren, Xu, *Tool path planning in milling of repaired blades of blisks*. The paper names the steps and gives few formulas; the files
+//! state which are its own and which of its equations are corrected. Its parameters are u from the root (0) to the tip (1) and v from the leading (0)
+//! to the trailing edge (1).
+
+pub mod blend;
+
+pub mod arc_length;
+
+pub mod stepover;

@@ -1,0 +1,9 @@
+//! Planning of repairs, held to closed forms and to an independent program's figures (data/README.md).
+
+mod surfaces;
+
+mod blend;
+
+mod nearest;
+
+mod spacing;
