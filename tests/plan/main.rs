@@ -68,3 +68,5 @@ mod threads;
 mod chain;
 
 mod plunge;
+
+mod finish;

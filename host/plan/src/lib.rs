@@ -36,4 +36,6 @@ pub mod rings;
 
 pub mod plunge;
 
+pub mod finish;
+
 pub mod output;

@@ -1,0 +1,5 @@
+//! Finishing passes: contact frames, tool axes, and plans.
+
+mod contact;
+
+mod axes;
