@@ -3,3 +3,5 @@
 mod contact;
 
 mod axes;
+
+mod plans;

@@ -1,4 +1,4 @@
-//! Finishing passes from contact points: contact frame, tool axis, cutter location, admissible axes, and their proof.
+//! Finishing passes from contact points: contact frame, tool axis, cutter location, admissible axes, feed, and their proof.
 
 pub mod contact;
 
@@ -9,3 +9,15 @@ pub mod axis;
 pub mod obstacles;
 
 pub mod reach;
+
+pub mod rows;
+
+pub mod passes;
+
+pub mod course;
+
+pub mod feed;
+
+pub mod plan;
+
+pub mod proof;

@@ -67,9 +67,9 @@ impl Reach<'_> {
     /// The mill at a contact, with this axis, keeps all distances. (1)
     pub fn is_admissible(&self, contact: &Contact, axis: Vector) -> bool {
         let location = self.mill.at(contact, axis);
-        // Necks and holders decide most often, and their search is the quicker one.
-        let mut order: Vec<&MillPiece> = self.pieces.iter().collect();
-        order.reverse();
+        // A ball is the same about any axis. Necks and holders decide most often, and their search is the quicker one.
+        let turns = |piece: &&MillPiece| piece.part != FinishPart::End || !self.mill.is_ball();
+        let order: Vec<&MillPiece> = self.pieces.iter().rev().filter(turns).collect();
         self.bodies.iter().rev().all(|body| order.iter().all(|piece| self.keeps(&location, piece, body)))
     }
 
@@ -80,8 +80,9 @@ impl Reach<'_> {
         let turns: Vec<Rotation3<f64>> = body.turns.iter().map(|turn| to_tool * turn).collect();
         let sections = [piece.section];
         let search = Search { sections: &sections, motions: &[still], tree: &body.tree, turns: &turns };
-        let least_mm = search.least(self.margins.gap_mm(body.obstacle)).bounds_mm[0] - body.chord_mm;
-        least_mm >= self.margins.needed_mm(piece.part, body.obstacle)
+        let needed_mm = self.margins.needed_mm(piece.part, body.obstacle) + body.chord_mm;
+        let least = search.least_until(self.margins.gap_mm(body.obstacle), [needed_mm, needed_mm]);
+        least.bounds_mm[0] >= needed_mm
     }
 }
 
