@@ -69,4 +69,6 @@ mod chain;
 
 mod plunge;
 
+mod finish;
+
 mod repair;

@@ -38,6 +38,8 @@ pub mod rings;
 
 pub mod plunge;
 
+pub mod finish;
+
 pub mod repair;
 
 pub mod output;

@@ -183,7 +183,9 @@ impl<'a> Writer<'a> {
             // Under G43.4 rotary axes turn as a matter of course.
             Err(PlanReason::Rotary) if under.is_some() => PlanReason::Special,
             // The radius of D is missing whatever the tool is.
-            Err(PlanReason::OtherTool) if is_along_contour(under) && *path == CenterPath::NoRadius => PlanReason::NoRadius,
+            Err(PlanReason::OtherTool) if is_along_contour(under) && *path == CenterPath::NoRadius => {
+                PlanReason::NoRadius
+            }
             Err(reason) => reason,
             Ok(_) if needs_rewriting(under) && self.reader.is_none() => PlanReason::NeedsRewriting,
             Ok(_) if is_along_contour(under) && *path == CenterPath::NoRadius => PlanReason::NoRadius,

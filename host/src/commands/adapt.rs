@@ -19,8 +19,8 @@ use crate::adapt::split::Whole;
 use crate::adapt::write_back::write_back;
 use crate::adapt::{Known, LinePlan, PlanReason, PlannedBlock};
 use crate::job::plunge;
-use crate::program::Source;
 use crate::plural::counted;
+use crate::program::Source;
 
 /// Rewrite a program's feeds according to its job: per block the programmed feed, the law, the factor, the reason
 ///

@@ -28,9 +28,9 @@ use crate::engagement::knot_cover::{self, Sample};
 use crate::engagement::sections::{MappedDescent, MappedDescents, MappedJoint, MappedSection};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::{JobFile, Plunge};
+use crate::plural::counted;
 use crate::program::Program;
 use crate::report::material::LeftOutBlocks;
-use crate::plural::counted;
 
 /// Find the engaged arcs of the tool along each move, for rules with stock = { map = FILE }
 ///
@@ -247,7 +247,11 @@ impl Report {
         }
         let unknown = self.moves.iter().filter(|found| found.knots == 0).count() + self.descents[1];
         for left_out in &self.left_out {
-            note(format_args!("warning: nothing is taken in {}: {}", counted(left_out.blocks, "block"), left_out.words()));
+            note(format_args!(
+                "warning: nothing is taken in {}: {}",
+                counted(left_out.blocks, "block"),
+                left_out.words()
+            ));
         }
         if unknown > 0 {
             note(format_args!(

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use arcfeed_kinematics::branch_selection::{Branch, PathStart};
 use arcfeed_kinematics::forward::Setup;
 use arcfeed_kinematics::singularity::{RepairLimits, ToolEnd};
 use serde::Serialize;
@@ -9,11 +10,11 @@ use serde::Serialize;
 use super::outcome::{Failure, json_text, say};
 use crate::console::note;
 use crate::machine_file::MachineFile;
+use crate::plural::counted;
 use crate::post::cl::Cl;
 use crate::post::finding::Entry;
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
-use crate::plural::counted;
 
 /// Placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
@@ -27,6 +28,33 @@ pub struct PlacementArgs {
     /// Distance from the part during a change of branch, mm
     #[arg(long, value_name = "MM", default_value_t = 50.0, requires = "machine")]
     retract: f64,
+    /// Positions of the rotary axes before the path, the one nearer to the part first, degrees: the path begins on the branch and in the turn
+    /// that follow with the least travel
+    #[arg(long, value_name = "DEG,DEG", value_parser = start, allow_hyphen_values = true, requires = "machine")]
+    start: Option<Start>,
+    /// Branch at the beginning: the side of the second rotary axis, seen from its position at the pole (of an A/C table the sign of A)
+    #[arg(long, value_enum, requires = "machine")]
+    branch: Option<BranchWord>,
+}
+
+/// Positions of both rotary axes.
+#[derive(Clone, Copy, Debug)]
+struct Start([f64; 2]);
+
+/// Branch of the rotary axes.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum BranchWord {
+    Positive,
+    Negative,
+}
+
+impl From<BranchWord> for Branch {
+    fn from(word: BranchWord) -> Self {
+        match word {
+            BranchWord::Positive => Branch::Positive,
+            BranchWord::Negative => Branch::Negative,
+        }
+    }
 }
 
 /// Three coordinates.
@@ -53,7 +81,9 @@ impl PlacementArgs {
     /// Input for choosing the axis positions.
     pub fn task(&self, file: &MachineFile, repair: Option<ToolEnd>) -> Task {
         let limits = RepairLimits::default();
-        Task { machine: file.machine, setup: self.setup(), repair, limits, retract_mm: self.retract }
+        let branch = self.branch.map(Branch::from);
+        let start = PathStart { rotary_deg: self.start.map(|start| start.0), branch };
+        Task { machine: file.machine, setup: self.setup(), repair, start, limits, retract_mm: self.retract }
     }
 }
 
@@ -167,6 +197,14 @@ pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
 pub fn is_cl(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))
+}
+
+fn start(text: &str) -> Result<Start, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok([first, second]) if first.is_finite() && second.is_finite() => Ok(Start([*first, *second])),
+        _ => Err("write two positions in degrees: 378.4,1.5".into()),
+    }
 }
 
 fn point(text: &str) -> Result<Point, String> {

@@ -18,8 +18,8 @@ use crate::init::survey;
 use crate::init::wording;
 use crate::job::questions::{self, Question};
 use crate::output;
-use crate::program::{Program, Severity};
 use crate::plural::counted;
+use crate::program::{Program, Severity};
 
 /// Most radii that are shown to a person.
 const GROUPS_SHOWN: usize = 20;

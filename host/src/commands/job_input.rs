@@ -18,8 +18,8 @@ use crate::job::JobFile;
 use crate::job::cutting::Coefficients;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
-use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 use crate::plural::counted;
+use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;

@@ -102,7 +102,7 @@ impl Post {
             return path_report.verdict();
         }
         let tolerance = Tolerance { tip_mm: self.tolerance, axis_deg: self.axis_tolerance };
-        let style = Style { name: &file.name, mode: self.mode.into(), tolerance };
+        let style = Style { name: &file.name, mode: self.mode.into(), tolerance, start: None };
         let written = nc::write(&cl, &plan, &task, &style);
         let (text, blocks) = written.map_err(|error| Failure::Input(format!("{}:{error}", self.input.display())))?;
         note(format_args!("{}; {blocks} blocks", path_report.summary()));

@@ -13,6 +13,8 @@ mod tool;
 
 pub mod plunge;
 
+pub mod finish;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};

@@ -115,6 +115,9 @@ impl Checker<'_> {
             let pose = |at: &[f64; 2]| ToolPose { tip_mm: [0.0; 3], axis: machine.axis_at(*at) };
             let mut poses: Vec<ToolPose> = course.iter().map(pose).collect();
             for found in machine.repair(&mut poses, &course, ToolEnd::Other, &nothing) {
+                if !found.is_fault() {
+                    continue;
+                }
                 let line = run.get(found.after.saturating_sub(1)).map_or(0, |step| step.made.line);
                 self.add(line, FindingKind::Singularity { found, asked: false });
             }

@@ -206,9 +206,13 @@ fn write_axes(f: &mut fmt::Formatter<'_>, name: &str, axes: &Axes) -> fmt::Resul
 fn write_singularity(f: &mut fmt::Formatter<'_>, found: &Singularity, asked: bool) -> fmt::Result {
     write!(
         f,
-        "up to here the first rotary axis races beside the pole, {:.0} degrees a degree of the tool; ",
+        "up to here the first rotary axis races beside the pole, {:.0} degrees a degree of the tool",
         found.gain_ratio
     )?;
+    if found.is_incoherent() {
+        write!(f, ", and turns {:.1} degrees there and back", found.reversal_deg / 2.0)?;
+    }
+    f.write_str("; ")?;
     let error = found.error_deg;
     match found.outcome {
         RepairOutcome::Refused if !asked => write!(f, "--repair would turn the tool axis by {error:.4} degrees"),

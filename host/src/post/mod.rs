@@ -2,7 +2,7 @@
 //!
 //! [`cl`] reads and writes CL data, [`plan`] chooses the axes and reports faults ([`finding`]), [`nc`] writes the
 //! program in one of three modes, [`cl_from_nc`] reads such a program. [`walk`] follows any program move by move, and
-//! [`check`] checks it.
+//! [`check`] checks it. [`chart`] draws the first rotary axis over the tool's directions.
 
 pub mod cl;
 
@@ -17,3 +17,5 @@ pub mod cl_from_nc;
 pub mod walk;
 
 pub mod check;
+
+pub mod chart;

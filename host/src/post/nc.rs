@@ -36,6 +36,21 @@ pub struct Style<'a> {
     pub mode: Mode,
     /// Tolerance of straight moves.
     pub tolerance: Tolerance,
+    /// Tool and spindle; without them the program has the moves alone.
+    pub start: Option<ProgramStart>,
+}
+
+/// Tool and spindle of a whole program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgramStart {
+    /// O number.
+    pub number: u32,
+    /// T and H.
+    pub tool: u32,
+    /// S
+    pub rev_per_min: f64,
+    /// M8 and M9.
+    pub coolant: bool,
 }
 
 /// The program, and its number of points.
@@ -73,7 +88,7 @@ pub fn write(cl: &Cl, plan: &AxisPlan, task: &Task, style: &Style<'_>) -> Result
         }
         before = Some(*stop);
     }
-    text.push_str(if style.mode == Mode::Machine { "G94\nM30\n%\n" } else { "G49\nM30\n%\n" });
+    text.push_str(&footer(style));
     Ok((text, writer.points))
 }
 
@@ -89,17 +104,31 @@ fn ways_round(plan: &AxisPlan) -> Vec<(usize, &BranchChangeMoves)> {
 }
 
 fn header(cl: &Cl, style: &Style<'_>) -> String {
-    let (mode, start) = match style.mode {
-        Mode::Tcp => ("TCP", "G94\nG43.5H1\n"),
-        Mode::PartRotary => ("PART-ROTARY", "G94\nG43.4H1\n"),
-        Mode::Machine => ("MACHINE", ""),
+    let (number, tool) = style.start.map_or((1, 1), |start| (start.number, start.tool));
+    let (mode, lengths) = match style.mode {
+        Mode::Tcp => ("TCP", format!("G94\nG43.5H{tool}\n")),
+        Mode::PartRotary => ("PART-ROTARY", format!("G94\nG43.4H{tool}\n")),
+        Mode::Machine => ("MACHINE", String::new()),
     };
+    // The tool goes to the end of Z before the rotary axes turn.
+    let start = style.start.map_or(String::new(), |ProgramStart { rev_per_min, coolant, .. }| {
+        let coolant = if coolant { "M8\n" } else { "" };
+        format!("G49\nG91G28Z0.\nG90\nT{tool}M6\nS{}M3\n{coolant}", libm::round(rev_per_min))
+    });
     let plain = |text: &str| -> String {
         let kept = text.chars().filter(|c| c.is_ascii_alphanumeric() || " .-/".contains(*c));
         kept.collect::<String>().to_ascii_uppercase()
     };
     let name = plain(cl.name.as_deref().unwrap_or("CL DATA"));
-    format!("%\nO1({name})\n(MACHINE {}, MODE {mode})\nG21G17G40G90\n{start}", plain(style.name))
+    format!("%\nO{number}({name})\n(MACHINE {}, MODE {mode})\nG21G17G40G90\n{start}{lengths}", plain(style.name))
+}
+
+fn footer(style: &Style<'_>) -> String {
+    let mut text = String::from(if style.mode == Mode::Machine { "G94\n" } else { "G49\n" });
+    if let Some(start) = style.start {
+        text += if start.coolant { "M9\nM5\nG91G28Z0.\nG90\n" } else { "M5\nG91G28Z0.\nG90\n" };
+    }
+    text + "M30\n%\n"
 }
 
 struct Writer<'t> {

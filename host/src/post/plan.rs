@@ -1,6 +1,7 @@
 //! Axis positions for CL data: branch selection of the rotary axes, repairs, and all findings.
 
 use arcfeed_kinematics::branch_change::Transition;
+use arcfeed_kinematics::branch_selection::PathStart;
 use arcfeed_kinematics::deviation::PathPoint;
 use arcfeed_kinematics::feed::AxisFeed;
 use arcfeed_kinematics::forward::{Axes, Setup, ToolPose};
@@ -20,6 +21,8 @@ pub struct Task {
     pub setup: Setup,
     /// Cutting end of the tool, if incoherent movement is to be repaired.
     pub repair: Option<ToolEnd>,
+    /// Start of the path.
+    pub start: PathStart,
     /// Limits of incoherent movement and of swings.
     pub limits: RepairLimits,
     /// Retraction from the part at a change of branch.
@@ -63,9 +66,9 @@ impl AxisPlan {
 
     /// Rotary positions of all points; adds every point out of reach to the findings.
     fn select_branches(&mut self, cl: &Cl, task: &Task, poses: &[ToolPose]) -> Option<Vec<[f64; 2]>> {
-        match task.machine.select_branches(poses, None) {
+        match task.machine.select_branches(poses, task.start) {
             Ok(course) => Some(course),
-            Err(_) => {
+            Err(whole) => {
                 let refusal = |pose: &ToolPose| task.machine.select_branches(std::slice::from_ref(pose), None).err();
                 let mut open = false;
                 for (point, pose) in cl.points.iter().zip(poses) {
@@ -81,13 +84,20 @@ impl AxisPlan {
                         (None, _) => open = false,
                     }
                 }
+                if self.findings.is_empty() {
+                    // Each point is within reach, but not from this start.
+                    let line = cl.points.get(whole.point).map_or(0, |point| point.line);
+                    self.findings.push(Finding { line, what: FindingKind::Unreachable { why: whole.why, more: 0 } });
+                }
                 None
             }
         }
     }
 
     fn add_singularities(&mut self, cl: &Cl, found: &[Singularity], asked: bool) {
-        let singularities = found.iter().filter_map(|interval| {
+        // An even movement is only changed on request, and only reported then.
+        let reported = found.iter().filter(|interval| asked || interval.is_fault());
+        let singularities = reported.filter_map(|interval| {
             let point = cl.points.get(interval.after)?;
             Some(Finding { line: point.line, what: FindingKind::Singularity { found: *interval, asked } })
         });

@@ -12,6 +12,9 @@
 //! any other. A path that begins in the cone begins at the position that the first point outside the cone needs. Of
 //! equal costs, the smaller angles are selected.
 //!
+//! The start of a path may be given: positions before its first point, or the side of the pole on which its second axis stands at the first point outside
+//! of the cones. The latter is a choice of branch: for an A/C table the sign of A.
+//!
 //! Source: Tournier, 2 (selection of a solution as an optimisation); the search is Bellman's.
 
 use alloc::vec::Vec;
@@ -34,6 +37,30 @@ pub struct UnreachablePoint {
     pub why: Unreachable,
 }
 
+/// Start of a path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathStart {
+    /// Positions of the rotary axes before the first point; the travel from them counts.
+    pub rotary_deg: Option<[f64; 2]>,
+    /// Branch at the first point outside of the poles' cones.
+    pub branch: Option<Branch>,
+}
+
+/// Branch by the side of the second axis, seen from its position at the pole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Branch {
+    /// The second axis stands beyond its position at the pole.
+    Positive,
+    /// It stands before that position.
+    Negative,
+}
+
+impl From<Option<[f64; 2]>> for PathStart {
+    fn from(rotary_deg: Option<[f64; 2]>) -> Self {
+        PathStart { rotary_deg, branch: None }
+    }
+}
+
 /// Positions for a point, with the least cost to reach them.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -43,18 +70,19 @@ struct Candidate {
 }
 
 impl Machine {
-    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel. The path begins at
-    /// `start_deg` if given, otherwise at the best position.
+    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel from its start.
     ///
     /// # Errors
     /// The first point that cannot be reached.
     pub fn select_branches(
         &self,
         poses: &[ToolPose],
-        start_deg: Option<[f64; 2]>,
+        start: impl Into<PathStart>,
     ) -> Result<Vec<[f64; 2]>, UnreachablePoint> {
+        let start: PathStart = start.into();
+        let start_deg = start.rotary_deg;
         let mut layers: Vec<Vec<Candidate>> = Vec::with_capacity(poses.len());
-        for (point, places) in self.places(poses, start_deg)?.into_iter().enumerate() {
+        for (point, places) in self.places(poses, &start)?.into_iter().enumerate() {
             let arrive = |rotary_deg: [f64; 2]| match layers.last() {
                 Some(before) => self.arrival(before, rotary_deg),
                 None => {
@@ -82,18 +110,19 @@ impl Machine {
     }
 
     /// Possible positions of the axes at each point.
-    fn places(&self, poses: &[ToolPose], start_deg: Option<[f64; 2]>) -> Result<Vec<Vec<[f64; 2]>>, UnreachablePoint> {
+    fn places(&self, poses: &[ToolPose], start: &PathStart) -> Result<Vec<Vec<[f64; 2]>>, UnreachablePoint> {
         let mut places: Vec<Vec<[f64; 2]>> = Vec::with_capacity(poses.len());
+        let mut branch = start.branch;
         for (point, pose) in poses.iter().enumerate() {
             let found = if self.is_in_pole_cone(pose.axis) {
-                let firsts = match (places.last(), start_deg) {
+                let firsts = match (places.last(), start.rotary_deg) {
                     (Some(before), _) => before.iter().map(|place| place[0]).collect(),
                     (None, Some(start)) => alloc::vec![self.free_first(start[0])],
-                    (None, None) => self.firsts_ahead(poses),
+                    (None, None) => self.firsts_ahead(poses, start.branch),
                 };
                 self.pole_places(pose, firsts)
             } else {
-                self.turns(pose)
+                self.turns_on(pose, branch.take())
             };
             places.push(found.map_err(|why| UnreachablePoint { point, why })?);
         }
@@ -127,6 +156,25 @@ impl Machine {
         }
     }
 
+    /// Positions for a point outside the poles' cones, on one branch if it is given.
+    fn turns_on(&self, pose: &ToolPose, branch: Option<Branch>) -> Result<Vec<[f64; 2]>, Unreachable> {
+        let mut places = self.turns(pose)?;
+        let Some(branch) = branch else { return Ok(places) };
+        let at_pole_deg = match self.angles(self.nearest_pole(pose.axis)) {
+            Angles::Any { second_deg } => second_deg,
+            _ => 0.0,
+        };
+        let side = |place: &[f64; 2]| {
+            let beyond = wrapped_deg(place[1] - at_pole_deg) > 0.0;
+            if beyond { Branch::Positive } else { Branch::Negative }
+        };
+        let position_deg = places.first().map_or(0.0, |place| 2.0 * at_pole_deg - place[1]);
+        places.retain(|place| side(place) == branch);
+        let [_, second] = self.rotary();
+        let out = Unreachable::Range { letter: second.letter, position_deg };
+        if places.is_empty() { Err(out) } else { Ok(places) }
+    }
+
     /// All positions for a point in a pole's cone with the first axis at one of `firsts`.
     fn pole_places(&self, pose: &ToolPose, mut firsts: Vec<f64>) -> Result<Vec<[f64; 2]>, Unreachable> {
         let [_, second] = self.rotary();
@@ -144,8 +192,9 @@ impl Machine {
     }
 
     /// Positions of the first axis that the first point outside the poles' cones needs.
-    fn firsts_ahead(&self, poses: &[ToolPose]) -> Vec<f64> {
-        let ahead = poses.iter().find(|pose| !self.is_in_pole_cone(pose.axis)).and_then(|pose| self.turns(pose).ok());
+    fn firsts_ahead(&self, poses: &[ToolPose], branch: Option<Branch>) -> Vec<f64> {
+        let outside = poses.iter().find(|pose| !self.is_in_pole_cone(pose.axis));
+        let ahead = outside.and_then(|pose| self.turns_on(pose, branch).ok());
         let firsts: Vec<f64> = ahead.into_iter().flatten().map(|place| place[0]).collect();
         if firsts.is_empty() { alloc::vec![self.free_first(0.0)] } else { firsts }
     }

@@ -1,4 +1,4 @@
-//! Singularities: incoherent movement (Tournier's term) near a pole, and its repair.
+//! Singularities: fast turns and incoherent movement (Tournier's term) near a pole, and their repair.
 //!
 //! In the plane across the first rotary axis (for an A/C table the plane of (i, j)) a direction has a radius (its
 //! angle from the pole) and an azimuth, and the first axis follows the azimuth alone. If a path passes the pole at a
@@ -6,8 +6,19 @@
 //! of two points,
 //!
 //! ```text
-//! gain = |dq0| / dpsi,    incoherent where it is above a limit                                  (1)
+//! gain = |dq0| / dpsi,    fast where it is above a limit                                        (1)
 //! ```
+//!
+//! A fast turn alone is not incoherent: on a straight path past the pole the azimuth changes fast and evenly. The movement is *incoherent* if the first axis
+//! also turns back, over the interval and one move on either side by
+//!
+//! ```text
+//! reversal = sum |dq0| - |sum dq0|  > 1 degree                                                  (2)
+//! ```
+//!
+//! By (2) the source's strategy 2 is incoherent and its strategies 1, 3 and 4 are not, as it states. It also names a cone about the pole, from the
+//! resolution and the precision of the axes, that should not be crossed: an interval with a point within the precision is reported, too. The precision is
+//! assumed, as no source prints it.
 //!
 //! Repair: the directions within such an interval move on their circles about the pole, so that the second axis keeps
 //! its positions. Their azimuths change uniformly with dpsi, from that of the last coherent point to that of the next.
@@ -27,6 +38,8 @@ use super::forward::ToolPose;
 use super::machine::Machine;
 use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, scaled, sum, turned, unit, wrapped_deg};
 
+/// Precision of rotary axes about a pole. Assumed.
+const PRECISION_DEG: f64 = 0.25;
 /// Rotations of the first axis below this are ignored.
 const TURN_MIN_DEG: f64 = 1.0;
 /// A quarter turn.
@@ -72,6 +85,10 @@ pub struct Singularity {
     pub after: usize,
     /// Largest gain found. (1)
     pub gain_ratio: f64,
+    /// Angle by which the first axis turns there and back again. (2)
+    pub reversal_deg: f64,
+    /// Least angle of its points from the pole, except those in the pole's cone.
+    pub from_pole_deg: f64,
     /// Largest change of direction of its repair.
     pub error_deg: f64,
     /// Result of the repair.
@@ -89,8 +106,20 @@ pub enum RepairOutcome {
     NoRoom,
 }
 
+impl Singularity {
+    /// The first axis turns back, and does not only turn fast. (2)
+    pub fn is_incoherent(&self) -> bool {
+        self.reversal_deg > TURN_MIN_DEG
+    }
+
+    /// The movement is incoherent, or nearer to the pole than the axes are precise.
+    pub fn is_fault(&self) -> bool {
+        self.is_incoherent() || self.from_pole_deg < PRECISION_DEG
+    }
+}
+
 impl Machine {
-    /// Finds intervals of incoherent movement and repairs their poses. The branches have to be selected again
+    /// Finds intervals of fast turns beside a pole and repairs their poses. The branches have to be selected again
     /// afterwards.
     pub fn repair(
         &self,
@@ -103,7 +132,13 @@ impl Machine {
         let mut from = 0;
         while let Some((before, after, gain_ratio)) = self.stretch(poses, rotary_deg, from, limits) {
             let corrected = self.corrected(poses, [before, after], from, limits.gain_ratio);
-            let stretch = Singularity { before, after, gain_ratio, error_deg: 0.0, outcome: RepairOutcome::NoRoom };
+            let reversal_deg = reversal_deg(rotary_deg, [before, after]);
+            let outside = poses.get(before..=after).unwrap_or_default().iter();
+            let outside = outside.map(|pose| pose.axis).filter(|axis| !self.is_in_pole_cone(*axis));
+            let from_pole_deg = outside.map(|axis| self.from_pole_deg(axis)).fold(f64::INFINITY, f64::min);
+            let outcome = RepairOutcome::NoRoom;
+            let stretch =
+                Singularity { before, after, gain_ratio, reversal_deg, from_pole_deg, error_deg: 0.0, outcome };
             found.push(
                 corrected
                     .map_or(stretch, |(before, directions)| apply(poses, before, &directions, (stretch, end, limits))),
@@ -205,6 +240,14 @@ impl Machine {
         let x = unit(cross(about, second))?;
         Some(libm::atan2(dot(cross(about, x), direction), dot(x, direction)).to_degrees())
     }
+}
+
+/// Angle by which the first axis turns there and back again, from the point before an interval to the one after it. (2)
+fn reversal_deg(rotary_deg: &[[f64; 2]], [before, after]: [usize; 2]) -> f64 {
+    let moves = rotary_deg.windows(2).enumerate().skip(before.saturating_sub(1)).take_while(|(at, _)| *at <= after);
+    let turns = moves.map(|(_, pair)| if let [[from, _], [to, _]] = pair { to - from } else { 0.0 });
+    let (whole, net) = turns.fold((0.0, 0.0), |(whole, net), turn| (whole + libm::fabs(turn), net + turn));
+    whole - libm::fabs(net)
 }
 
 /// Folds an angle by half turns into (-90, 90]: the same line through the pole.

@@ -1,5 +1,6 @@
 //! Tournier's appendix: what the post-processor of a Mikron UCP710 gave for published CL points.
 
+use arcfeed_kinematics::branch_selection::{Branch, PathStart};
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_kinematics::singularity::{RepairLimits, RepairOutcome, ToolEnd};
 use arcfeed_kinematics::vector::{difference, length, scaled, sum, unit};
@@ -13,6 +14,15 @@ const ANGLE_DIGIT: f64 = 0.000_5;
 const COMPONENT_DIGIT: f64 = 0.000_000_5;
 /// The ball end mill of the tests.
 const BALL_MM: f64 = 5.0;
+
+/// Start of each strategy on the machine: strategy 3 begins in the second turn of C, as earlier passes left it, and strategy 4 on the branch with A above 0.
+fn start(strategy: u8) -> PathStart {
+    match strategy {
+        3 => PathStart { rotary_deg: Some([360.0, 0.0]), branch: None },
+        4 => PathStart { rotary_deg: None, branch: Some(Branch::Positive) },
+        _ => PathStart::default(),
+    }
+}
 
 struct Row {
     strategy: u8,
@@ -50,9 +60,9 @@ fn supported(ijk: [f64; 3]) -> [f64; 2] {
 fn every_row_is_reproduced_as_far_as_its_printed_digits_go() {
     let mikron = machine("mikron-ucp710");
     let (mut by_k, mut not_by_ij) = (0, Vec::new());
-    for strategy in [1, 2] {
+    for strategy in [1, 2, 3, 4] {
         let rows = rows(strategy);
-        let course = mikron.select_branches(&poses(&rows), None).expect("all within reach");
+        let course = mikron.select_branches(&poses(&rows), start(strategy)).expect("all within reach");
         for (row, [c_deg, a_deg]) in rows.iter().zip(&course) {
             let [a_digit, c_digit] = supported(row.ijk);
             let is_pole = row.ijk[2] == 1.0;
@@ -77,9 +87,49 @@ fn every_row_is_reproduced_as_far_as_its_printed_digits_go() {
         }
     }
     println!(
-        "{by_k} of 10 rows: A is acos of the printed k to {ANGLE_DIGIT}; i and j, which are sharper, do not give: {not_by_ij:?}"
+        "{by_k} of 20 rows: A is acos of the printed k to {ANGLE_DIGIT}; i and j, which are sharper, do not give: {not_by_ij:?}"
     );
-    assert_eq!((by_k, not_by_ij), (10, vec![(1, 2910), (1, 2940), (2, 2920), (2, 2930), (2, 2940)]));
+    let of_strategy_3 = [2450, 2460, 2480, 2490].map(|n| (3, n));
+    let expected = [(1, 2910), (1, 2940), (2, 2920), (2, 2930), (2, 2940)].into_iter().chain(of_strategy_3).collect();
+    assert_eq!((by_k, not_by_ij), (20, expected));
+}
+
+#[test]
+fn only_strategy_2_is_called_incoherent() {
+    let mikron = machine("mikron-ucp710");
+    let nothing = RepairLimits { error_deg: -1.0, ..RepairLimits::default() };
+    for strategy in [1, 2, 3, 4] {
+        let mut path = poses(&rows(strategy));
+        let course = mikron.select_branches(&path, start(strategy)).expect("within reach");
+        let found = mikron.repair(&mut path, &course, ToolEnd::Other, &nothing);
+        for interval in &found {
+            println!(
+                "strategy {strategy}: {:.0} degrees a degree, {:.2} degrees from the pole, {:.2} degrees there and back",
+                interval.gain_ratio, interval.from_pole_deg, interval.reversal_deg
+            );
+        }
+        let faults = found.iter().filter(|interval| interval.is_fault()).count();
+        assert_eq!(faults, usize::from(strategy == 2), "strategy {strategy}");
+    }
+}
+
+#[test]
+fn a_branch_that_the_start_names_is_taken_or_refused() {
+    let mikron = machine("mikron-ucp710");
+    let path = poses(&rows(4));
+    let on = |branch: Branch| {
+        let start = PathStart { rotary_deg: None, branch: Some(branch) };
+        mikron.select_branches(&path, start).expect("within reach")
+    };
+    assert!(on(Branch::Positive).iter().all(|place| place[1] > 0.0));
+    let negative = on(Branch::Negative);
+    assert!(negative.iter().all(|place| place[1] < 0.0));
+    assert!((negative[0][0] + 112.721).abs() < 0.001, "{negative:?}");
+    // A ends at 30 degrees: a tilt of 40 exists with A below 0 only.
+    let tilted = [ToolPose { tip_mm: [0.0; 3], axis: crate::kinematics::bench::direction(40.0, 90.0) }];
+    let steep = |branch: Branch| mikron.select_branches(&tilted, PathStart { rotary_deg: None, branch: Some(branch) });
+    assert!(steep(Branch::Negative).is_ok());
+    assert!(steep(Branch::Positive).is_err_and(|error| error.to_string().contains("A would have to stand at 40.000")));
 }
 
 #[test]

@@ -1,11 +1,10 @@
-//! Job of a plunged rotor, as the text of a job file (docs/job.md): every feed stays the program's own.
+//! Job of plunges or of finishing passes, as the text of a job file (docs/job.md): every feed stays the program's own.
 
 use std::fmt::Write;
 
 use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::output::job::{Machine, number, quoted};
-use crate::plunge::mill::PlungeMill;
 
 /// Content of a job file.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +14,7 @@ pub struct PlungeJob<'a> {
     /// Program, relative to the file.
     pub program: &'a str,
     /// Tool.
-    pub mill: &'a PlungeMill,
+    pub shape: ToolShape,
     /// T of the program.
     pub tool: u32,
     /// S of the program.
@@ -24,10 +23,27 @@ pub struct PlungeJob<'a> {
     pub feed_per_tooth_mm: f64,
     /// Largest feed of the program, mm/min.
     pub feed_max_mm_per_min: f64,
+    /// Remark about the feeds.
+    pub remark: &'a str,
+    /// `stock.stl` and `finished.stl` stand beside the file.
+    pub has_workpiece: bool,
     /// Preset of the control.
     pub control: &'a str,
     /// Machine, if it is known.
     pub machine: Option<Machine<'a>>,
+}
+
+/// Shape of an end mill, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolShape {
+    /// Radius.
+    pub radius_mm: f64,
+    /// Radius of the corner.
+    pub corner_radius_mm: f64,
+    /// Height of the cutting part.
+    pub height_mm: f64,
+    /// Teeth.
+    pub teeth: u16,
 }
 
 impl PlungeJob<'_> {
@@ -41,28 +57,35 @@ impl PlungeJob<'_> {
             LengthUnit::Inch => number(length_mm / MM_PER_INCH),
             LengthUnit::Mm => number(length_mm),
         };
-        let PlungeMill { radius_mm, corner_radius_mm, length_mm, teeth, .. } = self.mill;
+        let ToolShape { radius_mm, corner_radius_mm, height_mm, teeth } = self.shape;
         let mut text = format!(
             "# The job of a planned program. The planner wrote it, and writes it anew.\nunits = \"{unit}\"\nprogram = {}\n\n\
              [tool]\nkind = \"end-mill\"\nnumber = {}\ndiameter = {}\nteeth = {teeth}\ncorner_radius = {}\nheight = {}\n\n\
              [spindle]\nrev_per_min = {}\n\n[limits]\nmax_feed = {}\n\n\
-             # Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.\n\
+             # {}\n\
              [law]\nkind = \"programmed\"\nfeed_per_tooth = {}\n\n",
             quoted(self.program),
             self.tool,
             length(2.0 * radius_mm),
-            length(*corner_radius_mm),
-            length(*length_mm),
+            length(corner_radius_mm),
+            length(height_mm),
             number(self.rev_per_min),
             length(self.feed_max_mm_per_min),
+            self.remark,
             length(self.feed_per_tooth_mm),
         );
+        if self.has_workpiece {
+            let _ = write!(
+                text,
+                "[workpiece]\nstl = \"stock.stl\"\nstl_units = \"mm\"\ntarget = \"finished.stl\"\nstep = {}\n\n",
+                length(0.5)
+            );
+        }
         let _ = write!(
             text,
-            "[workpiece]\nstl = \"stock.stl\"\nstl_units = \"mm\"\ntarget = \"finished.stl\"\nstep = {}\n\n[control]\npreset = {}\n\n\
+            "[control]\npreset = {}\n\n\
              # A Fanuc's usual: seven bits, even parity, DC1 and DC3. Give your line's own.\n[serial]\nbaudrate = 9600\nbytesize = 7\n\
              parity = \"E\"\nstopbits = 2\nxonxoff = true\n",
-            length(0.5),
             quoted(self.control)
         );
         match self.machine {

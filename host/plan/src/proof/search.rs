@@ -88,6 +88,11 @@ struct BoundedPiece {
 impl Search<'_> {
     /// Least distance, to within `gap_mm`; a depth to within a fiftieth.
     pub fn least(&self, gap_mm: f64) -> LeastDistance {
+        self.least_until(gap_mm, [f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    /// The same, ended as soon as a distance below the first limit is found, or the lower bound reaches the second one.
+    pub fn least_until(&self, gap_mm: f64, [too_near_mm, enough_mm]: [f64; 2]) -> LeastDistance {
         let mut least = LeastDistance { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();
         for (step, motion) in self.motions.iter().enumerate() {
@@ -99,7 +104,8 @@ impl Search<'_> {
         }
         while let Some(nearest) = heap.pop() {
             let gap_mm = gap_mm.max(-least.bounds_mm[1] * DEPTH_RATIO);
-            if nearest.least_mm >= least.bounds_mm[1] - gap_mm || least.pieces >= MOST_PIECES {
+            let is_decided = least.bounds_mm[1] < too_near_mm || nearest.least_mm >= enough_mm;
+            if is_decided || nearest.least_mm >= least.bounds_mm[1] - gap_mm || least.pieces >= MOST_PIECES {
                 least.bounds_mm[0] = nearest.least_mm.min(least.bounds_mm[1]);
                 break;
             }

@@ -22,6 +22,9 @@ mod run;
 #[cfg(feature = "plan")]
 mod plunge;
 
+#[cfg(feature = "plan")]
+mod finish;
+
 use std::path::PathBuf;
 
 use super::outcome::Failure;
@@ -39,6 +42,7 @@ pub struct PlanCommand {
 enum Method {
     CupMill(CupMill),
     Plunge(Plunge),
+    Finish(Finish),
 }
 
 /// Rough the slots of a bladed rotor with a cup mill (docs/plan.md)
@@ -70,6 +74,19 @@ struct Plunge {
     json: bool,
 }
 
+/// Finish the blades of a rotor in five axes (docs/finish.md)
+#[derive(Debug, clap::Args)]
+struct Finish {
+    /// The part file
+    part: PathBuf,
+    /// Folder for the NC program, finish.apt, job.toml, axes.svg and report.html; created if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
 impl PlanCommand {
     /// Runs the command.
     ///
@@ -79,7 +96,15 @@ impl PlanCommand {
         match &self.method {
             Method::CupMill(method) => method.run(),
             Method::Plunge(method) => method.run(),
+            Method::Finish(method) => method.run(),
         }
+    }
+}
+
+#[cfg(not(feature = "plan"))]
+impl Finish {
+    fn run(&self) -> Result<(), Failure> {
+        Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
     }
 }
 

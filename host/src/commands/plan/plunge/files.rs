@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::plunge_job::PlungeJob;
+use arcfeed_plan::output::plunge_job::{PlungeJob, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
 
@@ -102,11 +102,18 @@ fn job(result: &PlungeResult, program: &str) -> String {
     PlungeJob {
         unit: part.output.unit,
         program,
-        mill: &part.mill,
+        shape: ToolShape {
+            radius_mm: part.mill.radius_mm,
+            corner_radius_mm: part.mill.corner_radius_mm,
+            height_mm: part.mill.length_mm,
+            teeth: part.mill.teeth,
+        },
         tool: part.output.tool,
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min),
+        remark: "Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.",
+        has_workpiece: true,
         control: CONTROL,
         machine: machine(source, file.as_deref()),
     }

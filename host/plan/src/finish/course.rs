@@ -1,0 +1,94 @@
+//! Course of the tool axis round a blade: the smoothest one that is admissible at stations along several passes.
+//!
+//! All passes share one course, so that neighbouring passes leave the same marks. An axis is a candidate at a station if it is admissible there on every sampled
+//! pass and its angle from each normal lies within the given range: along the normal a ball does not cut at its tip, and across it the flutes cut.
+//!
+//! Source: ours.
+
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+
+use crate::vector::Vector;
+
+use super::axis::{AxisProgram, Station, shares};
+use super::contact::Contact;
+use super::reach::{Reach, smoothest};
+
+/// Stations of a closed course, and of an open one less one.
+const STATIONS: usize = 24;
+/// Distance of neighbouring candidates.
+const GRID_DEG: f64 = 7.5;
+/// Largest angle of candidates from the direction out of the rotor.
+const CONE_DEG: f64 = 67.5;
+
+/// Search for a course.
+pub struct CourseSearch<'a> {
+    /// Test of axes.
+    pub reach: &'a Reach<'a>,
+    /// Dense contacts of the sampled passes.
+    pub passes: &'a [Vec<Contact>],
+    /// Direction out of the rotor at the blade.
+    pub outward: Vector,
+    /// Least and greatest angle between the axis and a normal.
+    pub tilt_rad: [f64; 2],
+    /// The course returns to its start.
+    pub is_closed: bool,
+}
+
+impl CourseSearch<'_> {
+    /// The smoothest course.
+    ///
+    /// # Errors
+    /// The share of the pass at which no axis is admissible.
+    pub fn course(&self) -> Result<AxisProgram, f64> {
+        let places: Vec<f64> = (0..=STATIONS).map(|k| k as f64 / STATIONS as f64).collect();
+        let open = if self.is_closed { &places[..STATIONS] } else { &places[..] };
+        let candidates = candidates(&self.outward);
+        let corner_mm = self.reach.mill.corner_radius_mm;
+        let along: Vec<Vec<f64>> = self.passes.iter().map(|pass| shares(pass, corner_mm)).collect();
+        let mut layers = Vec::new();
+        for share in open {
+            let contacts: Vec<&Contact> =
+                self.passes.iter().zip(&along).filter_map(|(pass, at)| nearest(pass, at, *share)).collect();
+            let fits = |axis: &&Vector| contacts.iter().all(|contact| self.is_within(contact, axis));
+            let near: Vec<&Vector> = candidates.iter().filter(fits).collect();
+            let is_admissible =
+                |axis: &&&Vector| contacts.iter().all(|contact| self.reach.is_admissible(contact, ***axis));
+            let layer: Vec<Vector> = near.par_iter().filter(is_admissible).map(|axis| **axis).collect();
+            if layer.is_empty() {
+                return Err(*share);
+            }
+            layers.push(layer);
+        }
+        let mut axes = smoothest(&layers, self.is_closed).ok_or(0.0)?;
+        if self.is_closed {
+            axes.push(axes[0]);
+        }
+        Ok(AxisProgram::Axes(places.iter().zip(axes).map(|(share, value)| Station { share: *share, value }).collect()))
+    }
+
+    fn is_within(&self, contact: &Contact, axis: &Vector) -> bool {
+        let angle_rad = contact.normal.angle(axis);
+        (self.tilt_rad[0]..=self.tilt_rad[1]).contains(&angle_rad)
+    }
+}
+
+fn nearest<'c>(pass: &'c [Contact], at: &[f64], share: f64) -> Option<&'c Contact> {
+    let next = at.partition_point(|place| *place < share).min(pass.len().checked_sub(1)?);
+    pass.get(next)
+}
+
+/// Directions about one direction, evenly in rings.
+fn candidates(about: &Vector) -> Vec<Vector> {
+    let first = about.cross(&if about.z.abs() < 0.9 { Vector::z() } else { Vector::x() }).normalize();
+    let second = about.cross(&first);
+    let rings = (CONE_DEG / GRID_DEG) as usize;
+    let ring = |k: usize| {
+        let (sin, cos) = libm::sincos((GRID_DEG * k as f64).to_radians());
+        let count = libm::ceil(360.0 * sin / GRID_DEG).max(1.0) as usize;
+        (0..count).map(move |i| {
+            let (s, c) = libm::sincos(core::f64::consts::TAU * i as f64 / count as f64);
+            about * cos + (first * c + second * s) * sin
+        })
+    };
+    (0..=rings).flat_map(ring).collect()
+}

@@ -1,0 +1,23 @@
+//! Finishing passes from contact points: contact frame, tool axis, cutter location, admissible axes, feed, and their proof.
+
+pub mod contact;
+
+pub mod mill;
+
+pub mod axis;
+
+pub mod obstacles;
+
+pub mod reach;
+
+pub mod rows;
+
+pub mod passes;
+
+pub mod course;
+
+pub mod feed;
+
+pub mod plan;
+
+pub mod proof;

@@ -1,0 +1,126 @@
+//! Output of a plan of finishing passes: text and JSON.
+
+use std::fmt::Write as _;
+
+use arcfeed_plan::finish::plan::MoveKind;
+use serde::Serialize;
+
+use super::result::{FinishResult, obstacle_word, part_word};
+use crate::post::finding::Entry;
+
+/// Figures of one plan, `arcfeed plan finish --json` (docs/json.md). Lengths mm, angles degrees, feeds mm/min.
+#[derive(Debug, Serialize)]
+pub struct FinishFigures {
+    /// Name of the part.
+    pub name: String,
+    /// The mill keeps all distances, and the machine follows the path.
+    pub safe: bool,
+    /// Blades of the rotor; the program finishes one of them.
+    pub blades: u32,
+    /// Lowest and highest row, as places between hub and tip.
+    pub span: [f64; 2],
+    /// Passes, or turns of the spiral.
+    pub passes: usize,
+    /// Points of all passes.
+    pub points: usize,
+    /// Least and greatest angle between the tool axis and the normal of the surface.
+    pub tilt_deg: [f64; 2],
+    /// Wanted feed.
+    pub target_feed: f64,
+    /// Least and greatest F of the cutting moves.
+    pub feed: Option<[f64; 2]>,
+    /// Moves on which the machine's axes decide the feed.
+    pub limited_moves: usize,
+    /// Turns of the rotary axes, the one nearer to the part first.
+    pub rotary_travel_deg: [f64; 2],
+    /// Time of the feed moves.
+    pub minutes: f64,
+    /// Clearances of the mill.
+    pub clearances: Vec<FinishClearanceFigures>,
+    /// Findings of the post-processor; their lines are numbers of moves.
+    pub findings: Vec<Entry>,
+}
+
+/// Clearance.
+#[derive(Debug, Serialize)]
+pub struct FinishClearanceFigures {
+    /// `end`, `flutes`, `neck`, `holder`.
+    pub part: &'static str,
+    /// `blade`, `neighbours`, `hub`, `fixture`.
+    pub obstacle: &'static str,
+    /// Lower bound.
+    pub certified_mm: f64,
+    /// Distance to keep; a negative one is the depth of a gouge within the tolerance.
+    pub needed_mm: f64,
+    /// Move with that bound, from 1.
+    pub move_number: usize,
+}
+
+impl FinishFigures {
+    /// Figures of a plan.
+    pub fn of(result: &FinishResult) -> Self {
+        let FinishResult { part, plan, .. } = result;
+        let cuts = plan.path.iter().zip(&result.cl.points).filter(|(step, _)| step.kind == MoveKind::Cut);
+        let feeds: Vec<f64> = cuts.filter_map(|(_, point)| point.feed_mm_per_min).collect();
+        let points = || plan.passes.iter().flatten();
+        let tilts: Vec<f64> =
+            points().map(|point| point.contact.normal.angle(&point.location.axis).to_degrees()).collect();
+        let clearances = result.clearances.iter().map(|found| FinishClearanceFigures {
+            part: part_word(found.part),
+            obstacle: obstacle_word(found.obstacle),
+            certified_mm: found.certified_mm,
+            needed_mm: found.needed_mm,
+            move_number: found.at + 2,
+        });
+        FinishFigures {
+            name: part.name.clone(),
+            safe: result.refusal().is_none(),
+            blades: part.blisk.blades,
+            span: plan.span,
+            passes: plan.passes.len(),
+            points: points().count(),
+            tilt_deg: range(&tilts).unwrap_or([0.0; 2]),
+            target_feed: result.target_mm_per_min,
+            feed: range(&feeds),
+            limited_moves: result.limited,
+            rotary_travel_deg: result.axes.travel_deg[1],
+            minutes: result.minutes,
+            clearances: clearances.collect(),
+            findings: result.axes.findings.iter().map(|finding| finding.entry()).collect(),
+        }
+    }
+}
+
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let first = *values.first()?;
+    Some(values.iter().fold([first; 2], |[low, high], value| [low.min(*value), high.max(*value)]))
+}
+
+/// Text of the plan for people.
+pub fn text(figures: &FinishFigures) -> String {
+    let FinishFigures { name, passes, points, span, tilt_deg, target_feed, limited_moves, .. } = figures;
+    let mut text = format!(
+        "{name}: {passes} passes, {points} points, from {:.1} to {:.1} % of the blade's height; one of {} blades\n  \
+         angle between tool axis and normal {:.1} to {:.1} degrees; rotary axes turn {:.0} and {:.0} degrees\n",
+        100.0 * span[0],
+        100.0 * span[1],
+        figures.blades,
+        tilt_deg[0],
+        tilt_deg[1],
+        figures.rotary_travel_deg[0],
+        figures.rotary_travel_deg[1]
+    );
+    if let Some([low, high]) = figures.feed {
+        let _ = writeln!(
+            text,
+            "  feed {target_feed:.1} mm/min wanted, F {low:.1} to {high:.1}; on {limited_moves} moves the machine's axes allow no more"
+        );
+    }
+    let _ = writeln!(text, "  clearances of the whole mill, mm, at least (needed):");
+    for found in &figures.clearances {
+        let FinishClearanceFigures { part, obstacle, certified_mm, needed_mm, .. } = found;
+        let _ = writeln!(text, "    {part:<6} from {obstacle:<10} {certified_mm:>9.3} ({needed_mm:.3})");
+    }
+    let _ = write!(text, "  time of the feed moves: {:.1} min", figures.minutes);
+    text
+}

@@ -1,0 +1,7 @@
+//! Finishing passes: contact frames, tool axes, and plans.
+
+mod contact;
+
+mod axes;
+
+mod plans;
