@@ -3,7 +3,6 @@
 
 use std::fmt;
 
-use crate::plural::counted;
 use arcfeed_nc::block::{Parsed, Reading, parse_line};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc::word::{BYTE_ORDER_MARK, is_control_character};
@@ -71,8 +70,10 @@ impl Changes {
             ),
         ];
         let found = lines.into_iter().filter(|(change, _)| change.lines > 0);
-        let said = found
-            .map(|(change, what)| format!("{} {what} (first: line {})", counted(change.lines, "line"), change.first));
+        let said = found.map(|(Change { lines, first }, what)| {
+            let noun = if lines == 1 { "line" } else { "lines" };
+            format!("{lines} {noun} {what} (first: line {first})")
+        });
         mark.into_iter().chain(said).collect()
     }
 }
