@@ -1,7 +1,7 @@
 //! The controller without pointers: parameters, moves, tick.
 
-use arcfeed_firmware::application::buffers::Buffers;
-use arcfeed_firmware::application::report::{refusal_code, state_code};
+use arcfeed_board_app::application::buffers::Buffers;
+use arcfeed_board_app::application::report::{refusal_code, state_code};
 use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_firmware::ramp::FeedOverride;

@@ -1,7 +1,7 @@
 //! Either side begins anew at random points of the example: the other notices, nothing of before is believed, and only a person
 //! arms again.
 
-use arcfeed_firmware::application::host_link::HostLink;
+use arcfeed_board_app::application::host_link::HostLink;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::supervisor::state::State;
