@@ -104,10 +104,10 @@ impl Controller {
         Ok(self.add_segment(slots, line, &message)?)
     }
 
-    /// Begins a prepared program and deletes parameters and moves.
+    /// Begins to load a prepared program; deletes the parameters and moves of the one before.
     ///
     /// # Errors
-    /// The laws have the override.
+    /// The controller is armed: a feed law may be setting the override.
     pub fn begin_program(&mut self) -> Result<(), ArcfeedStatus> {
         self.clear(true)
     }
