@@ -5,10 +5,8 @@
 //! position on the segment; [`ramp`] turns a wanted ratio into an override that the control can follow; [`envelope`]
 //! lowers the ratio in time for later demands; [`active`] is a segment prepared with all of these; [`controller`]
 //! follows the position along it; [`supervisor`] decides whether the law may act, and on the override; [`queue`] finds
-//! the segment in execution if the control does not report it; [`spsc`] connects main loop and tick; [`tap`] reads the
-//! program off the DNC line; [`input`] converts readings of a board; [`output`] passes the override to the control;
-//! [`board`] is the hardware interface; [`application`] is a board between its link and its tick; [`assembly`] puts
-//! one together; [`main_loop`] is its main loop; [`lockstep`] runs it synchronously with a simulated machine.
+//! the segment in execution if the control does not report it; [`input`] converts readings of a board; [`output`] passes
+//! the override to the control; [`board`] is the hardware interface.
 #![cfg_attr(not(test), no_std)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing))]
 #![doc = include_str!("../README.md")]
@@ -27,20 +25,8 @@ pub mod supervisor;
 
 pub mod queue;
 
-pub mod spsc;
-
-pub mod tap;
-
 pub mod input;
 
 pub mod output;
 
 pub mod board;
-
-pub mod application;
-
-pub mod assembly;
-
-pub mod main_loop;
-
-pub mod lockstep;

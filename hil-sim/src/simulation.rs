@@ -235,7 +235,7 @@ impl<D: OverrideSource> Simulation<D> {
         self.last.as_ref().map(|(segment, _)| segment)
     }
 
-    /// Context of the last move begun.
+    /// Context of the last move begun: work offset, tool, spindle, functions in force.
     pub fn context(&self) -> &MoveContext {
         &self.context
     }

@@ -14,12 +14,13 @@ const SIMULATOR_CRATES: [&str; 5] =
     ["arcfeed_control", "arcfeed_dexel", "arcfeed_modal", "arcfeed_milling", "arcfeed_hil_sim"];
 
 /// Crates that can be used without the rest, and those of ours that they bring along.
-const ALONE: [(&str, &[&str]); 7] = [
+const ALONE: [(&str, &[&str]); 8] = [
     ("arcfeed-units", &[]),
     ("arcfeed-kinematics", &[]),
     ("arcfeed-nc", &["arcfeed-units"]),
     ("arcfeed-compensation", &["arcfeed-nc", "arcfeed-units"]),
     ("arcfeed-law", &["arcfeed-model", "arcfeed-nc", "arcfeed-units"]),
+    ("arcfeed-firmware", &["arcfeed-law", "arcfeed-model", "arcfeed-nc", "arcfeed-units"]),
     ("arcfeed-port", &["arcfeed-line-errors", "arcfeed-units"]),
     ("arcfeed-dnc", &["arcfeed-line-errors", "arcfeed-nc", "arcfeed-port", "arcfeed-units"]),
 ];

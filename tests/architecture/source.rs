@@ -47,7 +47,7 @@ pub fn read(path: &str) -> String {
 }
 
 /// Folders of sources of the crates that run on the chip too.
-pub const CHIP: [&str; 10] = [
+pub const CHIP: [&str; 11] = [
     "shared/units/src",
     "shared/nc/src",
     "shared/nc-macro/src",
@@ -57,6 +57,7 @@ pub const CHIP: [&str; 10] = [
     "shared/link/src",
     "firmware/law/src",
     "firmware/src",
+    "firmware/board-app/src",
     "firmware/c/src",
 ];
 /// Folders of sources of the simulator.

@@ -1,10 +1,10 @@
 //! Engaged arcs sent with each move, on the chip: the same overrides as in this process, and what tick and stack they take.
 
-use arcfeed_firmware::application::command_handler::Identity;
-use arcfeed_firmware::application::control_task::Supply;
-use arcfeed_firmware::application::messages::Queues;
-use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::main_loop::Untapped;
+use arcfeed_board_app::application::command_handler::Identity;
+use arcfeed_board_app::application::control_task::Supply;
+use arcfeed_board_app::application::messages::Queues;
+use arcfeed_board_app::assembly::{Config, assemble};
+use arcfeed_board_app::main_loop::Untapped;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_hil_sim::override_source::board::{Board, Wires};
 use arcfeed_hil_sim::override_source::in_process::InProcess;

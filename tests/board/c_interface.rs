@@ -5,8 +5,8 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use arcfeed::job::JobFile;
+use arcfeed_board_app::application::report::state_code;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::application::report::state_code;
 use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_firmware::ramp::FeedOverride;

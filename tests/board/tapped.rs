@@ -3,18 +3,18 @@
 use std::collections::VecDeque;
 
 use arcfeed::commands::simulate::control::control_settings;
+use arcfeed_board_app::application::command_handler::Identity;
+use arcfeed_board_app::application::control_task::Supply;
+use arcfeed_board_app::application::messages::Queues;
+use arcfeed_board_app::assembly::{Config, assemble};
+use arcfeed_board_app::main_loop::MainLoop;
+use arcfeed_board_app::tap::Tap;
+use arcfeed_board_app::tap::settings::TapSettings;
 use arcfeed_control::code::{DC1, DC3, TapeCode, without_parity};
 use arcfeed_control::line::{LineCounters, LineSettings, SenderParity};
 use arcfeed_control::{Control, ControlSettings};
-use arcfeed_firmware::application::command_handler::Identity;
-use arcfeed_firmware::application::control_task::Supply;
-use arcfeed_firmware::application::messages::Queues;
-use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::main_loop::MainLoop;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
-use arcfeed_firmware::tap::Tap;
-use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Board, Traffic, Wire, Wires};
 use arcfeed_hil_sim::override_source::in_process::InProcess;
 use arcfeed_hil_sim::simulation::Simulation;

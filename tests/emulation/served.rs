@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use arcfeed_firmware::application::command_handler::Identity;
-use arcfeed_firmware::application::control_task::Supply;
-use arcfeed_firmware::application::messages::Queues;
-use arcfeed_firmware::application::sensors::Sensors;
-use arcfeed_firmware::assembly::{Config, assemble};
+use arcfeed_board_app::application::command_handler::Identity;
+use arcfeed_board_app::application::control_task::Supply;
+use arcfeed_board_app::application::messages::Queues;
+use arcfeed_board_app::application::sensors::Sensors;
+use arcfeed_board_app::assembly::{Config, assemble};
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};

@@ -640,8 +640,7 @@ mod tests {
     /// The line of row 2 leaves the circle again at 93 degrees, beyond what the circumference law looks at; the material
     /// behind that is engaged, and nearer to v than the contact at 77 degrees.
     #[test]
-    fn on_row_2_it_protects_the_start_where_material_behind_90_degrees_is_nearer_and_is_the_circumference_law_after_that()
-     {
+    fn on_row_2_the_start_of_the_cut_is_protected() {
         let feeds: Vec<[f64; 2]> = (0..=1_000).map(|i| ROWS[1].feeds(ENDS[1], f64::from(i) / 1e3)).collect();
         let same = |[one, other]: &[f64; 2]| libm::fabs(other / one - 1.0) < 1e-6;
         let first = feeds.iter().position(same).expect("the laws meet");

@@ -112,8 +112,7 @@ fn check_takes_them_all_and_counts_the_helices() {
 }
 
 #[test]
-fn adapt_sends_counter_clockwise_arcs_across_the_tools_axis_with_the_feed_of_their_radius_and_all_others_with_their_own()
- {
+fn adapt_writes_the_feed_worked_out_for_each_arc_and_helix() {
     let scratch = Scratch::new("helices-adapt");
     let output = run(&["adapt", &job(&scratch), "--json"]);
     let text = String::from_utf8(output.stdout).expect("JSON is text");

@@ -1,7 +1,7 @@
 //! The controller without pointers: parameters, moves, tick.
 
-use arcfeed_firmware::application::buffers::Buffers;
-use arcfeed_firmware::application::report::{refusal_code, state_code};
+use arcfeed_board_app::application::buffers::Buffers;
+use arcfeed_board_app::application::report::{refusal_code, state_code};
 use arcfeed_firmware::controller::Measurement;
 use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_firmware::ramp::FeedOverride;
@@ -104,10 +104,10 @@ impl Controller {
         Ok(self.add_segment(slots, line, &message)?)
     }
 
-    /// Begins a prepared program and deletes parameters and moves.
+    /// Begins to load a prepared program; deletes the parameters and moves of the one before.
     ///
     /// # Errors
-    /// The laws have the override.
+    /// The controller is armed: a feed law may be setting the override.
     pub fn begin_program(&mut self) -> Result<(), ArcfeedStatus> {
         self.clear(true)
     }

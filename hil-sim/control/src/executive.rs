@@ -181,7 +181,7 @@ impl Executive {
         NextBlock::Over
     }
 
-    /// Applies a search to the next block; `None` if that takes more time.
+    /// Examines the next block for a search of the operator; `None` while no whole block has arrived.
     pub fn search(
         &mut self,
         search: Search,

@@ -27,7 +27,7 @@ use super::section::Sweep;
 /// Intervals that a ray loses, at most two; an unused one ends before it begins.
 pub type Losses = [Interval; 2];
 
-/// A part of a tool on its way.
+/// Part of a tool in a straight move square to its own axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Level<'a> {
     part: &'a MonotonePart,

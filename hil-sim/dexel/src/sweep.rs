@@ -130,18 +130,18 @@ fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> 
 }
 
 impl Pass<'_> {
-    /// The lowest and highest corner of the box around it before it moves.
+    /// Lowest and highest corner of the box around the tool part before it moves.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
     }
 
-    /// The rows that it can meet.
+    /// Rows of the lattice that the pass can meet.
     pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
         let [_, row_axis] = Lattice::across(self.ray_axis);
         self.cells(lattice, row_axis)
     }
 
-    /// The cells along an axis that it can meet.
+    /// Cells along an axis that the pass can meet.
     pub fn cells(&self, lattice: &Lattice, axis: usize) -> Range<usize> {
         let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
         lattice.cells_between(axis, from_mm, to_mm)

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_firmware::application::control_task::ControlTask;
-use arcfeed_firmware::application::sensors::{MachineLine, setpoint};
-use arcfeed_firmware::lockstep::{BoardLine, BoardLines, Lockstep};
-use arcfeed_firmware::main_loop::MainLoop;
+use arcfeed_board_app::application::control_task::ControlTask;
+use arcfeed_board_app::application::sensors::{MachineLine, setpoint};
+use arcfeed_board_app::lockstep::{BoardLine, BoardLines, Lockstep};
+use arcfeed_board_app::main_loop::MainLoop;
 
 use super::board::{BoardFailure, Wire, Wires};
 

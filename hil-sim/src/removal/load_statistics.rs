@@ -73,7 +73,7 @@ pub struct LoadStatistics {
     variation_sum: f64,
 }
 
-/// Statistics of an unfinished turn.
+/// Statistics of the present turn of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnStatistics {
     steps: usize,

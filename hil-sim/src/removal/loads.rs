@@ -37,7 +37,7 @@ const STEPS_MAX: f64 = 1e4;
 /// marks of 0.7 um.
 const CLEARINGS: u32 = 8;
 
-/// Edges, workpiece and step size.
+/// Settings for the evaluation of loads: edges, workpiece, step size.
 #[derive(Clone, Debug)]
 pub struct LoadSettings {
     /// Edges in the layers of the workpiece, in the program's coordinates; layers along Z.

@@ -65,7 +65,7 @@ impl RateWindow {
 }
 
 impl RemovedVolume {
-    /// Sum over pieces in the order of time.
+    /// Volume removed in all pieces, which are in the order of time, and the largest rate over a path of `step_mm`.
     pub fn of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64) -> Self {
         let mut removed_volume = RemovedVolume::default();
         for piece in pieces.clone().filter(|piece| piece.mean_mm3() > 0.0) {
@@ -82,7 +82,7 @@ impl RemovedVolume {
         mean(&self.removed)
     }
 
-    /// Difference between the largest and the smallest of the three volumes, mm3.
+    /// Largest less smallest of the volumes that the three families of rays measured, mm3.
     pub fn spread_mm3(&self) -> f64 {
         let [x, y, z] = self.removed;
         x.max(y).max(z) - x.min(y).min(z)

@@ -29,7 +29,7 @@ const ROUNDING_MM: f64 = 1e-5;
 /// Shortest part, whatever the job allows: far above the rounding.
 const LEAST_MM: f64 = 0.01;
 
-/// A line that a corner cuts off, and its surroundings.
+/// Straight move that ends in a chamfer or rounded corner (`,C`, `,R`), with its surroundings.
 #[derive(Debug)]
 pub struct CornerLine<'a> {
     /// Line of the move.

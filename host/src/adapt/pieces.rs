@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_law_says_nothing_the_least_feed_counts_and_where_anything_goes_no_word_is_spent() {
+    fn without_a_demand_a_piece_has_the_least_feed() {
         let mut gap = profile(|x| if x < 0.5 { 1.0 } else { 1.5 });
         gap.covered[200..210].fill(false);
         gap.bounds[200..210].fill(f64::INFINITY);

@@ -1,6 +1,6 @@
 //! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
 
-use arcfeed_firmware::application::control_task::Supply;
+use arcfeed_board_app::application::control_task::Supply;
 use arcfeed_link::message::codes::RefusalCode;
 use arcfeed_link::message::fixed::Q40;
 use arcfeed_link::message::{Message, moves, parameters, table};

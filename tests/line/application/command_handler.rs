@@ -1,7 +1,7 @@
 //! Commands of a host, and refusals.
 
+use arcfeed_board_app::application::control_task::Supply;
 use arcfeed_firmware::active::ActiveSegment;
-use arcfeed_firmware::application::control_task::Supply;
 use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_firmware::supervisor::state::State;

@@ -1,7 +1,7 @@
 //! Either side begins anew at random points of the example: the other notices, nothing of before is believed, and only a person
 //! arms again.
 
-use arcfeed_firmware::application::host_link::HostLink;
+use arcfeed_board_app::application::host_link::HostLink;
 use arcfeed_firmware::supervisor::report::Alarm;
 use arcfeed_firmware::supervisor::signals::BoardFault;
 use arcfeed_firmware::supervisor::state::State;
@@ -195,7 +195,7 @@ fn a_board_that_begins_anew_at_any_point_is_noticed_and_boots_disarmed() {
 }
 
 #[test]
-fn on_a_line_that_corrupts_nearly_every_third_frame_it_takes_as_many_more_hellos_as_are_corrupted() {
+fn each_corrupted_hello_costs_one_more_hello() {
     assert_explained("host, bad line", &points(host_restarts, Some(BAD_PER_MILLE)));
     assert_explained("board, bad line", &points(board_restarts, Some(BAD_PER_MILLE)));
 }

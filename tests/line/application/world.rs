@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 
-use arcfeed_firmware::application::command_handler::{CommandHandler, Identity};
-use arcfeed_firmware::application::control_task::{ControlTask, Supply};
-use arcfeed_firmware::application::host_link::HostLink;
-use arcfeed_firmware::application::messages::Queues;
-use arcfeed_firmware::application::sensors::Sensors;
+use arcfeed_board_app::application::command_handler::{CommandHandler, Identity};
+use arcfeed_board_app::application::control_task::{ControlTask, Supply};
+use arcfeed_board_app::application::host_link::HostLink;
+use arcfeed_board_app::application::messages::Queues;
+use arcfeed_board_app::application::sensors::Sensors;
 use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;

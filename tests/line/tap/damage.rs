@@ -3,9 +3,9 @@
 //! Held against an oracle that does not know the tap: the program as the tap heard it, read line by line, and the nearest of
 //! two thousand places on each of its moves.
 
+use arcfeed_board_app::tap::settings::TapSettings;
+use arcfeed_board_app::tap::status::{TapLossReason, TapState};
 use arcfeed_control::code::TapeCode;
-use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::{TapLossReason, TapState};
 use arcfeed_units::Nm;
 use fastrand::Rng;
 

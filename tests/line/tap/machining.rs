@@ -1,9 +1,9 @@
 //! The example job through the tap: the same chips as with a controller notified of what the control executes.
 
+use arcfeed_board_app::tap::settings::TapSettings;
+use arcfeed_board_app::tap::status::TapState;
 use arcfeed_control::Control;
 use arcfeed_control::code::TapeCode;
-use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::TapState;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};

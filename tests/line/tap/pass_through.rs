@@ -1,8 +1,8 @@
 //! The line behind the tap is the line before it, in both directions.
 
+use arcfeed_board_app::tap::Tap;
+use arcfeed_board_app::tap::settings::TapSettings;
 use arcfeed_control::code::{DC1, DC3, TapeCode};
-use arcfeed_firmware::tap::Tap;
-use arcfeed_firmware::tap::settings::TapSettings;
 use arcfeed_tests::root;
 use arcfeed_units::{LengthUnit, Micros};
 use fastrand::Rng;

@@ -1,8 +1,8 @@
 //! Other practice of shops: offsets and cycles, a restarted program, switches, a tap with little room.
 
+use arcfeed_board_app::tap::settings::TapSettings;
+use arcfeed_board_app::tap::status::{TapLossReason, TapState};
 use arcfeed_control::code::TapeCode;
-use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::{TapLossReason, TapState};
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_units::Micros;
 

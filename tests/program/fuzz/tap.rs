@@ -3,10 +3,10 @@
 use std::sync::OnceLock;
 
 use arcfeed::job::JobFile;
+use arcfeed_board_app::tap::settings::TapSettings;
+use arcfeed_board_app::tap::status::TapState;
+use arcfeed_board_app::tap::{AHEAD_MAX, Tap};
 use arcfeed_control::code::{DC1, DC3, TapeCode};
-use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::status::TapState;
-use arcfeed_firmware::tap::{AHEAD_MAX, Tap};
 use arcfeed_model::job::Job;
 use arcfeed_nc::modal::Pose;
 use arcfeed_tests::root;

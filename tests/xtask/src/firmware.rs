@@ -11,8 +11,9 @@ use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 use crate::target::TARGET;
 
 /// Crates that may run on the chip. Before adding one, check: no heap, no panics on the tick, licence.
-const CRATES: [&str; 29] = [
+const CRATES: [&str; 30] = [
     "arcfeed-firmware",
+    "arcfeed-board-app",
     "arcfeed-law",
     "arcfeed-link",
     "arcfeed-model",
@@ -47,7 +48,8 @@ const CRATES: [&str; 29] = [
 const CORE_ONLY: [&str; 2] = ["libcompiler_builtins-", "libcore-"];
 
 /// With all features: what is optional must run on the chip too.
-const BUILD: [&str; 7] = ["build", "--package", CRATES[0], "--target", TARGET, "--release", "--all-features"];
+const BUILD: [&str; 9] =
+    ["build", "--package", CRATES[0], "--package", CRATES[1], "--target", TARGET, "--release", "--all-features"];
 
 /// Builds the firmware and checks what it is made of.
 ///
@@ -64,7 +66,7 @@ pub fn check() -> Result<(), Failure> {
 
 fn check_crates() -> Result<(), Failure> {
     // Procedural macros run on the host.
-    let what = ["tree", "--package", CRATES[0], "--target", TARGET, "--all-features"];
+    let what = ["tree", "--package", CRATES[0], "--package", CRATES[1], "--target", TARGET, "--all-features"];
     let how = ["--edges", "normal,no-proc-macro", "--prefix", "none"];
     let listing = output(cargo(&what).args(how))?;
     let strangers = strangers(&listing);

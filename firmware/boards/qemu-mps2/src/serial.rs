@@ -17,8 +17,8 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use arcfeed_firmware::lockstep;
-use arcfeed_firmware::spsc::{Consumer, Producer, split};
+use arcfeed_board_app::lockstep;
+use arcfeed_board_app::spsc::{Consumer, Producer, split};
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::Queue;
 

@@ -2,9 +2,9 @@
 
 use core::mem::MaybeUninit;
 
-use arcfeed_firmware::application::command_handler::CommandHandler;
-use arcfeed_firmware::tap::Tap;
-use arcfeed_firmware::tap::settings::TapSettings;
+use arcfeed_board_app::application::command_handler::CommandHandler;
+use arcfeed_board_app::tap::Tap;
+use arcfeed_board_app::tap::settings::TapSettings;
 use arcfeed_link::message::page::{PAGE_MAX, PageError};
 use arcfeed_units::LengthUnit;
 

@@ -195,7 +195,7 @@ fn random_programs_have_the_overrides_of_the_rust_controller_to_the_bit() {
 }
 
 fn memory_state(memory: &Memory) -> u8 {
-    arcfeed_firmware::application::report::state_code(&memory.state()) as u8
+    arcfeed_board_app::application::report::state_code(&memory.state()) as u8
 }
 
 /// A prepared program of one half circle at line 5.

@@ -149,7 +149,7 @@ fn a_pin_that_refuses_is_named_and_all_others_are_released() {
 }
 
 #[test]
-fn however_a_pin_fails_the_control_reads_no_more_than_old_or_new_and_0_or_its_weight_in_the_end() {
+fn a_failing_pin_never_shows_more_than_old_or_new() {
     let bench = Bench::default();
     let mut failures = 0;
     for (line, obeys) in (0..8).flat_map(|line| [(line, false), (line, true)]) {

@@ -95,7 +95,7 @@ fn it_waits_only_where_lines_change_in_both_senses() {
 }
 
 #[test]
-fn however_the_port_fails_the_control_reads_no_more_than_old_or_new_and_0_in_the_end_if_it_obeys() {
+fn a_failing_port_never_shows_more_than_old_or_new() {
     let bench = Bench::default();
     let mut failures = 0;
     for (obeys, settle_ns) in [(false, 0), (true, 0), (false, 30_000), (true, 30_000)] {

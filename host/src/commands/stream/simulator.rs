@@ -5,12 +5,12 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Instant;
 
+use arcfeed_board_app::application::command_handler::Identity;
+use arcfeed_board_app::application::control_task::Supply;
+use arcfeed_board_app::application::messages::Queues;
+use arcfeed_board_app::assembly::{Config, assemble};
+use arcfeed_board_app::main_loop::Untapped;
 use arcfeed_control::Control;
-use arcfeed_firmware::application::command_handler::Identity;
-use arcfeed_firmware::application::control_task::Supply;
-use arcfeed_firmware::application::messages::Queues;
-use arcfeed_firmware::assembly::{Config, assemble};
-use arcfeed_firmware::main_loop::Untapped;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 use arcfeed_hil_sim::faults::ControllerFault;

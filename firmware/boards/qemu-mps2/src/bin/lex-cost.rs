@@ -17,8 +17,8 @@
 
 use core::hint::black_box;
 
-use arcfeed_firmware::tap::settings::TapSettings;
-use arcfeed_firmware::tap::{Tap, TapSegment};
+use arcfeed_board_app::tap::settings::TapSettings;
+use arcfeed_board_app::tap::{Tap, TapSegment};
 use arcfeed_model::job::Job;
 use arcfeed_nc::block::{Parsed, Reading};
 use arcfeed_nc::modal::Pose;

@@ -5,8 +5,8 @@ use arcfeed_link::message::table;
 use arcfeed_model::job::OverrideLimits;
 use arcfeed_units::Span;
 
-use crate::supervisor::Supervisor;
-use crate::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 
 /// Default period of the reports.
 const REPORT_EVERY: Span = Span::from_ms(50);

@@ -5,10 +5,10 @@ use arcfeed_link::message::table::{Sample, Setpoint};
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::{Micros, RevPerMin, Span};
 
-use crate::output::line_code::LineCode;
-use crate::supervisor::Output;
-use crate::supervisor::input::Freshness;
-use crate::supervisor::signals::Signals;
+use arcfeed_firmware::output::line_code::LineCode;
+use arcfeed_firmware::supervisor::Output;
+use arcfeed_firmware::supervisor::input::Freshness;
+use arcfeed_firmware::supervisor::signals::Signals;
 
 use super::report::state_code;
 
@@ -96,10 +96,10 @@ pub fn setpoint(at: u64, output: &Output, [link_bytes, tap_bytes]: [u32; 2]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ramp::FeedOverride;
-    use crate::supervisor::report::{Alarm, Reason};
-    use crate::supervisor::signals::{BoardFault, Request};
-    use crate::supervisor::state::{Hold, State};
+    use arcfeed_firmware::ramp::FeedOverride;
+    use arcfeed_firmware::supervisor::report::{Alarm, Reason};
+    use arcfeed_firmware::supervisor::signals::{BoardFault, Request};
+    use arcfeed_firmware::supervisor::state::{Hold, State};
     use arcfeed_link::message::codes::{ModeCode, StateCode};
     use arcfeed_link::message::fixed::Q40;
     use arcfeed_units::Nm;

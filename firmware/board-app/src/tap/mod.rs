@@ -35,7 +35,7 @@ use arcfeed_nc::tape_code::{DC1, DC3, without_parity};
 use arcfeed_units::Micros;
 use heapless::{Deque, Vec};
 
-use crate::active::{ActiveSegment, Conditions};
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use blocks::{BlockMotion, Blocks};
 use intake::Intake;
 use settings::{LINE_MAX, TapSettings, TapSettingsError};

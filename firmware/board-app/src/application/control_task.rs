@@ -4,16 +4,16 @@
 use arcfeed_model::job::OverrideLimits;
 use arcfeed_units::{Micros, Span};
 
-use crate::controller;
-use crate::output::telemetry::record::TelemetryRecord;
-use crate::queue::Follower;
-use crate::supervisor::input::{Freshness, Input};
-use crate::supervisor::memory::Memory;
-use crate::supervisor::report::Refusal;
-use crate::supervisor::settings::{Settings, SettingsError};
-use crate::supervisor::signals::{BoardFault, Request, Signals};
-use crate::supervisor::state::State;
-use crate::supervisor::{Output, Supervisor};
+use arcfeed_firmware::controller;
+use arcfeed_firmware::output::telemetry::record::TelemetryRecord;
+use arcfeed_firmware::queue::Follower;
+use arcfeed_firmware::supervisor::input::{Freshness, Input};
+use arcfeed_firmware::supervisor::memory::Memory;
+use arcfeed_firmware::supervisor::report::Refusal;
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::signals::{BoardFault, Request, Signals};
+use arcfeed_firmware::supervisor::state::State;
+use arcfeed_firmware::supervisor::{Output, Supervisor};
 
 use super::messages::{Command, Notice, TaskQueues, TaskStatus};
 use super::sensors::Sensors;

@@ -4,13 +4,13 @@ use arcfeed_nc::modal::Pose;
 use arcfeed_units::{Micros, Nm};
 use heapless::spsc::Queue;
 
-use crate::active::ActiveSegment;
-use crate::output::telemetry::record::TelemetryRecord;
 use crate::spsc::{Consumer, Producer, split};
-use crate::supervisor::Supervisor;
-use crate::supervisor::report::{Alarm, Refusal};
-use crate::supervisor::signals::BoardFault;
-use crate::supervisor::state::State;
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::output::telemetry::record::TelemetryRecord;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::report::{Alarm, Refusal};
+use arcfeed_firmware::supervisor::signals::BoardFault;
+use arcfeed_firmware::supervisor::state::State;
 
 use super::buffers::Buffers;
 

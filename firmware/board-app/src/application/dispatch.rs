@@ -4,9 +4,9 @@
 use arcfeed_units::{Micros, Nm};
 use heapless::Deque;
 
-use crate::active::ActiveSegment;
 use crate::spsc::{Consumer, Producer};
-use crate::supervisor::Supervisor;
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::supervisor::Supervisor;
 
 use super::messages::{Command, Notice, PlannedMove, TaskStatus};
 

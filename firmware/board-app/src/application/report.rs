@@ -3,8 +3,8 @@
 use arcfeed_link::message::codes::{AlarmCode, RefusalCode, StateCode};
 use arcfeed_link::message::table::Report;
 
-use crate::supervisor::report::{Alarm, Refusal};
-use crate::supervisor::state::State;
+use arcfeed_firmware::supervisor::report::{Alarm, Refusal};
+use arcfeed_firmware::supervisor::state::State;
 
 use super::messages::TaskStatus;
 

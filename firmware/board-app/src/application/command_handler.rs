@@ -13,10 +13,10 @@ use arcfeed_model::job::{Job, OverrideLimits};
 use arcfeed_units::{Micros, Nm};
 use heapless::Deque;
 
-use crate::active::ActiveSegment;
-use crate::supervisor::Supervisor;
-use crate::supervisor::settings::{Settings, SettingsError};
-use crate::supervisor::signals::BoardFault;
+use arcfeed_firmware::active::ActiveSegment;
+use arcfeed_firmware::supervisor::Supervisor;
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::signals::BoardFault;
 
 use super::arcs::ReceivedArcs;
 use super::board_settings::BoardSettings;

@@ -7,8 +7,8 @@ use crate::application::command_handler::{CommandHandler, Identity};
 use crate::application::control_task::{ControlTask, Supply};
 use crate::application::host_link::HostLink;
 use crate::application::messages::Queues;
-use crate::supervisor::settings::{Settings, SettingsError};
-use crate::supervisor::signals::BoardFault;
+use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
+use arcfeed_firmware::supervisor::signals::BoardFault;
 
 /// Number of sessions of a start: after as many losses of the link, session numbers overlap with those of the next
 /// start.

@@ -9,7 +9,7 @@ use arcfeed_model::job::Job;
 use arcfeed_model::machine::{FeedLimit, LimitedBy};
 use arcfeed_units::{MmPerMin, Nm, RevPerMin};
 
-use crate::active::{ActiveSegment, Conditions};
+use arcfeed_firmware::active::{ActiveSegment, Conditions};
 
 use super::arcs::ReceivedArcs;
 
