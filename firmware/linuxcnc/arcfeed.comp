@@ -62,6 +62,7 @@ license "GPL"; // this file may also be used under MIT or Apache-2.0
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "arcfeed.h"
 
 #define STREAM_KEY 0x4146
@@ -78,18 +79,28 @@ RTAPI_MP_INT(moves_max, "Room for moves");
 static hal_stream_t stream;
 static ArcfeedController *controller;
 static void *memory;
+// The function is in execution; it is to do nothing any more.
+static int is_called, is_ended;
 
 static int extra_setup(Pins *pins, char *prefix, long extra_arg) {
     const size_t size = ARCFEED_CONTROLLER_SIZE + (size_t)(moves_max > 0 ? moves_max : 0) * ARCFEED_MOVE_SIZE;
     (void)pins, (void)prefix, (void)extra_arg;
+    is_ended = 0;
     memory = calloc(1, size);
     if (!memory) return -ENOMEM;
     if (arcfeed_create(memory, size, &controller) != ARCFEED_STATUS_OK) return -EINVAL;
     return hal_stream_create(&stream, comp_id, STREAM_KEY, STREAM_DEPTH, "uu");
 }
 
+// The servo thread calls the function until HAL has removed it, which is after this: it must use nothing that is destroyed here.
+static void end_calls(void) {
+    __atomic_store_n(&is_ended, 1, __ATOMIC_SEQ_CST);
+    while (__atomic_load_n(&is_called, __ATOMIC_SEQ_CST)) usleep(100);
+}
+
 // motion.adaptive-feed keeps its last value: with a dial of 2, at most F. The watchdog then stops the feed.
 static void extra_cleanup(void) {
+    end_calls();
     if (__comp_first_inst && *__comp_first_inst->adaptive_feed > 0.5) *__comp_first_inst->adaptive_feed = 0.5;
     hal_stream_destroy(&stream);
     free(memory);
@@ -162,8 +173,7 @@ static void put(Pins *pins, const ArcfeedOutput *out) {
     *pins->heartbeat = !*pins->heartbeat;
 }
 
-// FUNCTION(_): by this word halcompile finds that the functions are written out.
-static void _(Pins *pins, long period) {
+static void control(Pins *pins, long period) {
     const uint32_t dt_us = period / 1000;
     ArcfeedOutput out;
     ArcfeedAdaptiveOutput feed;
@@ -171,7 +181,7 @@ static void _(Pins *pins, long period) {
     load(pins);
     const ArcfeedInput in = inputs(pins, dt_us);
     arcfeed_tick(controller, &in, &out);
-    const ArcfeedAdaptiveInput control = {
+    const ArcfeedAdaptiveInput adaptive = {
         .dial_ratio = *pins->feed_override,
         .current_units_per_s = *pins->current_velocity,
         .commanded_units_per_s = *pins->commanded_velocity,
@@ -180,9 +190,16 @@ static void _(Pins *pins, long period) {
         .dt_us = dt_us,
         .motion_type = *pins->motion_type,
     };
-    arcfeed_adaptive_feed(controller, &control, &feed);
+    arcfeed_adaptive_feed(controller, &adaptive, &feed);
     *pins->adaptive_feed = feed.adaptive_feed_ratio;
     *pins->dial_percent = feed.dial_percent;
     *pins->feed_inhibit = feed.feed_inhibit;
     put(pins, &out);
+}
+
+// FUNCTION(_): by this word halcompile finds that the functions are written out.
+static void _(Pins *pins, long period) {
+    __atomic_store_n(&is_called, 1, __ATOMIC_SEQ_CST);
+    if (!__atomic_load_n(&is_ended, __ATOMIC_SEQ_CST)) control(pins, period);
+    __atomic_store_n(&is_called, 0, __ATOMIC_SEQ_CST);
 }

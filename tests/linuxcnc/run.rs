@@ -12,8 +12,6 @@ use super::machine::Machine;
 pub const INCH_MM: f64 = MM_PER_INCH;
 /// Longest run of a program, seconds.
 const PROGRAM_SECONDS: u32 = 150;
-/// Most runs of a program until one has all samples.
-const RUNS_MAX: usize = 3;
 
 /// Sample of a servo period.
 #[derive(Clone, Copy, Debug)]
@@ -67,22 +65,8 @@ impl Machine {
         arcs.map(|(index, _)| index + 1).nth(number).expect("an arc")
     }
 
-    /// Runs `program.ngc`. A run of which the computer lost samples, because it had no time for the reader, shows nothing and is
-    /// repeated.
+    /// Runs `program.ngc`.
     pub fn run(&self, run: &Run) -> Ran {
-        let mut ran = self.run_once(run);
-        for _ in 1..RUNS_MAX {
-            if ran.last("missing") == "0" {
-                break;
-            }
-            println!("{} samples lost: the computer is too loaded; the run is repeated", ran.last("missing"));
-            ran = self.run_once(run);
-        }
-        assert_eq!(ran.last("missing"), "0", "every servo period has a sample");
-        ran
-    }
-
-    fn run_once(&self, run: &Run) -> Ran {
         let [program, samples, report, drive] =
             ["program.ngc", "samples", "report", "drive.json"].map(|file| self.path(file));
         let Run { arms, mdi, line, steps, events } = run;
@@ -99,6 +83,7 @@ impl Machine {
         assert!(has_ended, "{text}{}", String::from_utf8_lossy(&output.stderr));
         let ran = Ran { samples: Vec::new(), reports };
         ran.reports.iter().filter(|report| report.get("times").is_none()).for_each(|report| println!("{report}"));
+        assert_eq!(ran.last("missing"), "0", "every servo period has a sample");
         let old_rows = ran.last("old_rows").parse().expect("a number");
         let samples = read_samples(&fs::read_to_string(&samples).expect("samples"), old_rows);
         Ran { samples, ..ran }

@@ -5,6 +5,7 @@
 //! act within one such section, two readings do not cover all cases: no later block counts as equal again.
 
 use arcfeed_nc::reader::{InterpretedLine, Reader};
+use memchr::memchr;
 
 use super::ProgramLine;
 
@@ -33,7 +34,7 @@ impl BlockDeleteReader {
         if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.has_same_state(before)) {
             self.reader = None;
         }
-        if self.reader.is_none() && text.contains(&b'/') {
+        if self.reader.is_none() && memchr(b'/', text).is_some() {
             let mut reader = before.clone();
             reader.flip_delete_switches();
             (self.reader, self.switch) = (Some(reader), None);

@@ -10,6 +10,7 @@ use arcfeed_nc::segment::Segment;
 use arcfeed_nc::settings::{CompensationType, Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_units::Nm;
+use memchr::{memchr, memchr2_iter};
 
 use super::Diagnostic;
 use super::diagnostic::is_blank;
@@ -203,14 +204,15 @@ impl<Place: Copy> ContourFinding<Place> {
 
 /// Whether a program may have G41 or G42, or a corner.
 pub fn may_have_contours(bytes: &[u8]) -> bool {
-    // Behind G with zeros and blanks, before 1 or 2.
     let is_side = |at: usize| {
-        let before = bytes[..at].iter().rev().find(|byte| !matches!(byte, b' ' | b'\t' | b'0'));
-        let behind = bytes[at + 1..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
-        matches!(before, Some(b'G' | b'g')) && matches!(behind, Some(b'1' | b'2'))
+        let behind = |bytes: &[u8], passed: &[u8]| bytes.iter().position(|byte| !passed.contains(byte));
+        // G, zeros and blanks, 4, blanks, 1 or 2.
+        let number = &bytes[at + 1..];
+        let Some(four) = behind(number, b" \t0").filter(|four| number[*four] == b'4') else { return false };
+        let rest = &number[four + 1..];
+        behind(rest, b" \t").is_some_and(|digit| matches!(rest[digit], b'1' | b'2'))
     };
-    let mut fours = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'4');
-    bytes.contains(&b',') || fours.any(|(at, _)| is_side(at))
+    memchr(b',', bytes).is_some() || memchr2_iter(b'G', b'g', bytes).any(is_side)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::series::SeriesAction;
 use arcfeed_nc::text::Lines;
 use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm, S_PER_MIN};
+use memchr::memchr;
 
 use super::move_trace::series_segments;
 use super::tool_notes::{ToolNotes, comments};
@@ -323,16 +324,13 @@ impl ToolComments {
 
 /// A line from its first comment on, if a comment has a letter or a digit.
 fn comment_in(text: &[u8]) -> Option<&[u8]> {
-    if !text.contains(&b'(') {
-        return None;
-    }
-    let begin = text.iter().position(|byte| *byte == b'(')?;
+    let comment = text.get(memchr(b'(', text)?..)?;
     let mut is_comment = false;
-    let has_text = text.iter().any(|byte| {
+    let has_text = comment.iter().any(|byte| {
         is_comment = (is_comment || *byte == b'(') && *byte != b')';
         is_comment && (byte.is_ascii_alphanumeric() || !byte.is_ascii())
     });
-    text.get(begin..).filter(|_| has_text)
+    has_text.then_some(comment)
 }
 
 /// Which of the directions +first, +second, -first, -second of its plane an arc passes between its ends. At its ends it

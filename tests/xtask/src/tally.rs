@@ -1,7 +1,8 @@
 //! The workspace's tests, with their results added up.
 //!
 //! Two runs go side by side, the longest begun first: where the tests of one wait for a line's time or an emulator, those of the other
-//! compute. LinuxCNC runs alone before them: its servo thread needs a core at each millisecond. What a run prints is shown when it ends.
+//! compute. LinuxCNC, which hardly computes, runs beside them where the computer lets it come before all other programs, and alone
+//! before them where not: its servo thread needs a core at each millisecond. What a run prints is shown when it ends.
 //!
 //! No test is skipped in silence: an ignored one fails the run. A test that lacks something outside the repository
 //! appends one line to the file named by the variable `ARCFEED_SKIP_LOG` and passes; it is counted as skipped here, and
@@ -12,17 +13,17 @@ use std::fs;
 use std::io::{self, Write};
 use std::num::NonZero;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::command::{Failure, announce, build_dir, cargo, failed, not_started, run};
+use crate::command::{Failure, announce, build_dir, cargo, failed, not_started, program, run};
 use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
 const SKIP_LOG: &str = "ARCFEED_SKIP_LOG";
-/// Test program that runs alone.
-const ALONE: &str = "linuxcnc";
+/// Test program that runs in real time.
+const REAL_TIME: &str = "linuxcnc";
 /// Runs side by side.
 const SIDE_BY_SIDE: usize = 2;
 /// Number of tests of a run in parallel: as many as there are cores, unless the variable is set.
@@ -79,7 +80,7 @@ impl fmt::Display for Tally {
 /// Something does not compile.
 pub fn build() -> Result<(), Failure> {
     announce("build of the tests");
-    run(&mut cargo(&["test", "--workspace", "--no-run", "--quiet"]))
+    run(&mut cargo(&["test", "--workspace", "--tests", "--no-run", "--quiet"]))
 }
 
 /// Runs the tests selected, shows their output and adds it up.
@@ -96,8 +97,8 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     write_log(&log)?;
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let threads = std::env::var(THREADS).unwrap_or_else(|_| cores.to_string());
-    let (alone, others): (Vec<_>, Vec<_>) =
-        selection.runs()?.into_iter().partition(|arguments| arguments.iter().any(|argument| argument == ALONE));
+    let (mut real_time, others): (Vec<_>, Vec<_>) =
+        selection.runs()?.into_iter().partition(|arguments| arguments.iter().any(|argument| argument == REAL_TIME));
     let waiting = Mutex::new(others.into_iter());
     let (tally_of_all, results) = (Mutex::new(&mut *tally), Mutex::new(Vec::new()));
     let run_one = |arguments: Vec<String>| {
@@ -108,8 +109,11 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
         let result = show(&tests, output, &mut tally);
         results.lock().unwrap_or_else(PoisonError::into_inner).push(result);
     };
-    alone.into_iter().for_each(run_one);
+    if !has_priorities() {
+        real_time.drain(..).for_each(run_one);
+    }
     thread::scope(|scope| {
+        scope.spawn(|| real_time.into_iter().for_each(run_one));
         for _ in 0..SIDE_BY_SIDE {
             scope.spawn(|| {
                 while let Some(arguments) = next(&waiting) {
@@ -120,6 +124,11 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     });
     tally.skipped = read_log(&log)?;
     results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
+}
+
+/// Whether programs that must keep pace with the clock can come before all others, as `tests/linuxcnc/machine.rs` starts them.
+fn has_priorities() -> bool {
+    program("chrt", &["--rr", "1", "true"]).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
 /// The next run in the queue.
