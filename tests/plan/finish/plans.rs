@@ -213,7 +213,7 @@ fn the_contact_keeps_its_feed_while_the_tip_swings_round_the_edges() {
 }
 
 /// Nearest point of the blade to a point, by samples that close in.
-fn foot(blisk: &Blisk, centre: &Point) -> Point {
+pub fn foot(blisk: &Blisk, centre: &Point) -> Point {
     let mut best = (f64::INFINITY, Point::origin());
     for face in [&blisk.pressure, &blisk.suction] {
         let (mut at, mut half) = ([0.5, 0.5], 0.5);
