@@ -25,7 +25,7 @@ use crate::machine_file::MachineFile;
 const SAFETY_MM: f64 = 0.5;
 const STEP_MM: f64 = 1.0;
 const STEP_DEG: f64 = 1.0;
-const TILT_DEG: [f64; 2] = [10.0, 85.0];
+const TILT_DEG: [f64; 2] = [10.0, 80.0];
 const MAX_RAISE: f64 = 2.0;
 /// Depth of a gouge that the proof accepts beyond the tolerance: the precision of its bodies and bounds.
 const SLACK_MM: f64 = 0.01;

@@ -35,6 +35,16 @@ fn what_a_plan_of_plunges_prints_is_documented() {
 }
 
 #[test]
+fn what_a_plan_of_finishing_prints_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-finish");
+    let text = file_text("examples/finish-blisk/PART.toml").replace("step = 1\n", "from = 0.5\nto = 0.52\n");
+    let planned = object(&["plan", "finish", &scratch.write("PART.toml", text.as_str())], 0);
+    documented.assert_fits("plan finish", &planned);
+    assert!(planned["safe"] == true);
+}
+
+#[test]
 fn what_init_prints_is_documented_for_every_kind_of_program() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-init");

@@ -9,6 +9,8 @@ mod conventions;
 
 mod published;
 
+mod strategies;
+
 mod leading_edge;
 
 mod following;

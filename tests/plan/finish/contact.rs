@@ -50,7 +50,7 @@ fn the_tilt_of_the_papers_strategy_2_leans_forward_by_5_degrees() {
         let again = contact.axis(&Orientation { tilt_rad: 5.0_f64.to_radians(), yaw_rad: 0.0 });
         assert!((again - Vector::new(i, j, k)).norm() < 0.002, "{again}");
     }
-    assert!(worst < 0.08, "{worst}");
+    assert!(worst < 0.02, "{worst}");
 }
 
 #[test]

@@ -5,3 +5,5 @@ mod contact;
 mod axes;
 
 mod plans;
+
+mod command;

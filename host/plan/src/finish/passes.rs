@@ -18,11 +18,16 @@ use super::mill::{CutterLocation, FinishMill};
 use super::rows::Rows;
 
 /// Places along each side, among which the points are chosen.
-const PLACES: usize = 600;
+const PLACES: usize = 300;
+/// Turn of the normal between two places, above which the interval is halved, and how often at most.
+const DENSE_RAD: f64 = 0.02;
+const HALVINGS: u32 = 12;
 /// Angle of one step of a roll about an edge.
 const ROLL_RAD: f64 = 0.01;
 /// Normals of both sides at an edge nearer than this are one.
 const SAME_RAD: f64 = 0.02;
+/// Depth by which the corner's sphere may reach into the surface beside a contact.
+const HOLLOW_MM: f64 = 0.001;
 /// Length of the sum of two unit vectors below which they count as opposite.
 const MEAN_LEAST: f64 = 0.5;
 
@@ -63,6 +68,9 @@ pub struct PassPoint {
     /// Place of the mill.
     pub location: CutterLocation,
 }
+
+/// Point and unit normal.
+type Node = (Point, Vector);
 
 /// Surface of a blade: point and unit normal, away from the material, of a side at (u, v). A displaced blade is another such function.
 pub type Surface<'s> = dyn Fn(BladeSide, f64, f64) -> (Point, Vector) + 's;
@@ -116,19 +124,16 @@ impl Layout<'_> {
     }
 
     /// Points and normals along a pass, with rolls at edges; `share` is the place up the span at a part of the pass.
-    fn nodes(&self, share: impl Fn(f64) -> f64) -> Vec<(Point, Vector)> {
-        let place = |k: usize| k as f64 / PLACES as f64;
+    fn nodes(&self, share: impl Fn(f64) -> f64) -> Vec<Node> {
         let at = |side: BladeSide, u: f64, part: f64| {
             let rows = &self.rows[usize::from(side == BladeSide::Suction)];
             (self.surface)(side, u, rows.v(u, share(part)))
         };
         match self.course {
-            Course::OneWay(side) => (0..=PLACES).map(|k| at(side, place(k), place(k))).collect(),
+            Course::OneWay(side) => dense(&|u| at(side, u, u)),
             Course::Spiral => {
-                let mut nodes: Vec<_> =
-                    (0..=PLACES).map(|k| at(BladeSide::Pressure, place(k), place(k) / 2.0)).collect();
-                let back: Vec<_> =
-                    (0..=PLACES).map(|k| at(BladeSide::Suction, 1.0 - place(k), 0.5 + place(k) / 2.0)).collect();
+                let mut nodes = dense(&|u| at(BladeSide::Pressure, u, u / 2.0));
+                let back = dense(&|way| at(BladeSide::Suction, 1.0 - way, 0.5 + way / 2.0));
                 roll(&mut nodes, &back[0]);
                 nodes.extend(&back);
                 let first = at(BladeSide::Pressure, 0.0, 1.0);
@@ -140,8 +145,31 @@ impl Layout<'_> {
     }
 }
 
+/// Nodes of a side, dense where its normal turns.
+fn dense(at: &dyn Fn(f64) -> Node) -> Vec<Node> {
+    let place = |k: usize| k as f64 / PLACES as f64;
+    let mut nodes = vec![at(0.0)];
+    for k in 1..=PLACES {
+        let from = (place(k - 1), nodes[nodes.len() - 1]);
+        halve(at, from, (place(k), at(place(k))), HALVINGS, &mut nodes);
+    }
+    nodes
+}
+
+/// Adds the end of an interval, and before it the nodes between which the normal turns little.
+fn halve(at: &dyn Fn(f64) -> Node, from: (f64, Node), to: (f64, Node), halvings: u32, nodes: &mut Vec<Node>) {
+    if halvings > 0 && from.1.1.angle(&to.1.1) > DENSE_RAD {
+        let place = (from.0 + to.0) / 2.0;
+        let middle = (place, at(place));
+        halve(at, from, middle, halvings - 1, nodes);
+        halve(at, middle, to, halvings - 1, nodes);
+    } else {
+        nodes.push(to.1);
+    }
+}
+
 /// Adds the roll from the last node to the next one, if their normals differ.
-fn roll(nodes: &mut Vec<(Point, Vector)>, next: &(Point, Vector)) {
+fn roll(nodes: &mut Vec<Node>, next: &Node) {
     let [.., before, (point, normal)] = nodes.as_slice() else { return };
     let (point, normal, along) = (*point, *normal, point - before.0);
     if normal.angle(&next.1) < SAME_RAD {
@@ -158,12 +186,15 @@ fn roll(nodes: &mut Vec<(Point, Vector)>, next: &(Point, Vector)) {
     }
 }
 
-/// Contacts with the feed direction of the path of the corner's centre; nodes that coincide with the one before are left out.
-fn with_feed(nodes: &[(Point, Vector)], corner_mm: f64) -> Vec<Contact> {
+/// Contacts with the feed direction of the path of the corner's centre. Nodes that coincide with the one before are left out, and those in hollows that are
+/// narrower than the corner: there the corner's sphere would reach into the surface beside them.
+fn with_feed(nodes: &[Node], corner_mm: f64) -> Vec<Contact> {
     let centres: Vec<Point> = nodes.iter().map(|(point, normal)| point + normal * corner_mm).collect();
     let scale_mm = length_mm(&centres);
-    let kept: Vec<usize> =
-        (0..nodes.len()).filter(|k| *k == 0 || (centres[*k] - centres[*k - 1]).norm() > 1e-9 * scale_mm).collect();
+    let least = (corner_mm - HOLLOW_MM).max(0.0);
+    let fits = |centre: &Point| nodes.iter().all(|(point, _)| (point - centre).norm_squared() >= least * least);
+    let differs = |k: usize| k == 0 || (centres[k] - centres[k - 1]).norm() > 1e-9 * scale_mm;
+    let kept: Vec<usize> = (0..nodes.len()).filter(|k| differs(*k) && fits(&centres[*k])).collect();
     let contact = |at: usize| {
         let (before, after) = (kept[at.saturating_sub(1)], kept[(at + 1).min(kept.len() - 1)]);
         let (point, normal) = nodes[kept[at]];

@@ -192,7 +192,9 @@ impl Planner<'_> {
             return Ok(program.clone());
         }
         let pieces = self.mill.pieces();
-        let reach = Reach { mill: self.mill, pieces: &pieces, bodies: self.bodies, margins: self.needs.margins };
+        let FinishNeeds { margins, sampling, .. } = self.needs;
+        let turn_rad = sampling.angle_rad / 2.0;
+        let reach = Reach { mill: self.mill, pieces: &pieces, bodies: self.bodies, margins: *margins, turn_rad };
         let last = layout.passes().end - 1;
         let numbers = (0..SAMPLED).map(|k| k * last / (SAMPLED - 1));
         let passes: Vec<_> = numbers.map(|number| layout.contacts(number, self.mill.corner_radius_mm)).collect();

@@ -27,6 +27,9 @@ const OWN_GAP_MM: f64 = 0.002;
 /// Gap for all else, as a share of the safety distance, and at least in mm.
 const GAP_RATIO: f64 = 0.1;
 
+/// Further angle for what a machine's axes leave the path by.
+const SPARE_RAD: f64 = 5e-4;
+
 /// Distances that a mill keeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
@@ -46,6 +49,8 @@ pub struct Reach<'a> {
     pub bodies: &'a [FinishBody],
     /// Distances to keep.
     pub margins: Margins,
+    /// Half the angle by which the axis turns on a move of the path: the proof needs room for it.
+    pub turn_rad: f64,
 }
 
 impl Margins {
@@ -80,7 +85,8 @@ impl Reach<'_> {
         let turns: Vec<Rotation3<f64>> = body.turns.iter().map(|turn| to_tool * turn).collect();
         let sections = [piece.section];
         let search = Search { sections: &sections, motions: &[still], tree: &body.tree, turns: &turns };
-        let needed_mm = self.margins.needed_mm(piece.part, body.obstacle) + body.chord_mm;
+        let turned_mm = piece.reach_mm * (self.turn_rad + SPARE_RAD);
+        let needed_mm = self.margins.needed_mm(piece.part, body.obstacle) + body.chord_mm + turned_mm;
         let least = search.least_until(self.margins.gap_mm(body.obstacle), [needed_mm, needed_mm]);
         least.bounds_mm[0] >= needed_mm
     }
