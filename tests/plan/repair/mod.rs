@@ -7,3 +7,16 @@ mod blend;
 mod nearest;
 
 mod spacing;
+
+mod registration;
+
+mod evenness;
+
+mod regions;
+
+mod scan;
+
+mod plan;
+
+mod blade;
+

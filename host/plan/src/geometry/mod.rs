@@ -20,6 +20,8 @@ pub mod generator;
 
 pub mod point_file;
 
+pub mod point_cloud;
+
 mod resampling;
 
 pub mod sections;

@@ -136,6 +136,14 @@ pub enum Fault {
         /// Number of sections.
         found: usize,
     },
+    /// There are too few measured points.
+    #[error("{found} points are no measurement; {least} at least are needed")]
+    Measurement {
+        /// Points of the file.
+        found: usize,
+        /// Least number.
+        least: usize,
+    },
     /// Too few points.
     #[error("section {section} has {found} points on a side; {least} at least make a curve")]
     Points {

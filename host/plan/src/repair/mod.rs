@@ -9,3 +9,21 @@ pub mod blend;
 pub mod arc_length;
 
 pub mod stepover;
+
+pub mod registration;
+
+pub mod evenness;
+
+pub mod scan;
+
+pub mod blade;
+
+pub mod field;
+
+pub mod border;
+
+pub mod regions;
+
+pub mod passes;
+
+pub mod plan;

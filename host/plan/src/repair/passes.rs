@@ -1,0 +1,152 @@
+//! Contact points of rough layers and of the finish, on lines u = const of the nominal surface.
+//!
+//! ```text
+//! finish   C = Q + D n_Q, D what finishing leaves;  n_C = unit(C_u x C_v), tilted by the slope of D           (1)
+//! rough    N = ceil((max D - D_r) / a_p);  layer k at D_r + (N - k) a_p, only where the measured D is above it (2)
+//! ```
+//!
+//! Source: Feng et al. project iso-parametric curves on the surface; their layers leave the constant D_r that the finish presumes. Numbers of passes and
+//! of points: `repair::stepover`.
+
+use super::arc_length::ArcLength;
+use super::stepover::{contact_chord, pass_spacing};
+use crate::geometry::surface::Surface;
+use crate::plunge::step::stepover;
+use crate::vector::{Point, Vector};
+
+/// Places along each parameter at which curvatures and lengths are taken.
+const PROBES: usize = 17;
+/// Step of the differences in (1), as a share of a parameter's range.
+const DIFFERENCE: f64 = 1e-5;
+/// Most points of all passes of one kind.
+const POINTS_MAX: usize = 2_000_000;
+
+/// Contact point of a ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepairContact {
+    /// Parameters of its nominal point.
+    pub at: [f64; 2],
+    /// C
+    pub point: Point,
+    /// n_C, away from the material.
+    pub normal: Vector,
+    /// D that is left.
+    pub left_mm: f64,
+}
+
+/// Ball and its errors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassSettings {
+    /// r
+    pub ball_mm: f64,
+    /// Cusp height between passes.
+    pub cusp_mm: f64,
+    /// Chord error along a pass.
+    pub chord_mm: f64,
+}
+
+/// Lines u = const with the number of points on each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassLines {
+    /// Parameters of the lines.
+    pub us: Vec<f64>,
+    /// Points of each.
+    pub points: usize,
+    /// Least and greatest distance of neighbouring lines.
+    pub steps_mm: [f64; 2],
+}
+
+/// Lines from `from_u` to the tip; `None` where a hollow is as narrow as the ball, or there would be more points than a control takes.
+pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) -> Option<PassLines> {
+    let [us, vs] = surface.ranges();
+    let probe = |from: f64, to: f64, k: usize| from + (to - from) * k as f64 / (PROBES - 1) as f64;
+    let (mut step_mm, mut chord_mm) = (f64::INFINITY, f64::INFINITY);
+    for at in (0..PROBES).flat_map(|i| (0..PROBES).map(move |j| (i, j))) {
+        let [across, along] = curvatures_per_mm(surface, [probe(from_u, us[1], at.0), probe(vs[0], vs[1], at.1)]);
+        step_mm = step_mm.min(stepover(settings.ball_mm, settings.cusp_mm, across)?.wall_mm);
+        chord_mm = chord_mm.min(contact_chord(settings.ball_mm, settings.chord_mm, along)?.surface_mm);
+    }
+    let lines: Vec<f64> = (0..PROBES)
+        .map(|j| probe(vs[0], vs[1], j))
+        .map(|v| ArcLength::new([from_u, us[1]], |u| surface.jet([u, v]).u.norm()).length_mm())
+        .collect();
+    let longest = (0..PROBES).max_by(|a, b| lines[*a].total_cmp(&lines[*b]))?;
+    let spacing = pass_spacing(&lines, step_mm)?;
+    let along = |u: f64| ArcLength::new(vs, |v| surface.jet([u, v]).v.norm()).length_mm();
+    let longest_mm = (0..PROBES).map(|i| along(probe(from_u, us[1], i))).fold(0.0, f64::max);
+    let points = libm::ceil(longest_mm / chord_mm).max(1.0) + 1.0;
+    if points * spacing.passes as f64 > POINTS_MAX as f64 {
+        return None;
+    }
+    let longest_v = probe(vs[0], vs[1], longest);
+    let us = ArcLength::new([from_u, us[1]], |u| surface.jet([u, longest_v]).u.norm()).equal_arcs(spacing.passes);
+    Some(PassLines { us, points: points as usize, steps_mm: [spacing.least_mm, spacing.greatest_mm] })
+}
+
+/// Normal curvatures along the first and the second parameter, positive if convex.
+fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
+    let jet = surface.jet(at);
+    let normal = jet.u.cross(&jet.v).normalize() * surface.outward();
+    [-jet.uu.dot(&normal) / jet.u.norm_squared(), -jet.vv.dot(&normal) / jet.v.norm_squared()]
+}
+
+impl PassLines {
+    /// Contact points of each line, with what is left at a place; lines go to and fro by turns if `is_zigzag`.
+    pub fn contacts(
+        &self,
+        surface: &impl Surface,
+        left_mm: impl Fn([f64; 2], &Point) -> f64,
+        is_zigzag: bool,
+    ) -> Vec<Vec<RepairContact>> {
+        let vs = surface.ranges()[1];
+        let line = |(k, u): (usize, &f64)| {
+            let curve = ArcLength::new(vs, |v| surface.jet([*u, v]).v.norm());
+            let contact = |v: f64| contact(surface, [*u, v], &left_mm);
+            let mut line: Vec<RepairContact> = curve.equal_arcs(self.points).into_iter().map(contact).collect();
+            if is_zigzag && k % 2 == 1 {
+                line.reverse();
+            }
+            line
+        };
+        self.us.iter().enumerate().map(line).collect()
+    }
+}
+
+/// (1)
+fn contact(surface: &impl Surface, at: [f64; 2], left_mm: impl Fn([f64; 2], &Point) -> f64) -> RepairContact {
+    let displaced = |at: [f64; 2]| {
+        let (point, normal) = surface.point_and_normal(at);
+        let left = left_mm(at, &point);
+        (point + normal * left, left)
+    };
+    let ranges = surface.ranges();
+    let slope = |k: usize| {
+        let h = (ranges[k][1] - ranges[k][0]) * DIFFERENCE;
+        let (mut after, mut before) = (at, at);
+        after[k] = (at[k] + h).min(ranges[k][1]);
+        before[k] = (at[k] - h).max(ranges[k][0]);
+        (displaced(after).0 - displaced(before).0) / (after[k] - before[k])
+    };
+    let (point, left_mm) = displaced(at);
+    RepairContact { at, point, normal: slope(0).cross(&slope(1)).normalize() * surface.outward(), left_mm }
+}
+
+/// Heights of rough layers (2), from the highest; none if nothing stands above the rough allowance.
+pub fn layer_heights_mm(greatest_mm: f64, rough_mm: f64, depth_mm: f64) -> Vec<f64> {
+    let count = libm::ceil((greatest_mm - rough_mm) / depth_mm).max(0.0) as usize;
+    (1..=count).map(|k| rough_mm + (count - k) as f64 * depth_mm).collect()
+}
+
+/// Runs of a line on which the measured surface stands above the contact points; places in a hole of the measurement count as above.
+pub fn runs_above(line: &[RepairContact], measured_mm: impl Fn([f64; 2]) -> Option<f64>) -> Vec<Vec<RepairContact>> {
+    let is_above =
+        |contact: &RepairContact| measured_mm(contact.at).is_none_or(|height_mm| height_mm > contact.left_mm);
+    let marks: Vec<bool> = line.iter().map(is_above).collect();
+    // One point beyond each end: the border lies between.
+    let is_near = |k: usize| marks[k.saturating_sub(1)..(k + 2).min(marks.len())].contains(&true);
+    let kept: Vec<Option<RepairContact>> = line.iter().enumerate().map(|(k, at)| is_near(k).then_some(*at)).collect();
+    kept.split(Option::is_none)
+        .map(|run| run.iter().flatten().copied().collect())
+        .filter(|run: &Vec<_>| run.len() > 1)
+        .collect()
+}

@@ -1,0 +1,240 @@
+//! Plan of one repaired side: allowance, regions, what finishing leaves, and the contact points of roughing and finishing.
+
+use thiserror::Error;
+
+use super::blend::BlendShape;
+use super::border::square_to;
+use super::field::AllowanceField;
+use super::passes::{PassLines, PassSettings, RepairContact, layer_heights_mm, pass_lines, runs_above};
+use super::regions::{Region, RegionSettings, RepairRegions, regions};
+use super::scan::{HeightSample, NominalSurface};
+use crate::geometry::face::FaceError;
+use crate::geometry::surface::Surface;
+use crate::vector::Point;
+
+/// Steepest slope of the blended allowance.
+const SLOPE_MAX: f64 = 1.0 / 20.0;
+
+/// Requirements of a repair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RepairSettings {
+    /// Regions and what finishing leaves.
+    pub regions: RegionSettings,
+    /// Finishing passes.
+    pub passes: PassSettings,
+    /// Distance of the lattice's places.
+    pub spacing_mm: f64,
+    /// Farthest distance from a measured point that is no hole; `None`: three mean spacings of the points.
+    pub hole_mm: Option<f64>,
+    /// D_r: what roughing leaves.
+    pub rough_mm: f64,
+    /// a_p: depth of a rough layer.
+    pub depth_mm: f64,
+}
+
+/// Reason why a repair is not planned.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RepairInfeasible {
+    /// The points define no surface.
+    #[error("the measured points define no surface: {0}")]
+    Surface(#[from] FaceError),
+    /// Nothing stands above the old surface.
+    #[error(
+        "no place stands more than {threshold_mm:.3} mm above the rest: nothing is repaired on this side; measure the weld, or reduce `threshold`"
+    )]
+    NothingRepaired {
+        /// Threshold.
+        threshold_mm: f64,
+    },
+    /// A place of the finish region was not measured.
+    #[error(
+        "{holes} of {places} places to be finished lie in holes of the measurement, first about ({}): measure there, or raise `hole` above {hole_mm:.2} mm", place(.point)
+    )]
+    Unmeasured {
+        /// Place.
+        point: Point,
+        /// Places in holes.
+        holes: usize,
+        /// Places of the region.
+        places: usize,
+        /// Farthest distance that is no hole.
+        hole_mm: f64,
+    },
+    /// There is not enough material.
+    #[error(
+        "material is missing: {missing_mm:.3} mm at ({}), where {measured_mm:.3} mm stand and {planned_mm:.3} mm are to be left; weld more on there, reduce `least`, or allow the blade to be moved by `[datum] shift`", place(.point)
+    )]
+    Short {
+        /// Place with the greatest amount.
+        point: Point,
+        /// Amount.
+        missing_mm: f64,
+        /// Measured allowance.
+        measured_mm: f64,
+        /// Planned allowance.
+        planned_mm: f64,
+    },
+    /// The transition is too narrow.
+    #[error(
+        "the transition is too steep: 1 in {run:.1}, and 1 in 20 is allowed; make `width` {needed_mm:.2} mm at least"
+    )]
+    Steep {
+        /// Width over height of the steepest place.
+        run: f64,
+        /// Width that is enough.
+        needed_mm: f64,
+    },
+    /// The ball does not fit.
+    #[error(
+        "a ball of radius {ball_mm:.2} mm cannot finish this side: a hollow is as narrow, or `cusp` or `chord` ask for millions of points"
+    )]
+    Ball {
+        /// Radius.
+        ball_mm: f64,
+    },
+}
+
+/// Plan of one side.
+#[derive(Clone, Debug)]
+pub struct RepairPlan {
+    /// Allowance before.
+    pub field: AllowanceField,
+    /// Regions.
+    pub regions: RepairRegions,
+    /// Allowance that finishing leaves at each node; `None` in the norm region.
+    pub planned_mm: Vec<Vec<Option<f64>>>,
+    /// Lines of the finish.
+    pub lines: PassLines,
+    /// Finishing passes.
+    pub finish: Vec<Vec<RepairContact>>,
+    /// Rough layers, from the highest: their heights and the runs of contact points.
+    pub layers: Vec<(f64, Vec<Vec<RepairContact>>)>,
+    /// Volumes that finishing and roughing take together: repaired region, transition.
+    pub removed_mm3: [f64; 2],
+}
+
+fn place(point: &Point) -> String {
+    format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
+}
+
+/// Plans one side from the heights measured on it.
+///
+/// # Errors
+/// Describes why there is no plan, with the place and the amount.
+pub fn plan<S: Surface + Sync>(
+    nominal: &NominalSurface<S>,
+    samples: &[HeightSample],
+    settings: &RepairSettings,
+) -> Result<RepairPlan, RepairInfeasible> {
+    let surface = nominal.surface();
+    let heights = nominal.height_field(samples, settings.hole_mm);
+    let field = AllowanceField::new(nominal, &heights, settings.spacing_mm)?;
+    let threshold_mm = settings.regions.threshold_mm;
+    let found =
+        regions(surface, &field, &settings.regions).ok_or(RepairInfeasible::NothingRepaired { threshold_mm })?;
+    let planned_mm = found.planned_mm(&field);
+    check_slope(&found, &settings.regions)?;
+    check_measured(&field, &planned_mm, heights.hole_mm())?;
+    check_material(&field, &found, &planned_mm, threshold_mm)?;
+    let ball_mm = settings.passes.ball_mm;
+    let lines =
+        pass_lines(surface, found.allowance.from_u, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
+    let is_repaired = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, point) == Region::Repaired;
+    let finish = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)), true);
+    let layers = layers(surface, &field, &found, &lines, settings, |at| heights.height_mm(at));
+    let removed_mm3 = removed_mm3(&field, &found, &planned_mm);
+    Ok(RepairPlan { layers, finish, lines, removed_mm3, planned_mm, regions: found, field })
+}
+
+/// Region of the node nearest to a place.
+fn nearest_region(field: &AllowanceField, regions: &RepairRegions, at: [f64; 2], point: &Point) -> Region {
+    let row = field.rows.partition_point(|row| row[0].at[0] < at[0]).min(field.rows.len() - 1);
+    let rows = row.saturating_sub(1)..=row;
+    let column = |i: usize| field.rows[i].partition_point(|node| node.at[1] < at[1]).min(field.rows[i].len() - 1);
+    let beside = rows.flat_map(|i| (column(i).saturating_sub(1)..=column(i)).map(move |j| (i, j)));
+    let off = |(i, j): &(usize, usize)| square_to(&field.rows[*i][*j].point, *point, *point);
+    let (i, j) = beside.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or((row, 0));
+    regions.regions[i][j]
+}
+
+fn check_slope(regions: &RepairRegions, settings: &RegionSettings) -> Result<(), RepairInfeasible> {
+    let allowance = &regions.allowance;
+    let fall_mm = (allowance.old_mm - allowance.least_mm).abs() * BlendShape::steepest_ratio(settings.shape);
+    let slope = fall_mm / settings.width_mm;
+    if slope <= SLOPE_MAX {
+        return Ok(());
+    }
+    Err(RepairInfeasible::Steep { run: 1.0 / slope, needed_mm: fall_mm / SLOPE_MAX })
+}
+
+fn check_measured(
+    field: &AllowanceField,
+    planned_mm: &[Vec<Option<f64>>],
+    hole_mm: f64,
+) -> Result<(), RepairInfeasible> {
+    let finished = || field.nodes().zip(planned_mm.iter().flatten()).filter(|(_, planned)| planned.is_some());
+    let mut holes = finished().filter(|(node, _)| node.along_mm.is_none()).peekable();
+    let Some((first, _)) = holes.peek() else { return Ok(()) };
+    let point = first.point;
+    Err(RepairInfeasible::Unmeasured { point, holes: holes.count(), places: finished().count(), hole_mm })
+}
+
+/// In the transition the old surface itself may lie below the plan by the threshold; the repaired region may not.
+fn check_material(
+    field: &AllowanceField,
+    regions: &RepairRegions,
+    planned_mm: &[Vec<Option<f64>>],
+    threshold_mm: f64,
+) -> Result<(), RepairInfeasible> {
+    let regions = regions.regions.iter().flatten();
+    let missing =
+        field.nodes().zip(regions).zip(planned_mm.iter().flatten()).filter_map(|((node, region), planned)| {
+            let (measured_mm, planned_mm) = (node.along_mm?, (*planned)?);
+            let missing_mm = planned_mm - measured_mm;
+            let allowed_mm = if *region == Region::Repaired { 0.0 } else { threshold_mm };
+            (missing_mm > allowed_mm).then_some((missing_mm, node.point, measured_mm, planned_mm))
+        });
+    match missing.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((missing_mm, point, measured_mm, planned_mm)) => {
+            Err(RepairInfeasible::Short { point, missing_mm, measured_mm, planned_mm })
+        }
+        None => Ok(()),
+    }
+}
+
+fn layers(
+    surface: &impl Surface,
+    field: &AllowanceField,
+    regions: &RepairRegions,
+    lines: &PassLines,
+    settings: &RepairSettings,
+    measured_mm: impl Fn([f64; 2]) -> Option<f64>,
+) -> Vec<(f64, Vec<Vec<RepairContact>>)> {
+    let repaired =
+        field.nodes().zip(regions.regions.iter().flatten()).filter(|(_, region)| **region == Region::Repaired);
+    let greatest_mm = repaired.filter_map(|(node, _)| node.along_mm).fold(0.0, f64::max);
+    let layer = |height_mm: f64| {
+        let in_region = |at: [f64; 2]| {
+            let point = surface.jet(at).point;
+            match nearest_region(field, regions, at, &point) {
+                Region::Repaired => measured_mm(at),
+                _ => Some(f64::NEG_INFINITY),
+            }
+        };
+        let runs = lines.contacts(surface, |_, _| height_mm, true);
+        (height_mm, runs.iter().flat_map(|line| runs_above(line, in_region)).collect())
+    };
+    layer_heights_mm(greatest_mm, settings.rough_mm, settings.depth_mm).into_iter().map(layer).collect()
+}
+
+fn removed_mm3(field: &AllowanceField, regions: &RepairRegions, planned_mm: &[Vec<Option<f64>>]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (i, row) in field.rows.iter().enumerate() {
+        for (j, node) in row.iter().enumerate() {
+            let Some((measured, planned)) = node.along_mm.zip(planned_mm[i][j]) else { continue };
+            let region = usize::from(regions.regions[i][j] != Region::Repaired);
+            sums[region] += (measured - planned).max(0.0) * field.area_mm2(i, j);
+        }
+    }
+    sums
+}

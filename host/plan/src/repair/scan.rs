@@ -1,0 +1,180 @@
+//! Measured points as heights above the nominal surface.
+//!
+//! ```text
+//! D = n.(P - S(u, v)) - r          (u, v) the nearest nominal point, r the stylus radius of ball centres      (1)
+//! D(u, v) = a0 + a1 x + a2 y + a3 x2 + a4 xy + a5 y2,  x, y in mm from the place,
+//!           over the 24 nearest points with the weights (1 - (d/d24)^3)^3                                     (2)
+//! ```
+//!
+//! Fewer neighbours than 24 amplify the noise of a point. Places farther than a limit from every point are holes. The measured surface is S + D n; Feng et al. construct it as a B-spline through scan lines,
+//! which scattered points do not have.
+
+use nalgebra::{SMatrix, SVector};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::registration::NominalFoot;
+use crate::geometry::nearest::{Foot, nearest};
+use crate::geometry::surface::Surface;
+use crate::vector::Point;
+
+/// Seeds along both parameters.
+const SEEDS: [usize; 2] = [33, 65];
+/// Points of a fit (2).
+const NEIGHBOURS: usize = 24;
+/// Unknowns of a fit.
+const UNKNOWNS: usize = 6;
+/// Largest variance of a fit over that of a point.
+const AMPLIFICATION_MAX: f64 = 2.0;
+/// Farther than this many mean spacings from every point is a hole: at the border of an evenly random cloud two occur by chance.
+const HOLE_SPACINGS: f64 = 3.0;
+
+/// Nominal surface with seeds for nearest points.
+pub struct NominalSurface<S> {
+    surface: S,
+    seeds: RTree<GeomWithData<[f64; 3], [f64; 2]>>,
+    /// Mean lengths of the lines of both parameters, mm.
+    lengths_mm: [f64; 2],
+    area_mm2: f64,
+}
+
+/// Measured point over the nominal surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeightSample {
+    /// Parameters of its nominal point.
+    pub at: [f64; 2],
+    /// D of (1).
+    pub height_mm: f64,
+}
+
+/// Heights as a function of the nominal parameters.
+pub struct HeightField {
+    samples: RTree<GeomWithData<[f64; 2], f64>>,
+    lengths_mm: [f64; 2],
+    hole_mm: f64,
+}
+
+impl<S: Surface> NominalSurface<S> {
+    /// Surface with its seeds.
+    pub fn new(surface: S) -> Self {
+        let [us, vs] = surface.ranges();
+        let place =
+            |range: [f64; 2], k: usize, count: usize| range[0] + (range[1] - range[0]) * k as f64 / (count - 1) as f64;
+        let rows: Vec<Vec<(Point, [f64; 2])>> = (0..SEEDS[0])
+            .map(|i| {
+                let at = |j: usize| [place(us, i, SEEDS[0]), place(vs, j, SEEDS[1])];
+                (0..SEEDS[1]).map(|j| (surface.jet(at(j)).point, at(j))).collect()
+            })
+            .collect();
+        let apart = |a: &(Point, [f64; 2]), b: &(Point, [f64; 2])| (a.0 - b.0).norm();
+        let across: f64 = rows.iter().flat_map(|row| row.windows(2)).map(|pair| apart(&pair[0], &pair[1])).sum();
+        let along: f64 =
+            rows.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1])).map(|(one, other)| apart(one, other)).sum();
+        let lengths_mm = [along / SEEDS[1] as f64, across / SEEDS[0] as f64];
+        let seeds = rows.into_iter().flatten().map(|(point, at)| GeomWithData::new(point.into(), at)).collect();
+        let area_mm2 = lengths_mm[0] * lengths_mm[1];
+        NominalSurface { surface, seeds: RTree::bulk_load(seeds), lengths_mm, area_mm2 }
+    }
+
+    /// The surface itself.
+    pub fn surface(&self) -> &S {
+        &self.surface
+    }
+
+    /// Mean lengths of the lines of both parameters, mm.
+    pub fn lengths_mm(&self) -> [f64; 2] {
+        self.lengths_mm
+    }
+
+    /// Nearest point of the surface.
+    pub fn foot(&self, point: &Point) -> Foot {
+        let seed = self.seeds.nearest_neighbor([point.x, point.y, point.z]).map_or([0.5; 2], |found| found.data);
+        nearest(&self.surface, point, seed)
+    }
+
+    /// Nearest point of the surface and its normal.
+    pub fn foot_and_normal(&self, point: &Point) -> (Foot, NominalFoot) {
+        let foot = self.foot(point);
+        (foot, NominalFoot { point: foot.point, normal: self.surface.point_and_normal(foot.at).1 })
+    }
+}
+
+impl<S: Surface + Sync> NominalSurface<S> {
+    /// Heights (1) of the points above the surface; those whose nearest point lies on its border belong to something else.
+    pub fn heights(&self, points: &[Point], stylus_mm: f64) -> Vec<HeightSample> {
+        let sample = |point: &Point| {
+            let (foot, on) = self.foot_and_normal(point);
+            let height_mm = on.normal.dot(&(point - on.point)) - stylus_mm; // (1)
+            (!foot.is_on_border).then_some(HeightSample { at: foot.at, height_mm })
+        };
+        points.par_iter().filter_map(sample).collect()
+    }
+
+    /// Height field of samples; `hole_mm` is the farthest distance from a point that is no hole, by default three mean spacings.
+    pub fn height_field(&self, samples: &[HeightSample], hole_mm: Option<f64>) -> HeightField {
+        let spacing_mm = libm::sqrt(self.area_mm2 / samples.len().max(1) as f64);
+        let place = |sample: &HeightSample| scaled(sample.at, self.lengths_mm);
+        let samples = samples.iter().map(|sample| GeomWithData::new(place(sample), sample.height_mm)).collect();
+        HeightField {
+            samples: RTree::bulk_load(samples),
+            lengths_mm: self.lengths_mm,
+            hole_mm: hole_mm.unwrap_or(HOLE_SPACINGS * spacing_mm),
+        }
+    }
+}
+
+fn scaled([u, v]: [f64; 2], [along_mm, across_mm]: [f64; 2]) -> [f64; 2] {
+    [u * along_mm, v * across_mm]
+}
+
+impl HeightField {
+    /// Farthest distance from a point that is no hole.
+    pub fn hole_mm(&self) -> f64 {
+        self.hole_mm
+    }
+
+    /// Height at a place; `None` in a hole.
+    pub fn height_mm(&self, at: [f64; 2]) -> Option<f64> {
+        let place = scaled(at, self.lengths_mm);
+        let mut near = self.samples.nearest_neighbor_iter_with_distance_2(place).take(NEIGHBOURS).peekable();
+        if near.peek().is_none_or(|(_, square)| *square > self.hole_mm * self.hole_mm) {
+            return None;
+        }
+        let near: Vec<([f64; 2], f64, f64)> = near.map(|(point, square)| (*point.geom(), point.data, square)).collect();
+        if near.len() < NEIGHBOURS {
+            return Some(near.iter().map(|(_, height, _)| height).sum::<f64>() / near.len() as f64);
+        }
+        fitted(place, &near)
+    }
+}
+
+/// Value of (2) at its place, by the polynomial of highest degree that hardly amplifies the noise of a point: points in a row or on one side
+/// of the place determine less.
+fn fitted(place: [f64; 2], near: &[([f64; 2], f64, f64)]) -> Option<f64> {
+    let reach_mm = near.last().map_or(0.0, |(_, _, square)| libm::sqrt(*square)).max(f64::MIN_POSITIVE) * 1.001;
+    let row = |(point, _, square): &([f64; 2], f64, f64)| {
+        let share = libm::sqrt(*square) / reach_mm;
+        let rest = 1.0 - share * share * share;
+        let [x, y] = [(point[0] - place[0]) / reach_mm, (point[1] - place[1]) / reach_mm];
+        (SVector::from([1.0, x, y, x * x, x * y, y * y]), rest * rest * rest)
+    };
+    let rows: Vec<(SVector<f64, UNKNOWNS>, f64)> = near.iter().map(row).collect();
+    value::<UNKNOWNS>(&rows, near).or_else(|| value::<3>(&rows, near)).or_else(|| value::<1>(&rows, near))
+}
+
+/// Value at the place of the polynomial with the first `N` terms; `None` if it amplifies noise too much.
+fn value<const N: usize>(rows: &[(SVector<f64, UNKNOWNS>, f64)], near: &[([f64; 2], f64, f64)]) -> Option<f64> {
+    let mut matrix = SMatrix::<f64, N, N>::zeros();
+    for (terms, weight) in rows {
+        let terms = terms.fixed_rows::<N>(0);
+        matrix += terms * terms.transpose() * *weight;
+    }
+    let mut first = SVector::<f64, N>::zeros();
+    first[0] = 1.0;
+    let solved = matrix.cholesky()?.solve(&first);
+    let shares: Vec<f64> = rows.iter().map(|(terms, weight)| weight * terms.fixed_rows::<N>(0).dot(&solved)).collect();
+    let amplification = shares.iter().map(|share| share * share).sum::<f64>();
+    let value = shares.iter().zip(near).map(|(share, (_, height_mm, _))| share * height_mm).sum::<f64>();
+    (amplification <= AMPLIFICATION_MAX).then_some(value)
+}
