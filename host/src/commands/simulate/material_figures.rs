@@ -116,7 +116,7 @@ pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
 }
 
 /// Pieces of each block, with its rapids apart.
-fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
+pub fn by_block(cutter: &StockCutter) -> BTreeMap<(u32, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];
