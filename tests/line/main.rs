@@ -28,6 +28,8 @@ mod assertions;
 
 mod streaming;
 
+mod traces;
+
 mod tap;
 
 mod wire;
