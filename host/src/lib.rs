@@ -17,6 +17,8 @@ mod unit_value;
 
 pub mod output;
 
+pub mod trace;
+
 pub mod checksum;
 
 pub mod file_error;

@@ -22,6 +22,18 @@ enum Target {
     File(PathBuf, Option<Metadata>),
 }
 
+/// File that takes its place only when it is finished: dropped before, it leaves nothing behind. Devices and FIFOs are
+/// written to directly.
+#[derive(Debug)]
+pub struct PendingFile(Pending);
+
+#[derive(Debug)]
+enum Pending {
+    Stream(File, PathBuf),
+    /// New file beside its place, the place, and the metadata of the file that is there.
+    Beside(NamedTempFile, PathBuf, Option<Metadata>),
+}
+
 /// Rejects outputs that are one of the inputs, or one another, under any name.
 ///
 /// # Errors
@@ -45,19 +57,47 @@ pub fn refuse_inputs(outputs: &[&Path], inputs: &[PathBuf]) -> std::result::Resu
 /// # Errors
 /// It cannot be written; the message gives the reason.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    match target(path)? {
-        Target::Stream => stream(path)?.write_all(bytes).map_err(|error| explained(error, path)),
-        Target::File(real, before) => {
-            let mut file = beside(&real)?;
-            let write = |file: &mut NamedTempFile| {
-                file.write_all(bytes)?;
-                if let Some(before) = &before {
-                    keep_owner_and_mode(file.as_file(), before)?;
-                }
-                file.as_file().sync_all()
-            };
-            write(&mut file).map_err(|error| explained(error, &real))?;
-            file.persist(&real).map(drop).map_err(|error| explained(error.error, &real))
+    let mut file = PendingFile::begin(path)?;
+    file.write_all(bytes)?;
+    file.finish()
+}
+
+impl PendingFile {
+    /// Empty file.
+    ///
+    /// # Errors
+    /// It cannot be written; the message gives the reason.
+    pub fn begin(path: &Path) -> Result<Self> {
+        Ok(PendingFile(match target(path)? {
+            Target::Stream => Pending::Stream(stream(path)?, path.to_owned()),
+            Target::File(real, before) => Pending::Beside(beside(&real)?, real, before),
+        }))
+    }
+
+    /// Puts the file in its place, in one step.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn finish(self) -> Result<()> {
+        let Pending::Beside(file, real, before) = self.0 else { return Ok(()) };
+        let kept = before.map_or(Ok(()), |before| keep_owner_and_mode(file.as_file(), &before));
+        kept.and_then(|()| file.as_file().sync_all()).map_err(|error| explained(error, &real))?;
+        file.persist(&real).map(drop).map_err(|error| explained(error.error, &real))
+    }
+}
+
+impl Write for PendingFile {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        match &mut self.0 {
+            Pending::Stream(file, path) => file.write(bytes).map_err(|error| explained(error, path)),
+            Pending::Beside(file, real, _) => file.write(bytes).map_err(|error| explained(error, real)),
+        }
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        match &mut self.0 {
+            Pending::Stream(file, _) => file.flush(),
+            Pending::Beside(file, ..) => file.flush(),
         }
     }
 }

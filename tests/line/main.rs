@@ -30,6 +30,8 @@ mod assertions;
 
 mod streaming;
 
+mod traces;
+
 mod tap;
 
 mod wire;

@@ -157,7 +157,7 @@ fn permissions_are_kept_and_new_files_have_the_usual_ones() {
     assert_eq!(scratch.files(), ["first.toml", "ibr-slot.nc", "job.toml", "kept.nc", "new.nc", "usual"]);
 }
 
-/// `adapt` and `init` into this folder fail with these words, and leave what is there as it is.
+/// `adapt`, `init` and `simulate` into this folder fail with these words, and leave what is there as it is.
 fn fails(scratch: &Scratch, folder: &Path, words: &str, command: &dyn Fn(&[&str]) -> Output) {
     let names = || {
         let entries = std::fs::read_dir(folder).expect("a folder");
@@ -166,9 +166,16 @@ fn fails(scratch: &Scratch, folder: &Path, words: &str, command: &dyn Fn(&[&str]
         names
     };
     let (job, program) = (scratch.path("job.toml"), scratch.path("ibr-slot.nc"));
-    let [old, new, first] = ["old.nc", "new.nc", "new.toml"].map(|name| folder.join(name).display().to_string());
+    let [old, new, first, csv, parquet] =
+        ["old.nc", "new.nc", "new.toml", "new.csv", "new.parquet"].map(|name| folder.join(name).display().to_string());
     let before = (names(), read(&old));
-    for arguments in [["adapt", &job, "-o", &old], ["adapt", &job, "-o", &new], ["init", &program, "-o", &first]] {
+    for arguments in [
+        ["adapt", &job, "-o", &old],
+        ["adapt", &job, "-o", &new],
+        ["init", &program, "-o", &first],
+        ["simulate", &job, "--trace", &csv],
+        ["simulate", &job, "--trace", &parquet],
+    ] {
         let ended = command(&arguments);
         assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {}", stderr(&ended));
         assert!(stderr(&ended).contains(words), "{arguments:?}: {}", stderr(&ended));

@@ -10,7 +10,7 @@ use arcfeed_tests::root;
 const JOB: &str = "examples/ibr-slot/job.toml";
 
 /// Crates that only parts of the feature `full` need.
-const LEFT_OUT: [&str; 4] = ["arcfeed-plan", "defmt-decoder", "ratatui", "regex"];
+const LEFT_OUT: [&str; 5] = ["arcfeed-plan", "defmt-decoder", "parquet", "ratatui", "regex"];
 
 fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO"));
@@ -65,11 +65,12 @@ fn it_does_the_main_job() {
 
 #[test]
 fn what_it_leaves_out_says_which_feature_has_it_and_how_to_build_that() {
-    let cases: [(&str, &[&str]); 5] = [
+    let cases: [(&str, &[&str]); 6] = [
         ("plan", &["plan", "cup-mill", "examples/blisk-19/PART.toml"]),
         ("board-log", &["board", "loop://", "log", "--elf", "image.elf"]),
         ("hwgrep", &["ports", "usb"]),
         ("hwgrep", &["stream", JOB, "--port", "hwgrep://usb"]),
+        ("parquet", &["simulate", JOB, "--trace", "run.parquet"]),
         ("tui", &["stream", JOB, "--port", "sim:", "--tui"]),
     ];
     for (feature, arguments) in cases {

@@ -11,6 +11,9 @@ use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root};
 /// Memory of the program itself, with its libraries.
 const BASE_KB: u64 = 20_000;
 
+/// Groups of rows of the traces of two runs, and what their encoders need: 30 MB, and 1.1 MB an hour of each run for the metadata.
+const TRACES_KB: u64 = 40_000;
+
 fn line_count() -> usize {
     of_full_set(2_000_000, 60_000)
 }
@@ -120,5 +123,24 @@ fn commands_that_keep_a_program_whole_say_how_many_lines_they_take() {
             assert!(ended.err.contains(words), "{arguments:?}: {}", ended.err);
         }
         assert!(kb <= 100_000, "{arguments:?}: {kb} kB");
+    }
+}
+
+#[test]
+fn a_trace_needs_the_same_memory_for_a_run_of_any_length() {
+    let scratch = Scratch::new("memory-trace");
+    let options = ["--tool", "10", "--teeth", "4", "--feed-per-tooth", "0.05"];
+    for minutes in of_full_set([60, 240], [4, 12]) {
+        // One move: a longer run has no more blocks.
+        let program = format!("%\nO1\nG21G17G90G94\nS9000M3\nG0X0.Y0.Z0.\nG1X{minutes}.F1.\nM30\n%\n");
+        let program = scratch.write("slow.nc", program);
+        let plain = [&["simulate", &program][..], &options].concat();
+        let (without, without_kb) = measure(&scratch, &plain);
+        let trace = scratch.path("slow.parquet");
+        let (with, with_kb) = measure(&scratch, &[&plain[..], &["--trace", &trace]].concat());
+        assert_eq!((without.code, with.code), (Some(0), Some(0)), "{}{}", without.err, with.err);
+        let bytes = std::fs::metadata(&trace).expect("the table").len();
+        println!("{minutes} min, {} rows: {bytes} bytes, {} kB for two traces", minutes * 60_000, with_kb - without_kb);
+        assert!(with_kb < without_kb + TRACES_KB, "{with_kb} kB, without a trace {without_kb} kB");
     }
 }

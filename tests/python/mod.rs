@@ -1,7 +1,7 @@
-//! A Python that has pyserial, and scripts that run in it.
+//! Pythons with the packages that tests need, and scripts that run in them.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 
@@ -9,6 +9,29 @@ use crate::{root, skip_loudly, wait_for};
 
 /// Interpreters: Debian's packages belong to the second one if it is not the first.
 const CANDIDATES: [&str; 2] = ["python3", "/usr/bin/python3"];
+
+/// Place of the packages that `cargo xtask test` installs in the build directory.
+const PACKAGES: &str = "tools/python";
+
+/// A Python that can import these modules, with the packages of the build directory; `None` if there is none.
+pub fn python_with(modules: &str) -> Option<Command> {
+    let command = |python: &str| {
+        let mut command = Command::new(python);
+        command.env("PYTHONPATH", packages()).env("PYTHONDONTWRITEBYTECODE", "1");
+        command
+    };
+    let has_them = |python: &&str| {
+        let import = command(python).args(["-c", &format!("import {modules}")]).stderr(Stdio::null()).status();
+        import.is_ok_and(|status| status.success())
+    };
+    CANDIDATES.into_iter().find(has_them).map(command)
+}
+
+fn packages() -> PathBuf {
+    // A test runs as <build directory>/<profile>/deps/<name>.
+    let test = std::env::current_exe().expect("a test knows its own path");
+    test.ancestors().nth(3).expect("tests run from the deps folder").join(PACKAGES)
+}
 
 /// A Python with pyserial, or a loud word that `test` needs one.
 pub fn python_or_skip(test: &str) -> Option<&'static str> {

@@ -21,7 +21,7 @@ use arcfeed_link::plain::PlainLine;
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::Micros;
 
-use super::{MachineSignals, OverrideSource};
+use super::{Decision, MachineSignals, OverrideSource};
 use arcfeed_control::signals::FeedOverrideLines;
 
 /// Length of a frame with a setpoint on the line.
@@ -305,6 +305,11 @@ impl<W: Wires, A: AttachedDevices> OverrideSource for Board<W, A> {
         }
         let low = self.last.filter(|_| self.failure.is_none()).map_or(0, |setpoint| setpoint.lines);
         FeedOverride { percent: FeedOverrideLines(!low).percent() }
+    }
+
+    fn decision(&self) -> Option<Decision> {
+        let state = self.state().filter(|_| self.failure.is_none())?;
+        Some(Decision { state, reason: None })
     }
 }
 

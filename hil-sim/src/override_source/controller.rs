@@ -1,5 +1,6 @@
 //! The feed controller in this process, notified of each move by the simulated control.
 
+use arcfeed_board_app::application::report::state_code;
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::board::{Board, Task};
 use arcfeed_firmware::controller;
@@ -12,7 +13,7 @@ use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_model::tool::Tool;
 use arcfeed_units::{Micros, Nm, Span};
 
-use super::{MachineSignals, MoveStart, OverrideSource};
+use super::{Decision, MachineSignals, MoveStart, OverrideSource};
 use crate::faults::ControllerFault;
 
 /// A feed controller, with an optional fault.
@@ -24,6 +25,7 @@ pub struct InProcessController {
     /// The job with the tool that the controller assumes.
     believed: Job,
     frozen_from: Option<Micros>,
+    decision: Option<Decision>,
 }
 
 /// Inputs and outputs of the controller: the segment in execution, the inputs, the override output.
@@ -71,6 +73,7 @@ impl InProcessController {
             io: BoardIo { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
             believed: believed(job, fault),
             frozen_from,
+            decision: None,
         })
     }
 }
@@ -93,9 +96,14 @@ impl OverrideSource for InProcessController {
         input.signals = shown.signals;
         let is_frozen = self.frozen_from.is_some_and(|from| shown.at >= from);
         if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !is_frozen) {
-            self.task.run(supervisor, &mut self.io);
+            let output = self.task.run(supervisor, &mut self.io);
+            self.decision = Some(Decision { state: state_code(&output.state), reason: Some(output.reason) });
         }
         self.io.output
+    }
+
+    fn decision(&self) -> Option<Decision> {
+        self.decision
     }
 }
 

@@ -10,7 +10,9 @@ pub mod board;
 pub mod in_process;
 
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_firmware::supervisor::report::Reason;
 use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_link::message::codes::StateCode;
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::machine::FeedLimit;
@@ -52,6 +54,15 @@ pub struct MoveStart<'a> {
     pub end_percent: u8,
 }
 
+/// Decision behind an override.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// State of the supervisor.
+    pub state: StateCode,
+    /// Reason of the override; `None` if the source does not report it.
+    pub reason: Option<Reason>,
+}
+
 /// Source of the feed override, called once a servo period.
 pub trait OverrideSource {
     /// Notes that the control begins a move, or has none in work. A controller that follows the position ignores it.
@@ -59,6 +70,11 @@ pub trait OverrideSource {
 
     /// Decides on the override that the control reads from now on.
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride;
+
+    /// Last decision; `None` before the first, and of a source that reports none.
+    fn decision(&self) -> Option<Decision> {
+        None
+    }
 }
 
 impl<D: OverrideSource + ?Sized> OverrideSource for Box<D> {
@@ -68,5 +84,9 @@ impl<D: OverrideSource + ?Sized> OverrideSource for Box<D> {
 
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         D::decide(self, shown)
+    }
+
+    fn decision(&self) -> Option<Decision> {
+        D::decision(self)
     }
 }

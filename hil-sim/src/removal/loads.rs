@@ -25,6 +25,7 @@ use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, TurnStatis
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, WorkpiecePlacement, between};
 use super::tip_path::TipPath;
+use super::tooth_passes::{PassStep, ToothPass, ToothPasses};
 use super::trail::{BlockRef, PathSection, SECTION_TIME_MAX};
 
 /// Distance from the workpiece within which the edges are evaluated.
@@ -83,8 +84,7 @@ pub struct LoadMeter {
     /// Fraction of a step that is due.
     due: f64,
     turn: TurnStatistics,
-    /// Thickest chip of each tooth's pass, and the side on which the tooth cuts.
-    passes: Vec<(f64, Edge)>,
+    passes: ToothPasses,
     blocks: Vec<(BlockRef, LoadStatistics)>,
     windows: Vec<LoadWindow>,
     tip_path: TipPath,
@@ -95,9 +95,9 @@ impl LoadMeter {
     /// State before the run.
     pub fn new(settings: LoadSettings) -> Self {
         let cutter = settings.process.engagement().cutter();
-        let mut passes = vec![(0.0, Edge::Outer); cutter.teeth()];
+        let mut sides = vec![Edge::Outer; cutter.teeth()];
         for piece in cutter.pieces() {
-            passes[piece.tooth].1 = piece.side;
+            sides[piece.tooth] = piece.side;
         }
         let of_pitch = libm::ceil(TAU / cutter.teeth() as f64 / settings.step_max_rad).max(1.0);
         LoadMeter {
@@ -112,7 +112,7 @@ impl LoadMeter {
             steps_level: 0,
             due: 0.0,
             turn: TurnStatistics::new(),
-            passes,
+            passes: ToothPasses::new(sides),
             blocks: Vec::new(),
             windows: Vec::new(),
             tip_path: TipPath::default(),
@@ -134,6 +134,16 @@ impl LoadMeter {
         self.lift();
         self.blocks.retain(|(_, statistics)| statistics.time_s > 0.0);
         self.windows.retain(|window| window.statistics.time_s > 0.0);
+    }
+
+    /// Records the passes of the teeth from here on, until they are taken.
+    pub fn record_passes(&mut self) {
+        self.passes.record();
+    }
+
+    /// Takes the recorded passes.
+    pub fn take_passes(&mut self) -> Vec<ToothPass> {
+        self.passes.take()
     }
 
     /// Load statistics of each block that had chips, in order.
@@ -218,7 +228,7 @@ impl LoadMeter {
         for step in 1..=count as u64 {
             let part = (step as f64 - was_due) / turned;
             let tip_mm = between(&ends, part);
-            self.step(section, &tip_mm, rev_per_min);
+            self.step(section, part, &tip_mm, rev_per_min);
             if self.tip_path.is_lifted() || step == count as u64 {
                 self.tip_path.move_to(&section.block, tip_mm);
             }
@@ -226,8 +236,8 @@ impl LoadMeter {
         self.before = Some(section.block);
     }
 
-    /// Moves the edges by one step, to a position of the tip.
-    fn step(&mut self, section: &PathSection, tip_mm: &Vector, rev_per_min: f64) {
+    /// Moves the edges by one step, to a position of the tip at this part of the period.
+    fn step(&mut self, section: &PathSection, part: f64, tip_mm: &Vector, rev_per_min: f64) {
         self.steps += 1;
         let pose = self.pose(tip_mm);
         let engagement = self.settings.process.engagement_mut();
@@ -254,7 +264,14 @@ impl LoadMeter {
         };
         // Material that the end removes after the tip has stopped belongs to the block that lowered the tip.
         let last = self.blocks.last().filter(|(block, _)| moment.end_mm > 0.0 && self.down == Some(*block));
-        self.count(last.map_or(section.block, |(block, _)| *block), section.from, &sample, moment.thickest_mm);
+        let step = PassStep {
+            block: last.map_or(section.block, |(block, _)| *block),
+            at_s: section.from.to_s() + part * STEP.to_s(),
+            tip_mm: *tip_mm,
+            bending_n: sample.bending_n,
+            torque_n_m: sample.torque_n_m,
+        };
+        self.count(&step, section.from, &sample, moment.thickest_mm);
     }
 
     /// Samples the tool's deflection while there is a chip in every turn.
@@ -274,7 +291,8 @@ impl LoadMeter {
         }
     }
 
-    fn count(&mut self, block: BlockRef, from: Micros, sample: &LoadSample, thickest_mm: f64) {
+    fn count(&mut self, step: &PassStep, from: Micros, sample: &LoadSample, thickest_mm: f64) {
+        let block = step.block;
         if self.blocks.last().is_none_or(|(last, _)| *last != block) {
             self.turn = TurnStatistics::new();
             self.blocks.push((block, LoadStatistics::default()));
@@ -287,19 +305,13 @@ impl LoadMeter {
                 statistics: LoadStatistics::default(),
             });
         }
+        let ended = self.passes.advance(step, self.settings.process.chips_mm());
         let statistics_lists = self.blocks.last_mut().map(|(_, statistics)| statistics).into_iter();
         for statistics in statistics_lists.chain(self.windows.last_mut().map(|window| &mut window.statistics)) {
             if thickest_mm.max(sample.end_mm) >= CHIP_MIN_MM {
                 statistics.add(sample);
             }
-            for ((pass_mm, side), chip_mm) in self.passes.iter().zip(self.settings.process.chips_mm()) {
-                if *chip_mm < CHIP_MIN_MM && *pass_mm > 0.0 {
-                    statistics.add_pass(*side, *pass_mm);
-                }
-            }
-        }
-        for ((pass_mm, _), chip_mm) in self.passes.iter_mut().zip(self.settings.process.chips_mm()) {
-            *pass_mm = if *chip_mm >= CHIP_MIN_MM { pass_mm.max(*chip_mm) } else { 0.0 };
+            ended.iter().for_each(|pass| statistics.add_pass(pass.side, pass.chip_mm));
         }
         self.turn.add(sample.bending_n, thickest_mm);
         if self.steps.is_multiple_of(self.steps_a_turn as u64) {
@@ -314,7 +326,7 @@ impl LoadMeter {
     fn lift(&mut self) {
         self.settings.process.lift();
         self.settings.samples.lift();
-        self.passes.iter_mut().for_each(|(pass_mm, _)| *pass_mm = 0.0);
+        self.passes.lift();
         self.turn = TurnStatistics::new();
     }
 

@@ -3,7 +3,7 @@
 //! The path is the executed one, sampled once a millisecond, not the programmed one. [`trail`] approximates it by
 //! chords, [`periods`] gives its periods one by one, [`placement`] computes the tool's position on the part, [`cutter`]
 //! removes the material, [`rate`] computes removal rates. [`loads`] computes chips and forces of the edges, [`load_statistics`]
-//! their statistics, [`marks`] the marks that they leave on the walls. [`flexible_workpiece`] is a workpiece that bends
+//! their statistics, [`tooth_passes`] the passes of the teeth, [`marks`] the marks that they leave on the walls. [`flexible_workpiece`] is a workpiece that bends
 //! under them; [`engagement`] finds the engaged arcs, [`sections`] the engaged sections of descending moves. Omissions and accuracy: docs/simulate.md.
 
 pub mod trail;
@@ -17,6 +17,8 @@ pub mod rate;
 pub mod cutter;
 
 pub mod load_statistics;
+
+pub mod tooth_passes;
 
 pub mod chatter_detection;
 

@@ -23,17 +23,21 @@ pub(super) mod move_log;
 
 pub(super) mod path_trace;
 
-pub(super) mod observer;
-
 pub(super) mod material_figures;
 
 mod load_figures;
 
+mod block_lines;
+
+mod block_table;
+
+pub(super) mod run_tables;
+
+pub(super) mod observer;
+
 mod spindle_load;
 
 mod path_plot;
-
-mod block_lines;
 
 mod block_pairs;
 
@@ -77,10 +81,11 @@ use block_pairs::BlockPairs;
 pub use conditions::{foreseen, foreseen_before, has_scopes};
 use control::control_settings;
 use junit::TestSuite;
-use listing::ProgramListing;
-use observer::RunObserver;
+use listing::{ProgramListing, locators};
+use observer::{RunObserver, write_tables};
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
+use run_tables::TraceFiles;
 use setup::Setup;
 use spindle_load::SpindleLoad;
 
@@ -96,6 +101,10 @@ pub struct Simulate {
     /// Write the remaining surface of the job's workpiece here, in millimetres: .stl or .ply, binary
     #[arg(long, value_name = "OUT.stl|OUT.ply")]
     surface: Option<PathBuf>,
+    /// Write the tables of both runs here, .parquet or .csv: OUT, OUT-teeth and OUT-blocks, and with -original those of
+    /// the original program (docs/traces.md)
+    #[arg(long, value_name = "OUT.parquet|OUT.csv")]
+    trace: Option<PathBuf>,
     /// Require a limit of the adapted run, for example chip<=1.05, power<=11kW, torque<=40Nm, force<=800N,
     /// feed<=5000mm/min or time<=120s; may be given several times (docs/simulate.md)
     #[arg(long = "assert", value_name = "FIGURE<=LIMIT")]
@@ -120,6 +129,7 @@ impl Simulate {
             json: false,
             report: Some(report),
             surface,
+            trace: None,
             assertions,
             junit,
             is_silent: true,
@@ -136,8 +146,7 @@ impl Simulate {
         let (mut file, program) = self.once(|| self.input.load())?;
         let job = &self.input.job;
         self.stock.apply(self.input.is_job(), &mut file, &program)?;
-        let outputs = [&self.report, &self.surface, &self.junit].map(Option::as_deref);
-        refuse_inputs(&outputs, &file.inputs(job))?;
+        let traces = self.check_outputs(&file)?;
         let setup = Setup::of(job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
@@ -148,6 +157,7 @@ impl Simulate {
         let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
         let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
+        write_tables(&mut observers, &traces, || locators(&program, &adapted, &sent))?;
         // Results are written and printed even if a later step fails.
         let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);
@@ -191,6 +201,16 @@ impl Simulate {
     /// Does a part whose warnings are already printed if this simulation only writes its report.
     fn once<T>(&self, part: impl FnOnce() -> T) -> T {
         if self.is_silent { without_notes(part) } else { part() }
+    }
+
+    /// Checks that the command may write its outputs; returns the files of `--trace`, of both runs or of none.
+    fn check_outputs(&self, file: &JobFile) -> Result<Vec<TraceFiles>, Failure> {
+        let traces = TraceFiles::of_both(self.trace.as_deref())?;
+        let tables: Vec<PathBuf> = traces.iter().flat_map(TraceFiles::paths).collect();
+        let mut outputs: Vec<Option<&Path>> = [&self.report, &self.surface, &self.junit].map(Option::as_deref).into();
+        outputs.extend(tables.iter().map(|path| Some(path.as_path())));
+        refuse_inputs(&outputs, &file.inputs(&self.input.job))?;
+        Ok(traces)
     }
 
     /// Judges the assertions, and writes their outcomes.

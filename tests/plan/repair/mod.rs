@@ -19,4 +19,3 @@ mod scan;
 mod plan;
 
 mod blade;
-

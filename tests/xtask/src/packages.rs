@@ -108,8 +108,10 @@ const NEEDS: [Need; 8] = [
 /// Folder of the viewer of reports.
 const WEB: &str = "host/web";
 
-/// Packages that the decoding script needs.
-const PYTHON_PACKAGES: [&str; 2] = ["cobs==1.2.2", "crc==8.0.0"];
+/// Packages that the scripts need which decode the link and read traces.
+const PYTHON_PACKAGES: [&str; 3] = ["cobs==1.2.2", "crc==8.0.0", "duckdb==2.0.1"];
+/// Modules of these packages.
+const PYTHON_MODULES: &str = "import cobs.cobs, crc, duckdb";
 
 /// Installs what is missing.
 ///
@@ -149,12 +151,12 @@ pub fn install_linuxcnc() -> Result<(), Failure> {
     needs.map(|need| install_one(&Need { is_optional: false, ..*need })).fold(Ok(()), Result::and)
 }
 
-/// Into `tools/python` of the build directory, where `tests/line/wire/python.rs` looks: no Python of the system is touched.
+/// Into `tools/python` of the build directory, where `tests/python` looks: no Python of the system is touched.
 fn install_python_packages() -> Result<(), Failure> {
-    announce("stuffing and checksums in Python, to decode with");
+    announce("Python packages to decode the link and to read traces with");
     let folder = build_dir()?.join("tools/python");
     let mut import = Command::new("python3");
-    import.args(["-c", "import cobs.cobs, crc"]).env("PYTHONPATH", &folder);
+    import.args(["-c", PYTHON_MODULES]).env("PYTHONPATH", &folder);
     if import.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()) {
         return Ok(());
     }

@@ -112,6 +112,11 @@ impl MeasuredMove {
         Some(MeasuredMove { axes: plane.axes, target_mm_per_tooth: governing.target_mm_per_tooth(), quantity })
     }
 
+    /// Target of the measured quantity.
+    pub fn target_mm_per_tooth(&self) -> f64 {
+        self.target_mm_per_tooth
+    }
+
     /// Whether the stock depends on the path travelled since the start of the move.
     pub fn counts_from_start(&self) -> bool {
         let Quantity::Thickest(circles) = &self.quantity else { return false };

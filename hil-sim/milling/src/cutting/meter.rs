@@ -43,6 +43,15 @@ pub struct MoveChips {
     pub left_out: ExcludedSamples,
 }
 
+/// Quantity of one tooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredChip {
+    /// Measured quantity relative to the target.
+    pub chip_ratio: f64,
+    /// Whether the machine ran at the commanded feed during the whole cut of the tooth.
+    pub is_steady: bool,
+}
+
 /// The meter's state.
 #[derive(Debug)]
 pub struct ChipMeter {
@@ -55,6 +64,8 @@ pub struct ChipMeter {
     cut: Option<MeasuredMove>,
     moves: Vec<MoveChips>,
     last_ratio: Option<f64>,
+    /// Tooth that the last report completed.
+    latest: Option<MeasuredChip>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +89,7 @@ impl ChipMeter {
             cut: None,
             moves: Vec::new(),
             last_ratio: None,
+            latest: None,
         }
     }
 
@@ -94,6 +106,17 @@ impl ChipMeter {
     /// Quantity of the last tooth measured on the move in execution, steady or not, relative to the target.
     pub fn last_ratio(&self) -> Option<f64> {
         self.last_ratio
+    }
+
+    /// Quantity of the tooth that the last report completed, if there was one with a contact. If a report completes
+    /// several teeth, that of the last one.
+    pub fn latest(&self) -> Option<MeasuredChip> {
+        self.latest
+    }
+
+    /// Target on the move in execution, if it is measured.
+    pub fn target_mm_per_tooth(&self) -> Option<f64> {
+        self.cut.as_ref().map(MeasuredMove::target_mm_per_tooth)
     }
 
     /// Whether a cut rule applies to this block, the last one begun.
@@ -133,6 +156,7 @@ impl ChipMeter {
 
     /// Counts a report as left out: the axes are not on the move yet, or the spindle stands still.
     pub fn leave_out(&mut self, sample: &Sample) {
+        self.latest = None;
         if !self.is_on(sample.block) {
             self.end_block();
         }
@@ -144,6 +168,7 @@ impl ChipMeter {
 
     /// Processes the machine's report.
     pub fn add_sample(&mut self, sample: &Sample) {
+        self.latest = None;
         if !self.tooth_us.is_finite() {
             return self.leave_out(sample);
         }
@@ -180,7 +205,9 @@ impl ChipMeter {
             self.last_ratio = Some(ratio);
         }
         // The speed at the oldest sample itself is that of the step before the tooth.
-        if !self.history.iter().skip(1).all(|measured| measured.steady) {
+        let is_steady = self.history.iter().skip(1).all(|measured| measured.steady);
+        self.latest = contact.map(|chip_ratio| MeasuredChip { chip_ratio, is_steady });
+        if !is_steady {
             chips.left_out.not_steady += 1;
             return;
         }

@@ -33,6 +33,7 @@ use super::outcome::{Failure, on_interrupt, refuse_inputs, say};
 use super::simulate::control::control_settings;
 use super::simulate::finish;
 use super::simulate::run_figures::measure;
+use super::simulate::run_tables::{RunTables, TraceFiles};
 use super::stream::write_executed;
 use crate::job::{ControlKind, JobFile, Parity, SerialSettings};
 use crate::program::Folder;
@@ -77,11 +78,15 @@ pub struct Serve {
     #[arg(long)]
     once: bool,
     /// Read a program into the control's memory instead of executing it, and punch it when the other side sends DC1
-    #[arg(long, conflicts_with_all = ["executed", "json"])]
+    #[arg(long, conflicts_with_all = ["executed", "json", "trace"])]
     store: bool,
     /// Write the blocks that the control executed here; a later program replaces them
     #[arg(long, value_name = "FILE")]
     executed: Option<PathBuf>,
+    /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks; a later program replaces them
+    /// (docs/traces.md)
+    #[arg(long, value_name = "OUT.parquet|OUT.csv")]
+    trace: Option<PathBuf>,
     /// Print one JSON object per program, one per line (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -213,7 +218,10 @@ impl Serve {
         file.control = self.control.unwrap_or(file.control);
         file.settings = self.settings.clone().or(file.settings);
         let inputs = self.job.as_ref().map_or(Vec::from_iter(file.settings.clone()), |job| file.inputs(job));
-        refuse_inputs(&[self.executed.as_deref()], &inputs)?;
+        let trace = self.trace.as_deref().map(TraceFiles::of).transpose()?;
+        let tables = trace.as_ref().map(TraceFiles::paths).into_iter().flatten().collect::<Vec<_>>();
+        let outputs = tables.iter().map(|path| Some(path.as_path())).chain([self.executed.as_deref()]);
+        refuse_inputs(&outputs.collect::<Vec<_>>(), &inputs)?;
         let of_control = file.control.settings(file.job.unit, file.settings.as_deref(), file.conventions);
         (file.nc, file.tables) = of_control.map_err(Failure::Input)?;
         let interrupted = on_interrupt();
@@ -234,9 +242,11 @@ impl Serve {
             if let Some(search) = search {
                 simulation.control_mut().search(search);
             }
-            if !serve_one(&mut simulation, &mut line, self.speed, interrupted)? {
+            let mut tables = trace.as_ref().map(|files| files.begin(None, None)).transpose()?;
+            if !serve_one(&mut simulation, &mut line, (self.speed, tables.as_mut()), interrupted)? {
                 continue;
             }
+            tables.map_or(Ok(()), |tables| tables.finish(&simulation, None, None))?;
             search = None;
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure::Stopped("stopped by the operator".into()));
@@ -298,7 +308,7 @@ impl Serve {
 fn serve_one(
     simulation: &mut Simulation,
     line: &mut ControlLine,
-    speed: u32,
+    (speed, mut tables): (u32, Option<&mut RunTables>),
     interrupted: &AtomicBool,
 ) -> Result<bool, Failure> {
     while !line.begin() && !interrupted.load(Ordering::Relaxed) {
@@ -316,6 +326,9 @@ fn serve_one(
                 break;
             }
             simulation.step();
+            if let Some(tables) = &mut tables {
+                tables.observe(simulation, None);
+            }
             line.answer(simulation.control_mut().port())?;
         }
         std::thread::sleep(PERIOD.saturating_sub(started.elapsed()));

@@ -1,25 +1,43 @@
 //! Line of the program for each executed block.
 
+use std::ops::Range;
+
 use arcfeed_nc::text::Lines;
 
-/// Lines of the program, counted from 1, of the executed blocks in their order; `None` for a block that is not in it.
-/// `line_ends` has the end of each program line in the text as sent.
+/// Blocks of a text as sent, each with its line of the program; state.
 ///
 /// The control executes each block as received, so it is the next line of the text with the same bytes.
-pub fn block_lines(executed: &[Vec<u8>], text: &[u8], line_ends: &[usize]) -> Vec<Option<usize>> {
-    let begins = std::iter::once(0).chain(line_ends.iter().copied());
-    let spans = (1..).zip(begins.zip(line_ends));
-    let piece = |begin: usize, end: usize| text.get(begin..end).unwrap_or_default();
-    let lines =
-        spans.flat_map(|(line, (begin, end))| Lines::new(piece(begin, *end)).map(move |sent| (line, sent.text)));
-    let mut left = lines;
-    let mut next_line = |block: &Vec<u8>| {
-        let mut search = left.clone();
-        let line = search.find(|(_, sent)| sent.trim_ascii() == block.trim_ascii())?.0;
-        left = search;
-        Some(line)
-    };
-    executed.iter().map(&mut next_line).collect()
+#[derive(Clone, Debug, Default)]
+pub struct BlockLocator {
+    text: Vec<u8>,
+    /// Line of the program, from 1, and place in the text.
+    blocks: Vec<(usize, Range<usize>)>,
+    next: usize,
+}
+
+impl BlockLocator {
+    /// Locator at the beginning of a text. `line_ends` has the end of each program line in it; `line_of` is the line of
+    /// the file for a line of the program.
+    pub fn new(text: Vec<u8>, line_ends: &[usize], line_of: impl Fn(usize) -> usize) -> Self {
+        let mut blocks = Vec::new();
+        let begins = std::iter::once(0).chain(line_ends.iter().copied());
+        for (line, (mut begin, end)) in (1..).zip(begins.zip(line_ends)) {
+            for sent in Lines::new(text.get(begin..*end).unwrap_or_default()) {
+                blocks.push((line_of(line), begin..begin + sent.text.len()));
+                begin += sent.text.len() + sent.ending.len();
+            }
+        }
+        BlockLocator { text, blocks, next: 0 }
+    }
+
+    /// Line of the next executed block; `None` for a block that is not in the text.
+    pub fn line_of(&mut self, block: &[u8]) -> Option<usize> {
+        let ahead = self.blocks.get(self.next..).unwrap_or_default();
+        let is_it = |(_, place): &(usize, Range<usize>)| self.text[place.clone()].trim_ascii() == block.trim_ascii();
+        let found = ahead.iter().position(is_it)?;
+        self.next += found + 1;
+        Some(ahead[found].0)
+    }
 }
 
 #[cfg(test)]
@@ -31,8 +49,9 @@ mod tests {
         let text = b"%\n(A)\nN1G1X1.\nG2X2.R9.F1.\nG2X3.R9.F2.\nN1G1X1.\n".to_vec();
         // The fourth line of the program is sent in two pieces.
         let line_ends = vec![2, 6, 14, 38, 46];
-        let executed =
-            ["N1G1X1.", "G2X2.R9.F1.", "G2X3.R9.F2.", "G99", "N1G1X1."].map(|block| block.as_bytes().to_vec());
-        assert_eq!(block_lines(&executed, &text, &line_ends), [Some(3), Some(4), Some(4), None, Some(5)]);
+        let mut locator = BlockLocator::new(text, &line_ends, |line| 10 * line);
+        let lines =
+            ["N1G1X1.", "G2X2.R9.F1.", "G2X3.R9.F2.", "G99", "N1G1X1."].map(|block| locator.line_of(block.as_bytes()));
+        assert_eq!(lines, [Some(30), Some(40), Some(40), None, Some(50)]);
     }
 }

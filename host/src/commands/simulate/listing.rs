@@ -2,7 +2,7 @@
 
 use arcfeed_nc::text::Lines;
 
-use super::block_lines::block_lines;
+use super::block_lines::BlockLocator;
 use super::block_pairs::BlockPairs;
 use crate::adapt::Adapted;
 use crate::program::{Program, in_capitals};
@@ -21,16 +21,12 @@ impl ProgramListing {
     /// the original program.
     pub fn new(program: &Program, adapted: &Adapted, sent: &[u8], executed: [&[Vec<u8>]; 2]) -> Self {
         let file = program.file();
-        let own_lines = |blocks: &[Vec<u8>], text: &[u8]| block_lines(blocks, &in_capitals(text), &line_ends(text));
         let is_planned = sent == adapted.text;
-        let after = if is_planned {
-            let lines = block_lines(executed[0], &in_capitals(sent), &adapted.line_ends);
-            lines.into_iter().map(|line| line.map(|line| program.line_in_file(line))).collect()
-        } else {
-            // The control runs macros itself, so its blocks are lines of the file with the feeds written back.
-            own_lines(executed[0], sent)
-        };
-        let before = own_lines(executed[1], &file);
+        let [mut after, mut before] = locators(program, adapted, sent);
+        let block_lines = [
+            executed[0].iter().map(|block| after.line_of(block)).collect(),
+            executed[1].iter().map(|block| before.line_of(block)).collect(),
+        ];
         let text_of = |ends: &[usize], text: &[u8]| -> Vec<Vec<u8>> {
             let begins = std::iter::once(0).chain(ends.iter().copied());
             let lines = begins.zip(ends).map(|(begin, end)| text.get(begin..*end).unwrap_or_default());
@@ -44,13 +40,25 @@ impl ProgramListing {
             (false, _) => text_of(&line_ends(sent), sent),
         };
         let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
-        ProgramListing { lines, block_lines: [after, before] }
+        ProgramListing { lines, block_lines }
     }
 
     /// Blocks of the run beside those of the original program.
     pub fn pairs(&self) -> BlockPairs {
         BlockPairs::new(self.block_lines.each_ref().map(Vec::as_slice))
     }
+}
+
+/// Locators of the blocks of the run and of the original program; `sent` is the text in the control's memory.
+pub fn locators(program: &Program, adapted: &Adapted, sent: &[u8]) -> [BlockLocator; 2] {
+    let own = |text: &[u8]| BlockLocator::new(in_capitals(text), &line_ends(text), |line| line);
+    let after = if sent == adapted.text {
+        BlockLocator::new(in_capitals(sent), &adapted.line_ends, |line| program.line_in_file(line))
+    } else {
+        // The control runs macros itself, so its blocks are lines of the file with the feeds written back.
+        own(sent)
+    };
+    [after, own(&program.file())]
 }
 
 /// End of each line in a text.

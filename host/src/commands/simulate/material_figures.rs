@@ -130,7 +130,10 @@ pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
 }
 
 /// Pieces of the blocks of each place, with its rapids apart.
-fn by_place<P: Ord>(cutter: &StockCutter, place: impl Fn(u32) -> P) -> BTreeMap<(P, bool), (BlockRef, Vec<&Piece>)> {
+pub fn by_place<P: Ord>(
+    cutter: &StockCutter,
+    place: impl Fn(u32) -> P,
+) -> BTreeMap<(P, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];

@@ -1,5 +1,7 @@
 //! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
 
+use std::sync::atomic::Ordering;
+
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
@@ -8,9 +10,11 @@ use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
-use super::super::outcome::Failure;
+use super::super::outcome::{Failure, on_interrupt};
+use super::block_lines::BlockLocator;
 use super::move_log::MoveLog;
 use super::path_trace::PathTrace;
+use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
 
 /// Longest simulated run: a program that takes longer does not end.
@@ -32,6 +36,8 @@ pub struct RunObserver {
     pub trace: PathTrace,
     /// Override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
+    /// Tables of `--trace`.
+    tables: Option<RunTables>,
     place: String,
     /// Progress is shown, if there is something to cut.
     shows: bool,
@@ -45,10 +51,28 @@ impl RunObserver {
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
+    /// Writes the tables of the run too; with `locator` they have the lines of the program.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write_tables(&mut self, files: &TraceFiles, locator: Option<BlockLocator>) -> Result<(), Failure> {
+        self.tables = Some(files.begin(self.loads.as_mut(), locator)?);
+        Ok(())
+    }
+
+    /// Completes the tables of the run at its end.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn finish_tables<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), Failure> {
+        let Some(tables) = self.tables.take() else { return Ok(()) };
+        tables.finish(simulation, self.cutter.as_ref(), self.loads.as_ref())
+    }
+
     /// Runs to the end.
     ///
     /// # Errors
-    /// The run never ends, or the stock takes more memory than it may.
+    /// The run never ends, the stock takes more memory than it may, or the tables cannot be written.
     pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
         run_observed(simulation, takes_long, |simulation| self.observe(simulation))?;
@@ -57,7 +81,7 @@ impl RunObserver {
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
         self.trace.end();
-        Ok(())
+        self.finish_tables(simulation)
     }
 
     fn observe(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
@@ -66,18 +90,41 @@ impl RunObserver {
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
         self.record(simulation);
-        Ok(())
+        let Some(tables) = &mut self.tables else { return Ok(()) };
+        if on_interrupt().load(Ordering::Relaxed) {
+            return Err(Failure::Stopped("stopped by the operator: no table of the trace is written".into()));
+        }
+        tables.take_failure().map_or(Ok(()), Err)
     }
 
     /// Processes a period without the workpiece.
     pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
+        if let Some(tables) = &mut self.tables {
+            tables.observe(simulation, self.loads.as_mut());
+        }
         let percent = simulation.control().override_percent();
         if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
             self.overrides.push((simulation.now(), percent));
         }
     }
+}
+
+/// Writes the tables of the observed runs too, if there are files for them.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_tables<const N: usize>(
+    observers: &mut [RunObserver; N],
+    files: &[TraceFiles],
+    locators: impl FnOnce() -> [BlockLocator; N],
+) -> Result<(), Failure> {
+    if files.is_empty() {
+        return Ok(());
+    }
+    let mut runs = observers.iter_mut().zip(files).zip(locators());
+    runs.try_for_each(|((observer, files), locator)| observer.write_tables(files, Some(locator)))
 }
 
 /// Runs to the end and passes each period to the observer. A long run is named, with its progress.

@@ -100,6 +100,7 @@ impl Stream {
             ("--log", self.log.is_some()),
             ("--speed", self.speed.is_some()),
             ("--executed", self.executed.is_some()),
+            ("--trace", self.trace.is_some()),
         ];
         match options.iter().find(|(_, is_set)| *is_set) {
             None => Ok(()),

@@ -32,6 +32,7 @@ use super::job_input::JobInput;
 use super::line_args::LineArgs;
 use super::outcome::{Failure, refuse_inputs, write_whole};
 use super::simulate::finish;
+use super::simulate::run_tables::TraceFiles;
 use crate::board::line::{BAUDRATE, BoardLine};
 use crate::console::note;
 use crate::dnc::Sender;
@@ -86,6 +87,9 @@ pub struct Stream {
     /// Write the report of the run here, as one HTML file (sim: only; docs/report.md)
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
+    /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks (sim: only; docs/traces.md)
+    #[arg(long, value_name = "OUT.parquet|OUT.csv")]
+    trace: Option<PathBuf>,
     /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -111,16 +115,20 @@ impl Stream {
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
         let mut outputs =
             vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref(), self.report.as_deref()];
-        outputs.extend(self.port.files().map(Some));
+        let trace = self.trace.as_deref().map(TraceFiles::of).transpose()?;
+        let tables = trace.as_ref().map(TraceFiles::paths).into_iter().flatten().collect::<Vec<_>>();
+        outputs.extend(tables.iter().map(|path| Some(path.as_path())).chain(self.port.files().map(Some)));
         refuse_inputs(&outputs, &ready.file.inputs(&self.input.job))?;
         if self.executed.is_some() && !is_sim {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
         }
-        if self.report.is_some() && !is_sim {
-            let message =
-                "--report: a control on a serial line does not say where its axes are; drop the option, or use sim:";
-            return Err(Failure::Usage(message.into()));
+        for (option, is_given) in [("--report", self.report.is_some()), ("--trace", trace.is_some())] {
+            if is_given && !is_sim {
+                return Err(Failure::Usage(format!(
+                    "{option}: a control on a serial line does not say where its axes are; drop the option, or use sim:"
+                )));
+            }
         }
         if self.speed.is_some() && !is_sim {
             return Err(Failure::Usage(

@@ -35,7 +35,7 @@ pub struct SimPort<D = InProcessController> {
     fed: (usize, u64),
     /// Start of simulated time, and its seconds per second; `None`: as fast as possible.
     tempo: Option<(Instant, u32)>,
-    /// Observer of the run, for a report.
+    /// Observer of the run, for a report or a trace.
     observer: Option<RunObserver>,
 }
 
@@ -62,8 +62,8 @@ impl<D: OverrideSource> SimPort<D> {
     }
 
     /// Observes the run from here on.
-    pub fn observe(&mut self) {
-        self.observer = Some(RunObserver::default());
+    pub fn observe(&mut self, observer: RunObserver) {
+        self.observer = Some(observer);
     }
 
     /// Observer of the run until now, if there is one.

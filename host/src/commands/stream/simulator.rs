@@ -22,7 +22,10 @@ use arcfeed_link::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
 use super::super::simulate::control::control_settings;
+use super::super::simulate::listing::locators;
+use super::super::simulate::observer::RunObserver;
 use super::super::simulate::run_figures::measure;
+use super::super::simulate::run_tables::TraceFiles;
 use super::super::simulate::{add_baseline, has_scopes};
 use super::board_session::{Arming, BoardSession};
 use super::logbook::Logbook;
@@ -31,6 +34,7 @@ use super::send_loop::{End, send};
 use super::sim_link::{BoardEnd, Pipe, SimLink};
 use super::sim_port::SimPort;
 use super::{Stream, run_page, write_executed};
+use crate::adapt::{Known, adapt_with};
 use crate::board::line::{BAUDRATE, BoardLine};
 use crate::dnc::outbox::Outbox;
 use crate::dnc::reports;
@@ -107,14 +111,14 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
-        if self.report.is_some() {
-            sim.borrow_mut().observe();
+        if self.report.is_some() || self.trace.is_some() {
+            sim.borrow_mut().observe(self.observer(ready)?);
         }
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
         let services = self.services(ready, (&*line, &sender), (logbook, board_session))?;
         let (end, heard) = send(&mut *line, &mut sender, outbox, services)?;
         drop(line);
-        let observer = sim.borrow_mut().take_observer();
+        let mut observer = sim.borrow_mut().take_observer();
         let sim = sim.borrow();
         let simulation = sim.simulation();
         let mut report = measure(simulation, &file.job);
@@ -125,6 +129,7 @@ impl Stream {
         report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
         let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
         // The report of the transmission is printed even if this fails.
+        let traced = observer.as_mut().map_or(Ok(()), |observer| observer.finish_tables(simulation));
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
         let compared =
@@ -134,7 +139,7 @@ impl Stream {
                     run_page::write(path, ready, &report, (&after, simulation), (&before, &baseline))
                 })
             });
-        self.finish(ready, &report, &sender, &end).and(written).and(compared)?;
+        self.finish(ready, &report, &sender, &end).and(written).and(traced).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {
                 State::Sent => "the control executed all it got and waits for more: its M02 or M30 is missing".into(),
@@ -144,6 +149,18 @@ impl Stream {
             }));
         }
         Ok(())
+    }
+
+    /// Observer of the run, with the tables of `--trace`.
+    fn observer(&self, ready: &PreparedProgram) -> Result<RunObserver, Failure> {
+        let mut observer = RunObserver::default();
+        if let Some(path) = &self.trace {
+            let PreparedProgram { file, program, .. } = ready;
+            let adapted = adapt_with(program, &file.job, Known::of(file));
+            let [lines, _] = locators(program, &adapted, &adapted.text);
+            observer.write_tables(&TraceFiles::of(path)?, Some(lines))?;
+        }
+        Ok(observer)
     }
 
     /// Simulated seconds per second; `None`: as fast as possible.

@@ -1,0 +1,273 @@
+//! `--trace FILE`: tables of a run, written while it goes on (docs/traces.md).
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_control::drives::limits::AXES;
+use arcfeed_firmware::supervisor::report::{Limit, Reason};
+use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::removal::cutter::StockCutter;
+use arcfeed_hil_sim::removal::loads::LoadMeter;
+use arcfeed_hil_sim::removal::tooth_passes::ToothPass;
+use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_model::tool::Edge;
+use arcfeed_units::{Nm, S_PER_MIN};
+
+use super::super::outcome::{Failure, file_failure};
+use super::block_lines::BlockLocator;
+use super::block_table::{BlockLog, BlockRecord, BlockSources};
+use crate::board::words;
+use crate::trace::table::{Cell, Table};
+use crate::trace::tables::{BLOCKS, SAMPLE_COLUMNS, SAMPLES, TEETH, TOOTH_COLUMNS};
+use crate::trace::{TableFile, TraceFormat};
+
+/// Addition to the names of the files of the original program.
+const ORIGINAL: &str = "-original";
+
+/// Files of `--trace`.
+#[derive(Clone, Debug)]
+pub struct TraceFiles {
+    path: PathBuf,
+    format: TraceFormat,
+}
+
+/// Tables of a run that grow; state. Its first failure ends the writing.
+#[derive(Debug)]
+pub struct RunTables {
+    samples: OpenTable,
+    teeth: Option<OpenTable>,
+    blocks: OpenTable,
+    records: BlockLog,
+    locator: Option<BlockLocator>,
+    /// Line of each executed block.
+    lines: Vec<Option<usize>>,
+    failure: Option<Failure>,
+}
+
+/// File of a table, with its name for messages.
+#[derive(Debug)]
+struct OpenTable {
+    path: PathBuf,
+    file: TableFile,
+}
+
+impl TraceFiles {
+    /// Files beside `path`, in the format that its suffix names.
+    ///
+    /// # Errors
+    /// The suffix names no format of this build.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        let format = TraceFormat::of(path).map_err(|message| Failure::Usage(format!("--trace: {message}")))?;
+        Ok(TraceFiles { path: path.to_owned(), format })
+    }
+
+    /// Files of the run and of the original program; none without a path.
+    ///
+    /// # Errors
+    /// See [`TraceFiles::of`].
+    pub fn of_both(path: Option<&Path>) -> Result<Vec<Self>, Failure> {
+        let files = path.map(TraceFiles::of).transpose()?;
+        let with_original = |files: Self| {
+            let original = TraceFiles { path: files.with(ORIGINAL), format: files.format };
+            [files, original]
+        };
+        Ok(files.into_iter().flat_map(with_original).collect())
+    }
+
+    /// Names of all files of a run.
+    pub fn paths(&self) -> [PathBuf; 3] {
+        [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix))
+    }
+
+    /// Begins the tables of a run. With `loads` there is one of the teeth, with `locator` lines are known.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn begin(&self, loads: Option<&mut LoadMeter>, locator: Option<BlockLocator>) -> Result<RunTables, Failure> {
+        let open = |table: &'static Table| {
+            let path = self.with(table.suffix);
+            let file = TableFile::begin(self.format, &path, table).map_err(|error| file_failure(&path, &error))?;
+            Ok::<_, Failure>(OpenTable { path, file })
+        };
+        let teeth = loads.is_some().then(|| open(&TEETH)).transpose()?;
+        loads.into_iter().for_each(LoadMeter::record_passes);
+        let (samples, blocks) = (open(&SAMPLES)?, open(&BLOCKS)?);
+        let (records, lines, failure) = (BlockLog::default(), Vec::new(), None);
+        Ok(RunTables { samples, teeth, blocks, records, locator, lines, failure })
+    }
+
+    fn with(&self, suffix: &str) -> PathBuf {
+        let mut name = self.path.file_stem().unwrap_or_default().to_owned();
+        name.push(suffix);
+        let suffix = self.path.extension().unwrap_or_default();
+        self.path.with_file_name(name).with_added_extension(suffix)
+    }
+}
+
+impl RunTables {
+    /// Processes a millisecond of the run.
+    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>, loads: Option<&mut LoadMeter>) {
+        if self.failure.is_some() {
+            return;
+        }
+        self.locate(simulation.control().executed());
+        let record = BlockRecord::of(simulation, |block| self.line(block));
+        let row = sample_row(simulation, record.as_ref());
+        let mut written = self.samples.add(&row);
+        if let Some(record) = record {
+            self.records.add(record, simulation.now());
+        }
+        let passes = loads.map_or(Vec::new(), LoadMeter::take_passes);
+        if let Some(teeth) = &mut self.teeth {
+            for pass in &passes {
+                let line = line_of(&self.lines, pass.block.count);
+                written = written.and_then(|()| teeth.add(&tooth_row(pass, line)));
+            }
+        }
+        self.failure = written.err();
+    }
+
+    /// First failure so far.
+    pub fn take_failure(&mut self) -> Option<Failure> {
+        self.failure.take()
+    }
+
+    /// Writes the figures of the blocks, and puts the files in their places.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn finish<D: OverrideSource>(
+        mut self,
+        simulation: &Simulation<D>,
+        cutter: Option<&StockCutter>,
+        loads: Option<&LoadMeter>,
+    ) -> Result<(), Failure> {
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        let sources = BlockSources { meter: simulation.meter(), cutter, loads };
+        for row in self.records.rows(&sources) {
+            self.blocks.add(&row)?;
+        }
+        let tables = [Some(self.samples), self.teeth, Some(self.blocks)];
+        tables.into_iter().flatten().try_for_each(OpenTable::finish)
+    }
+
+    /// Finds the lines of blocks that were executed since.
+    fn locate(&mut self, executed: &[Vec<u8>]) {
+        let Some(locator) = &mut self.locator else { return };
+        for block in executed.get(self.lines.len()..).unwrap_or_default() {
+            self.lines.push(locator.line_of(block));
+        }
+    }
+
+    fn line(&self, block: u32) -> Option<usize> {
+        line_of(&self.lines, block)
+    }
+}
+
+fn line_of(lines: &[Option<usize>], block: u32) -> Option<usize> {
+    lines.get((block as usize).checked_sub(1)?).copied().flatten()
+}
+
+impl OpenTable {
+    fn add(&mut self, row: &[Cell]) -> Result<(), Failure> {
+        self.file.add(row).map_err(|error| file_failure(&self.path, &error))
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        self.file.finish().map_err(|error| file_failure(&self.path, &error))
+    }
+}
+
+/// Row of [`SAMPLES`].
+fn sample_row<D: OverrideSource>(simulation: &Simulation<D>, record: Option<&BlockRecord>) -> [Cell; SAMPLE_COLUMNS] {
+    let (control, meter) = (simulation.control(), simulation.meter());
+    let origin = simulation.context().origin;
+    let [x, y, z] = origin.linear.map(Nm::to_mm);
+    let [a, b, c] = origin.rotary.map(|angle| angle.to_deg());
+    let from_origin = |axes: [f64; AXES]| {
+        let [ax, ay, az, aa, ab, ac] = axes;
+        [ax - x, ay - y, az - z, aa - a, ab - b, ac - c].map(Cell::from)
+    };
+    let [xw, yw, zw, aw, bw, cw] = from_origin(*control.axes());
+    let [xa, ya, za, aa, ba, ca] = from_origin(control.actual_axes());
+    let decision = simulation.source().decision();
+    let target = meter.target_mm_per_tooth().filter(|_| record.is_some_and(|record| record.rule.is_some()));
+    let chip = meter.latest().zip(target);
+    [
+        simulation.now().to_s().into(),
+        record.map(|record| record.block).into(),
+        record.and_then(|record| record.n).into(),
+        record.and_then(|record| record.line).into(),
+        record.and_then(|record| record.rule).into(),
+        record.map(|record| record.is_rapid).into(),
+        xw,
+        yw,
+        zw,
+        aw,
+        bw,
+        cw,
+        xa,
+        ya,
+        za,
+        aa,
+        ba,
+        ca,
+        (control.speed_mm_per_s() * S_PER_MIN).into(),
+        f64::from(control.commanded().0).into(),
+        u32::from(control.override_percent()).into(),
+        decision.map(|decision| words::state(decision.state)).into(),
+        decision.and_then(|decision| decision.reason).map(reason_word).into(),
+        f64::from(simulation.spindle().0).into(),
+        target.into(),
+        chip.map(|(chip, target)| chip.chip_ratio * target).into(),
+        chip.map(|(chip, _)| chip.is_steady).into(),
+    ]
+}
+
+/// Row of [`TEETH`].
+fn tooth_row(pass: &ToothPass, line: Option<usize>) -> [Cell; TOOTH_COLUMNS] {
+    let [x, y, z] = pass.tip_mm;
+    [
+        pass.at_s.into(),
+        pass.block.count.into(),
+        pass.block.sequence.into(),
+        line.map(|line| line as i64).into(),
+        pass.block.rule.map(|rule| rule as i64 + 1).into(),
+        (pass.tooth as i64 + 1).into(),
+        match pass.side {
+            Edge::Outer => "outer",
+            Edge::Inner => "inner",
+        }
+        .into(),
+        pass.chip_mm.into(),
+        pass.bending_n.into(),
+        pass.torque_n_m.into(),
+        x.into(),
+        y.into(),
+        z.into(),
+    ]
+}
+
+/// Reason of an override, in a word.
+const fn reason_word(reason: Reason) -> &'static str {
+    match reason {
+        Reason::Law => "law",
+        Reason::NoDemand(_) => "no-demand",
+        Reason::NoLaw => "no-law",
+        Reason::NoSpindle => "no-spindle",
+        Reason::Floor { .. } => "floor",
+        Reason::Limited(Limit::Max) => "max",
+        Reason::Limited(Limit::Axis) => "axis",
+        Reason::Limited(Limit::ArcClamp) => "arc-clamp",
+        Reason::Limited(Limit::Ceiling) => "feed-ceiling",
+        Reason::Stale => "stale",
+        Reason::Waiting => "waiting",
+        Reason::NotArmed => "not-armed",
+        Reason::Held(_) => "held",
+        Reason::Lost(_) => "lost",
+        Reason::Fault(_) => "fault",
+        Reason::Inhibited(_) => "inhibited",
+        Reason::Disarmed(_) => "disarmed",
+    }
+}
