@@ -5,7 +5,7 @@ use arcfeed_plan::optimisation::{Problem, ValuedPlan};
 use arcfeed_plan::vector::Point;
 
 use crate::proof_cases::{poses, published_tool};
-use crate::proof_published::ROUGHING;
+use crate::proof_published::{ROUGHING, ranked};
 use crate::published_rotor::blisk;
 
 /// Half of a fixture's edge, mm.
@@ -30,7 +30,7 @@ fn a_plan_whose_proof_fails_gives_way_to_the_next_one() {
     let (blisk, tool) = (blisk(), published_tool());
     let slot = blisk.slot();
     let problem = || Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap();
-    let ranked = problem().ranked(|_| true).unwrap();
+    let ranked = ranked();
     assert!(ranked.windows(2).all(|pair| pair[0].share_ratio >= pair[1].share_ratio) && ranked.len() > 1);
     // A point of the best plan's ring from which another plan stays away.
     let first = &ranked[0].plan;

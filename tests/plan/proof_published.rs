@@ -1,8 +1,11 @@
 //! The proof of the plan for the 19-blade rotor with the published tool.
 
+use std::sync::OnceLock;
+
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::optimisation::{Problem, ValuedPlan};
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use arcfeed_plan::proof::removal::RemovedVolumes;
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
@@ -20,6 +23,15 @@ pub const ROUGHING: Roughing = Roughing {
     clearance_mm: 5.0,
     axis: AxisChoice::Blade,
 };
+
+/// Plans of the published tool by rank, searched once for all tests.
+pub fn ranked() -> &'static [ValuedPlan] {
+    static RANKED: OnceLock<Vec<ValuedPlan>> = OnceLock::new();
+    RANKED.get_or_init(|| {
+        let (blisk, tool) = (published_rotor::blisk(), published_tool());
+        Problem::new(&blisk, &blisk.slot(), &tool, &ROUGHING).unwrap().ranked(|_| true).unwrap()
+    })
+}
 
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
     let fixture = [[Point::new(-40.0, -40.0, -80.0), Point::new(40.0, 40.0, -15.0)]];

@@ -8,7 +8,7 @@ use arcfeed_plan::vector::{Flat, Point, Vector};
 use nalgebra::Rotation3;
 
 use crate::proof_cases::published_tool;
-use crate::proof_published::ROUGHING;
+use crate::proof_published::{ROUGHING, ranked};
 use crate::published_rotor;
 use crate::twisted::{ROTORS, Twisted, ring, roughing};
 
@@ -81,13 +81,16 @@ fn turned(sections: Sections) -> Sections {
     moved(&sections, |point| turn * point)
 }
 
-const VARIANTS: [Variant; 5] = [
-    Variant { name: "points reversed", change: reversed, signs: [1.0, 1.0] },
-    Variant { name: "turned by 7 pitches and 0.1 rad", change: turned, signs: [1.0, 1.0] },
-    Variant { name: "mirrored in y", change: |s| moved(&s, |p| Point::new(p.x, -p.y, p.z)), signs: [-1.0, 1.0] },
+/// Each change is in one of the variants at least.
+const VARIANTS: [Variant; 3] = [
+    Variant {
+        name: "mirrored in y, turned by 7 pitches and 0.1 rad",
+        change: |s| turned(moved(&s, |p| Point::new(p.x, -p.y, p.z))),
+        signs: [-1.0, 1.0],
+    },
     Variant { name: "mirrored in z", change: |s| moved(&s, |p| Point::new(p.x, p.y, -p.z)), signs: [1.0, -1.0] },
     Variant {
-        name: "upside down",
+        name: "upside down, points reversed",
         change: |s| reversed(moved(&s, |p| Point::new(p.x, -p.y, -p.z))),
         signs: [-1.0, -1.0],
     },
@@ -101,7 +104,7 @@ fn the_best_plan_does_not_depend_on_the_order_of_points_the_first_blade_or_the_h
         let slot = blisk.slot();
         Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap().best(|_| true).unwrap()
     };
-    let first = best(&published_rotor::sections());
+    let first = &ranked()[0];
     for Variant { name, change, signs } in VARIANTS {
         let other = best(&change(published_rotor::sections()));
         let seen = |place: Flat| Flat::new(signs[0] * place.x, signs[1] * place.y);

@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::process::Output;
 
 use arcfeed_nc_macro::program::first_macro;
 use arcfeed_tests::{Scratch, root, run};
@@ -46,8 +47,7 @@ impl<'a> Entry<'a> {
             control.extend(["--settings", &settings]);
         }
         let (mut codes, mut first) = (Vec::new(), String::new());
-        let mut step = |arguments: &[&str]| {
-            let output = run(arguments);
+        let mut step = |output: Output| {
             let code = output.status.code().expect("an exit code");
             if code != 0 && first.is_empty() {
                 let stderr = String::from_utf8_lossy(&output.stderr);
@@ -56,16 +56,17 @@ impl<'a> Entry<'a> {
             }
             codes.push(code);
         };
-        step(&[&["check", &program][..], &control].concat());
-        step(&[&["init", &program, "-o", &job][..], &control].concat());
+        step(run(&[&["check", &program][..], &control].concat()));
+        step(run(&[&["init", &program, "-o", &job][..], &control].concat()));
         self.answer(&job);
         // A macro whose executions need different feeds is written out, as the refusal says.
         let adapt = ["adapt", &job, "-o", &out];
-        let is_expanded = String::from_utf8_lossy(&run(&adapt).stderr).contains("use --expand");
-        step(&[&adapt[..], if is_expanded { &["--expand"] } else { &[] }].concat());
+        let adapted = run(&adapt);
+        let is_expanded = String::from_utf8_lossy(&adapted.stderr).contains("use --expand");
+        step(if is_expanded { run(&[&adapt[..], &["--expand"]].concat()) } else { adapted });
         self.assert_not_faster(&program, &out);
-        step(&["simulate", &job]);
-        step(&["stream", &job]);
+        step(run(&["simulate", &job]));
+        step(run(&["stream", &job]));
         (codes, first)
     }
 
