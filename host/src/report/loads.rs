@@ -181,7 +181,8 @@ impl LoadsFigures {
 
     /// Warnings, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
-        let own = self.left_out.iter().filter(|left_out| ["tilted", "backwards"].contains(&left_out.cause));
+        let own =
+            self.left_out.iter().filter(|left_out| ["tilted", "axis-turns", "backwards"].contains(&left_out.cause));
         own.map(|left_out| format!("{} blocks have no chips and forces: {}", left_out.blocks, left_out.words()))
             .collect()
     }
