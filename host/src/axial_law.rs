@@ -23,7 +23,7 @@
 //! near to the axis as its moment allows: end + s C z / (2 pi) sqrt(2 end Z). Otherwise no chip is thicker than the path per
 //! tooth.
 //!
-//! Where one descending move passes into another, the first tooth cuts what both have left. During this tooth the chip on the
+//! At a joint of two descending moves the first tooth cuts what both have left. During this tooth the chip on the
 //! end lies between those of both moves, as does the one in front of each edge of a side. So (2) holds with the larger path
 //! of both moves if it holds for each with the moments of the joint, and with the larger S and the larger C of both:
 //! both keep the limit of the joint within a path per tooth of it.

@@ -275,6 +275,17 @@ mod tests {
     }
 
     #[test]
+    fn sections_of_another_version_are_refused() {
+        let map = EngagementMap { moves: Vec::new(), descents: descents() };
+        for (to, expected) in
+            [("version = 1", "these sections are of another version"), ("", "missing field `version`")]
+        {
+            let (_, said) = EngagementMap::parse(&map.text(77).replacen("version = 2", to, 1), 77).unwrap_err();
+            assert!(said.contains(expected) && said.contains("arcfeed engage"), "{said}");
+        }
+    }
+
+    #[test]
     fn a_move_finds_the_next_of_its_kind_and_passes_those_that_never_come() {
         let map =
             EngagementMap { moves: vec![moved(5, 1.0), moved(7, 2.0), moved(5, 3.0)], ..EngagementMap::default() };

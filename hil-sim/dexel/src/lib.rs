@@ -7,6 +7,8 @@
 //! a straight move of a tool with a fixed axis; other moves are made of such. What this costs and how far it is from the
 //! truth: docs/stock.md.
 
+pub mod frame;
+
 pub mod dexel;
 
 pub mod lattice;

@@ -18,12 +18,30 @@ use arcfeed_kinematics::vector::{Vector, cross, dot};
 use rayon::slice::ParallelSliceMut;
 
 use super::dexel::{Dexel, Interval};
+use super::frame::Frame;
 use super::grid::Grid;
 use super::lattice::Lattice;
-use super::solid::Solid;
+use super::solid::{Block, InitialSolid, Solid};
 
 /// By which part of a step rays stand aside, along columns and rows.
 const ASIDE_RATIO: [f64; 2] = [1.37e-7, 2.71e-7];
+
+/// Faces of a block by the numbers of its corners: bit 0 is set at the highest x, bit 1 at the highest y, bit 2 at the
+/// highest z.
+const BLOCK_TRIANGLES: [[usize; 3]; 12] = [
+    [0, 2, 1],
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 6],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 6, 3],
+    [3, 6, 7],
+    [0, 4, 2],
+    [2, 4, 6],
+    [1, 3, 5],
+    [3, 7, 5],
+];
 
 /// A closed surface, its triangles counter-clockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -211,6 +229,26 @@ impl Solid for Mesh {
             }
         }
         Grid::of(lattice, axis, dexels)
+    }
+}
+
+impl InitialSolid for Mesh {
+    fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid> {
+        let vertices_mm = self.vertices_mm.iter().map(|vertex| frame.coordinates(*vertex)).collect();
+        Box::new(Mesh { vertices_mm, triangles: self.triangles.clone() })
+    }
+}
+
+impl InitialSolid for Block {
+    fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid> {
+        let (low, high) = (self.lowest_mm, self.highest_mm);
+        let corner = |number: usize| [0, 1, 2].map(|axis| if number >> axis & 1 == 0 { low[axis] } else { high[axis] });
+        let corners = (0..8).map(|number| frame.coordinates(corner(number))).collect();
+        match Mesh::new(corners, BLOCK_TRIANGLES.to_vec()) {
+            Ok(mesh) => Box::new(mesh),
+            // A block without a volume has no material in any frame.
+            Err(_) => Box::new(Block { lowest_mm: low, highest_mm: low }),
+        }
     }
 }
 

@@ -19,6 +19,7 @@
 use arcfeed_kinematics::vector::{Vector, dot};
 
 use super::dexel::Interval;
+use super::frame::Frame;
 use super::quadratic::Quadratic;
 use super::tool::Slab;
 
@@ -43,6 +44,12 @@ impl Sweep {
     /// v
     pub fn motion_mm(&self) -> Vector {
         [0, 1, 2].map(|axis| self.to_mm[axis] - self.from_mm[axis])
+    }
+
+    /// The sweep in another frame.
+    pub fn in_frame(&self, frame: &Frame) -> Self {
+        let [from_mm, to_mm, axis] = [self.from_mm, self.to_mm, self.axis].map(|vector| frame.coordinates(vector));
+        Sweep { from_mm, to_mm, axis }
     }
 }
 

@@ -1,8 +1,11 @@
-//! Initial shapes of a stock.
+//! Initial shapes of a stock, and what a tool has left of one.
+
+use std::fmt::Debug;
 
 use arcfeed_kinematics::vector::Vector;
 
 use super::dexel::{Dexel, Interval};
+use super::frame::Frame;
 use super::grid::Grid;
 use super::lattice::Lattice;
 use super::motion::Pose;
@@ -14,12 +17,41 @@ use super::tool::Tool;
 const GAP_MM: f64 = 1e-9;
 
 /// A solid that rays can be sent through.
-pub trait Solid: Sync {
+pub trait Solid: Debug + Send + Sync {
     /// The lowest and the highest corner of a box around it.
     fn bounds_mm(&self) -> [Vector; 2];
 
     /// Material of the solid along the rays of one direction.
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid;
+}
+
+/// A solid before its first cut, which can be had in any frame.
+pub trait InitialSolid: Solid {
+    /// The solid in another frame.
+    fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid>;
+}
+
+/// A solid less what a tool has swept.
+#[derive(Debug)]
+pub struct Machined<'a> {
+    /// The solid.
+    pub solid: &'a dyn Solid,
+    /// The tool.
+    pub tool: &'a Tool,
+    /// Sweeps of the tool.
+    pub sweeps: &'a [Sweep],
+}
+
+impl Solid for Machined<'_> {
+    fn bounds_mm(&self) -> [Vector; 2] {
+        self.solid.bounds_mm()
+    }
+
+    fn grid(&self, lattice: &Lattice, axis: usize) -> Grid {
+        let mut grid = self.solid.grid(lattice, axis);
+        grid.cut(&passes(self.tool, self.sweeps, axis));
+        grid
+    }
 }
 
 /// A block, its edges along the axes.
@@ -76,6 +108,12 @@ impl Solid for Revolved {
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid {
         let passes = passes(&self.tool, &[self.standing], axis);
         Grid::new(lattice, axis, |point| united(passes.iter().flat_map(|pass: &Pass<'_>| pass.spans(point)).collect()))
+    }
+}
+
+impl InitialSolid for Revolved {
+    fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid> {
+        Box::new(Revolved { tool: self.tool.clone(), standing: self.standing.in_frame(frame) })
     }
 }
 

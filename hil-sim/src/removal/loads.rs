@@ -23,7 +23,8 @@ use super::cutter::LeftOut;
 use super::flexible_workpiece::FlexibleWorkpiece;
 use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, TurnStatistics};
 use super::periods::{Period, Periods};
-use super::placement::{LeftOutReason, WorkpiecePlacement, between};
+use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
+use super::tilted::{TiltedLayers, TiltedWorkpiece};
 use super::tip_path::TipPath;
 use super::tooth_passes::{PassStep, ToothPass, ToothPasses};
 use super::trail::{BlockRef, PathSection, SECTION_TIME_MAX};
@@ -49,6 +50,8 @@ pub struct LoadSettings {
     pub step_max_rad: f64,
     /// Flexible workpiece, whose modes are the first ones of the process.
     pub flexible: Option<FlexibleWorkpiece>,
+    /// Workpiece for tools that the machine tilts; `None` to evaluate the edges of an upright tool only.
+    pub tilted: Option<TiltedWorkpiece>,
     /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
     pub samples: ChatterSamples,
 }
@@ -69,6 +72,8 @@ pub struct LoadWindow {
 pub struct LoadMeter {
     settings: LoadSettings,
     placement: WorkpiecePlacement,
+    /// Layers for tilted tools.
+    tilted: Option<TiltedLayers>,
     periods: Periods,
     /// Block that cut in the period before.
     before: Option<BlockRef>,
@@ -100,7 +105,10 @@ impl LoadMeter {
             sides[piece.tooth] = piece.side;
         }
         let of_pitch = libm::ceil(TAU / cutter.teeth() as f64 / settings.step_max_rad).max(1.0);
+        let layers = settings.process.engagement().layers();
+        let sizes_mm = layers.layers().first().map(|layer| [layers.rise_mm(), layer.step_mm()]);
         LoadMeter {
+            tilted: settings.tilted.clone().zip(sizes_mm).map(|(workpiece, sizes)| TiltedLayers::new(workpiece, sizes)),
             steps_a_turn: of_pitch as usize * cutter.teeth(),
             settings,
             placement: WorkpiecePlacement::default(),
@@ -156,6 +164,11 @@ impl LoadMeter {
         &self.windows
     }
 
+    /// Whether the edges of a tilted tool were evaluated: the layers are no longer those of the whole workpiece.
+    pub fn is_tilted(&self) -> bool {
+        self.tilted.as_ref().is_some_and(TiltedLayers::is_tilted)
+    }
+
     /// Path of the tip while edges could touch the workpiece.
     pub fn tip_path(&self) -> &TipPath {
         &self.tip_path
@@ -193,14 +206,42 @@ impl LoadMeter {
     }
 
     fn process_period(&mut self, section: &PathSection, rev_per_min: f64) {
-        let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
-            None => return,
-            Some(Ok(ends)) => ends,
-            Some(Err(reason)) => {
+        let Some(chord) = self.placement.tool_chord(section, self.settings.machine.as_ref()) else { return };
+        match chord.and_then(|chord| self.ends_in_layers_mm(section, &chord)) {
+            Ok(Some(ends)) => self.process_chord(section, ends, rev_per_min),
+            Ok(None) => self.leave_workpiece(),
+            Err(reason) => {
                 LeftOut::count(&mut self.left_out, section.block, reason);
-                return self.leave_workpiece();
+                self.leave_workpiece();
             }
+        }
+        if let Some(tilted) = &mut self.tilted {
+            tilted.add(section, &self.placement, self.settings.machine.as_ref());
+        }
+    }
+
+    /// Ends of a chord in the frame of the layers, which are made anew where the tool's axis has turned since; `None` on a
+    /// rapid at another axis, whose material is gone when layers are made for the next cut.
+    fn ends_in_layers_mm(
+        &mut self,
+        section: &PathSection,
+        chord: &ToolChord,
+    ) -> Result<Option<[Vector; 2]>, LeftOutReason> {
+        let Some(tilted) = &mut self.tilted else {
+            return if chord.is_tilted() { Err(LeftOutReason::Tilted) } else { Ok(Some(chord.ends_mm)) };
         };
+        if !tilted.are_in_frame_of(chord) {
+            if section.block.is_rapid || section.positions[0] == section.positions[1] {
+                return Ok(None);
+            }
+            let layers = tilted.turn_to(chord).map_err(|_| LeftOutReason::Tilted)?;
+            self.settings.process.engagement_mut().replace_layers(layers);
+            self.leave_workpiece();
+        }
+        Ok(self.tilted.as_mut().map(|tilted| tilted.ends_mm(chord)))
+    }
+
+    fn process_chord(&mut self, section: &PathSection, ends: [Vector; 2], rev_per_min: f64) {
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
         let is_near = ends.iter().any(|tip_mm| self.is_near(tip_mm));
         let cuts = !section.block.is_rapid && section.positions[0] != section.positions[1];
@@ -212,7 +253,9 @@ impl LoadMeter {
         }
         if section.block.is_rapid {
             self.lift();
-            ends.iter().for_each(|tip_mm| self.tip_path.move_to(&section.block, *tip_mm));
+            if !self.is_tilted() {
+                ends.iter().for_each(|tip_mm| self.tip_path.move_to(&section.block, *tip_mm));
+            }
             for clearing in 1..=CLEARINGS {
                 let pose = self.pose(&between(&ends, f64::from(clearing) / f64::from(CLEARINGS)));
                 self.settings.process.engagement_mut().clear_at(&pose);
@@ -229,7 +272,7 @@ impl LoadMeter {
             let part = (step as f64 - was_due) / turned;
             let tip_mm = between(&ends, part);
             self.step(section, part, &tip_mm, rev_per_min);
-            if self.tip_path.is_lifted() || step == count as u64 {
+            if !self.is_tilted() && (self.tip_path.is_lifted() || step == count as u64) {
                 self.tip_path.move_to(&section.block, tip_mm);
             }
         }

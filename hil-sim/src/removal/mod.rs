@@ -4,7 +4,7 @@
 //! chords, [`periods`] gives its periods one by one, [`placement`] computes the tool's position on the part, [`cutter`]
 //! removes the material, [`rate`] computes removal rates. [`loads`] computes chips and forces of the edges, [`load_statistics`]
 //! their statistics, [`tooth_passes`] the passes of the teeth, [`marks`] the marks that they leave on the walls. [`flexible_workpiece`] is a workpiece that bends
-//! under them; [`engagement`] finds the engaged arcs, [`sections`] the engaged sections of descending moves. Omissions and accuracy: docs/simulate.md.
+//! under them, [`tilted`] the workpiece in layers square to a tilted tool; [`engagement`] finds the engaged arcs, [`sections`] the engaged sections of descending moves. Omissions and accuracy: docs/simulate.md.
 
 pub mod trail;
 
@@ -29,6 +29,8 @@ pub mod envelope;
 pub mod marks;
 
 pub mod flexible_workpiece;
+
+pub mod tilted;
 
 pub mod loads;
 

@@ -6,10 +6,11 @@
 //! and the machine's kinematics give the tool's direction.
 
 use arcfeed_kinematics::machine::{Letter, Machine};
-use arcfeed_kinematics::vector::Vector;
+use arcfeed_kinematics::vector::{Vector, cross, difference, length, turned, unit};
 use arcfeed_units::{MicroDeg, Nm};
 
 use arcfeed_control::action::ProgrammedPath;
+use arcfeed_dexel::frame::Frame;
 use arcfeed_dexel::motion::{Move, MoveError, Pose};
 use arcfeed_dexel::section::Sweep;
 use arcfeed_dexel::tool::Tool;
@@ -36,10 +37,28 @@ pub enum LeftOutReason {
     NoMachine,
     /// The path is the part's contour: G41, G42.
     Contour,
-    /// The tool is tilted on the part; edges are evaluated for an upright tool only.
+    /// The tool is tilted on the part, and edges are evaluated for an upright tool only.
     Tilted,
+    /// The tool's axis turns on the part; edges are evaluated at a fixed axis only.
+    AxisTurns,
     /// The spindle turns counter-clockwise (M4); the edges are those of a tool for M3.
     Backwards,
+}
+
+/// Chord of the tip under a fixed axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolChord {
+    /// Both ends on the part.
+    pub ends_mm: [Vector; 2],
+    /// Frame of the tool on the part: z along its axis to the holder, x and y those of the machine.
+    pub frame: Frame,
+}
+
+impl ToolChord {
+    /// Whether the tool is tilted on the part.
+    pub fn is_tilted(&self) -> bool {
+        self.frame != Frame::OWN
+    }
 }
 
 /// Position of the workpiece.
@@ -92,21 +111,45 @@ impl WorkpiecePlacement {
         section: &PathSection,
         machine: Option<&Machine>,
     ) -> Option<Result<[Vector; 2], LeftOutReason>> {
+        let upright_mm =
+            |chord: ToolChord| if chord.is_tilted() { Err(LeftOutReason::Tilted) } else { Ok(chord.ends_mm) };
+        let chord = self.tool_chord(section, machine)?;
+        Some(
+            chord
+                .map_err(|reason| if reason == LeftOutReason::AxisTurns { LeftOutReason::Tilted } else { reason })
+                .and_then(upright_mm),
+        )
+    }
+
+    /// Chord of the tip of a tool with a fixed axis on the part, for a path section of one chord; `None` before the first
+    /// cut has given the part's position.
+    ///
+    /// # Errors
+    /// The tool's position on the workpiece is unknown, or its axis turns on the part.
+    pub fn tool_chord(
+        &mut self,
+        section: &PathSection,
+        machine: Option<&Machine>,
+    ) -> Option<Result<ToolChord, LeftOutReason>> {
         let [from, to] = section.positions[..] else { return None };
         if !section.block.is_rapid && from != to {
             self.locate(section);
         }
-        let ends_mm = |positions: Vec<Vector>| [positions[0], positions[1]];
-        self.is_known().then(|| self.upright_mm(section, machine).map(ends_mm))
+        self.is_known().then(|| self.fixed_chord(section, machine))
     }
 
-    fn upright_mm(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Vector>, LeftOutReason> {
+    fn fixed_chord(&self, section: &PathSection, machine: Option<&Machine>) -> Result<ToolChord, LeftOutReason> {
         let poses = self.poses(section, machine)?;
-        let leans = |pose: &Pose| pose.axis[2] < 0.0 || libm::hypot(pose.axis[0], pose.axis[1]) > UPRIGHT_RAD;
-        if poses.iter().any(leans) {
-            Err(LeftOutReason::Tilted)
-        } else {
-            Ok(poses.iter().map(|pose| pose.tip_mm).collect())
+        let ends_mm = [poses[0].tip_mm, poses[1].tip_mm];
+        if poses.iter().all(|pose| !is_tilted(pose.axis)) {
+            return Ok(ToolChord { ends_mm, frame: Frame::OWN });
+        }
+        let turns = length(difference(poses[1].axis, poses[0].axis)) > UPRIGHT_RAD;
+        match machine {
+            Some(machine) if !turns => {
+                Ok(ToolChord { ends_mm, frame: tool_frame(machine, &section.positions[0], section) })
+            }
+            _ => Err(LeftOutReason::AxisTurns),
         }
     }
 
@@ -136,14 +179,34 @@ pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
     [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
 }
 
+/// Whether a tool axis is tilted.
+fn is_tilted(axis: Vector) -> bool {
+    axis[2] < 0.0 || libm::hypot(axis[0], axis[1]) > UPRIGHT_RAD
+}
+
 /// Direction of the tool axis on the part.
 fn axis_at(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Vector {
+    machine.axis_at(rotary_deg(machine, position, section))
+}
+
+/// Frame of the tool on the part.
+fn tool_frame(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Frame {
+    let rotary_deg = rotary_deg(machine, position, section);
+    let [first, second] = machine.rotary();
+    // Square to the tool with all axes at zero: X of a machine whose tool stands along Z.
+    let x = unit(cross([0.0, 1.0, 0.0], machine.tool())).unwrap_or([1.0, 0.0, 0.0]);
+    let x = turned(turned(x, second.direction, rotary_deg[1]), first.direction, rotary_deg[0]);
+    let z = machine.axis_at(rotary_deg);
+    Frame { axes: [x, cross(z, x), z] }
+}
+
+/// Positions of the machine's rotary axes in the order of its description.
+fn rotary_deg(machine: &Machine, position: &AxisPosition, section: &PathSection) -> [f64; 2] {
     let origin_deg = section.context.origin.rotary.map(MicroDeg::to_deg);
-    let rotary_deg = machine.rotary().each_ref().map(|axis| {
+    machine.rotary().each_ref().map(|axis| {
         let index = Letter::ALL.iter().position(|letter| *letter == axis.letter).unwrap_or(0);
         position[3 + index] - origin_deg[index]
-    });
-    machine.axis_at(rotary_deg)
+    })
 }
 
 fn rotary(position: &AxisPosition) -> Vector {

@@ -11,9 +11,9 @@
 //!
 //! (2) adds the largest values of the layers, which no helix can exceed.
 //!
-//! Where one descending move passes into another, the first tooth cuts what both have left: on the end the chip goes over
+//! At a joint of two descending moves the first tooth cuts what both have left: on the end the chip goes over
 //! from that of the one move to that of the other, and on the sides the chips of both directions overlap. The section of
-//! such a joint has the larger end of both moves, and the sides in material in front of either direction.
+//! the joint has the larger end of both moves, and the sides in material in front of either direction.
 //!
 //! Source: geometry; the moments are those of [`arcfeed_milling::cutting::engaged_section`].
 

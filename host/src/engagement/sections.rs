@@ -8,6 +8,9 @@ use toml::Spanned;
 
 use super::{AGAIN, hex, key};
 
+/// Version of the sections in a file: 2 has the joints of moves.
+const VERSION: u32 = 2;
+
 /// Engaged section of the tool at one place of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedSection {
@@ -88,6 +91,7 @@ pub struct DescentLookup<'m> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DescentTables {
+    version: Spanned<u32>,
     tangential: [f64; 3],
     #[serde(default)]
     r#move: Vec<DescentTable>,
@@ -111,6 +115,10 @@ impl MappedDescents {
     }
 
     pub(super) fn parse(tables: &DescentTables) -> Result<Self, (usize, String)> {
+        if *tables.version.as_ref() != VERSION {
+            let message = format!("these sections are of another version than {VERSION}; {AGAIN}");
+            return Err((tables.version.span().start, message));
+        }
         let [specific_mpa, exponent_ratio, edge_n_per_mm] = tables.tangential;
         let moves = tables.r#move.iter().map(MappedDescent::parse).collect::<Result<_, _>>()?;
         Ok(MappedDescents { force: TangentialForce { specific_mpa, exponent_ratio, edge_n_per_mm }, moves })
@@ -128,7 +136,7 @@ impl MappedDescents {
             "\n# Sections of the moves that descend: path, mm; moments of the edges on the end and on the sides, mm2.\n\
              # Tangential force of a chip h mm thick and 1 mm wide: k h^(1 - m) + e, [k, m, e] in N and mm.\n\
              # before, behind: the same where the move joins another one, with the sine and cosine of the steeper and the flatter one.\n\
-             [plunge]\ntangential = [{specific_mpa:?}, {exponent_ratio:?}, {edge_n_per_mm:?}]\n"
+             [plunge]\nversion = {VERSION}\ntangential = [{specific_mpa:?}, {exponent_ratio:?}, {edge_n_per_mm:?}]\n"
         );
         for MappedDescent { line, sequence, key, sections, joints } in &self.moves {
             let _ = write!(text, "\n[[plunge.move]]\nline = {line}\n");

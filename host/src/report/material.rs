@@ -193,7 +193,8 @@ impl LeftOutBlocks {
                 "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
             }
             "no-machine" => "under G43.4, and the job names no machine",
-            "tilted" => "the tool is tilted, and chips are computed for an upright tool only",
+            "tilted" => "the tool is tilted, and a flexible workpiece or an engagement map needs an upright tool",
+            "axis-turns" => "the tool's axis turns on the part, and chips are computed at a fixed axis only",
             "backwards" => "the spindle turns backwards (M4), and the edges are those of a tool for M3",
             _ => "under G41 or G42 with a D of no radius: the simulated control executes the contour as written",
         }

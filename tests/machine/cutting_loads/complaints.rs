@@ -62,18 +62,3 @@ fn the_page_shows_the_loads_of_both_runs() {
     }
     assert!(words.contains("edges in the workpiece") && words.contains("torque, N m"), "{words}");
 }
-
-#[test]
-fn a_tilted_tool_is_reported_to_have_no_chips() {
-    let program = "%\nG21G17G90G94\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X9.F600.\nN5G0Z5.\nN6G43.4H0\nN7G0A-20.C90.\n\
-                   N8G1Z-4.F400.\nN9G1X20.F600.\nN10M30\n%\n";
-    let (code, report, complaints) = ran("leans", &format!("{JOB}[machine]\npreset = \"mikron-ucp710\"\n"), program);
-    let report: serde_json::Value = serde_json::from_str(&report).expect("one object");
-    assert!(
-        code == Some(0) && complaints.contains("no chips and forces in 2 blocks: the tool is tilted"),
-        "{complaints}"
-    );
-    let blocks = report["loads"]["blocks"].as_array().expect("a list");
-    assert_eq!(blocks.iter().map(|block| block["n"].as_i64()).collect::<Vec<_>>(), [Some(3), Some(4)]);
-    assert_eq!(report["loads"]["left_out"][0]["cause"], "tilted");
-}

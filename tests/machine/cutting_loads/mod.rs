@@ -8,6 +8,8 @@ mod slots;
 
 mod ends;
 
+mod tilted;
+
 mod arcs;
 
 mod complaints;

@@ -165,6 +165,12 @@ impl EdgeEngagement {
         EdgeEngagement { reach_mm, ..self }
     }
 
+    /// Takes the cutter out of its workpiece and into another one, in layers of the same height.
+    pub fn replace_layers(&mut self, layers: Layers) {
+        self.lift();
+        self.layers = layers;
+    }
+
     /// The cutter.
     pub fn cutter(&self) -> &Cutter {
         &self.cutter

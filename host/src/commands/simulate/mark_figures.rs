@@ -29,8 +29,11 @@ pub struct MarkReference {
 }
 
 impl MarkReference {
-    /// Marks of a run.
+    /// Marks of a run; none if tilted tools have cut, whose layers are not those of the blank.
     pub fn marks(&self, meter: &LoadMeter) -> Vec<WallMark> {
+        if meter.is_tilted() {
+            return Vec::new();
+        }
         marks(&self.blank, meter.process().engagement().layers(), meter.tip_path(), &self.turned)
     }
 }

@@ -1,14 +1,16 @@
 //! Workpiece of the job as a stock, and its tool as a solid and as edges.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use arcfeed_dexel::motion::Pose;
 use arcfeed_dexel::profile::ProfileError;
-use arcfeed_dexel::solid::{Block, Revolved, Solid};
+use arcfeed_dexel::solid::{Block, InitialSolid, Revolved};
 use arcfeed_dexel::tool::Tool;
 use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::removal::cutter::{StockCutter, StockCutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
+use arcfeed_hil_sim::removal::tilted::TiltedWorkpiece;
 use arcfeed_kinematics::vector::{difference, length};
 use arcfeed_milling::cutting::layers::Layers;
 use arcfeed_milling::cutting::material::Kienzle;
@@ -65,7 +67,8 @@ impl<'a> Setup<'a> {
         let input_failure = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
         let tool =
             tool(&file.job.tools.first().tool, &workpiece.body, tolerance_mm).map_err(|error| input_failure(&error))?;
-        let blank = solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?;
+        let blank: Arc<dyn InitialSolid> =
+            solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?.into();
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes)
             .map_err(|error| input_failure(&error))?;
         let machine = file.machine.as_ref().map(|named| named.machine);
@@ -74,7 +77,10 @@ impl<'a> Setup<'a> {
             let truth =
                 MarkReference { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
-            Ok((LoadSettings { process, machine, step_max_rad, flexible, samples }, truth))
+            let can_tilt = machine.is_some() && flexible.is_none();
+            let tilted =
+                can_tilt.then(|| TiltedWorkpiece { blank: Arc::clone(&blank), tool: tool.clone(), tolerance_mm });
+            Ok((LoadSettings { process, machine, step_max_rad, flexible, tilted, samples }, truth))
         };
         let wrong = |(offset, message): body::SetupFault, table: usize| {
             Failure::Input(format!("{}: {message}", located(offset.unwrap_or(table))))
@@ -140,7 +146,7 @@ impl ShapeFault {
     }
 }
 
-fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, ShapeFault> {
+fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn InitialSolid>, ShapeFault> {
     match blank {
         Blank::Block { lowest_mm, highest_mm } => {
             Ok(Box::new(Block { lowest_mm: *lowest_mm, highest_mm: *highest_mm }))
@@ -154,7 +160,7 @@ fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn Solid>, ShapeFault>
             let body = body.map_err(|error| ShapeFault::Here(error.to_string()))?;
             let round = Revolved::new(body, &Pose { tip_mm: *from_mm, axis: along });
             round
-                .map(|round| Box::new(round) as Box<dyn Solid>)
+                .map(|round| Box::new(round) as Box<dyn InitialSolid>)
                 .ok_or_else(|| ShapeFault::Here("it has no axis".into()))
         }
         Blank::Stl(file) => {

@@ -1,0 +1,127 @@
+//! Remaining workpiece in layers square to a tilted tool.
+//!
+//! Edges are evaluated in layers square to the tool's axis. Where the axis stands otherwise than before, the layers are made
+//! anew: the blank in the tool's frame, less all that the tool has swept so far. Nothing is rounded in between, because the
+//! sweeps are exact for any axis. What the edges of earlier cuts have left (feed marks) is lost with the old layers; from
+//! move to move at one axis it is kept.
+//!
+//! The positions of the axes are whole nanometres. In the frame of a tilted tool a move along the axis so has a path across it of
+//! a nanometre, which no machine makes and for which an edge would have a force. Coordinates that change by less count as
+//! standing.
+//!
+//! Source: own.
+
+use std::sync::Arc;
+
+use arcfeed_dexel::frame::Frame;
+use arcfeed_dexel::lattice::LatticeError;
+use arcfeed_dexel::section::Sweep;
+use arcfeed_dexel::solid::{InitialSolid, Machined};
+use arcfeed_dexel::tool::Tool;
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::{Vector, cross, difference, dot, length};
+use arcfeed_milling::cutting::layers::Layers;
+
+use super::placement::{ToolChord, WorkpiecePlacement};
+use super::trail::PathSection;
+
+/// Change of a coordinate that counts as none: the resolution of three axes.
+const STILL_MM: f64 = 3e-6;
+/// Distance from a straight path that counts as none.
+const STRAIGHT_MM: f64 = 1e-6;
+/// Distance of unit vectors that count as one.
+const SAME_RATIO: f64 = 1e-6;
+
+/// Workpiece of a run with tilted tools.
+#[derive(Clone, Debug)]
+pub struct TiltedWorkpiece {
+    /// Workpiece before the first cut, in the program's coordinates.
+    pub blank: Arc<dyn InitialSolid>,
+    /// Cutting part of the tool.
+    pub tool: Tool,
+    /// Largest distance of sweeps from the path of a tool whose axis turns.
+    pub tolerance_mm: f64,
+}
+
+/// Layers in force and what the tool has swept so far; state.
+#[derive(Clone, Debug)]
+pub(super) struct TiltedLayers {
+    workpiece: TiltedWorkpiece,
+    /// Height of a layer, and distance of its rays.
+    sizes_mm: [f64; 2],
+    sweeps: Vec<Sweep>,
+    frame: Frame,
+    /// Last place of the tip in the frame.
+    tip_mm: Option<Vector>,
+    is_tilted: bool,
+}
+
+impl TiltedLayers {
+    /// State before the run: the layers are those of an upright tool.
+    pub fn new(workpiece: TiltedWorkpiece, sizes_mm: [f64; 2]) -> Self {
+        let (sweeps, frame) = (Vec::new(), Frame::OWN);
+        TiltedLayers { workpiece, sizes_mm, sweeps, frame, tip_mm: None, is_tilted: false }
+    }
+
+    /// Whether layers were made for a tilted tool.
+    pub fn is_tilted(&self) -> bool {
+        self.is_tilted
+    }
+
+    /// Whether the layers are in the frame of the tool.
+    pub fn are_in_frame_of(&self, chord: &ToolChord) -> bool {
+        let pairs = self.frame.axes.iter().zip(chord.frame.axes);
+        pairs.into_iter().all(|(axis, other)| length(difference(*axis, other)) <= SAME_RATIO)
+    }
+
+    /// Layers square to the tool, as it has left them so far.
+    ///
+    /// # Errors
+    /// There are too many layers or rays.
+    pub fn turn_to(&mut self, chord: &ToolChord) -> Result<Layers, LatticeError> {
+        (self.frame, self.tip_mm) = (chord.frame, None);
+        self.is_tilted |= chord.is_tilted();
+        let solid = self.workpiece.blank.in_frame(&self.frame);
+        let sweeps: Vec<Sweep> = self.sweeps.iter().map(|sweep| sweep.in_frame(&self.frame)).collect();
+        let machined = Machined { solid: &*solid, tool: &self.workpiece.tool, sweeps: &sweeps };
+        let [rise_mm, step_mm] = self.sizes_mm;
+        Layers::of_solid(&machined, 2, rise_mm, step_mm)
+    }
+
+    /// Ends of a chord in the frame of the layers.
+    pub fn ends_mm(&mut self, chord: &ToolChord) -> [Vector; 2] {
+        if !chord.is_tilted() {
+            return chord.ends_mm;
+        }
+        chord.ends_mm.map(|end_mm| {
+            let at_mm = self.frame.coordinates(end_mm);
+            let last_mm = self.tip_mm.unwrap_or(at_mm);
+            let still = |axis: usize| {
+                let is_still = libm::fabs(at_mm[axis] - last_mm[axis]) < STILL_MM;
+                if is_still { last_mm[axis] } else { at_mm[axis] }
+            };
+            *self.tip_mm.insert([0, 1, 2].map(still))
+        })
+    }
+
+    /// Adds the sweeps of a path section. A sweep that continues the last one extends it.
+    pub fn add(&mut self, section: &PathSection, placement: &WorkpiecePlacement, machine: Option<&Machine>) {
+        let TiltedWorkpiece { tool, tolerance_mm, .. } = &self.workpiece;
+        // Where the tool's place is unknown, its material stays.
+        let sweeps = placement.sweeps(section, tool, machine, *tolerance_mm).unwrap_or_default();
+        for sweep in sweeps.iter().filter(|sweep| sweep.from_mm != sweep.to_mm) {
+            match self.sweeps.last_mut().filter(|last| continues(last, sweep)) {
+                Some(last) => last.to_mm = sweep.to_mm,
+                None => self.sweeps.push(*sweep),
+            }
+        }
+    }
+}
+
+/// Whether a sweep goes on where another ends, straight ahead under the same axis.
+fn continues(last: &Sweep, next: &Sweep) -> bool {
+    let (before, after) = (last.motion_mm(), next.motion_mm());
+    let whole = difference(next.to_mm, last.from_mm);
+    let off_mm = length(cross(before, whole)) / length(whole);
+    last.axis == next.axis && last.to_mm == next.from_mm && off_mm <= STRAIGHT_MM && dot(before, after) > 0.0
+}
