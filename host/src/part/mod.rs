@@ -1,6 +1,8 @@
 //! `PART.toml` (docs/plan.md): a bladed rotor, its blank and its cutter; reading and checking. Every complaint names
 //! its place in the file.
 
+mod finish_table;
+
 mod schema;
 
 mod geometry_files;

@@ -8,8 +8,9 @@ use arcfeed_kinematics::inverse::Angles;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::{Vector, cross, dot, scaled, sum, unit};
 
-/// Size of the picture, and of its margin.
+/// Size of the chart, height with its legend, and margin.
 const SIZE: f64 = 480.0;
+const HEIGHT: f64 = 512.0;
 const MARGIN: f64 = 36.0;
 /// Rays of equal positions.
 const RAYS: u32 = 24;
@@ -26,8 +27,8 @@ pub fn chart(machine: &Machine, axes: &[Vector]) -> String {
     let (x, y) = (|right: f64| SIZE / 2.0 + right * scale, |up: f64| SIZE / 2.0 - up * scale);
     let letter = machine.rotary()[0].letter;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {SIZE} {SIZE}\" role=\"img\" font-family=\"sans-serif\" font-size=\"10\">\n\
-         <title>{letter} over the directions of the tool axis</title>\n<rect width=\"{SIZE}\" height=\"{SIZE}\" fill=\"#fff\"/>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {SIZE} {HEIGHT}\" role=\"img\" font-family=\"sans-serif\" font-size=\"10\">\n\
+         <title>{letter} over the directions of the tool axis</title>\n<rect width=\"{SIZE}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n"
     );
     for ray in 0..RAYS {
         let (sin, cos) = libm::sincos(core::f64::consts::TAU * f64::from(ray) / f64::from(RAYS));
@@ -42,7 +43,9 @@ pub fn chart(machine: &Machine, axes: &[Vector]) -> String {
             let [at_x, at_y] = [x(1.08 * reach * cos), y(1.08 * reach * sin)];
             let _infallible = writeln!(
                 svg,
-                "<text x=\"{at_x:.1}\" y=\"{at_y:.1}\" text-anchor=\"middle\" dominant-baseline=\"middle\" fill=\"#345\">{position_deg:.0}</text>"
+                "<text x=\"{at_x:.1}\" y=\"{at_y:.1}\" text-anchor=\"middle\" dominant-baseline=\"middle\" fill=\"#345\">{:.0}</text>",
+                // Without the sign of a zero.
+                libm::round(position_deg) + 0.0
             );
         }
     }
@@ -59,13 +62,14 @@ pub fn chart(machine: &Machine, axes: &[Vector]) -> String {
         }
     }
     let second_letter = machine.rotary()[1].letter;
-    let _infallible = write!(
-        svg,
-        "<text x=\"8\" y=\"{:.0}\">blue: lines of equal {letter}, degrees, on the branch with the greater {second_letter}; red: tool axes, from the dot; \
-         half width {reach:.3}</text>\n</svg>",
-        SIZE - 6.0
-    );
-    svg
+    let lines = [
+        format!("blue: lines of equal {letter}, degrees, on the branch with the greater {second_letter}"),
+        format!("red: tool axes, from the dot; half width {reach:.3}"),
+    ];
+    for (line, at_y) in lines.iter().zip([SIZE + 12.0, SIZE + 26.0]) {
+        let _infallible = writeln!(svg, "<text x=\"8\" y=\"{at_y:.0}\">{line}</text>");
+    }
+    svg + "</svg>"
 }
 
 /// Two directions across an axis: of Z those of X and Y.

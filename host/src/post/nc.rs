@@ -37,12 +37,12 @@ pub struct Style<'a> {
     /// Tolerance of straight moves.
     pub tolerance: Tolerance,
     /// Tool and spindle; without them the program has the moves alone.
-    pub start: Option<ProgramStart>,
+    pub start: Option<ToolStart>,
 }
 
 /// Tool and spindle of a whole program.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProgramStart {
+pub struct ToolStart {
     /// O number.
     pub number: u32,
     /// T and H.
@@ -65,7 +65,7 @@ pub fn write(cl: &Cl, plan: &AxisPlan, task: &Task, style: &Style<'_>) -> Result
             "{line}: a change of branch leaves the part only in --mode machine; see what `check --machine` says"
         ));
     }
-    let mut text = header(cl, style);
+    let mut text = header(cl, task, style, plan.stops.first());
     let mut writer = Writer { task, mode: style.mode, feed: None, points: 0 };
     let mut before: Option<PathPoint> = None;
     for (index, (point, stop)) in cl.points.iter().zip(&plan.stops).enumerate() {
@@ -103,17 +103,21 @@ fn ways_round(plan: &AxisPlan) -> Vec<(usize, &BranchChangeMoves)> {
     ways
 }
 
-fn header(cl: &Cl, style: &Style<'_>) -> String {
+fn header(cl: &Cl, task: &Task, style: &Style<'_>, first: Option<&PathPoint>) -> String {
     let (number, tool) = style.start.map_or((1, 1), |start| (start.number, start.tool));
     let (mode, lengths) = match style.mode {
         Mode::Tcp => ("TCP", format!("G94\nG43.5H{tool}\n")),
         Mode::PartRotary => ("PART-ROTARY", format!("G94\nG43.4H{tool}\n")),
         Mode::Machine => ("MACHINE", String::new()),
     };
-    // The tool goes to the end of Z before the rotary axes turn.
-    let start = style.start.map_or(String::new(), |ProgramStart { rev_per_min, coolant, .. }| {
+    // The rotary axes turn with the tool at the end of Z, and alone: then it comes down straight.
+    let mut turns = String::from("G0");
+    for (axis, value) in task.machine.rotary().iter().zip(first.map_or([0.0; 2], |stop| stop.axes.rotary_deg)) {
+        word(&mut turns, &axis.letter.to_string(), value, decimals(axis.resolution_deg));
+    }
+    let start = style.start.map_or(String::new(), |ToolStart { rev_per_min, coolant, .. }| {
         let coolant = if coolant { "M8\n" } else { "" };
-        format!("G49\nG91G28Z0.\nG90\nT{tool}M6\nS{}M3\n{coolant}", libm::round(rev_per_min))
+        format!("G49\nG91G28Z0.\nG90\nT{tool}M6\n{turns}\nS{}M3\n{coolant}", libm::round(rev_per_min))
     });
     let plain = |text: &str| -> String {
         let kept = text.chars().filter(|c| c.is_ascii_alphanumeric() || " .-/".contains(*c));

@@ -168,7 +168,7 @@ impl Machine {
             let beyond = wrapped_deg(place[1] - at_pole_deg) > 0.0;
             if beyond { Branch::Positive } else { Branch::Negative }
         };
-        let position_deg = places.first().map_or(0.0, |place| 2.0 * at_pole_deg - place[1]);
+        let position_deg = places.first().map_or(0.0, |place| wrapped_deg(2.0 * at_pole_deg - place[1]));
         places.retain(|place| side(place) == branch);
         let [_, second] = self.rotary();
         let out = Unreachable::Range { letter: second.letter, position_deg };

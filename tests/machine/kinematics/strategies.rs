@@ -15,7 +15,7 @@ use arcfeed_plan::vector::{Point, Vector};
 
 use crate::kinematics::bench::{machine, travels};
 
-/// Of the printed rows: i over j squared, and the radius of the edge.
+/// Ratio of i to the square of j in the printed rows, and the radius of the edge.
 const BEND: f64 = 0.1383;
 const EDGE_MM: f64 = 17.4;
 /// Normals at both ends, and the feed of the paper's example.

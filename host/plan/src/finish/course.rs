@@ -11,7 +11,7 @@ use crate::vector::Vector;
 
 use super::axis::{AxisProgram, Station, shares};
 use super::contact::Contact;
-use super::reach::{Reach, smoothest};
+use super::reach::{AxisReach, smoothest};
 
 /// Stations of a closed course, and of an open one less one.
 const STATIONS: usize = 24;
@@ -23,7 +23,7 @@ const CONE_DEG: f64 = 67.5;
 /// Search for a course.
 pub struct CourseSearch<'a> {
     /// Test of axes.
-    pub reach: &'a Reach<'a>,
+    pub reach: &'a AxisReach<'a>,
     /// Dense contacts of the sampled passes.
     pub passes: &'a [Vec<Contact>],
     /// Direction out of the rotor at the blade.

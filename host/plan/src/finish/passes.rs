@@ -10,12 +10,13 @@
 //! Source: Tournier 2006, table 3 (tolerance, sampling step and angle). The loop round both edges is ours.
 
 use crate::geometry::blade::length_mm;
+use crate::geometry::flaws::BladeSide;
 use crate::vector::{Point, Vector};
 
 use super::axis::{AxisProgram, along_arc};
 use super::contact::Contact;
 use super::mill::{CutterLocation, FinishMill};
-use super::rows::Rows;
+use super::rows::PassRows;
 
 /// Places along each side, among which the points are chosen.
 const PLACES: usize = 300;
@@ -30,15 +31,6 @@ const SAME_RAD: f64 = 0.02;
 const HOLLOW_MM: f64 = 0.001;
 /// Length of the sum of two unit vectors below which they count as opposite.
 const MEAN_LEAST: f64 = 0.5;
-
-/// Side of a blade.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BladeSide {
-    /// Concave side.
-    Pressure,
-    /// Convex side.
-    Suction,
-}
 
 /// Course of the passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,8 +71,8 @@ pub type Surface<'s> = dyn Fn(BladeSide, f64, f64) -> (Point, Vector) + 's;
 pub struct Layout<'s> {
     /// Surface.
     pub surface: &'s Surface<'s>,
-    /// Rows of both sides: pressure, suction.
-    pub rows: [Rows; 2],
+    /// PassRows of both sides: pressure, suction.
+    pub rows: [PassRows; 2],
     /// Course.
     pub course: Course,
     /// Passes run from the leading to the trailing edge on the pressure side, or on the side of the course.

@@ -4,15 +4,16 @@ use thiserror::Error;
 
 use crate::geometry::blisk::Blisk;
 use crate::geometry::face::Face;
+use crate::geometry::flaws::BladeSide;
 use crate::vector::{Point, Vector};
 
 use super::axis::{AxisProgram, along_arc};
 use super::course::CourseSearch;
 use super::mill::{CutterLocation, FinishMill};
 use super::obstacles::FinishBody;
-use super::passes::{BladeSide, Course, Layout, PassPoint, Sampling, is_climb};
-use super::reach::{Margins, Reach};
-use super::rows::{Rows, Spacing};
+use super::passes::{Course, Layout, PassPoint, Sampling, is_climb};
+use super::reach::{AxisReach, Margins};
+use super::rows::{PassRows, Spacing};
 
 /// Steps of the search for the lowest row.
 const SPAN_STEPS: usize = 200;
@@ -129,7 +130,7 @@ impl Planner<'_> {
         };
         let rows = |side: BladeSide| {
             let FinishNeeds { spacing, scallop_mm, .. } = self.needs;
-            let rows = Rows::new(self.face(side), span, *spacing, self.mill.corner_radius_mm, *scallop_mm);
+            let rows = PassRows::new(self.face(side), span, *spacing, self.mill.corner_radius_mm, *scallop_mm);
             rows.ok_or(FinishInfeasible::NoStepover)
         };
         let rows = [rows(BladeSide::Pressure)?, rows(BladeSide::Suction)?];
@@ -194,7 +195,7 @@ impl Planner<'_> {
         let pieces = self.mill.pieces();
         let FinishNeeds { margins, sampling, .. } = self.needs;
         let turn_rad = sampling.angle_rad / 2.0;
-        let reach = Reach { mill: self.mill, pieces: &pieces, bodies: self.bodies, margins: *margins, turn_rad };
+        let reach = AxisReach { mill: self.mill, pieces: &pieces, bodies: self.bodies, margins: *margins, turn_rad };
         let last = layout.passes().end - 1;
         let numbers = (0..SAMPLED).map(|k| k * last / (SAMPLED - 1));
         let passes: Vec<_> = numbers.map(|number| layout.contacts(number, self.mill.corner_radius_mm)).collect();

@@ -83,21 +83,16 @@ impl FinishProof<'_> {
     /// Least distance of a piece from an obstacle.
     fn least(&self, piece: &MillPiece, body: &FinishBody, path: &[CutterLocation]) -> Option<FinishClearance> {
         let pairs: Vec<(usize, &[CutterLocation])> = path.windows(2).enumerate().collect();
-        let on = |(at, pair): &(usize, &[CutterLocation])| self.on_move(piece, body, *at, &pair[0], &pair[1]);
+        let on = |(at, pair): &(usize, &[CutterLocation])| self.on_move(piece, body, *at, pair);
         pairs
             .par_iter()
             .map(on)
             .min_by(|one, other| one.certified_mm.total_cmp(&other.certified_mm).then(one.at.cmp(&other.at)))
     }
 
-    fn on_move(
-        &self,
-        piece: &MillPiece,
-        body: &FinishBody,
-        at: usize,
-        from: &CutterLocation,
-        to: &CutterLocation,
-    ) -> FinishClearance {
+    /// Distance on the move between two places.
+    fn on_move(&self, piece: &MillPiece, body: &FinishBody, at: usize, pair: &[CutterLocation]) -> FinishClearance {
+        let (from, to) = (&pair[0], &pair[1]);
         let to_tool = upright(&along_arc(&from.axis, &to.axis, 0.5));
         let [start, end] = [from, to].map(|location| (to_tool * self.mill.pivot(location)).into());
         let motion = Motion::new(&Step { purpose: Purpose::Link, level: 0, from: start, to: end, about: None });

@@ -40,7 +40,7 @@ pub struct Margins {
 }
 
 /// Test of tool axes against obstacles.
-pub struct Reach<'a> {
+pub struct AxisReach<'a> {
     /// Mill.
     pub mill: &'a FinishMill,
     /// Pieces of the mill.
@@ -68,7 +68,7 @@ impl Margins {
     }
 }
 
-impl Reach<'_> {
+impl AxisReach<'_> {
     /// The mill at a contact, with this axis, keeps all distances. (1)
     pub fn is_admissible(&self, contact: &Contact, axis: Vector) -> bool {
         let location = self.mill.at(contact, axis);

@@ -27,7 +27,7 @@ pub enum Spacing {
 
 /// Places of passes on one side of a blade.
 #[derive(Clone, Debug)]
-pub struct Rows {
+pub struct PassRows {
     span: [f64; 2],
     /// Cumulated measure over the span, of every line of u, or of one for all.
     columns: Vec<Vec<f64>>,
@@ -35,7 +35,7 @@ pub struct Rows {
     pub steps: f64,
 }
 
-impl Rows {
+impl PassRows {
     /// Rows of a side between two places of the span. `None` if the scallop is not below the corner's radius, or a hollow is as narrow as the corner.
     pub fn new(face: &Face, span: [f64; 2], spacing: Spacing, corner_mm: f64, scallop_mm: f64) -> Option<Self> {
         let at = |i: usize| i as f64 / LINES as f64;
@@ -63,7 +63,7 @@ impl Rows {
             }
         };
         let most = columns.iter().filter_map(|column| column.last()).copied().fold(0.0, f64::max);
-        Some(Rows { span, columns, steps: most })
+        Some(PassRows { span, columns, steps: most })
     }
 
     /// Place v on the line u at a share of the way up the span.

@@ -11,7 +11,7 @@ use super::super::files::{CONTROL, file_stem, machine, machine_file, write_files
 use super::figures::FinishFigures;
 use super::page::{page, picture};
 use super::result::{FinishResult, TOLERANCE};
-use crate::post::nc::{ProgramStart, Style, write as program};
+use crate::post::nc::{Style, ToolStart, write as program};
 
 /// Writes the plan's files into a folder.
 ///
@@ -24,7 +24,7 @@ pub fn write(result: &FinishResult, figures: &FinishFigures, folder: &Path, inpu
         name: &result.part.machine.name,
         mode: Mode::PartRotary,
         tolerance: TOLERANCE,
-        start: Some(ProgramStart {
+        start: Some(ToolStart {
             number: output.number,
             tool: output.tool,
             rev_per_min: result.part.feeds.rev_per_min,

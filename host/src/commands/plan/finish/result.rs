@@ -19,6 +19,8 @@ use crate::program::Severity;
 
 /// Deviations of straight blocks from the planned path.
 pub const TOLERANCE: Tolerance = Tolerance { tip_mm: 0.001, axis_deg: 0.02 };
+/// Share of the axes' feed that is used: their words are rounded, on short moves by up to a hundredth.
+const ROUNDING: f64 = 0.99;
 /// Retraction at a change of branch, which these programs refuse.
 const RETRACT_MM: f64 = 50.0;
 
@@ -135,8 +137,9 @@ fn limit_feeds(cl: &mut Cl, axes: &AxisPlan, task: &Task) -> usize {
         let (Some(feed), Some(allowed)) = (point.feed_mm_per_min, task.machine.tip_feed(&of, &task.setup)) else {
             continue;
         };
-        if allowed.feed_mm_per_min < feed {
-            point.feed_mm_per_min = Some((libm::floor(allowed.feed_mm_per_min * 1e3) / 1e3).max(1e-3));
+        let allowed = allowed.feed_mm_per_min * ROUNDING;
+        if allowed < feed {
+            point.feed_mm_per_min = Some((libm::floor(allowed * 1e3) / 1e3).max(1e-3));
             limited += 1;
         }
     }
