@@ -197,6 +197,33 @@ fn a_nick_in_an_edge_blends_by_distance() {
     }
 }
 
+#[test]
+fn passes_about_a_nick_keep_off_the_old_surface() {
+    // 4.8 mm up and down the span and 5.4 mm along the chord, then 3 mm of transition, and a point beyond.
+    let nick = |[u, v]: [f64; 2]| {
+        let t = ((1.0 - ((u - 0.5) / 0.12).hypot(v / 0.15)) * 8.0).clamp(0.0, 1.0);
+        OLD_MM + (WELD_MM - OLD_MM) * t
+    };
+    let plan = planned(0.0, nick).unwrap();
+    let contacts: Vec<&RepairContact> = plan.finish.iter().flatten().collect();
+    let middle = Sheet.jet([0.5, 0.0]).point;
+    let farthest = contacts.iter().map(|at| (Sheet.jet(at.at).point - middle).norm()).fold(0.0, f64::max);
+    println!("{} contacts, {farthest:.2} mm from the nick's middle at most", contacts.len());
+    assert!(contacts.len() > 50 && farthest < 5.4 + 3.0 + 2.5, "{farthest}");
+}
+
+#[test]
+fn a_border_that_falls_towards_the_trailing_edge_is_planned_like_one_that_rises() {
+    let plan = planned(0.0, |[u, v]| weld([u, 1.0 - v])).unwrap();
+    assert!(matches!(plan.regions.border, RepairBorder::Rising { is_mirrored: true, .. }));
+    let allowance = plan.regions.allowance;
+    // The trailing edge is the lower end now.
+    let left = |at: [f64; 2]| plan.regions.left_mm(at, &Sheet.jet(at).point, false);
+    assert!((left([allowance.leading_u, 1.0]) - 0.02).abs() < 1e-6);
+    assert!(left([allowance.leading_u, 0.0]) > 0.03);
+    assert!((left([allowance.from_u, 0.5]) - allowance.old_mm).abs() < 1e-9);
+}
+
 /// Sheet after an orthogonal map.
 #[derive(Clone, Copy)]
 struct Mapped(nalgebra::Matrix3<f64>);

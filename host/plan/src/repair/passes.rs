@@ -137,16 +137,12 @@ pub fn layer_heights_mm(greatest_mm: f64, rough_mm: f64, depth_mm: f64) -> Vec<f
     (1..=count).map(|k| rough_mm + (count - k) as f64 * depth_mm).collect()
 }
 
-/// Runs of a line on which the measured surface stands above the contact points; places in a hole of the measurement count as above.
-pub fn runs_above(line: &[RepairContact], measured_mm: impl Fn([f64; 2]) -> Option<f64>) -> Vec<Vec<RepairContact>> {
-    let is_above =
-        |contact: &RepairContact| measured_mm(contact.at).is_none_or(|height_mm| height_mm > contact.left_mm);
-    let marks: Vec<bool> = line.iter().map(is_above).collect();
+/// Runs of a line on which the ball cuts.
+pub fn runs(line: &[RepairContact], is_cut: impl Fn(&RepairContact) -> bool) -> Vec<Vec<RepairContact>> {
+    let marks: Vec<bool> = line.iter().map(is_cut).collect();
     // One point beyond each end: the border lies between.
     let is_near = |k: usize| marks[k.saturating_sub(1)..(k + 2).min(marks.len())].contains(&true);
     let kept: Vec<Option<RepairContact>> = line.iter().enumerate().map(|(k, at)| is_near(k).then_some(*at)).collect();
-    kept.split(Option::is_none)
-        .map(|run| run.iter().flatten().copied().collect())
-        .filter(|run: &Vec<_>| run.len() > 1)
-        .collect()
+    let runs = kept.split(Option::is_none).map(|run| run.iter().flatten().copied().collect());
+    runs.filter(|run: &Vec<_>| run.len() > 1).collect()
 }

@@ -5,8 +5,8 @@ use thiserror::Error;
 use super::blend::BlendShape;
 use super::border::square_to;
 use super::field::AllowanceField;
-use super::passes::{PassLines, PassSettings, RepairContact, layer_heights_mm, pass_lines, runs_above};
-use super::regions::{Region, RegionSettings, RepairRegions, regions};
+use super::passes::{PassLines, PassSettings, RepairContact, layer_heights_mm, pass_lines, runs};
+use super::regions::{Region, RegionSettings, RepairBorder, RepairRegions, regions};
 use super::scan::{HeightSample, NominalSurface};
 use crate::geometry::face::FaceError;
 use crate::geometry::surface::Surface;
@@ -105,7 +105,7 @@ pub struct RepairPlan {
     pub planned_mm: Vec<Vec<Option<f64>>>,
     /// Lines of the finish.
     pub lines: PassLines,
-    /// Finishing passes.
+    /// Finishing passes; of an island or a nick the runs on which they cut.
     pub finish: Vec<Vec<RepairContact>>,
     /// Rough layers, from the highest: their heights and the runs of contact points.
     pub layers: Vec<(f64, Vec<Vec<RepairContact>>)>,
@@ -139,9 +139,20 @@ pub fn plan<S: Surface + Sync>(
     let ball_mm = settings.passes.ball_mm;
     let lines =
         pass_lines(surface, found.allowance.from_u, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
-    let is_repaired = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, point) == Region::Repaired;
-    let finish = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)), true);
-    let layers = layers(surface, &field, &found, &lines, settings, |at| heights.height_mm(at));
+    let region = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, point);
+    let is_repaired = |at: [f64; 2], point: &Point| region(at, point) == Region::Repaired;
+    let passes = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)), true);
+    // Beside an island or a nick the old surface stays; above c1 of a border from edge to edge everything is finished.
+    let is_all = matches!(found.border, RepairBorder::Rising { .. });
+    let is_finished =
+        |contact: &RepairContact| is_all || region(contact.at, &surface.jet(contact.at).point) != Region::Norm;
+    let finish = passes.iter().flat_map(|line| runs(line, is_finished)).collect();
+    // A place of the weld that was not measured counts as standing above every layer.
+    let stands_above = |contact: &RepairContact| {
+        is_repaired(contact.at, &surface.jet(contact.at).point)
+            && heights.height_mm(contact.at).is_none_or(|height_mm| height_mm > contact.left_mm)
+    };
+    let layers = layers(surface, &lines, settings, greatest_mm(&field, &found), stands_above);
     let removed_mm3 = removed_mm3(&field, &found, &planned_mm);
     Ok(RepairPlan { layers, finish, lines, removed_mm3, planned_mm, regions: found, field })
 }
@@ -202,27 +213,23 @@ fn check_material(
     }
 }
 
+/// Greatest allowance of the repaired region.
+fn greatest_mm(field: &AllowanceField, regions: &RepairRegions) -> f64 {
+    let nodes = field.nodes().zip(regions.regions.iter().flatten());
+    nodes.filter(|(_, region)| **region == Region::Repaired).filter_map(|(node, _)| node.along_mm).fold(0.0, f64::max)
+}
+
+/// Rough layers where material stands above them.
 fn layers(
     surface: &impl Surface,
-    field: &AllowanceField,
-    regions: &RepairRegions,
     lines: &PassLines,
     settings: &RepairSettings,
-    measured_mm: impl Fn([f64; 2]) -> Option<f64>,
+    greatest_mm: f64,
+    stands_above: impl Fn(&RepairContact) -> bool,
 ) -> Vec<(f64, Vec<Vec<RepairContact>>)> {
-    let repaired =
-        field.nodes().zip(regions.regions.iter().flatten()).filter(|(_, region)| **region == Region::Repaired);
-    let greatest_mm = repaired.filter_map(|(node, _)| node.along_mm).fold(0.0, f64::max);
     let layer = |height_mm: f64| {
-        let in_region = |at: [f64; 2]| {
-            let point = surface.jet(at).point;
-            match nearest_region(field, regions, at, &point) {
-                Region::Repaired => measured_mm(at),
-                _ => Some(f64::NEG_INFINITY),
-            }
-        };
-        let runs = lines.contacts(surface, |_, _| height_mm, true);
-        (height_mm, runs.iter().flat_map(|line| runs_above(line, in_region)).collect())
+        let passes = lines.contacts(surface, |_, _| height_mm, true);
+        (height_mm, passes.iter().flat_map(|line| runs(line, &stands_above)).collect())
     };
     layer_heights_mm(greatest_mm, settings.rough_mm, settings.depth_mm).into_iter().map(layer).collect()
 }
