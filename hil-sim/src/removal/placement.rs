@@ -38,6 +38,8 @@ pub enum LeftOutReason {
     Contour,
     /// The tool is tilted on the part; edges are evaluated for an upright tool only.
     Tilted,
+    /// The shape of the tool in the spindle is not given.
+    OtherTool,
     /// The spindle turns counter-clockwise (M4); the edges are those of a tool for M3.
     Backwards,
 }

@@ -316,8 +316,10 @@ fn print_counts(findings: &CheckFindings<'_>, counts: Counts) {
 
 /// One line with the called programs, if there are any.
 fn print_calls(findings: &CheckFindings<'_>, calls: &[CallCount]) {
-    let called: Vec<String> =
-        calls.iter().map(|CallCount { program, executions }| format!("O{program:04} {}", counted(*executions as usize, "time"))).collect();
+    let called: Vec<String> = calls
+        .iter()
+        .map(|CallCount { program, executions }| format!("O{program:04} {}", counted(*executions as usize, "time")))
+        .collect();
     if !called.is_empty() {
         say(format_args!("{}: called: {}", findings.path.display(), called.join(", ")));
     }

@@ -28,9 +28,9 @@ use crate::engagement::knot_cover::{self, Sample};
 use crate::engagement::sections::{MappedDescent, MappedDescents, MappedSection};
 use crate::engagement::{EngagementMap, MappedMove, key, key_at_any_position};
 use crate::job::{JobFile, Plunge};
+use crate::plural::counted;
 use crate::program::Program;
 use crate::report::material::LeftOutBlocks;
-use crate::plural::counted;
 
 /// Find the engaged arcs of the tool along each move, for rules with stock = { map = FILE }
 ///
@@ -88,6 +88,12 @@ impl Engage {
         // The map itself is made anew.
         let inputs = JobFile { map_file: None, ..file.clone() }.inputs(&self.job);
         refuse_inputs(&[Some(output)], &inputs)?;
+        if file.job.tools.len() > 1 {
+            let job = self.job.display();
+            return Err(Failure::Input(format!(
+                "{job}: an engagement map is made for one tool: give the job one [tool]"
+            )));
+        }
         let Some(setup) = Setup::of(&self.job, &file)? else {
             let job = self.job.display();
             return Err(Failure::Input(format!(
@@ -234,7 +240,11 @@ impl Report {
         }
         let unknown = self.moves.iter().filter(|found| found.knots == 0).count() + self.descents[1];
         for left_out in &self.left_out {
-            note(format_args!("warning: nothing is taken in {}: {}", counted(left_out.blocks, "block"), left_out.words()));
+            note(format_args!(
+                "warning: nothing is taken in {}: {}",
+                counted(left_out.blocks, "block"),
+                left_out.words()
+            ));
         }
         if unknown > 0 {
             note(format_args!(

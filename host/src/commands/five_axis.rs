@@ -9,11 +9,11 @@ use serde::Serialize;
 use super::outcome::{Failure, json_text, say};
 use crate::console::note;
 use crate::machine_file::MachineFile;
+use crate::plural::counted;
 use crate::post::cl::Cl;
 use crate::post::finding::Entry;
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
-use crate::plural::counted;
 
 /// Placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]

@@ -17,9 +17,9 @@ use crate::dnc::outbox::LineError;
 use crate::file_error::FileError;
 use crate::job::JobFile;
 use crate::output;
+use crate::plural::counted;
 use crate::port::PortError;
 use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_convention};
-use crate::plural::counted;
 
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;

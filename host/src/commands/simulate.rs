@@ -25,6 +25,8 @@ pub(super) mod path_trace;
 
 pub(super) mod observer;
 
+mod block_pairs;
+
 pub(super) mod material_figures;
 
 mod load_figures;
@@ -34,8 +36,6 @@ mod spindle_load;
 mod path_plot;
 
 mod block_lines;
-
-mod block_pairs;
 
 pub(super) mod listing;
 
@@ -145,7 +145,7 @@ impl Simulate {
         let started = Instant::now();
         let adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;
-        let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
+        let mut simulation = in_memory(&file, &sent.text, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
         let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
         // Results are written and printed even if a later step fails.

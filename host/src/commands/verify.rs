@@ -12,10 +12,10 @@ use super::outcome::{Failure, json_text, on_interrupt, refuse_inputs, say, write
 use super::stream::preparation::PreparedProgram;
 use crate::console::note;
 use crate::dnc::readback::{Difference, ReadBack};
+use crate::plural::counted;
 use crate::port::Port;
 use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
-use crate::plural::counted;
 
 const DC1: u8 = 0x11;
 /// Time between two polls of the line.

@@ -3,10 +3,10 @@
 
 use std::fmt;
 
+use crate::plural::counted;
 use arcfeed_nc::block::{Parsed, Reading, parse_line};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc::word::{BYTE_ORDER_MARK, is_control_character};
-use crate::plural::counted;
 
 /// Longest block: one that does not fit the control's buffer is never complete there, and the transmission stops.
 const BLOCK_MAX: usize = 256;
@@ -71,7 +71,8 @@ impl Changes {
             ),
         ];
         let found = lines.into_iter().filter(|(change, _)| change.lines > 0);
-        let said = found.map(|(change, what)| format!("{} {what} (first: line {})", counted(change.lines, "line"), change.first));
+        let said = found
+            .map(|(change, what)| format!("{} {what} (first: line {})", counted(change.lines, "line"), change.first));
         mark.into_iter().chain(said).collect()
     }
 }

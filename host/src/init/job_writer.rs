@@ -183,12 +183,8 @@ fn rule(cut: &ProposedCut, table: &str, groups: &[Group], unit: LengthUnit) -> S
     let levels: Vec<Nm> = cut.groups.iter().flat_map(|index| groups[*index].levels.clone()).collect();
     let mut radii: Vec<String> = cut.groups.iter().map(|index| length(groups[*index].radius_mm, unit)).collect();
     radii.dedup();
-    let mut text = format!(
-        "\n# {}, R {}, Z {}.\n{table}\n",
-        counted(arcs, "arc"),
-        wording::some(&radii),
-        lengths(&levels, unit)
-    );
+    let mut text =
+        format!("\n# {}, R {}, Z {}.\n{table}\n", counted(arcs, "arc"), wording::some(&radii), lengths(&levels, unit));
     let direction = wording::direction(cut.turn);
     match cut.movement {
         Movement::Rotation(rotation, edge) => {

@@ -183,8 +183,10 @@ impl LoadsFigures {
     /// Warnings, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let own = self.left_out.iter().filter(|left_out| ["tilted", "backwards"].contains(&left_out.cause));
-        own.map(|left_out| format!("no chips and forces in {}: {}", counted(left_out.blocks, "block"), left_out.words()))
-            .collect()
+        own.map(|left_out| {
+            format!("no chips and forces in {}: {}", counted(left_out.blocks, "block"), left_out.words())
+        })
+        .collect()
     }
 }
 

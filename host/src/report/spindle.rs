@@ -84,7 +84,11 @@ impl SpindleLoadFigures {
                 named.push(format!("{more} more"));
             }
             let limit = written(limit);
-            format!("{side}: {quantity} above the spindle's {limit} in {}: {}", counted(blocks.len(), "block"), named.join(", "))
+            format!(
+                "{side}: {quantity} above the spindle's {limit} in {}: {}",
+                counted(blocks.len(), "block"),
+                named.join(", ")
+            )
         });
         warning.collect()
     }

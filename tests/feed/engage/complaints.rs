@@ -101,5 +101,8 @@ fn moves_that_are_not_in_a_map_are_reported() {
     let more = std::fs::read_to_string(&job).expect("a job").replace("n = [3, 3]", "n = [3, 4]");
     let (code, words) = said(&["adapt", &scratch.write("job.toml", more)]);
     let place = "program.nc:6:1: warning: ";
-    assert!(code == Some(0) && words.contains(place) && words.contains("knows nothing of 1 move from here on"), "{words}");
+    assert!(
+        code == Some(0) && words.contains(place) && words.contains("knows nothing of 1 move from here on"),
+        "{words}"
+    );
 }

@@ -5,6 +5,7 @@ use arcfeed_nc::text::Lines;
 use super::block_lines::block_lines;
 use super::block_pairs::BlockPairs;
 use crate::adapt::Adapted;
+use crate::adapt::write_back::WrittenProgram;
 use crate::program::{Program, in_capitals};
 
 /// Program as text, with the line of each executed block.
@@ -17,20 +18,20 @@ pub struct ProgramListing {
 }
 
 impl ProgramListing {
-    /// ProgramListing of a program; `sent` is its text in the control's memory, and `executed` has the blocks of the run and of
-    /// the original program.
-    pub fn new(program: &Program, adapted: &Adapted, sent: &[u8], executed: [&[Vec<u8>]; 2]) -> Self {
+    /// ProgramListing of a program; `sent` is its text in the control's memory, with the end of each line of the program, and
+    /// `executed` has the blocks of the run and of the original program.
+    pub fn new(program: &Program, adapted: &Adapted, sent: &WrittenProgram, executed: [&[Vec<u8>]; 2]) -> Self {
         let file = program.file();
-        let own_lines = |blocks: &[Vec<u8>], text: &[u8]| block_lines(blocks, &in_capitals(text), &line_ends(text));
-        let is_planned = sent == adapted.text;
+        let WrittenProgram { text: sent, line_ends: sent_ends } = sent;
+        let is_planned = *sent == adapted.text;
         let after = if is_planned {
             let lines = block_lines(executed[0], &in_capitals(sent), &adapted.line_ends);
             lines.into_iter().map(|line| line.map(|line| program.line_in_file(line))).collect()
         } else {
             // The control runs macros itself, so its blocks are lines of the file with the feeds written back.
-            own_lines(executed[0], sent)
+            block_lines(executed[0], &in_capitals(sent), sent_ends)
         };
-        let before = own_lines(executed[1], &file);
+        let before = block_lines(executed[1], &in_capitals(&file), &line_ends(&file));
         let text_of = |ends: &[usize], text: &[u8]| -> Vec<Vec<u8>> {
             let begins = std::iter::once(0).chain(ends.iter().copied());
             let lines = begins.zip(ends).map(|(begin, end)| text.get(begin..*end).unwrap_or_default());
@@ -41,7 +42,7 @@ impl ProgramListing {
             (true, None) => text_of(&adapted.line_ends, sent),
             // Blocks as executed are no lines of the file.
             (true, Some(_)) => lines.clone(),
-            (false, _) => text_of(&line_ends(sent), sent),
+            (false, _) => text_of(sent_ends, sent),
         };
         let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
         ProgramListing { lines, block_lines: [after, before] }

@@ -19,11 +19,7 @@ use crate::report::page::plot::{Lane, Series};
 const W_PER_KW: f64 = 1e3;
 
 /// Figures of a run, and of the original program.
-pub fn figures(
-    (unit, pairs): (LengthUnit, &BlockPairs),
-    meter: &LoadMeter,
-    baseline: &LoadMeter,
-) -> LoadsFigures {
+pub fn figures((unit, pairs): (LengthUnit, &BlockPairs), meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
     let runs = [meter, baseline];
     let of = |choose: &dyn Fn(&BlockRef) -> bool| runs.map(|run| load(&sum(run, choose), unit));
     let [total, before] = of(&|_| true);
@@ -105,11 +101,7 @@ fn sum(meter: &LoadMeter, choose: &dyn Fn(&BlockRef) -> bool) -> LoadStatistics 
 }
 
 /// Blocks of the run, with those of the original program if it has the same block.
-fn blocks(
-    (unit, pairs): (LengthUnit, &BlockPairs),
-    meter: &LoadMeter,
-    baseline: &LoadMeter,
-) -> Vec<LoadBlockFigures> {
+fn blocks((unit, pairs): (LengthUnit, &BlockPairs), meter: &LoadMeter, baseline: &LoadMeter) -> Vec<LoadBlockFigures> {
     let after = by_place(meter, |count| pairs.place(count));
     let before = by_place(baseline, BlockPlace::Original);
     let block = |(place, (of, statistics)): (&BlockPlace, &(BlockRef, LoadStatistics))| {

@@ -130,10 +130,7 @@ pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
 }
 
 /// Pieces of the blocks of each place, with its rapids apart.
-fn by_place<P: Ord>(
-    cutter: &StockCutter,
-    place: impl Fn(u32) -> P,
-) -> BTreeMap<(P, bool), (BlockRef, Vec<&Piece>)> {
+fn by_place<P: Ord>(cutter: &StockCutter, place: impl Fn(u32) -> P) -> BTreeMap<(P, bool), (BlockRef, Vec<&Piece>)> {
     let mut found = BTreeMap::new();
     for piece in cutter.pieces() {
         let of = cutter.blocks()[piece.block];
@@ -160,6 +157,7 @@ pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) 
         LeftOutReason::NoMachine => "no-machine",
         LeftOutReason::Contour => "contour",
         LeftOutReason::Tilted => "tilted",
+        LeftOutReason::OtherTool => "other-tool",
         LeftOutReason::Backwards => "backwards",
     };
     LeftOutBlocks { cause, blocks, first_block: first.count, first_n: first.sequence }

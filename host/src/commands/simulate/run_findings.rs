@@ -3,12 +3,12 @@
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_units::LengthUnit;
 
+use crate::plural::counted;
 use crate::report::figures::RunReport;
 use crate::report::loads::UnsteadyFigures;
 use crate::report::material::{LeftOutBlocks, short};
 use crate::report::page::viewer::RunFinding;
 use crate::report::spindle::{BlockValue, SpindleLoadFigures};
-use crate::plural::counted;
 
 /// Measured chip load over its target above which a move is a finding.
 const CHIP_RATIO: f64 = 1.05;
