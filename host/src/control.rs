@@ -7,11 +7,12 @@
 //! delete = [1]                         # block-delete switches that are on
 //! peck_return = 1.0                    # parameter 5114, G73
 //! peck_clearance = 1.0                 # parameter 5115, G83
-//! [work]                               # origins in machine coordinates; EXT, G54 to G59, G54.1P1 to G54.1P48
-//! "G54" = { X = -300.0, Y = -200.0, Z = -400.0 }
 //! start_up = "A"                       # parameter 5003, SUP: start-up and cancel of G41 and G42, or "B"
 //! compensation_blocks = 3              # parameter 19625, 3 to 8: blocks read together under G41 and G42
 //! compensation = "control"             # D has the tool's radius; "wear": only its wear
+//! inside_arc_least = 25                # parameter 1710, %: under G41 and G42 the control reduces F on inside arcs, down to this
+//! [work]                               # origins in machine coordinates; EXT, G54 to G59, G54.1P1 to G54.1P48
+//! "G54" = { X = -300.0, Y = -200.0, Z = -400.0 }
 //! [length]                             # H number to length
 //! 1 = 120.5
 //! [radius]                             # D number to radius
@@ -52,6 +53,7 @@ struct SettingsFile {
     start_up: Option<StartUpType>,
     compensation_blocks: Option<Spanned<u8>>,
     compensation: Option<RadiusConvention>,
+    inside_arc_least: Option<Spanned<u8>>,
     #[serde(default)]
     work: BTreeMap<Spanned<String>, Axes>,
     #[serde(default)]
@@ -256,7 +258,16 @@ fn compensation(file: &SettingsFile, preset: CompensationSettings) -> Result<Com
         Some(RadiusConvention::Wear) => CompensationType::Wear,
         None => preset.of_program,
     };
-    Ok(CompensationSettings { start_up, blocks: blocks.map_or(preset.blocks, |blocks| *blocks.as_ref()), of_program })
+    let least = file.inside_arc_least.as_ref();
+    if let Some(wrong) = least.filter(|least| !(1..=100).contains(least.as_ref())) {
+        return Err((wrong.span().start, format!("{} %: parameter 1710 is 1 to 100 %", wrong.as_ref())));
+    }
+    Ok(CompensationSettings {
+        start_up,
+        blocks: blocks.map_or(preset.blocks, |blocks| *blocks.as_ref()),
+        of_program,
+        inside_arc_least_percent: least.map(|least| *least.as_ref()).or(preset.inside_arc_least_percent),
+    })
 }
 
 /// Index of an offset number.
@@ -283,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_file_gives_offsets_lengths_and_conventions() {
-        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ncompensation = 'wear'\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
+        let text = "unit = 'mm'\nstart_up = 'B'\ncompensation_blocks = 5\ncompensation = 'wear'\ninside_arc_least = 25\ndecimals = 'calculator'\narc_centers = 'absolute'\ndelete = [1, 3]\n[work]\n'G54' = { X = -300.0 }\n\
                     'G54.1P48' = { B = 90.0 }\n[length]\n1 = 120.5\n[radius]\n7 = 5.0\n[radius_wear]\n7 = -0.02\n[reference]\n2 = { Z = 5.0 }\n";
         let loaded = parse(Preset::Fanuc0i, Reading::Lenient, text).unwrap();
         let LoadedSettings { settings, tables, states_unit } = loaded;
@@ -295,7 +306,12 @@ mod tests {
         assert_eq!((tables.length(1), tables.radius(7)), (Nm::from_mm(120.5), Nm::from_mm(4.98)));
         assert_eq!(
             settings.compensation,
-            CompensationSettings { start_up: StartUp::B, blocks: 5, of_program: CompensationType::Wear }
+            CompensationSettings {
+                start_up: StartUp::B,
+                blocks: 5,
+                of_program: CompensationType::Wear,
+                inside_arc_least_percent: Some(25)
+            }
         );
         assert_eq!(settings.reference[1].linear[2], Nm::from_mm(5.0));
     }
@@ -311,6 +327,8 @@ mod tests {
             ("compensation_blocks = 9", "9"),
             ("start_up = 'C'", "C"),
             ("compensation = 'computer'", "computer"),
+            ("inside_arc_least = 0", "1710"),
+            ("inside_arc_least = 101", "1710"),
             ("delete = [0]", "0"),
             ("[reference]\n5 = { X = 1.0 }", "5"),
             ("colour = 1", "colour"),

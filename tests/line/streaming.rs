@@ -334,3 +334,16 @@ fn a_job_without_serial_streams_with_software_flow_control() {
     }
     assert!(without["link"]["xoff_count"].as_u64() >= Some(1), "{without}");
 }
+
+#[test]
+fn with_a_board_the_program_begins_when_the_override_has_risen() {
+    // The first arc begins with the program: a board's override rises from 0 % at power-on.
+    let least = |board: &[&str]| {
+        let output = run(&[&["stream", "examples/c/job.toml", "--json"], board].concat());
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+        report["movements"][0]["override"]["min"].as_u64().expect("an override")
+    };
+    let [direct, linked] = [&[][..], &["--board", "sim:"]].map(least);
+    println!("least override on the first arc: direct {direct} %, behind a link {linked} %");
+    assert_eq!((direct, linked), (80, 80));
+}

@@ -292,19 +292,6 @@ fn a_program_is_governed_at_its_own_spindle_speed_and_not_at_all_without_one() {
 }
 
 #[test]
-fn one_warning_and_one_error_are_no_plural() {
-    let scratch = Scratch::new("one-warning");
-    let contour = "%\nO1\nG21G17G90\nG0X0Y0\nG41D1G1X9.Y0.F90.\nY9.\nG40X0.\nM30\n%\n";
-    let said = text_of(&run(&["check", &scratch.write("p.nc", contour)]).stdout);
-    assert!(
-        said.contains(": 9 lines, 7 blocks ") && said.contains(" 1 rapid; ") && said.ends_with("; 1 warning\n"),
-        "{said}"
-    );
-    let refused = run(&["check", &scratch.write("q.nc", "%\nO1\nG21G0X0Y0\nG2X9.Y0I1.J1.F90.\nM30\n%\n")]);
-    assert!(text_of(&refused.stderr).contains("q.nc: 1 error: the control would stop"), "{}", text_of(&refused.stderr));
-}
-
-#[test]
 fn the_blocks_of_another_tool_keep_their_feed() {
     let scratch = example("other-tool", |text| text.replacen("N30S1000M3", "T2M6\nN30S1000M3", 1));
     let output = run(&["adapt", &scratch.path("job.toml"), "--json"]);

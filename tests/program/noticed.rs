@@ -183,3 +183,16 @@ fn a_program_without_a_governed_move_says_why_and_what_to_change() {
         assert!(why.is_none_or(|why| found.is_some_and(|found| found.contains(why))), "{said}");
     }
 }
+
+#[test]
+fn one_warning_and_one_error_are_no_plural() {
+    let scratch = Scratch::new("one-warning");
+    let contour = "%\nO1\nG21G17G90\nG0X0Y0\nG41D1G1X9.Y0.F90.\nY9.\nG40X0.\nM30\n%\n";
+    let said = String::from_utf8_lossy(&run(&["check", &scratch.write("p.nc", contour)]).stdout).into_owned();
+    assert!(
+        said.contains(": 9 lines, 7 blocks ") && said.contains(" 1 rapid; ") && said.ends_with("; 1 warning\n"),
+        "{said}"
+    );
+    let refused = run(&["check", &scratch.write("q.nc", "%\nO1\nG21G0X0Y0\nG2X9.Y0I1.J1.F90.\nM30\n%\n")]);
+    assert!(messages(&refused).contains("q.nc: 1 error: the control would stop"), "{}", messages(&refused));
+}

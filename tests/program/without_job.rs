@@ -1,5 +1,7 @@
 //! `adapt`, `simulate` and `stream` of a program without a job file: the tools come from its comments and from options.
 
+mod given;
+
 mod measured;
 
 use std::path::Path;
@@ -123,7 +125,7 @@ fn a_contour_under_compensation_needs_the_radius_of_its_d() {
 }
 
 #[test]
-fn a_corner_in_a_contour_has_the_feed_of_its_block_so_no_law_governs_there() {
+fn a_corner_in_a_contour_has_the_feed_of_its_block() {
     let scratch = Scratch::new("without-job-corner");
     let settings = scratch.write("machine.toml", "unit = 'mm'\n[radius]\n7 = 5.0\n");
     let options = ["--tool", "10", "--max", "150", "--settings", &settings];
@@ -131,9 +133,14 @@ fn a_corner_in_a_contour_has_the_feed_of_its_block_so_no_law_governs_there() {
     // An outside arc of radius 10 with a centre path of 15: half as fast again.
     let path = scratch.write("p.nc", contour);
     assert_eq!(adapted(&path, &options), contour.replace("J-10.", "J-10.F1350.").replace("G1X80.", "G1X80.F900."));
+    // The tool does not fit a rounding of 2 there (PS0041): nothing is known of the contour from there on.
     let with_corner = contour.replace("J-10.", "J-10.,R2.");
     let path = scratch.write("q.nc", &with_corner);
     assert_eq!(adapted(&path, &options), with_corner);
+    // A rounding of 8 has a centre path of 3: the least of 15/10 and 3/8.
+    let with_corner = contour.replace("J-10.", "J-10.,R8.");
+    let path = scratch.write("r.nc", &with_corner);
+    assert_eq!(adapted(&path, &options), with_corner.replace("R8.", "R8.F337.5").replace("G1X80.", "G1X80.F900."));
 }
 
 #[test]

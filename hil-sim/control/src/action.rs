@@ -1,6 +1,7 @@
 //! Blocks ready for execution: their actions and the context of their moves.
 
 use arcfeed_compensation::contour::ContourCommand;
+use arcfeed_compensation::inside_arc::PPM;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::{Pose, ProgramStop};
@@ -95,6 +96,15 @@ pub struct MoveContext {
     pub programmed_path: ProgrammedPath,
     /// Tool and spindle commanded by the program.
     pub machining: Machining,
+    /// Part of the feed that the control takes away on an arc inside a contour, parts per million.
+    pub feed_cut_ppm: u32,
+}
+
+impl MoveContext {
+    /// Feed on the move over its F: below one on an arc inside a contour, if the control reduces the feed there.
+    pub fn feed_ratio(&self) -> f64 {
+        1.0 - f64::from(self.feed_cut_ppm) / f64::from(PPM)
+    }
 }
 
 /// Meaning of the path that a program describes.

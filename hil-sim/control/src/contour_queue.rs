@@ -10,10 +10,11 @@ use std::collections::VecDeque;
 
 use arcfeed_compensation::compensator::{CenterMove, CenterMoves, CompensationFault, Compensator};
 use arcfeed_compensation::contour::ContourCommand;
+use arcfeed_compensation::inside_arc::{PPM, feed_ratio_ppm};
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::series::Series;
 
-use super::action::{Action, ReadBlock};
+use super::action::{Action, MoveContext, ReadBlock};
 use super::corner_queue::CornerQueue;
 use super::settings::ControlSettings;
 
@@ -23,13 +24,20 @@ pub struct ContourQueue {
     corners: CornerQueue,
     compensator: Compensator,
     waiting: VecDeque<ReadBlock>,
+    /// Least feed on inside arcs over F, if the control reduces it.
+    inside_arc_least_percent: Option<u8>,
 }
 
 impl ContourQueue {
     /// An empty queue, without an offset.
     pub fn new(settings: &ControlSettings) -> Self {
-        let compensator = Compensator::new(settings.nc.compensation);
-        ContourQueue { corners: CornerQueue::default(), compensator, waiting: VecDeque::new() }
+        let compensation = settings.nc.compensation;
+        ContourQueue {
+            corners: CornerQueue::default(),
+            compensator: Compensator::new(compensation),
+            waiting: VecDeque::new(),
+            inside_arc_least_percent: compensation.inside_arc_least_percent,
+        }
     }
 
     /// Accepts the next block; returns the blocks that can be executed.
@@ -127,21 +135,21 @@ impl ContourQueue {
     /// Gives a move of the tool centre to the first block that waits.
     fn give(&mut self, center_move: CenterMove, ready: &mut Vec<ReadBlock>) {
         let Some(block) = self.waiting.front() else { return };
-        match (center_move, &block.action) {
-            (CenterMove::Corner(segment), _) => ready.push(ReadBlock {
-                context: block.context,
-                ..ReadBlock::new(block.line, Vec::new(), Action::Corner(segment))
-            }),
-            (CenterMove::Main(segment), Action::Move(_, stop)) => {
-                let action = Action::Move(segment, *stop);
-                ready.extend(self.waiting.pop_front().map(|block| ReadBlock { action, ..block }));
+        let (action, programmed) = match (center_move, &block.action) {
+            (CenterMove::Corner(segment), _) => {
+                return ready.push(ReadBlock {
+                    context: block.context,
+                    ..ReadBlock::new(block.line, Vec::new(), Action::Corner(segment))
+                });
             }
-            (CenterMove::Main(segment), Action::Corner(_)) => {
-                let action = Action::Corner(segment);
-                ready.extend(self.waiting.pop_front().map(|block| ReadBlock { action, ..block }));
-            }
-            (CenterMove::Main(_), _) => {}
-        }
+            (CenterMove::Main(segment), Action::Move(programmed, stop)) => (Action::Move(segment, *stop), programmed),
+            (CenterMove::Main(segment), Action::Corner(programmed)) => (Action::Corner(segment), programmed),
+            (CenterMove::Main(_), _) => return,
+        };
+        let CenterMove::Main(center) = center_move else { return };
+        let feed_cut_ppm = PPM - feed_ratio_ppm(programmed, &center, self.inside_arc_least_percent);
+        let context = MoveContext { feed_cut_ppm, ..block.context };
+        ready.extend(self.waiting.pop_front().map(|block| ReadBlock { action, context, ..block }));
     }
 }
 

@@ -140,7 +140,15 @@ impl PlainReader {
             _ if modal.follows_tool_center => ProgrammedPath::Tip,
             _ => ProgrammedPath::Axes,
         };
-        MoveContext { origin, tool, is_special, is_tapping: self.taps, programmed_path, machining: modal.machining() }
+        MoveContext {
+            origin,
+            tool,
+            is_special,
+            is_tapping: self.taps,
+            programmed_path,
+            machining: modal.machining(),
+            feed_cut_ppm: 0,
+        }
     }
 
     fn in_machine(&self, segment: &Segment, tool: Nm) -> Result<Segment, Fault> {

@@ -124,8 +124,10 @@ impl PreparedMove {
 
     /// Wanted speed of the move, mm/s.
     pub fn wanted(&self, context: &MoveContext, conditions: &FeedConditions) -> f64 {
-        let speed =
-            |programmed| conditions.for_context(context).speed_mm_per_s(programmed).min(self.speed_max_mm_per_s);
+        let speed = |programmed| {
+            let asked = conditions.for_context(context).speed_mm_per_s(programmed) * context.feed_ratio();
+            asked.min(self.speed_max_mm_per_s)
+        };
         self.travel.programmed_mm_per_s.map_or(self.speed_max_mm_per_s, speed)
     }
 }

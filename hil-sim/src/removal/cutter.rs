@@ -1,6 +1,7 @@
 //! Stock that a run cuts: each section of the path removes its material as soon as it is complete.
 
 use arcfeed_kinematics::machine::Machine;
+use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::{MicroDeg, Micros, Nm};
 
@@ -18,17 +19,45 @@ use super::trail::{AxisSample, BlockRef, PathSection, Trail};
 /// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
-/// Stock, tool and tolerance.
+/// Stock, tools and tolerance.
 #[derive(Clone, Debug)]
 pub struct StockCutterSettings {
     /// Workpiece, in the program's coordinates.
     pub stock: Stock,
-    /// Cutting part of the tool.
+    /// Cutting part of the tool, or of the first of several.
     pub tool: Tool,
+    /// Numbers of several tools, and the cutting part of those behind the first. Without them the tool makes all cuts.
+    pub numbered: Option<NumberedTools>,
     /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
     /// Largest distance of chords from the path of the axes.
     pub tolerance_mm: f64,
+}
+
+/// Several tools, by the T numbers of the program.
+#[derive(Clone, Debug)]
+pub struct NumberedTools {
+    /// Number of the first tool.
+    pub first: Option<i64>,
+    /// Numbers and cutting parts of the others.
+    pub others: Vec<(Option<i64>, Tool)>,
+}
+
+impl StockCutterSettings {
+    /// Tool of the settings that is in the spindle.
+    fn tool_in(&self, spindle: ToolInSpindle) -> Option<&Tool> {
+        let Some(numbered) = &self.numbered else { return Some(&self.tool) };
+        let ToolInSpindle::Number(number) = spindle else { return None };
+        let first = (numbered.first == Some(number)).then_some(&self.tool);
+        first.or_else(|| numbered.others.iter().find(|(own, _)| *own == Some(number)).map(|(_, tool)| tool))
+    }
+
+    /// Distance from the tip to the farthest point of any tool.
+    fn reach_mm(&self) -> f64 {
+        let others = self.numbered.iter().flat_map(|numbered| numbered.others.iter().map(|(_, tool)| tool));
+        let reach = |tool: &Tool| tool.middle_mm().abs() + tool.reach_mm();
+        others.map(reach).fold(reach(&self.tool), f64::max)
+    }
 }
 
 /// Cutting blocks whose material was not removed, by reason.
@@ -87,9 +116,8 @@ impl LeftOut {
 impl StockCutter {
     /// State before the run.
     pub fn new(settings: StockCutterSettings) -> Self {
-        let reach_mm = settings.tool.middle_mm().abs() + settings.tool.reach_mm();
         StockCutter {
-            trail: Trail::new(settings.tolerance_mm, reach_mm),
+            trail: Trail::new(settings.tolerance_mm, settings.reach_mm()),
             settings,
             placement: WorkpiecePlacement::default(),
             waiting: Vec::new(),
@@ -132,7 +160,7 @@ impl StockCutter {
         &self.settings.stock
     }
 
-    /// Cutting part of the tool.
+    /// Cutting part of the tool, or of the first of several.
     pub fn tool(&self) -> &Tool {
         &self.settings.tool
     }
@@ -190,8 +218,12 @@ impl StockCutter {
     }
 
     fn cut(&mut self, section: &PathSection) -> Result<(), StockError> {
-        let StockCutterSettings { stock, tool, machine, tolerance_mm } = &mut self.settings;
-        let sweeps = match self.placement.sweeps(section, tool, machine.as_ref(), *tolerance_mm) {
+        let Some(tool) = self.settings.tool_in(section.context.machining.tool).cloned() else {
+            LeftOut::count(&mut self.left_out, section.block, LeftOutReason::OtherTool);
+            return Ok(());
+        };
+        let StockCutterSettings { stock, machine, tolerance_mm, .. } = &mut self.settings;
+        let sweeps = match self.placement.sweeps(section, &tool, machine.as_ref(), *tolerance_mm) {
             Ok(sweeps) => sweeps,
             Err(reason) => {
                 LeftOut::count(&mut self.left_out, section.block, reason);
@@ -199,7 +231,7 @@ impl StockCutter {
             }
         };
         let rounding_mm3 = ROUNDING_RATIO * stock.lattice().area_mm2() * stock.lattice().step_mm();
-        let removed = stock.cut(tool, &sweeps)?.by_axis.map(|mm3| if mm3 > rounding_mm3 { mm3 } else { 0.0 });
+        let removed = stock.cut(&tool, &sweeps)?.by_axis.map(|mm3| if mm3 > rounding_mm3 { mm3 } else { 0.0 });
         if self.blocks.last() != Some(&section.block) {
             self.blocks.push(section.block);
         }

@@ -41,6 +41,8 @@ pub enum LeftOutReason {
     Tilted,
     /// The tool's axis turns on the part; edges are evaluated at a fixed axis only.
     AxisTurns,
+    /// The shape of the tool in the spindle is not given.
+    OtherTool,
     /// The spindle turns counter-clockwise (M4); the edges are those of a tool for M3.
     Backwards,
 }

@@ -2,18 +2,23 @@
 //! executes them.
 //!
 //! The end of a move depends on the corner behind it. Therefore this reader is ahead of the lines that are planned, by as
-//! many blocks as a control reads together. A block-delete switch (`/`) may change the corners of a contour, and a chamfer or
-//! rounded corner (`,C`, `,R`) does, so the rest of a contour from such a block on is not known.
+//! many blocks as a control reads together. A chamfer or rounded corner (`,C`, `,R`) is inserted into the contour before the
+//! offset, as the control does. A block-delete switch (`/`) may change the corners of a contour, so the rest of a contour from
+//! such a block on is not known.
 
 use std::collections::VecDeque;
 
 use arcfeed_compensation::compensator::{CenterMove, CenterMoves, Compensator};
 use arcfeed_compensation::contour::{ContourCommand, side_sign};
+use arcfeed_compensation::insertion::InsertedCorner;
+use arcfeed_compensation::inside_arc::{PPM, feed_ratio_ppm};
 use arcfeed_model::cut::{ContourSide, Work};
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_model::tool::Tool;
+use arcfeed_nc::modal::Corner;
+use arcfeed_nc::motion::Pose;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
-use arcfeed_nc::segment::Segment;
+use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_nc::settings::CompensationType;
 use arcfeed_nc::word::is_mark;
 use arcfeed_units::Nm;
@@ -22,7 +27,7 @@ use super::reason::PlanReason;
 use crate::program::{CornerMove, CornerMoves};
 
 /// Path of the tool centre for the move of a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum CenterPath {
     /// Not one along a contour, or not known.
     #[default]
@@ -30,14 +35,27 @@ pub enum CenterPath {
     /// The D in force has no radius.
     NoRadius,
     /// Known.
-    Known(OffsetMove),
+    Known(Box<OffsetMove>),
     /// Beside a chamfer or rounded corner, without G41 and G42.
-    Corner(CornerMove),
+    Corner(Box<CornerMove>),
 }
 
 /// Move of the tool centre along a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetMove {
+    /// The move, in the coordinates of the path.
+    pub segment: Segment,
+    /// Conditions of its law.
+    pub place: ContourPlace,
+    /// Chamfer or rounded corner behind it, with the feed of the same block.
+    pub inserted: Option<InsertedMove>,
+    /// The move as programmed, up to its corners.
+    pub programmed: Segment,
+}
+
+/// Chamfer or rounded corner of a contour, as a move of the tool centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InsertedMove {
     /// The move, in the coordinates of the path.
     pub segment: Segment,
     /// Conditions of its law.
@@ -55,6 +73,24 @@ pub struct ContourPlace {
     pub radius: Nm,
     /// Meaning of that radius.
     pub of_program: CompensationType,
+    /// Feed on the move over F: below one where the control itself reduces the feed of an inside arc.
+    pub feed_ratio: f64,
+}
+
+impl OffsetMove {
+    /// Part of the programmed line beside which the tool centre runs: both are parallel.
+    pub fn beside_contour(&self) -> Segment {
+        let [from, to] = [self.programmed.start, self.programmed.end].map(|pose| pose.linear.map(Nm::to_mm));
+        let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
+        let square: f64 = along.iter().map(|part| part * part).sum();
+        let at = |pose: Pose| {
+            let point = pose.linear.map(Nm::to_mm);
+            let dot: f64 = (0..3).map(|axis| (point[axis] - from[axis]) * along[axis]).sum();
+            let ratio = (dot / square).clamp(0.0, 1.0);
+            Pose { linear: std::array::from_fn(|axis| Nm::from_mm(from[axis] + ratio * along[axis])), ..pose }
+        };
+        Segment { start: at(self.segment.start), end: at(self.segment.end), path: Path::Line, ..self.programmed }
+    }
 }
 
 impl ContourPlace {
@@ -95,6 +131,8 @@ pub(super) struct OffsetMoves<'a> {
     read: VecDeque<CenterPath>,
     /// Lines taken.
     taken: usize,
+    /// Move of a contour that waits for the one behind its corner.
+    cornered: Option<CorneredLine>,
     /// Moves in the compensator.
     held: VecDeque<HeldLine>,
     has_begun: bool,
@@ -110,6 +148,20 @@ struct HeldLine {
     number: usize,
     /// Conditions, for a move along a contour.
     place: Option<ContourPlace>,
+    /// The move as programmed.
+    programmed: Segment,
+    /// Whether it is the chamfer or rounded corner behind the line's own move.
+    is_inserted: bool,
+}
+
+/// Line that ends in a chamfer or rounded corner.
+#[derive(Clone, Copy, Debug)]
+struct CorneredLine {
+    held: HeldLine,
+    command: ContourCommand,
+    corner: Corner,
+    /// Side of the contour on which the tool runs: 1 left, -1 right.
+    sign: i8,
 }
 
 impl<'a> OffsetMoves<'a> {
@@ -119,6 +171,7 @@ impl<'a> OffsetMoves<'a> {
             lines: Box::new(lines),
             compensator: Compensator::new(reader.settings().compensation),
             corners: CornerMoves::default(),
+            cornered: None,
             reader,
             line: InterpretedLine::default(),
             read: VecDeque::new(),
@@ -133,7 +186,9 @@ impl<'a> OffsetMoves<'a> {
     /// The path for the move of the next line.
     pub fn take(&mut self) -> CenterPath {
         let is_open = |moves: &Self| {
-            moves.corners.holds(moves.taken) || moves.held.front().is_some_and(|held| held.number == moves.taken)
+            moves.corners.holds(moves.taken)
+                || moves.held.front().is_some_and(|held| held.number == moves.taken)
+                || moves.cornered.is_some_and(|line| line.held.number == moves.taken)
         };
         while (self.read.is_empty() || is_open(self)) && self.read_next() {}
         self.taken += 1;
@@ -170,22 +225,52 @@ impl<'a> OffsetMoves<'a> {
         let is_in_contour = sign != 0 || self.compensator.is_active();
         self.pass_corner(is_in_contour);
         let is_unknown = self.line.step.motion.is_some() && self.line.segment.is_none();
-        // A chamfer or rounded corner has the feed of its block, and is not among these moves.
-        let is_other = self.line.parsed.block.delete.is_some() || self.line.step.corner.is_some();
-        let is_other_contour = is_other && is_in_contour;
-        if is_unknown || is_other_contour || (self.is_lost && sign != 0) {
+        let is_switched = self.line.parsed.block.delete.is_some() && is_in_contour;
+        if is_unknown || is_switched || (self.is_lost && sign != 0) {
             self.lose();
             return;
         }
         self.is_lost = false;
-        if let Some(segment) = &self.line.segment {
-            let is_start_up = command.offset != Nm(0) && !self.compensator.is_active();
-            let is_along = was_in_contour && sign != 0 && !is_start_up;
-            let place = is_along.then(|| self.place(segment, &command, sign));
-            let number = self.taken + self.read.len() - 1;
-            self.held.push_back(HeldLine { number, place });
+        let Some(segment) = self.line.segment else {
+            // A comment may stand between a corner and the move behind it.
+            if self.cornered.is_some() && command.has_words {
+                self.lose();
+            } else {
+                self.pass(&command, None);
+            }
+            return;
+        };
+        let Some(segment) = self.insert(&command, segment) else { return self.lose() };
+        let is_start_up = command.offset != Nm(0) && !self.compensator.is_active();
+        let is_along = was_in_contour && sign != 0 && !is_start_up;
+        let place = is_along.then(|| self.place(&segment, &command, sign));
+        let number = self.taken + self.read.len() - 1;
+        let held = HeldLine { number, place, programmed: segment, is_inserted: false };
+        match self.line.step.corner.filter(|_| is_in_contour) {
+            Some(corner) => self.cornered = Some(CorneredLine { held, command, corner, sign }),
+            None => self.pass(&command, Some(held)),
         }
-        match command.apply(self.line.segment.as_ref(), &mut self.compensator) {
+    }
+
+    /// Passes the move that waits for this one, and the corner between them; returns what the corner leaves of this move, and
+    /// `None` where the control inserts none.
+    fn insert(&mut self, command: &ContourCommand, segment: Segment) -> Option<Segment> {
+        let Some(CorneredLine { held, command: before, corner, sign }) = self.cornered.take() else {
+            return Some(segment);
+        };
+        let inserted = InsertedCorner::new(&held.programmed, &segment, command.plane, corner).ok()?;
+        self.pass(&before, Some(HeldLine { programmed: inserted.first, ..held }));
+        if let Some(between) = inserted.between {
+            let place = held.place.map(|_| self.place(&between, &before, sign));
+            self.pass(&before, Some(HeldLine { programmed: between, place, is_inserted: true, ..held }));
+        }
+        (!self.is_lost).then_some(inserted.second)
+    }
+
+    /// Passes a block, with its move, to the compensator.
+    fn pass(&mut self, command: &ContourCommand, held: Option<HeldLine>) {
+        self.held.extend(held);
+        match command.apply(held.map(|held| held.programmed).as_ref(), &mut self.compensator) {
             Ok(moves) => self.release(&moves),
             Err(_) => self.lose(),
         }
@@ -200,7 +285,7 @@ impl<'a> OffsetMoves<'a> {
         let number = self.taken + self.read.len() - 1;
         for (line, corner) in self.corners.pass(number, &self.line).into_iter().flatten() {
             if let Some(entry) = self.read.get_mut(line - self.taken) {
-                *entry = CenterPath::Corner(corner);
+                *entry = CenterPath::Corner(Box::new(corner));
             }
         }
     }
@@ -217,7 +302,7 @@ impl<'a> OffsetMoves<'a> {
             _ => ContourSide::Outside,
         });
         let radius = self.reader.tables().radius(self.reader.modal().radius_offset);
-        ContourPlace { side, has_corner: false, radius, of_program }
+        ContourPlace { side, has_corner: false, radius, of_program, feed_ratio: 1.0 }
     }
 
     /// Sets the paths of the lines whose moves come out of the compensator.
@@ -228,21 +313,28 @@ impl<'a> OffsetMoves<'a> {
                 has_corner = true;
                 continue;
             };
-            let Some(HeldLine { number, place }) = self.held.pop_front() else { return };
-            let path = match place {
-                None => None,
-                Some(place) if place.radius == Nm(0) && place.of_program == CompensationType::Control => {
-                    Some(CenterPath::NoRadius)
-                }
-                Some(place) => {
-                    let place = ContourPlace { has_corner, ..place };
-                    Some(CenterPath::Known(OffsetMove { segment: *segment, place }))
-                }
-            };
-            if let (Some(entry), Some(path)) = (self.read.get_mut(number - self.taken), path) {
-                *entry = path;
-            }
+            let Some(held) = self.held.pop_front() else { return };
+            self.set_path(&held, segment, has_corner);
             has_corner = false;
+        }
+    }
+
+    /// Sets the path of a line, or of the corner behind its move.
+    fn set_path(&mut self, held: &HeldLine, segment: &Segment, has_corner: bool) {
+        let least = self.reader.settings().compensation.inside_arc_least_percent;
+        let Some((entry, place)) = self.read.get_mut(held.number - self.taken).zip(held.place) else { return };
+        if place.radius == Nm(0) && place.of_program == CompensationType::Control {
+            *entry = CenterPath::NoRadius;
+            return;
+        }
+        let feed_ratio = f64::from(feed_ratio_ppm(&held.programmed, segment, least)) / f64::from(PPM);
+        let (place, segment) = (ContourPlace { has_corner, feed_ratio, ..place }, *segment);
+        match entry {
+            CenterPath::Known(offset) if held.is_inserted => offset.inserted = Some(InsertedMove { segment, place }),
+            entry => {
+                let programmed = held.programmed;
+                *entry = CenterPath::Known(Box::new(OffsetMove { segment, place, inserted: None, programmed }));
+            }
         }
     }
 
@@ -251,14 +343,23 @@ impl<'a> OffsetMoves<'a> {
             Ok(moves) => self.release(&moves),
             Err(_) => self.lose(),
         }
-        self.held.clear();
+        self.clear_held();
+    }
+
+    /// Forgets the moves that wait, and those whose corner does.
+    fn clear_held(&mut self) {
+        for held in self.held.drain(..).filter(|held| held.is_inserted) {
+            if let Some(entry) = self.read.get_mut(held.number - self.taken) {
+                *entry = CenterPath::None;
+            }
+        }
+        self.cornered = None;
         self.corners = CornerMoves::default();
     }
 
     fn lose(&mut self) {
         self.compensator.reset();
-        self.corners = CornerMoves::default();
-        self.held.clear();
+        self.clear_held();
         self.is_lost = true;
     }
 }

@@ -40,6 +40,8 @@ pub struct PlannedBlock {
     pub contour: Option<ContourPlace>,
     /// Whether its move is shorter than programmed, because of a chamfer or rounded corner at one of its ends.
     pub is_cut_off: bool,
+    /// Part of the programmed move along which it runs, where it ends beside chamfers, rounded corners or those of a contour.
+    pub cut_off: Option<Segment>,
     /// Chamfer or rounded corner behind it, which has the feed of the same block.
     pub inserted: Option<Box<PlannedBlock>>,
     /// Index of the cut rule that fits it.
@@ -82,6 +84,7 @@ impl PlannedBlock {
             segment,
             contour: None,
             is_cut_off: false,
+            cut_off: None,
             inserted: None,
             rule: None,
             is_descent: false,
@@ -132,6 +135,21 @@ impl PlannedBlock {
         }
         (self.sent, inserted.sent) = (least, least);
         self.inserted = Some(Box::new(inserted));
+    }
+
+    /// Sets F so that the control, which reduces it on this arc itself, moves with the feed that the law allows. The reduction
+    /// raises no F above the programmed one, nor above the feed of a line where moves around a corner have the same F.
+    fn leave_to_control(&mut self, place: &ContourPlace, line_mm_per_min: f64, unit: LengthUnit) {
+        let Some(wanted) = self.demand.map(|demand| demand.safe_mm_per_min.min(self.limit_mm_per_min())) else {
+            return;
+        };
+        let programmed = self.programmed().map_or(0.0, Nm::to_mm);
+        let line = if place.has_corner { line_mm_per_min } else { f64::INFINITY };
+        let most = programmed.min(line).max(wanted);
+        self.sent = Some(rewrite::round_down((wanted / place.feed_ratio).min(most), unit));
+        if matches!(self.reason, PlanReason::Law | PlanReason::LawInPart | PlanReason::LawFloor) {
+            self.reason = PlanReason::ControlReduces;
+        }
     }
 
     /// Programmed feed, per minute.
@@ -234,6 +252,10 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
         && is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand)
     {
         block.reason = PlanReason::LawFloor;
+    }
+    if let Some(place) = block.contour.filter(|place| place.feed_ratio < 1.0) {
+        let line_mm_per_min = f64::from(job.feed_per_tooth_of(rule).0) * teeth_per_min;
+        block.leave_to_control(&place, line_mm_per_min, unit);
     }
     has_pieces.then_some(profile)
 }

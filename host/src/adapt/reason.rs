@@ -19,6 +19,8 @@ pub enum PlanReason {
     ArcClamp,
     /// The law governs it, but the job's fastest feed, or its largest raise of the programmed one, is lower.
     FeedCeiling,
+    /// The law governs it, and the control itself reduces its F there (parameter 1710).
+    ControlReduces,
     /// The chamfer or rounded corner at its end has this feed, the least that both may have.
     Corner,
     /// A cut rule matches it, but it moves along the tool's axis: a plunge, ramp, helix or roll-in.
@@ -71,6 +73,7 @@ impl PlanReason {
             PlanReason::Axis => "axis",
             PlanReason::ArcClamp => "arc-clamp",
             PlanReason::FeedCeiling => "feed-ceiling",
+            PlanReason::ControlReduces => "control-reduces",
             PlanReason::Corner => "corner",
             PlanReason::Axial => "axial",
             PlanReason::OtherTool => "other-tool",

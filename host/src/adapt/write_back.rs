@@ -1,7 +1,9 @@
-//! Feeds written back into a program with macro statements or calls: one F word for all executions of a line.
+//! Feeds written back into a program with macro statements or calls: one F word for all executions of a line, or the pieces
+//! of its move.
 //!
 //! A program is adapted at its blocks as executed. A line gets an F word if one of its executions needs one and all of
-//! them cut with the same feed. A line for which that is impossible is refused by name. At the end the changed program is
+//! them cut with the same feed. A move in pieces is written as these if its line has no values of variables and all its
+//! executions have the same pieces. A line for which that is impossible is refused by name. At the end the changed program is
 //! interpreted again: each of its blocks must be that of the adapted blocks, with the same feed, whether the block-delete
 //! switches are on or off.
 
@@ -14,6 +16,7 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_nc_macro::stack::SourceLine;
 use arcfeed_units::LengthUnit;
 
+use super::Adapted;
 use super::feed_place::put_feed;
 use super::rewrite::{apply, feed_word};
 use crate::program::{ExecutedPlaces, RunBounds, Source};
@@ -42,8 +45,23 @@ struct Executions {
     count: usize,
     /// F word that an execution needs; meaningless for several blocks.
     word: Option<String>,
+    /// Text of the first execution as sent.
+    sent: Vec<u8>,
     /// An execution is several blocks.
     has_pieces: bool,
+    /// Another execution has another text than the first.
+    differs: bool,
+    /// All executions have the text of the line: no values of variables.
+    is_literal: bool,
+}
+
+/// A program with its feeds written back.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WrittenProgram {
+    /// Text of the file.
+    pub text: Vec<u8>,
+    /// End in it of what each line of the original file has become.
+    pub line_ends: Vec<usize>,
 }
 
 /// The program's file with the feeds of its adapted blocks. `source` are its blocks as executed, `text` is what they are
@@ -51,7 +69,7 @@ struct Executions {
 ///
 /// # Errors
 /// Lines that cannot get one feed, or a program that would not execute the same blocks: in words, each with its place.
-pub fn write_back(source: &Source, text: &[u8], line_ends: &[usize]) -> Result<Vec<u8>, String> {
+pub fn write_back(source: &Source, text: &[u8], line_ends: &[usize]) -> Result<WrittenProgram, String> {
     let sent = line_ends.iter().scan(0, |start, end| {
         let line = &text[std::mem::replace(start, *end)..*end];
         let len = line.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
@@ -65,15 +83,42 @@ pub fn write_back(source: &Source, text: &[u8], line_ends: &[usize]) -> Result<V
     if !refused.is_empty() {
         return Err(refused.join("\n"));
     }
-    let mut written = Vec::with_capacity(places.file.len());
+    let mut written = WrittenProgram { text: Vec::with_capacity(places.file.len()), line_ends: Vec::new() };
     for (number, line) in (1..).zip(Lines::new(&places.file)) {
-        let word = lines.get(&SourceLine { library: None, line: number }).and_then(|line| line.word.as_ref());
-        let edit = word.map(|word| put_feed(line.text, word));
-        written.extend(apply(line.text, edit.as_slice()));
-        written.extend(line.ending);
+        match lines.get(&SourceLine { library: None, line: number }) {
+            Some(Executions { sent, has_pieces: true, .. }) => written.text.extend(sent),
+            found => {
+                let word = found.and_then(|line| line.word.as_ref());
+                let edit = word.map(|word| put_feed(line.text, word));
+                written.text.extend(apply(line.text, edit.as_slice()));
+            }
+        }
+        written.text.extend(line.ending);
+        written.line_ends.push(written.text.len());
     }
     compare(source, places, &written, sent)?;
     Ok(written)
+}
+
+impl From<&Adapted> for WrittenProgram {
+    /// The adapted blocks themselves.
+    fn from(adapted: &Adapted) -> Self {
+        WrittenProgram { text: adapted.text.clone(), line_ends: adapted.line_ends.clone() }
+    }
+}
+
+impl WrittenProgram {
+    /// Text that each line of the original file has become, with its line end.
+    pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
+        let begins = std::iter::once(0).chain(self.line_ends.iter().copied());
+        begins.zip(&self.line_ends).map(|(begin, end)| &self.text[begin..*end])
+    }
+
+    /// Line of the original file, counted from 1, of each line of the text.
+    fn origins(&self) -> Vec<usize> {
+        let pieces = self.lines().map(|line| Lines::new(line).count());
+        (1..).zip(pieces).flat_map(|(line, count)| std::iter::repeat_n(line, count)).collect()
+    }
 }
 
 /// Executions of each line of the source.
@@ -83,19 +128,22 @@ fn executions<'a>(
     sent: impl Iterator<Item = &'a [u8]>,
 ) -> BTreeMap<SourceLine, Executions> {
     let mut reader = source.reader().control().clone();
+    let in_file: Vec<&[u8]> = Lines::new(&places.file).map(|line| line.text).collect();
     let mut lines: BTreeMap<SourceLine, Executions> = BTreeMap::new();
     for ((index, before), sent) in Lines::new(&source.bytes).enumerate().zip(sent) {
         let read = meaning(&mut reader, sent);
         let Some(place) = places.place(index + 1) else { continue };
         let feed = read.as_ref().and_then(|read| read.step.cutting_feed());
         let execution = Execution { line: index + 1, count: 1, feed, unit: reader.modal().unit };
-        let line = lines.entry(place).or_insert_with(|| Executions::new(execution));
+        let line = lines.entry(place).or_insert_with(|| Executions::new(execution, sent));
         line.count += 1;
+        line.has_pieces |= sent.contains(&b'\n');
+        line.differs |= line.sent != sent;
+        line.is_literal &= in_file.get(place.line as usize - 1).is_some_and(|text| *text == before.text);
         if line.other.is_none() && line.first.feed != feed {
             line.other = Some(Execution { count: line.count, ..execution });
         }
         if before.text != sent && line.word.is_none() {
-            line.has_pieces = sent.contains(&b'\n');
             let word = read.as_ref().and_then(|read| read.parsed.block.word(b'F'));
             let word = word.map(|word| &sent[usize::from(word.column) - 1..][..usize::from(word.len)]);
             line.word = Some(String::from_utf8_lossy(word.unwrap_or_default()).into_owned());
@@ -105,8 +153,18 @@ fn executions<'a>(
 }
 
 impl Executions {
-    fn new(first: Execution) -> Self {
-        Executions { first, other: None, count: 0, word: None, has_pieces: false }
+    fn new(first: Execution, sent: &[u8]) -> Self {
+        let sent = sent.to_vec();
+        Executions {
+            first,
+            other: None,
+            count: 0,
+            word: None,
+            sent,
+            has_pieces: false,
+            differs: false,
+            is_literal: true,
+        }
     }
 }
 
@@ -125,8 +183,10 @@ fn refusal(path: &str, places: &ExecutedPlaces, place: SourceLine, line: &Execut
     let said = if place.library.is_some() {
         let (name, calls) = (places.name(line.first.line), places.called_from(line.first.line));
         format!("{name} needs {word}{calls}, and a file of the library is not changed")
-    } else if line.has_pieces {
-        "this move is sent in pieces, which are blocks of their own".to_owned()
+    } else if line.has_pieces && !line.is_literal {
+        "this move is sent in pieces, and their ends cannot be written where it has values of variables".to_owned()
+    } else if line.has_pieces && line.differs {
+        "its executions are sent in different pieces".to_owned()
     } else {
         let words = [line.first, line.other?].map(|execution| feed_of(places, execution));
         format!("its executions need different feeds: {}, but {}", words[0], words[1])
@@ -147,11 +207,12 @@ fn feed_of(places: &ExecutedPlaces, execution: Execution) -> String {
 fn compare<'a>(
     source: &Source,
     places: &ExecutedPlaces,
-    written: &[u8],
+    written: &WrittenProgram,
     sent: impl Iterator<Item = &'a [u8]> + Clone,
 ) -> Result<(), String> {
     let path = source.path.display();
-    let changed = Source { bytes: written.to_vec(), macro_line: first_macro(written), places: None, ..source.clone() };
+    let (bytes, macro_line) = (written.text.clone(), first_macro(&written.text));
+    let changed = Source { bytes, macro_line, places: None, ..source.clone() };
     let again = changed.expanded(places.library.as_deref(), RunBounds::default()).map_err(|found| {
         let first = found.first().map_or(String::new(), |found| format!(": {path}:{found}"));
         format!("{path}: with the feeds written back the program stops{first}: {REMEDY}; nothing is written")
@@ -164,6 +225,14 @@ fn compare<'a>(
         ))
     };
     let known = again.places.as_ref().map_or(0, |places| places.len());
+    let origins = written.origins();
+    let origin = |place: SourceLine| match place.library {
+        None => SourceLine { line: origins.get(place.line as usize - 1).map_or(0, |line| *line as u32), ..place },
+        Some(_) => place,
+    };
+    // Pieces are blocks of their own in the changed program.
+    let pieces =
+        sent.enumerate().flat_map(|(index, sent)| sent.split(|byte| *byte == b'\n').map(move |of| (index, of)));
     // With the block-delete switches as they are set, and the other way.
     for is_flipped in [false, true] {
         let mut readers = [source.reader().control().clone(), source.reader().control().clone()];
@@ -171,8 +240,8 @@ fn compare<'a>(
             readers.iter_mut().for_each(Reader::flip_delete_switches);
         }
         let [one, other] = &mut readers;
-        for ((index, sent), line) in sent.clone().enumerate().zip(Lines::new(&again.bytes)) {
-            let place = again.places.as_ref().and_then(|places| places.place(index + 1));
+        for (number, ((index, sent), line)) in (1..).zip(pieces.clone().zip(Lines::new(&again.bytes))) {
+            let place = again.places.as_ref().and_then(|places| places.place(number)).map(origin);
             let read = [meaning(one, sent), meaning(other, line.text)];
             let [Some(sent), Some(line)] = read else { return differs(index + 1) };
             if place != places.place(index + 1) || !is_same(&sent, &line) {
@@ -180,7 +249,8 @@ fn compare<'a>(
             }
         }
     }
-    if known == places.len() { Ok(()) } else { differs(places.len().min(known)) }
+    let (wanted, lines) = (pieces.count(), places.len());
+    if known == wanted { Ok(()) } else { differs(lines.min(known)) }
 }
 
 /// Both blocks have the same effect, with the same feed; their F words may differ if the feed in force is the same.

@@ -15,7 +15,7 @@ use super::descents::{Descending, Descents};
 use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
-use super::offset_moves::{CenterPath, OffsetMove, OffsetMoves};
+use super::offset_moves::{CenterPath, InsertedMove, OffsetMove, OffsetMoves};
 use super::planned_block::{PlannedBlock, govern, govern_descent};
 use super::profile::Profile;
 use super::reason::PlanReason;
@@ -116,10 +116,7 @@ impl<'a> Writer<'a> {
         self.is_start_certain = is_certain;
         let texts = match &profile {
             _ if block.is_cut_off => self.beside_corner(line, &mut block, profile.as_ref()),
-            Some(profile) if block.contour.is_some() => {
-                self.in_one_piece(&mut block, profile);
-                None
-            }
+            _ if block.contour.is_some() => self.beside_corner(line, &mut block, profile.as_ref()),
             Some(profile) => self.in_pieces(line, &mut block, profile),
             None => None,
         };
@@ -157,6 +154,12 @@ impl<'a> Writer<'a> {
             let new = PlannedBlock { is_cut_off: true, ..PlannedBlock::new(number, in_program(inserted)) };
             block.insert(self.plan_move(line, new, path).0);
         }
+        if let Some(InsertedMove { segment, place }) = offset.and_then(|offset| offset.inserted) {
+            let new = PlannedBlock { contour: Some(place), ..PlannedBlock::new(number, in_program(segment)) };
+            block.insert(self.plan_move(line, new, path).0);
+        }
+        block.cut_off =
+            offset.map(|offset| in_program(offset.beside_contour())).or(block.is_cut_off.then_some(block.segment));
         (block, profile)
     }
 
@@ -268,19 +271,21 @@ impl<'a> Writer<'a> {
     fn offset_move(&self, path: &CenterPath, line: &ProgramLine, under: Option<NotModelled>) -> Option<OffsetMove> {
         let CenterPath::Known(offset) = path else { return None };
         let is_plain = self.modes.per_minute && !self.modes.taps && !line.follows_tip;
-        (is_along_contour(under) && is_plain && self.is_start_certain).then_some(*offset)
+        (is_along_contour(under) && is_plain && self.is_start_certain).then_some(**offset)
     }
 
     /// Move beside a chamfer or rounded corner, where a law may look at it.
     fn corner_move(&self, path: &CenterPath, line: &ProgramLine, under: Option<NotModelled>) -> Option<CornerMove> {
         let CenterPath::Corner(corner) = path else { return None };
         let is_plain = self.modes.per_minute && !self.modes.taps && !line.follows_tip;
-        (under == Some(NotModelled::Corner) && is_plain && self.is_start_certain).then_some(*corner)
+        (under == Some(NotModelled::Corner) && is_plain && self.is_start_certain).then_some(**corner)
     }
 
     /// One F for a move along a contour.
     fn in_one_piece(&self, block: &mut PlannedBlock, profile: &Profile) {
         let (Some(feed), Some(teeth_per_min)) = (block.sent, block.teeth_per_min) else { return };
+        let feed_ratio = block.contour.map_or(1.0, |place| place.feed_ratio);
+        let feed = Nm::from_mm(feed.to_mm() * feed_ratio);
         block.pieces = vec![SentPiece { until_ratio: 1.0, feed }];
         block.chip_error = ChipError::of(&block.pieces, profile, teeth_per_min);
     }
@@ -302,9 +307,10 @@ impl<'a> Writer<'a> {
         else {
             return None;
         };
-        let (programmed, own, corner) = (line.segment()?, block.programmed()?, block.sent?);
+        let programmed = line.segment().filter(|segment| segment.path == Path::Line)?;
+        let (own, corner) = (block.programmed()?, block.sent?);
         let least_mm = settings.least_length.to_mm();
-        let whole = CornerLine { line, cut_off: block.segment, programmed, modes: self.modes, before, least_mm };
+        let whole = CornerLine { line, cut_off: block.cut_off?, programmed, modes: self.modes, before, least_mm };
         let written = whole.write(corner, &mut self.feeds);
         block.whole = written.as_ref().err().copied();
         let TwoBlocks { texts, until_ratio } = written.ok()?;

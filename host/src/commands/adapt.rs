@@ -144,8 +144,7 @@ impl Adapt {
         unknown.warn(&source.path, &file);
         table.iter().for_each(Table::end);
         if keeps && writes_back {
-            text = write_back(&source, &text, &line_ends).map_err(Failure::Input)?;
-            self.print_changes(&source, &text);
+            text = self.written_back(&source, &text, &line_ends)?;
         }
         match (&self.output, self.target) {
             (Some(output), Some(TargetControl::Linuxcnc)) => write_for_linuxcnc(output, &source, &file, text)?,
@@ -160,12 +159,14 @@ impl Adapt {
         self.report.as_deref().map(|path| (&self.input, path))
     }
 
-    /// Prints the lines of the file that differ from those written back, if that is requested.
-    fn print_changes(&self, source: &Source, text: &[u8]) {
+    /// The program with the feeds written back; prints the lines of the file that change, if that is requested.
+    fn written_back(&self, source: &Source, text: &[u8], line_ends: &[usize]) -> Result<Vec<u8>, Failure> {
+        let written = write_back(source, text, line_ends).map_err(Failure::Input)?;
         let file = source.places.iter().filter(|_| self.diff).flat_map(|places| Lines::new(&places.file));
-        for (index, (old, new)) in file.zip(Lines::new(text)).enumerate() {
-            print_diff(&source.path, index + 1, old.text, new.text);
+        for (index, (old, new)) in file.zip(written.lines()).enumerate() {
+            print_diff(&source.path, index + 1, old.text, new.strip_suffix(old.ending).unwrap_or(new));
         }
+        Ok(written.text)
     }
 }
 
@@ -230,11 +231,8 @@ impl<'a> Table<'a> {
         let Table { job, in_pieces, moves, governed, pieces, f_words } = self;
         let limits = &job.limits;
         let how = if *in_pieces {
-            format!(
-                "They are sent in {}; the moves of the program have {}. Override 100 %.",
-                counted(*pieces, "piece"),
-                counted(*f_words, "F word")
-            )
+            let (pieces, words) = (counted(*pieces, "piece"), counted(*f_words, "F word"));
+            format!("They are sent in {pieces}; the moves of the program have {words}. Override 100 %.")
         } else {
             format!("Override {} .. {} %.", limits.min_percent, limits.max_percent)
         };

@@ -88,6 +88,12 @@ impl Engage {
         // The map itself is made anew.
         let inputs = JobFile { map_file: None, ..file.clone() }.inputs(&self.job);
         refuse_inputs(&[Some(output)], &inputs)?;
+        if file.job.tools.len() > 1 {
+            let job = self.job.display();
+            return Err(Failure::Input(format!(
+                "{job}: an engagement map is made for one tool: give the job one [tool]"
+            )));
+        }
         let Some(setup) = Setup::of(&self.job, &file)? else {
             let job = self.job.display();
             return Err(Failure::Input(format!(

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::outcome::Failure;
 use crate::adapt::Adapted;
-use crate::adapt::write_back::write_back;
+use crate::adapt::write_back::{WrittenProgram, write_back};
 use crate::console::note;
 use crate::job::JobFile;
 use crate::program::{ExecutedPlaces, Program, Source};
@@ -38,8 +38,8 @@ pub fn check_expanded(path: &Path, places: Option<&ExecutedPlaces>) -> Result<()
 ///
 /// # Errors
 /// See [`check_expanded`].
-pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Result<Vec<u8>, Failure> {
-    let Some(places) = &program.places else { return Ok(adapted.text.clone()) };
+pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Result<WrittenProgram, Failure> {
+    let Some(places) = &program.places else { return Ok(adapted.into()) };
     let source = Source {
         path: program.path.clone(),
         bytes: program.bytes(),
@@ -55,6 +55,6 @@ pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Resul
             "{path}: the adapted program is run as the {} lines of `arcfeed adapt --expand`: {refusal}",
             places.len()
         ));
-        Ok(adapted.text.clone())
+        Ok(adapted.into())
     })
 }

@@ -71,10 +71,17 @@ pub fn write_for_linuxcnc(output: &Path, source: &Source, file: &JobFile, text: 
 /// Text of a program, in LinuxCNC's dialect.
 ///
 /// # Errors
-/// Every line that LinuxCNC cannot execute.
+/// Every line that LinuxCNC cannot execute; settings of a control that reduces feeds which LinuxCNC does not.
 pub fn translated(source: &Source, bytes: Vec<u8>, feed: FeedSource) -> Result<Translation, Failure> {
     let places = if bytes == source.bytes { source.places.clone() } else { None };
     let Source { path, settings, tables, .. } = source.clone();
+    if settings.compensation.inside_arc_least_percent.is_some() {
+        return Err(Failure::Input(format!(
+            "{}: the settings say that the control reduces the feed on inside arcs (inside_arc_least), and LinuxCNC does not: remove \
+             the key",
+            path.display()
+        )));
+    }
     let text = Source { path, bytes, settings, tables, macro_line: None, places };
     translate(&text, feed).map_err(|refusals| {
         let name = text.path.display();

@@ -101,6 +101,7 @@ impl Init {
         let answers = self.values.answers(unit);
         let loaded = survey::load(&self.program, (settings, tables), unit, self.values.library.as_deref());
         let (program, survey) = loaded.map_err(Failure::Input)?;
+        survey.check_max(&self.program, answers.max_percent).map_err(Failure::Usage)?;
         let output = self.output.clone().unwrap_or_else(|| self.program.with_extension("toml"));
         let groups = group(&survey.arcs);
         let proposal = propose(&groups, &survey, &answers);

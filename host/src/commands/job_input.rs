@@ -163,7 +163,8 @@ impl KeptMoves {
     /// Adds a block if it is one of these moves; of the executions of a line the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
-        if block.demand.is_some() {
+        let corner = block.inserted.as_ref().and_then(|inserted| inserted.demand);
+        if block.demand.or(corner).is_some() {
             self.governed += 1;
         } else if reason != PlanReason::Rapid {
             *self.ungoverned.entry(reason.label()).or_default() += 1;

@@ -18,6 +18,9 @@ use crate::init::survey;
 use crate::init::wording;
 use crate::job::{ControlKind, JobFile, questions};
 
+/// Difference between two diameters that are the same.
+const SAME_RATIO: f64 = 0.01;
+
 /// Values that a program does not contain.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Values for a program without a job file")]
@@ -97,6 +100,7 @@ impl JobValues {
         let loaded = survey::load(path, (settings, tables), unit, self.library.as_deref());
         let (_, survey) = loaded.map_err(Failure::Input)?;
         survey.warn_of_unit(path);
+        survey.check_max(path, self.max).map_err(Failure::Usage)?;
         if let Some((line, count)) = survey.without_radius {
             note(format_args!(
                 "{}:{line}: note: the arcs under G41 or G42 ({count}) keep their feed, because the radius of D is unknown: give a settings \
@@ -129,7 +133,10 @@ impl JobValues {
             error => error.into(),
         })?;
         let named = proposal.tools.iter().filter(|tool| !tool.cuts.is_empty());
-        named.for_each(|tool| note(format_args!("{}", words(tool, &findings))));
+        named.for_each(|tool| {
+            note(format_args!("{}", words(tool, &findings)));
+            other_diameter(tool, &findings).iter().for_each(|warning| note(format_args!("{warning}")));
+        });
         Ok(file)
     }
 }
@@ -209,6 +216,22 @@ fn option_of(key: &str) -> String {
         "units" => "--units mm or --units inch (the program has no G20 or G21)".into(),
         _ => format!("`{key}`"),
     }
+}
+
+/// Warning of a given diameter that is not that of the program's comment.
+fn other_diameter(tool: &ProposedTool, findings: &Findings<'_>) -> Option<String> {
+    let given_mm = Answers::of(&findings.answers.diameters, tool.number)?.to_mm(findings.unit());
+    let (noted, noted_mm) = tool.note.as_ref().and_then(|note| Some((note, note.data.diameter_mm?)))?;
+    let unit = findings.unit();
+    ((given_mm / noted_mm - 1.0).abs() > SAME_RATIO).then(|| {
+        let [given, own] = [given_mm, noted_mm].map(|mm| wording::length(mm, unit));
+        format!(
+            "warning: --tool gives a diameter of {given} {unit}, line {} says {own} {unit}: {}",
+            noted.line,
+            noted.text.trim(),
+            unit = unit.label()
+        )
+    })
 }
 
 /// A tool of the job for a person, with the source of its diameter.

@@ -23,6 +23,8 @@ pub(super) mod move_log;
 
 pub(super) mod path_trace;
 
+mod block_pairs;
+
 pub(super) mod material_figures;
 
 mod load_figures;
@@ -38,8 +40,6 @@ pub(super) mod observer;
 mod spindle_load;
 
 mod path_plot;
-
-mod block_pairs;
 
 pub(super) mod listing;
 
@@ -154,10 +154,10 @@ impl Simulate {
         let started = Instant::now();
         let adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;
-        let mut simulation = in_memory(&file, &sent, ControllerFault::None)?;
+        let mut simulation = in_memory(&file, &sent.text, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
         let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
-        write_tables(&mut observers, &traces, || locators(&program, &adapted, &sent))?;
+        write_tables(&mut observers, &traces, || locators(&program, &adapted, &sent.text, &sent.line_ends))?;
         // Results are written and printed even if a later step fails.
         let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
         let mut report = measure(&simulation, &file.job);

@@ -41,6 +41,9 @@ pub struct Survey {
     pub lines: usize,
     /// Line of the first arc under G41 or G42 with a D of unknown radius, counted from 1, and the number of all of them.
     pub without_radius: Option<(usize, usize)>,
+    /// Line of the first block that mirrors an axis (G51.1, G51 with a negative scale), counted from 1: arcs turn the other way
+    /// behind it.
+    pub mirrored: Option<usize>,
 }
 
 /// Cutting moves of a tool.
@@ -106,6 +109,7 @@ pub fn load(
     let mut survey = Survey { unit, likely_unit, assumed, ..survey(&program, counted) };
     survey.arcs.iter_mut().for_each(|arc| arc.line = program.line_in_file(arc.line));
     survey.notes.iter_mut().for_each(|note| note.line = program.line_in_file(note.line));
+    survey.mirrored = survey.mirrored.map(|line| program.line_in_file(line));
     Ok((program, survey))
 }
 
@@ -127,11 +131,12 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
             tool = chosen;
             found.tools.extend(tool.filter(|tool| *tool != 0 && !found.tools.contains(tool)));
         }
+        found.mirrored = found.mirrored.or(mirrors(block).then_some(index + 1));
         notes.read(index + 1, &line.text, selected.or(chosen.filter(|_| is_change(block))));
         let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         speed = commanded.or(speed);
         found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
-        let rounded = inserted_arc(&mut corners, (index, line), tool);
+        let rounded = inserted_arc(&mut corners, (index, line), tool, has_radii);
         let is_governed = meaning.step.is_plain() || is_corner(meaning) || has_radii && is_along_contour(meaning);
         if !is_governed && is_along_contour(meaning) && line.segment().is_some_and(|segment| segment.arc().is_some()) {
             let (first, count) = found.without_radius.unwrap_or((index + 1, 0));
@@ -180,14 +185,16 @@ fn is_corner(meaning: &InterpretedLine) -> bool {
     meaning.step.beyond_plain == Some(NotModelled::Corner)
 }
 
-/// Rounded corner before the move of a line, given with its index.
+/// Rounded corner before the move of a line, given with its index; `has_radii`: also under G41 and G42.
 fn inserted_arc(
     corners: &mut CornerMoves,
     (index, line): (usize, &ProgramLine),
     tool: Option<i64>,
+    has_radii: bool,
 ) -> Option<FoundArc> {
     let meaning = line.meaning.as_ref()?;
-    if !meaning.step.is_plain() && !is_corner(meaning) {
+    let is_followed = meaning.step.is_plain() || is_corner(meaning) || has_radii && is_along_contour(meaning);
+    if !is_followed {
         *corners = CornerMoves::default();
         return None;
     }
@@ -203,6 +210,22 @@ impl Survey {
         // Without evidence the unit is asked for.
         if let Some(assumed) = self.assumed.as_ref().filter(|assumed| assumed.likely.is_some()) {
             note(format_args!("{}:{}", path.display(), assumed.warning()));
+        }
+    }
+
+    /// Checks that no arc is fed faster where the program mirrors an axis: an arc that runs outside by its direction may run
+    /// inside there.
+    ///
+    /// # Errors
+    /// The place, and what to do.
+    pub fn check_max(&self, path: &FilePath, max_percent: Option<u16>) -> Result<(), String> {
+        match self.mirrored.filter(|_| max_percent.is_some()) {
+            None => Ok(()),
+            Some(line) => Err(format!(
+                "{}:{line}: --max: the program mirrors an axis here, which exchanges the directions of inside and outside arcs; leave \
+                 --max out, or name the arcs of each direction by `lines` in a job file (docs/job.md)",
+                path.display()
+            )),
         }
     }
 
@@ -261,6 +284,13 @@ fn unit_of(block: &Block) -> Option<LengthUnit> {
         Some(21) => Some(LengthUnit::Mm),
         _ => None,
     })
+}
+
+fn mirrors(block: &Block) -> bool {
+    let has =
+        |tenths: i64| block.words.iter().any(|word| word.letter == b'G' && word.number.as_tenths() == Some(tenths));
+    let is_negative = block.words.iter().any(|word| b"IJKP".contains(&word.letter) && word.number.is_negative());
+    has(511) || has(510) && is_negative
 }
 
 fn is_change(block: &Block) -> bool {

@@ -118,6 +118,9 @@ pub enum Coefficients {
 
 /// Checks the `[cutting]` table; `height_mm` is the tool's height, if there is a workpiece.
 pub(super) fn build(entry: &Spanned<CuttingTable>, job: &Job, height_mm: Option<f64>) -> Result<Cutting, Complaint> {
+    if job.tools.len() > 1 {
+        return Err(at(entry, "[cutting] has the edges of one tool: give the job one [tool], or leave [cutting] out"));
+    }
     // Chatter and marks are measured in feeds per tooth.
     if job.tools.iter().any(|setup| setup.follows_program) {
         return Err(at(entry, "[cutting] needs a feed per tooth in [law], in place of \"programmed\""));

@@ -37,8 +37,10 @@ pub struct Workpiece {
     pub memory_max_bytes: usize,
     /// Flexible part of the workpiece; `None` if it is rigid.
     pub flexible: Option<Flexible>,
-    /// Cutting body of the tool.
+    /// Cutting body of the tool, or of the first of several.
     pub body: Body,
+    /// Cutting bodies of the other tools, in their order.
+    pub other_bodies: Vec<Body>,
     /// Byte offset of its table in the job file.
     pub offset: usize,
 }
@@ -113,18 +115,18 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
     let bodies = bodies.collect::<Result<Vec<_>, Complaint>>()?;
     let Some(entry) = &table.workpiece else { return Ok(None) };
     let WorkpieceTable { stl_units, step, memory_mib, target, material, .. } = entry.as_ref();
-    let &[(tool, corner_mm, height_mm)] = bodies.as_slice() else {
-        return Err(at(
-            entry,
-            "[workpiece] is cut by one tool only: give the job one [tool], or leave [workpiece] out",
-        ));
+    let body = |(tool, corner_mm, height_mm): &(&ToolTable, f64, Option<f64>)| match *height_mm {
+        None if bodies.len() > 1 => {
+            Err(at(&tool.kind, "a workpiece needs the height of each [[tool]]: how far up from its tip the tool cuts"))
+        }
+        None => Err(at(entry, "a workpiece needs [tool] height: how far up from its tip the tool cuts")),
+        Some(height_mm) if height_mm < *corner_mm => {
+            Err(at(&tool.kind, "the tool's height must be at least its corner_radius"))
+        }
+        Some(height_mm) => Ok(Body { corner_mm: *corner_mm, height_mm }),
     };
-    let Some(height_mm) = height_mm else {
-        return Err(at(entry, "a workpiece needs [tool] height: how far up from its tip the tool cuts"));
-    };
-    if height_mm < corner_mm {
-        return Err(at(&tool.kind, "the tool's height must be at least its corner_radius"));
-    }
+    let mut solids = bodies.iter().map(body).collect::<Result<Vec<_>, Complaint>>()?.into_iter();
+    let Some(first) = solids.next() else { return Ok(None) };
     let stl_unit = stl_units.map_or(LengthUnit::Mm, LengthUnit::from);
     let named = |file: &Spanned<String>| StlFile::named(file, folder, stl_unit);
     let target = target.as_ref().map(named).transpose()?;
@@ -134,7 +136,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         }
         given => given.as_ref().map_or(MEMORY_MAX_BYTES, |mib| *mib.as_ref() * MIB),
     };
-    if let Some(material) = material.as_ref().filter(|_| job.tools.first().follows_program) {
+    if let Some(material) = material.as_ref().filter(|_| job.tools.iter().any(|setup| setup.follows_program)) {
         return Err(at(
             material,
             "the estimate of the power needs the feed per tooth: write it in [law] in place of \"programmed\", or remove material",
@@ -152,7 +154,8 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         material: material.as_ref().map(|name| (name.as_ref().clone(), name.span().start)),
         step_mm: length_mm(step, job.unit, "step")?,
         memory_max_bytes,
-        body: Body { corner_mm, height_mm },
+        body: first,
+        other_bodies: solids.collect(),
         offset: entry.span().start,
     }))
 }

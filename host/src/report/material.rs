@@ -193,6 +193,7 @@ impl LeftOutBlocks {
                 "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
             }
             "no-machine" => "under G43.4, and the job names no machine",
+            "other-tool" => "the shape of the tool in the spindle is not given",
             "tilted" => "the tool is tilted, and a flexible workpiece or an engagement map needs an upright tool",
             "axis-turns" => "the tool's axis turns on the part, and chips are computed at a fixed axis only",
             "backwards" => "the spindle turns backwards (M4), and the edges are those of a tool for M3",

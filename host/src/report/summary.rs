@@ -222,7 +222,7 @@ fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt
     }
     writeln!(
         f,
-        "    {:<24}{arcs:>5}  {target:<9}{:<20}{:<20}{error:<19}{bounds:<14}{}",
+        "    {:<24}{arcs:>5}  {target:<9}{:<20}{:<20}{error:<18} {bounds:<14}{}",
         [Some(rule.to_string().as_str()), *rotation, Some(direction.unwrap_or("lines")), Some(side)]
             .into_iter()
             .flatten()

@@ -17,6 +17,8 @@ mod offset_path;
 
 pub mod insertion;
 
+pub mod inside_arc;
+
 pub mod compensator;
 
 pub mod contour;

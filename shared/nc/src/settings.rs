@@ -67,6 +67,8 @@ pub struct CompensationSettings {
     pub blocks: u8,
     /// Meaning of the radius of a D.
     pub of_program: CompensationType,
+    /// Least feed on arcs inside a contour over F, % (parameter 1710); `None`: the control does not reduce the feed there.
+    pub inside_arc_least_percent: Option<u8>,
 }
 
 /// Reference of I, J and K.
@@ -174,6 +176,7 @@ impl Settings {
                 start_up: StartUp::A,
                 blocks: COMPENSATION_BLOCKS_MIN,
                 of_program: CompensationType::Control,
+                inside_arc_least_percent: None,
             },
         }
     }

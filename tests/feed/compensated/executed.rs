@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use arcfeed::adapt::Adapted;
+use arcfeed::adapt::{Adapted, PlanReason};
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
@@ -43,6 +43,8 @@ fn arcs(moves: &[Segment]) -> HashMap<i64, ContourArc> {
 #[derive(Debug, Default)]
 struct Figures {
     contours: usize,
+    /// Inside arcs whose F stays as programmed because the control reduces it.
+    left_to_control: usize,
     samples: usize,
     even: usize,
     /// Largest difference from the programmed feed at the contour, in digits of F.
@@ -156,4 +158,83 @@ fn the_feed_at_the_contour_is_the_programmed_one_inside_and_outside() {
     println!("{figures:?}");
     assert!(figures.contours > 60 && figures.even > 10_000 && figures.metered > 1_000);
     assert!(figures.metered_max <= 1.005, "{figures:?}");
+}
+
+/// F words of a program, by N.
+fn feed_words(text: &[u8]) -> HashMap<i64, f64> {
+    let text = String::from_utf8_lossy(text).into_owned();
+    let word = |line: &str| {
+        let (number, rest) = line.strip_prefix('N')?.split_once('G')?;
+        let (_, feed) = rest.rsplit_once('F')?;
+        Some((number.parse().ok()?, feed.trim_end().parse().ok()?))
+    };
+    text.lines().filter_map(word).collect()
+}
+
+#[test]
+fn where_the_control_reduces_the_feed_itself_no_arc_is_slowed_twice_and_no_f_raised_for_it() {
+    let mut figures = Figures::default();
+    for seed in 0..of_full_set(1_000, 120) {
+        let case = Case::of_seed("compensated-reduced", seed);
+        if compensated(&format!("G21G17\n{}", case.contour.text), StartUp::A).is_err() {
+            continue;
+        }
+        let of = |settings: &str| {
+            let settings = format!("{settings}{}", case.radius());
+            case.job(&case.program(&case.contour.text), ["inside", "outside"], "rewrite-only", &settings)
+        };
+        // At 1 % the control keeps the feed at the contour of every arc that the tool fits with a hundredth of its radius.
+        let least = [1, 40][seed as usize % 2];
+        let (plain, job) = (of(""), of(&format!("inside_arc_least = {least}\n")));
+        let [without, with] = [&plain, &job].map(|(_, _, adapted)| feed_words(&adapted.text));
+        for (number, feed) in &with {
+            let most = without.get(number).copied().unwrap_or(FEED).max(FEED);
+            assert!(*feed <= most, "N{number}: F{feed} above {most}\n{}", case.contour.text);
+        }
+        let left = job.2.blocks.iter().filter(|block| block.reason == PlanReason::ControlReduces);
+        figures.left_to_control += left.filter(|block| block.sent == Some(Nm::from_mm(FEED))).count();
+        run(&case, &job, &mut figures);
+    }
+    println!("{figures:?}");
+    assert!(figures.contours > 60 && figures.even > 5_000 && figures.left_to_control > 30, "{figures:?}");
+    assert!(figures.metered_max <= 1.005, "{figures:?}");
+}
+
+#[test]
+fn the_control_alone_keeps_the_feed_at_the_contour_of_inside_arcs_down_to_its_least_ratio() {
+    let case = Case::of_seed("compensated-alone", 3);
+    let r = case.contour.radius_mm();
+    // An inside arc of twice the tool's radius, an outside one of it, and an inside arc of 1.1 times it.
+    let [wide, tight] = [2.0 * r, 1.1 * r];
+    let blocks = format!(
+        "G0X-20.Y0Z0\nG41D{}G1X0F500.\nX40.\nG3X{:.3}Y{wide:.3}J{wide:.3}\nG1Y60.\nG2X{:.3}Y{:.3}I{r:.3}\nG1X120.\nG3X{:.3}Y{:.3}J{tight:.3}\nG1Y90.\nG40X150.\n",
+        case.contour.d,
+        40.0 + wide,
+        40.0 + wide + r,
+        60.0 + r,
+        120.0 + tight,
+        60.0 + r + tight
+    );
+    let text = case.program(&blocks);
+    for (least, expected) in [(None, [1.0, 1.0, 1.0]), (Some(1), [0.5, 1.0, 0.1 / 1.1]), (Some(20), [0.5, 1.0, 0.2])] {
+        let settings = least.map_or(String::new(), |least| format!("inside_arc_least = {least}\n"));
+        let (file, ..) = case.job(&text, ["inside", "outside"], "rewrite-only", &(settings + &case.radius()));
+        let mut simulation =
+            Simulation::from_memory(control_settings(&file), text.as_bytes(), &file.job, ControllerFault::LawOff)
+                .expect("a run");
+        let mut fastest: HashMap<i64, f64> = HashMap::new();
+        while !simulation.is_done() {
+            simulation.step();
+            let control = simulation.control();
+            assert_eq!(control.alarm(), None, "{text}");
+            if let Some(number) = control.active().and_then(|(_, segment)| segment.arc().and(segment.sequence)) {
+                let entry = fastest.entry(number).or_default();
+                *entry = f64::from(control.commanded().0).max(*entry);
+            }
+        }
+        let found = [4, 6, 8].map(|number| fastest[&number] / FEED);
+        println!("{least:?}: {found:?}");
+        let is_close = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs() < 2e-5;
+        assert!(found.iter().zip(&expected).all(is_close), "{least:?}: {found:?}, not {expected:?}");
+    }
 }

@@ -54,7 +54,7 @@ impl Case {
         assert!(!program.has_errors(), "{:?}\n{text}", program.diagnostics);
         let adapted = adapt(&program, &file.job);
         let written = arcfeed::adapt::write_back::write_back(&source, &adapted.text, &adapted.line_ends)
-            .map(|written| String::from_utf8(written).expect("ASCII"));
+            .map(|written| String::from_utf8(written.text).expect("ASCII"));
         Ok(Case { file, text: text.to_owned(), source, adapted, written })
     }
 

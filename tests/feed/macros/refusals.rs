@@ -62,14 +62,15 @@ fn a_macro_that_reads_f_is_not_written_back() {
 }
 
 #[test]
-fn a_move_in_pieces_is_not_written_back() {
+fn a_move_in_pieces_whose_ends_depend_on_variables_is_not_written_back() {
     let table = JOB
         .replace(CLOCKWISE, "")
         .replace("kind = \"contour\"\ninside_only = false", "kind = \"table\"")
         .replace("side = \"inside\"\nradial_depth = 0.5\n", "side = \"slot\"\ntable = [[0.0, 0.02], [20.0, 0.06]]\n");
     let table = table + "[override]\nmode = \"rewrite-only\"\n";
-    let said = refusal("pieces", "#2=#1\nG1X8.Z-1.F900.\nG3I-8.\nM30\n", &table);
-    assert!(said.contains(":9:7: error: this move is sent in pieces"), "{said}");
+    let said = refusal("pieces", "#2=8.\nG1X8.Z-1.F900.\nG3I-#2\nM30\n", &table);
+    let why = "error: this move is sent in pieces, and their ends cannot be written where it has values of variables";
+    assert!(said.contains(":9:") && said.contains(why) && said.contains("--expand"), "{said}");
 }
 
 #[test]

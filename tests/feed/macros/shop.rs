@@ -1,8 +1,11 @@
 //! Programs as shops write them, through the command line.
 
+use arcfeed::program::{ProgramLine, RunBounds, Source};
+use arcfeed_nc::segment::Segment;
+use arcfeed_nc_macro::program::first_macro;
 use arcfeed_tests::{Scratch, run};
 
-use super::{CLOCKWISE, JOB};
+use super::{CLOCKWISE, Case, JOB};
 
 const HEAD: &str = "%\nO1000 (PART)\nG21G17G90G94\nT1M6\nS8000M3\nG0X0.Y0.Z5.\n";
 const HOLE: &str = "O9010 (HOLE)\n#30=#4003\nG90G0X#24Y#25Z2.\nG1Z-2.F[#9/3]\nG1X[#24+#18]F#9\nG3I-#18 (CIRCLE)\n\
@@ -135,4 +138,27 @@ fn a_stop_with_a_message_stays_a_stop() {
     let job = job(&scratch, &program, "");
     let expanded = adapted(&scratch, &job, &["--expand"]);
     assert!(expanded.contains("\nM0(TURN PART)\nG1X8.F900.\n"), "{expanded}");
+}
+
+/// Moves with their feeds that a program executes.
+fn moves(source: &Source) -> Vec<Segment> {
+    let program = source.whole().expect("a short program");
+    assert!(!program.has_errors(), "{:?}", program.diagnostics);
+    program.lines.iter().filter_map(ProgramLine::segment).collect()
+}
+
+#[test]
+fn moves_in_pieces_are_written_back_where_all_executions_have_the_same() {
+    let job = format!("{JOB}[override]\nmode = \"rewrite-only\"\n");
+    // Lines before slower rounded corners are sent in two blocks: in a subprogram with absolute and one with relative ends.
+    let body = "#2=1\nM98P3L2\nWHILE[#2LE3]DO1\nM98P2\n#2=#2+1\nEND1\nM30\nO2\nG91G1X40.F900.,R3.\nY30.\nX-40.\nY-30.\nG90\nM99\nO3\nG90G1X0Y0F900.\nX60.,R2.5\r\nY40.\nM99\n";
+    let case = Case::new(&Scratch::new("pieces-back"), &format!("{HEAD}{body}"), &[], &job).expect("a job");
+    let written = case.written.as_ref().expect("written back").clone();
+    println!("{written}");
+    let lines = |text: &str| text.lines().count();
+    assert_eq!(lines(&written), lines(&case.text) + 2, "{written}");
+    let of = |bytes: Vec<u8>| Source { macro_line: first_macro(&bytes), bytes, places: None, ..case.source.clone() };
+    let again = of(written.into_bytes()).expanded(None, RunBounds::default()).expect("the program runs");
+    let [again, adapted] = [again, of(case.adapted.text.clone())].map(|source| moves(&source));
+    assert!(adapted.len() > 20 && again == adapted, "{again:?}\n{adapted:?}");
 }

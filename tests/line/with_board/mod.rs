@@ -151,17 +151,6 @@ fn behind_a_link_the_example_is_cut_as_by_a_notified_controller() {
 }
 
 #[test]
-fn the_program_begins_when_the_override_of_the_board_has_risen() {
-    let _alone = ONE_AT_A_TIME.lock();
-    // The first arc begins with the program: a board's override rises from 0 % at power-on.
-    let job = "examples/c/job.toml";
-    let least = |report: &Value| report["movements"][0]["override"]["min"].as_u64().expect("an override");
-    let [direct, linked] = [&["stream", job, "--json"][..], &["stream", job, "--board", "sim:", "--json"]].map(figures);
-    println!("least override on the first arc: direct {} %, behind a link {} %", least(&direct), least(&linked));
-    assert_eq!((least(&direct), least(&linked)), (80, 80));
-}
-
-#[test]
 fn a_control_that_reports_where_it_is_is_cut_the_same_behind_a_link() {
     let _alone = ONE_AT_A_TIME.lock();
     let scratch = Scratch::new("board-reports");

@@ -39,6 +39,7 @@ pub fn written_back(input: &[u8], seed: u64) {
     (1..=program.lines.len()).for_each(|line| assert!((1..=lines).contains(&program.line_in_file(line))));
     let adapted = adapt(&program, &file.job);
     let Ok(written) = write_back(&source, &adapted.text, &adapted.line_ends) else { return };
+    let written = written.text;
     let code = |text: &[u8]| Lines::new(text).map(|line| line.text.len()).collect::<Vec<_>>();
     let changed = code(&bytes).iter().zip(&code(&written)).filter(|(old, new)| old != new).count();
     assert_eq!(Lines::new(&written).count(), lines);

@@ -115,3 +115,44 @@ fn a_report_of_adapt_prints_each_warning_once() {
     let lines: std::collections::BTreeSet<&str> = said.lines().collect();
     assert!(said.contains("note: ") && lines.len() == said.lines().count(), "{said}");
 }
+
+#[test]
+fn several_tools_cut_one_stock_and_those_without_a_diameter_take_nothing() {
+    let scratch = Scratch::new("without-job-tools-stock");
+    // Two slots, each a line and a half circle, in whole layers of dexels; a drill beside them.
+    let text = "%\nO1\n(STOCK/BLOCK,75,115,12,10,70,12)\nG21G17G90G94\nT1M6\nS5000M3\nG0X0Y0Z5.\nG1Z-4.2F200.\nX40.F900.\nG3X40.Y30.I0J15.\nG0Z5.\nT3M6\nS900M3\n\
+                G0X5.Y40.\nG81X5.Y40.Z-9.R2.F90.\nG80\nT2M6\nS9000M3\nG0X0Y-60.Z5.\nG1Z-3.F200.\nX30.F700.\nG3X30.Y-40.I0J10.\nG0Z5.\nM30\n%\n";
+    let pi = std::f64::consts::PI;
+    let first = 4.2 * (10.0 * 40.0 + 10.0 * 15.0 * pi + 25.0 * pi);
+    let second = 3.0 * (6.0 * 30.0 + 6.0 * 10.0 * pi + 9.0 * pi);
+    let taken = |arguments: &[&str]| {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
+        (1e3 * report["material"]["taken"]["removed"].as_f64().expect("cm3"), text_of(&output.stderr))
+    };
+    let path = scratch.write("p.nc", text);
+    let (removed, said) = taken(&["simulate", &path, "--tool", "T1=10", "--tool", "T2=6", "--json"]);
+    println!("removed {removed:.1} of {:.1} mm3", first + second);
+    assert!((removed / (first + second) - 1.0).abs() < 5e-3, "{removed}");
+    assert!(said.contains("the shape of the tool in the spindle is not given"), "{said}");
+    let (removed, _) = taken(&["simulate", &path, "--tool", "T2=6", "--json"]);
+    assert!((removed / second - 1.0).abs() < 1e-2, "{removed}, not {second}");
+    // A job: each tool with its height.
+    let tool = |number: i32, diameter: f64, height: &str| {
+        format!(
+            "[[tool]]\nnumber = {number}\nkind = 'end-mill'\ndiameter = {diameter:?}\nteeth = 2\n{height}[[tool.cut]]\nmoves = 'arcs'\ndirection = 'ccw'\nside = 'slot'\n"
+        )
+    };
+    let job = |height: &str| {
+        format!(
+            "units = 'mm'\nprogram = 'p.nc'\n[spindle]\nrev_per_min = 5000\n[law]\nkind = 'contour'\nfeed_per_tooth = 'programmed'\n[limits]\nmax_raise = 1.0\n[override]\nmode = 'rewrite-only'\n{}{}[workpiece]\nblock = {{ from = [-10, -70, -12], to = [65, 45, 0] }}\nstep = 0.3\n",
+            tool(1, 10.0, height),
+            tool(2, 6.0, "height = 12\n")
+        )
+    };
+    let (removed, _) = taken(&["simulate", &scratch.write("job.toml", job("height = 12\n")), "--json"]);
+    assert!((removed / (first + second) - 1.0).abs() < 5e-3, "{removed}");
+    let (code, message) = refused(&["simulate", &scratch.write("job.toml", job(""))]);
+    assert!(code == Some(1) && message.contains("the height of each [[tool]]"), "{message}");
+}

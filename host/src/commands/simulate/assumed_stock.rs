@@ -122,17 +122,17 @@ impl StockArgs {
         if is_job {
             return Ok(());
         }
-        if self.material.is_some() && file.job.tools.first().follows_program {
+        if self.material.is_some() && file.job.tools.iter().any(|setup| setup.follows_program) {
             let message =
                 "--material: the estimate of the power needs the feed per tooth: add --teeth and --feed-per-tooth";
             return Err(Failure::Usage(message.into()));
         }
-        let found =
-            only_mill(file, program).and_then(|radius_mm| Ok((self.block(file, program, radius_mm)?, radius_mm)));
+        let found = mill_radii_mm(file, program)
+            .and_then(|radii @ [_, largest_mm]| Ok((self.block(file, program, largest_mm)?, radii)));
         match found {
-            Ok(((source, block), radius_mm)) => {
+            Ok(((source, block), [smallest_mm, _])) => {
                 let assumed = AssumedStock { source, from: block.lowest, to: block.highest };
-                file.workpiece = Some(self.workpiece(assumed, radius_mm, file.job.unit));
+                file.workpiece = Some(self.workpiece(assumed, smallest_mm, file));
                 Ok(())
             }
             Err(why) if is_given => {
@@ -159,7 +159,8 @@ impl StockArgs {
             .ok_or("its cutting moves have no extents (--stock gives it)".into())
     }
 
-    fn workpiece(&self, assumed: AssumedStock, radius_mm: f64, unit: LengthUnit) -> Workpiece {
+    fn workpiece(&self, assumed: AssumedStock, radius_mm: f64, file: &JobFile) -> Workpiece {
+        let unit = file.job.unit;
         let [lowest_mm, highest_mm] = [assumed.from, assumed.to].map(|corner| corner.map(|value| value * unit.mm()));
         let [x, y, z] = difference(highest_mm, lowest_mm);
         let finest_mm = libm::sqrt((x * y + y * z + z * x) / RAYS_MAX);
@@ -172,13 +173,14 @@ impl StockArgs {
             memory_max_bytes: MEMORY_MAX_BYTES,
             flexible: None,
             body: Body { corner_mm: 0.0, height_mm: z },
+            other_bodies: vec![Body { corner_mm: 0.0, height_mm: z }; file.job.tools.len() - 1],
             offset: 0,
         }
     }
 }
 
-/// Radius of the end mill that makes all cuts of the program, mm.
-fn only_mill(file: &JobFile, program: &Program) -> Result<f64, String> {
+/// Radii of the smallest and the largest end mill that cuts, mm. The other tools of several take no material.
+fn mill_radii_mm(file: &JobFile, program: &Program) -> Result<[f64; 2], String> {
     let cuts = program.lines.iter().filter(|line| line.segment().is_some_and(|segment| segment.path != Path::Rapid));
     let mut tools: Vec<ToolInSpindle> = Vec::new();
     cuts.for_each(|line| {
@@ -186,11 +188,19 @@ fn only_mill(file: &JobFile, program: &Program) -> Result<f64, String> {
             tools.push(line.machining.tool);
         }
     });
-    match (tools.as_slice(), file.job.tools.first().tool) {
-        ([_, _, ..], _) => Err(format!("{} tools cut, and a stock is cut by one tool only", tools.len())),
-        ([_], Tool::EndMill(mill)) if !file.job.rules.is_empty() => Ok(mill.radius.to_mm()),
-        _ => Err("the diameter of its tool is unknown, because no end mill has arcs in G17".into()),
-    }
+    // A job for one tool counts for the only one that cuts.
+    let setup = |tool: &ToolInSpindle| match tools.as_slice() {
+        [_] => Some(file.job.tools.first()),
+        _ => file.job.tools.get(file.job.tool_in(*tool)?),
+    };
+    let radius_mm = |tool: &ToolInSpindle| match setup(tool)?.tool {
+        Tool::EndMill(mill) if !file.job.rules.is_empty() => Some(mill.radius.to_mm()),
+        _ => None,
+    };
+    let radii = tools.iter().filter_map(radius_mm).map(|radius_mm| [radius_mm; 2]);
+    radii
+        .reduce(|[low, high], [radius_mm, _]| [low.min(radius_mm), high.max(radius_mm)])
+        .ok_or("no end mill of known diameter has arcs in G17 that a law governs".into())
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use arcfeed_nc::text::Lines;
 use super::block_lines::BlockLocator;
 use super::block_pairs::BlockPairs;
 use crate::adapt::Adapted;
+use crate::adapt::write_back::WrittenProgram;
 use crate::program::{Program, in_capitals};
 
 /// Program as text, with the line of each executed block.
@@ -17,12 +18,13 @@ pub struct ProgramListing {
 }
 
 impl ProgramListing {
-    /// ProgramListing of a program; `sent` is its text in the control's memory, and `executed` has the blocks of the run and of
-    /// the original program.
-    pub fn new(program: &Program, adapted: &Adapted, sent: &[u8], executed: [&[Vec<u8>]; 2]) -> Self {
+    /// ProgramListing of a program; `sent` is its text in the control's memory, with the end of each line of the program, and
+    /// `executed` has the blocks of the run and of the original program.
+    pub fn new(program: &Program, adapted: &Adapted, sent: &WrittenProgram, executed: [&[Vec<u8>]; 2]) -> Self {
         let file = program.file();
-        let is_planned = sent == adapted.text;
-        let [mut after, mut before] = locators(program, adapted, sent);
+        let WrittenProgram { text: sent, line_ends: sent_ends } = sent;
+        let is_planned = *sent == adapted.text;
+        let [mut after, mut before] = locators(program, adapted, sent, sent_ends);
         let block_lines = [
             executed[0].iter().map(|block| after.line_of(block)).collect(),
             executed[1].iter().map(|block| before.line_of(block)).collect(),
@@ -37,7 +39,7 @@ impl ProgramListing {
             (true, None) => text_of(&adapted.line_ends, sent),
             // Blocks as executed are no lines of the file.
             (true, Some(_)) => lines.clone(),
-            (false, _) => text_of(&line_ends(sent), sent),
+            (false, _) => text_of(sent_ends, sent),
         };
         let lines = lines.into_iter().zip(sent).map(|(line, sent)| [line, sent]).collect();
         ProgramListing { lines, block_lines }
@@ -49,16 +51,18 @@ impl ProgramListing {
     }
 }
 
-/// Locators of the blocks of the run and of the original program; `sent` is the text in the control's memory.
-pub fn locators(program: &Program, adapted: &Adapted, sent: &[u8]) -> [BlockLocator; 2] {
-    let own = |text: &[u8]| BlockLocator::new(in_capitals(text), &line_ends(text), |line| line);
+/// Locators of the blocks of the run and of the original program; `sent` is the text in the control's memory, and
+/// `sent_ends` has the end of each program line in it.
+pub fn locators(program: &Program, adapted: &Adapted, sent: &[u8], sent_ends: &[usize]) -> [BlockLocator; 2] {
+    let file = program.file();
+    let before = BlockLocator::new(in_capitals(&file), &line_ends(&file), |line| line);
     let after = if sent == adapted.text {
         BlockLocator::new(in_capitals(sent), &adapted.line_ends, |line| program.line_in_file(line))
     } else {
         // The control runs macros itself, so its blocks are lines of the file with the feeds written back.
-        own(sent)
+        BlockLocator::new(in_capitals(sent), sent_ends, |line| line)
     };
-    [after, own(&program.file())]
+    [after, before]
 }
 
 /// End of each line in a text.

@@ -161,6 +161,7 @@ pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) 
         LeftOutReason::Contour => "contour",
         LeftOutReason::Tilted => "tilted",
         LeftOutReason::AxisTurns => "axis-turns",
+        LeftOutReason::OtherTool => "other-tool",
         LeftOutReason::Backwards => "backwards",
     };
     LeftOutBlocks { cause, blocks, first_block: first.count, first_n: first.sequence }

@@ -8,12 +8,13 @@ use arcfeed_dexel::profile::ProfileError;
 use arcfeed_dexel::solid::{Block, InitialSolid, Revolved};
 use arcfeed_dexel::tool::Tool;
 use arcfeed_dexel::workpiece::Stock;
-use arcfeed_hil_sim::removal::cutter::{StockCutter, StockCutterSettings};
+use arcfeed_hil_sim::removal::cutter::{NumberedTools, StockCutter, StockCutterSettings};
 use arcfeed_hil_sim::removal::loads::{LoadMeter, LoadSettings};
 use arcfeed_hil_sim::removal::tilted::TiltedWorkpiece;
 use arcfeed_kinematics::vector::{difference, length};
 use arcfeed_milling::cutting::layers::Layers;
 use arcfeed_milling::cutting::material::Kienzle;
+use arcfeed_model::job::ToolSetup;
 use arcfeed_model::tool::Tool as JobTool;
 use arcfeed_units::Nm;
 
@@ -65,8 +66,15 @@ impl<'a> Setup<'a> {
         let place = located(workpiece.offset);
         let tolerance_mm = workpiece.step_mm * TOLERANCE_RATIO;
         let input_failure = |error: &dyn std::fmt::Display| Failure::Input(format!("{place}: {error}"));
-        let tool =
-            tool(&file.job.tools.first().tool, &workpiece.body, tolerance_mm).map_err(|error| input_failure(&error))?;
+        let solid_of = |setup: &ToolSetup, body: &Body| {
+            tool(&setup.tool, body, tolerance_mm).map_err(|error| input_failure(&error))
+        };
+        let tool = solid_of(file.job.tools.first(), &workpiece.body)?;
+        let others = file.job.tools.iter().skip(1).zip(&workpiece.other_bodies);
+        let others = others.map(|(setup, body)| Ok((setup.number, solid_of(setup, body)?)));
+        let others = others.collect::<Result<Vec<_>, Failure>>()?;
+        let first = file.job.tools.first().number;
+        let numbered = (file.job.tools.len() > 1).then_some(NumberedTools { first, others });
         let blank: Arc<dyn InitialSolid> =
             solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?.into();
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes)
@@ -95,7 +103,7 @@ impl<'a> Setup<'a> {
             .map(|(name, offset)| edges::tangential(name, *offset).map_err(|fault| wrong(fault, *offset)));
         let (loads, truth) = edges.transpose()?.unzip();
         let depth_mm = file.cutting.as_ref().map_or(workpiece.body.height_mm, |cutting| cutting.axial_depth_mm);
-        let settings = StockCutterSettings { stock, tool, machine, tolerance_mm };
+        let settings = StockCutterSettings { stock, tool, numbered, machine, tolerance_mm };
         let material = material.transpose()?;
         Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth, force: force.transpose()?, material }))
     }

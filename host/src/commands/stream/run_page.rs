@@ -10,6 +10,7 @@ use super::super::simulate::listing::ProgramListing;
 use super::super::simulate::observer::RunObserver;
 use super::super::simulate::page::PageContent;
 use super::preparation::PreparedProgram;
+use crate::adapt::write_back::WrittenProgram;
 use crate::adapt::{Known, adapt_with};
 use crate::report::figures::RunReport;
 
@@ -27,7 +28,7 @@ pub fn write<D: OverrideSource>(
     let PreparedProgram { file, program, .. } = ready;
     let adapted = adapt_with(program, &file.job, Known::of(file));
     let executed = [simulation.control().executed(), baseline.control().executed()];
-    let listing = ProgramListing::new(program, &adapted, &adapted.text, executed);
+    let listing = ProgramListing::new(program, &adapted, &WrittenProgram::from(&adapted), executed);
     let content = PageContent {
         title: &format!("{}: sent to the simulated control", file.program.display()),
         listing: &listing,

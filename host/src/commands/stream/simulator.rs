@@ -157,7 +157,7 @@ impl Stream {
         if let Some(path) = &self.trace {
             let PreparedProgram { file, program, .. } = ready;
             let adapted = adapt_with(program, &file.job, Known::of(file));
-            let [lines, _] = locators(program, &adapted, &adapted.text);
+            let [lines, _] = locators(program, &adapted, &adapted.text, &adapted.line_ends);
             observer.write_tables(&TraceFiles::of(path)?, Some(lines))?;
         }
         Ok(observer)
