@@ -13,6 +13,8 @@ mod tool;
 
 pub mod plunge;
 
+pub mod repair;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};

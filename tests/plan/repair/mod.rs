@@ -20,3 +20,4 @@ mod plan;
 
 mod blade;
 
+mod command;

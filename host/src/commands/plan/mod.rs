@@ -22,6 +22,9 @@ mod run;
 #[cfg(feature = "plan")]
 mod plunge;
 
+#[cfg(feature = "plan")]
+mod repair;
+
 use std::path::PathBuf;
 
 use super::outcome::Failure;
@@ -39,6 +42,7 @@ pub struct PlanCommand {
 enum Method {
     CupMill(CupMill),
     Plunge(Plunge),
+    Repair(Repair),
 }
 
 /// Rough the slots of a bladed rotor with a cup mill (docs/plan.md)
@@ -70,6 +74,19 @@ struct Plunge {
     json: bool,
 }
 
+/// Plan the milling of a repaired blade from measured points: allowance, regions, contact points (docs/repair.md)
+#[derive(Debug, clap::Args)]
+struct Repair {
+    /// The repair file
+    repair: PathBuf,
+    /// Folder for allowance.csv, contacts.csv and report.html; created if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
 impl PlanCommand {
     /// Runs the command.
     ///
@@ -79,12 +96,20 @@ impl PlanCommand {
         match &self.method {
             Method::CupMill(method) => method.run(),
             Method::Plunge(method) => method.run(),
+            Method::Repair(method) => method.run(),
         }
     }
 }
 
 #[cfg(not(feature = "plan"))]
 impl Plunge {
+    fn run(&self) -> Result<(), Failure> {
+        Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
+    }
+}
+
+#[cfg(not(feature = "plan"))]
+impl Repair {
     fn run(&self) -> Result<(), Failure> {
         Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
     }
