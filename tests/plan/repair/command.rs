@@ -116,8 +116,8 @@ fn wrong_files_and_points_are_refused_with_place_and_remedy_and_nothing_is_writt
 
 /// Table with z reversed.
 fn mirrored(table: &str) -> String {
-    let line = |line: &str| match line.rsplit_once(',') {
-        Some((rest, z)) if !rest.contains("x_mm") => format!("{rest},{}\n", -z.parse::<f64>().unwrap()),
+    let line = |line: &str| match line.rsplit_once(',').map(|(rest, z)| (rest, z.parse::<f64>())) {
+        Some((rest, Ok(z))) => format!("{rest},{}\n", -z),
         _ => format!("{line}\n"),
     };
     table.lines().map(line).collect()
