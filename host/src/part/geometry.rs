@@ -149,7 +149,7 @@ fn blades(entry: &Spanned<i64>) -> Result<u32, Complaint> {
 }
 
 /// Interpretation of the points of a file; they are in the part's units unless `units` is given.
-fn frame(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFileFrame {
+pub(super) fn frame(axis: RotorWord, units: Option<PointUnit>, unit: LengthUnit) -> PointFileFrame {
     let axis = match axis {
         RotorWord::X => RotorAxis::X,
         RotorWord::Y => RotorAxis::Y,

@@ -42,7 +42,7 @@ pub(super) fn in_file(file: &Spanned<String>, folder: &Path, error: &ReadError) 
     PartError::There(FileError::Content { path, line: *line, column: *column, message: fault.to_string() })
 }
 
-fn bytes(file: &Spanned<String>, folder: &Path) -> Result<Vec<u8>, PartError> {
+pub(super) fn bytes(file: &Spanned<String>, folder: &Path) -> Result<Vec<u8>, PartError> {
     let path = folder.join(file.as_ref());
     std::fs::read(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())).into())
 }

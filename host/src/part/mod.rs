@@ -17,6 +17,8 @@ pub mod plunge;
 
 pub mod finish;
 
+pub mod repair;
+
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};

@@ -45,6 +45,14 @@ fn what_a_plan_of_finishing_prints_is_documented() {
 }
 
 #[test]
+fn what_a_plan_of_a_repair_prints_is_documented() {
+    let documented = Documented::read();
+    let planned = object(&["plan", "repair", "examples/repaired-blade/REPAIR.toml"], 0);
+    documented.assert_fits("plan repair", &planned);
+    assert!(planned["program"].is_null() && planned["is_rising"] == true, "{planned}");
+}
+
+#[test]
 fn what_init_prints_is_documented_for_every_kind_of_program() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-init");

@@ -19,3 +19,5 @@ mod scan;
 mod plan;
 
 mod blade;
+
+mod command;

@@ -18,6 +18,8 @@ use crate::vector::{Point, Vector};
 const PROBES: usize = 17;
 /// Step of the differences in (1), as a share of a parameter's range.
 const DIFFERENCE: f64 = 1e-5;
+/// Greatest distance of points along a pass, and least one where the surface is examined between the probes.
+const STEPS_MM: [f64; 2] = [0.05, 1.0];
 /// Most points of all passes of one kind.
 const POINTS_MAX: usize = 2_000_000;
 
@@ -54,17 +56,18 @@ pub struct PassLines {
     pub points: usize,
     /// Least and greatest distance of neighbouring lines.
     pub steps_mm: [f64; 2],
+    settings: PassSettings,
 }
 
 /// Lines from `from_u` to the tip; `None` where a hollow is as narrow as the ball, or there would be more points than a control takes.
 pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) -> Option<PassLines> {
     let [us, vs] = surface.ranges();
     let probe = |from: f64, to: f64, k: usize| from + (to - from) * k as f64 / (PROBES - 1) as f64;
-    let (mut step_mm, mut chord_mm) = (f64::INFINITY, f64::INFINITY);
+    let mut step_mm = f64::INFINITY;
     for at in (0..PROBES).flat_map(|i| (0..PROBES).map(move |j| (i, j))) {
         let [across, along] = curvatures_per_mm(surface, [probe(from_u, us[1], at.0), probe(vs[0], vs[1], at.1)]);
         step_mm = step_mm.min(stepover(settings.ball_mm, settings.cusp_mm, across)?.wall_mm);
-        chord_mm = chord_mm.min(contact_chord(settings.ball_mm, settings.chord_mm, along)?.surface_mm);
+        contact_chord(settings.ball_mm, settings.chord_mm, along)?;
     }
     let lines: Vec<f64> = (0..PROBES)
         .map(|j| probe(vs[0], vs[1], j))
@@ -72,15 +75,26 @@ pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) 
         .collect();
     let longest = (0..PROBES).max_by(|a, b| lines[*a].total_cmp(&lines[*b]))?;
     let spacing = pass_spacing(&lines, step_mm)?;
-    let along = |u: f64| ArcLength::new(vs, |v| surface.jet([u, v]).v.norm()).length_mm();
-    let longest_mm = (0..PROBES).map(|i| along(probe(from_u, us[1], i))).fold(0.0, f64::max);
-    let points = libm::ceil(longest_mm / chord_mm).max(1.0) + 1.0;
+    let chords = (0..PROBES).map(|i| chords(surface, probe(from_u, us[1], i), settings).length_mm());
+    let points = libm::ceil(chords.fold(0.0, f64::max)).max(1.0) + 1.0;
     if points * spacing.passes as f64 > POINTS_MAX as f64 {
         return None;
     }
     let longest_v = probe(vs[0], vs[1], longest);
     let us = ArcLength::new([from_u, us[1]], |u| surface.jet([u, longest_v]).u.norm()).equal_arcs(spacing.passes);
-    Some(PassLines { us, points: points as usize, steps_mm: [spacing.least_mm, spacing.greatest_mm] })
+    let steps_mm = [spacing.least_mm, spacing.greatest_mm];
+    Some(PassLines { us, points: points as usize, steps_mm, settings: *settings })
+}
+
+/// A line u = const, measured in chords of the tolerance: equal parts of it are dense where it is curved.
+fn chords<'s>(surface: &'s impl Surface, u: f64, settings: &PassSettings) -> ArcLength<impl Fn(f64) -> f64 + 's> {
+    let PassSettings { ball_mm, chord_mm, .. } = *settings;
+    let per_parameter = move |v: f64| {
+        let [_, along] = curvatures_per_mm(surface, [u, v]);
+        let chord = contact_chord(ball_mm, chord_mm, along).map_or(STEPS_MM[0], |chord| chord.surface_mm);
+        surface.jet([u, v]).v.norm() / chord.min(STEPS_MM[1])
+    };
+    ArcLength::new(surface.ranges()[1], per_parameter)
 }
 
 /// Normal curvatures along the first and the second parameter, positive if convex.
@@ -98,9 +112,8 @@ impl PassLines {
         left_mm: impl Fn([f64; 2], &Point) -> f64,
         is_zigzag: bool,
     ) -> Vec<Vec<RepairContact>> {
-        let vs = surface.ranges()[1];
         let line = |(k, u): (usize, &f64)| {
-            let curve = ArcLength::new(vs, |v| surface.jet([*u, v]).v.norm());
+            let curve = chords(surface, *u, &self.settings);
             let contact = |v: f64| contact(surface, [*u, v], &left_mm);
             let mut line: Vec<RepairContact> = curve.equal_arcs(self.points).into_iter().map(contact).collect();
             if is_zigzag && k % 2 == 1 {

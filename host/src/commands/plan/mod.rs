@@ -25,6 +25,9 @@ mod plunge;
 #[cfg(feature = "plan")]
 mod finish;
 
+#[cfg(feature = "plan")]
+mod repair;
+
 use std::path::PathBuf;
 
 use super::outcome::Failure;
@@ -43,6 +46,7 @@ enum Method {
     CupMill(CupMill),
     Plunge(Plunge),
     Finish(Finish),
+    Repair(Repair),
 }
 
 /// Rough the slots of a bladed rotor with a cup mill (docs/plan.md)
@@ -87,6 +91,19 @@ struct Finish {
     json: bool,
 }
 
+/// Plan the milling of a repaired blade from measured points: allowance, regions, contact points (docs/repair.md)
+#[derive(Debug, clap::Args)]
+struct Repair {
+    /// The repair file
+    repair: PathBuf,
+    /// Folder for allowance.csv, contacts.csv and report.html; created if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md)
+    #[arg(long)]
+    json: bool,
+}
+
 impl PlanCommand {
     /// Runs the command.
     ///
@@ -97,6 +114,7 @@ impl PlanCommand {
             Method::CupMill(method) => method.run(),
             Method::Plunge(method) => method.run(),
             Method::Finish(method) => method.run(),
+            Method::Repair(method) => method.run(),
         }
     }
 }
@@ -117,6 +135,13 @@ impl Plunge {
 
 #[cfg(not(feature = "plan"))]
 impl CupMill {
+    fn run(&self) -> Result<(), Failure> {
+        Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
+    }
+}
+
+#[cfg(not(feature = "plan"))]
+impl Repair {
     fn run(&self) -> Result<(), Failure> {
         Err(Failure::Usage(crate::features::not_built_in("the planner", "plan")))
     }

@@ -1,0 +1,85 @@
+"""Points as a measuring machine would take them on a repaired blade of examples/blisk-19. It shares nothing with the planner.
+
+The blade is NACA 65-010 on circular arcs, laid on cylinders (docs/plan.md, generated rotors). Its pressure side stands 0.05 mm above the nominal surface; a
+weld 0.9 mm high covers it above a line from 55 % of the height at the leading edge to 75 % at the trailing edge. Noise: 5 um. Prints the table.
+"""
+
+from math import asin, cos, pi, radians, sin, sqrt
+from random import Random
+
+HALF_PERCENT = [
+    (0.0, 0.0), (0.5, 0.772), (0.75, 0.932), (1.25, 1.169), (2.5, 1.574), (5.0, 2.177), (7.5, 2.647), (10.0, 3.040), (15.0, 3.666),
+    (20.0, 4.143), (25.0, 4.503), (30.0, 4.760), (35.0, 4.924), (40.0, 4.996), (45.0, 4.963), (50.0, 4.812), (55.0, 4.530), (60.0, 4.146),
+    (65.0, 3.682), (70.0, 3.156), (75.0, 2.584), (80.0, 1.987), (85.0, 1.385), (90.0, 0.810), (95.0, 0.306), (100.0, 0.0),
+]
+HUB_MM, TIP_MM, CHORD_MM = 70.0, 98.6, 26.0
+OLD_MM, WELD_MM, RAMP, NOISE_MM = 0.05, 0.9, 0.03, 0.005
+
+
+def half_thickness(x):
+    percent = 100.0 * x
+    for (low, below), (high, above) in zip(HALF_PERCENT, HALF_PERCENT[1:]):
+        if percent <= high:
+            share = (sqrt(percent) - sqrt(low)) / (sqrt(high) - sqrt(low))
+            return (below + (above - below) * share) / 100.0
+    return 0.0
+
+
+def mixed(pair, s):
+    return pair[0] + (pair[1] - pair[0]) * s
+
+
+def surface(side, x, s):
+    """Point of the pressure (-1) or suction side (+1) at the share x of the chord and s of the height."""
+    camber, stagger = radians(mixed((14.0, 10.0), s)), radians(mixed((28.0, 42.0), s))
+    rho = CHORD_MM / (2.0 * sin(camber / 2.0))
+    angle = asin(CHORD_MM * (x - 0.5) / rho)
+    bow = rho * (cos(angle) - cos(camber / 2.0))
+    thick = half_thickness(x) * CHORD_MM * mixed((0.1, 0.055), s) / 0.1
+    along = CHORD_MM * (x - 0.5) + side * thick * sin(angle)
+    across = -bow - side * thick * cos(angle)
+    radius = HUB_MM + (TIP_MM - HUB_MM) * s
+    around = (along * sin(stagger) + across * cos(stagger)) / radius
+    return radius * cos(around), radius * sin(around), along * cos(stagger) - across * sin(stagger)
+
+
+def normal(side, x, s):
+    """Unit normal away from the blade."""
+    h = 1e-5
+    a = [(p - q) / (2 * h) for p, q in zip(surface(side, x + h, s), surface(side, x - h, s))]
+    b = [(p - q) / (2 * h) for p, q in zip(surface(side, x, s + h), surface(side, x, s - h))]
+    n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    # The pressure side faces growing angles about z.
+    out = -side * (n[1] * surface(side, x, s)[0] - n[0] * surface(side, x, s)[1])
+    length = sqrt(sum(c * c for c in n))
+    return [c / length * (1.0 if out > 0.0 else -1.0) for c in n]
+
+
+def stands_mm(x, s):
+    """Height of the pressure side above the nominal surface."""
+    t = min(max((s - 0.55 - 0.2 * x) / RAMP, 0.0), 1.0)
+    return OLD_MM + (WELD_MM - OLD_MM) * t * t * (3.0 - 2.0 * t)
+
+
+def main():
+    random = Random(27)
+    print("# a repaired blade, synthetic (make_points.py)\nside,x_mm,y_mm,z_mm")
+
+    def put(name, point, direction, height):
+        height += random.gauss(0.0, NOISE_MM)
+        print(name, *(f"{p + d * height:.4f}" for p, d in zip(point, direction)), sep=",")
+
+    # Stratified: one point at random in each cell, as dense as a scanner's after thinning.
+    for i in range(64):
+        for j in range(52):
+            x, s = 0.004 + 0.992 * (j + random.random()) / 52, 0.005 + 0.99 * (i + random.random()) / 64
+            put("PS", surface(-1, x, s), normal(-1, x, s), stands_mm(x, s))
+    for _ in range(500):
+        x, s = random.uniform(0.01, 0.99), random.uniform(0.03, 0.97)
+        put("SS", surface(1, x, s), normal(1, x, s), 0.0)
+    for _ in range(200):
+        angle, z = random.choice((-1, 1)) * random.uniform(0.1, 0.14), random.uniform(-5.0, 5.0)
+        put("HUB", (HUB_MM * cos(angle), HUB_MM * sin(angle), z), (cos(angle), sin(angle), 0.0), 0.0)
+
+
+main()

@@ -1,0 +1,210 @@
+//! Output of the plan of a repair: text and JSON.
+
+use std::fmt::Write as _;
+
+use arcfeed_plan::geometry::flaws::BladeSide;
+use arcfeed_plan::repair::regions::{Region, RepairBorder};
+use arcfeed_plan::repair::registration::DIRECTIONS;
+use serde::Serialize;
+
+use super::result::RepairResult;
+
+/// Sentence about the program that is not written.
+pub const NO_PROGRAM: &str = "No NC program is written: the way of the whole mill along these contact points is not planned and not proven yet \
+                              (docs/repair.md)";
+
+/// Figures of one plan, `arcfeed plan repair --json` (docs/json.md). Lengths mm, angles degrees.
+#[derive(Debug, Serialize)]
+pub struct RepairFigures {
+    /// Name of the repair.
+    pub name: String,
+    /// NC program; none is written yet.
+    pub program: Option<String>,
+    /// Side.
+    pub side: &'static str,
+    /// Number of the blade.
+    pub blade: u32,
+    /// Measured points.
+    pub points: usize,
+    /// Points on the side.
+    pub used_points: usize,
+    /// Registration.
+    pub registration: RegistrationFigures,
+    /// Deviation of the old blade, which stays.
+    pub old_mm: f64,
+    /// Begin of the transition, least and greatest place of the border, between root (0) and tip (1).
+    pub places: [f64; 3],
+    /// Whether the border runs from edge to edge, so that the allowance is that of the source.
+    pub is_rising: bool,
+    /// Allowance by region.
+    pub regions: [RegionFigures; 3],
+    /// Finishing passes.
+    pub passes: usize,
+    /// Points of each pass.
+    pub points_per_pass: usize,
+    /// Least and greatest distance of passes.
+    pub stepover_mm: [f64; 2],
+    /// Heights of the rough layers above the nominal surface.
+    pub layers_mm: Vec<f64>,
+    /// Volume to be taken in the repaired region and in the transition.
+    pub removed_mm3: [f64; 2],
+}
+
+/// Figures of a registration.
+#[derive(Debug, Serialize)]
+pub struct RegistrationFigures {
+    /// Directions that the points determined; the others are held at the datum.
+    pub free: Vec<&'static str>,
+    /// Rotation about the middle of the blade.
+    pub turn_deg: [f64; 3],
+    /// Shift.
+    pub shift_mm: [f64; 3],
+    /// Root mean square of the distances left.
+    pub rms_mm: f64,
+    /// Standard deviations of the free directions: degrees, mm.
+    pub deviations: Vec<f64>,
+    /// Condition; 1 if nothing is free.
+    pub condition: f64,
+    /// Points that were left out as outliers, the weld among them.
+    pub outliers: usize,
+    /// Least allowance that the datum's tolerances allow, if they allow any motion.
+    pub even_least_mm: Option<f64>,
+}
+
+/// Allowance of a region.
+#[derive(Debug, Serialize)]
+pub struct RegionFigures {
+    /// `norm`, `transition` or `repaired`.
+    pub region: &'static str,
+    /// Places of the lattice.
+    pub places: usize,
+    /// Places in holes of the measurement.
+    pub holes: usize,
+    /// Least, median and greatest allowance before.
+    pub before_mm: Option<[f64; 3]>,
+    /// Least and greatest allowance that is left; null where nothing is taken.
+    pub left_mm: Option<[f64; 2]>,
+}
+
+/// Word for a region.
+pub fn region_word(region: Region) -> &'static str {
+    match region {
+        Region::Norm => "norm",
+        Region::Transition => "transition",
+        Region::Repaired => "repaired",
+    }
+}
+
+impl RepairFigures {
+    /// Figures of a plan.
+    pub fn of(result: &RepairResult) -> Self {
+        let (file, plan) = (&result.file, &result.plan);
+        let allowance = &plan.regions.allowance;
+        RepairFigures {
+            name: file.name.clone(),
+            program: None,
+            side: if file.side == BladeSide::Pressure { "pressure" } else { "suction" },
+            blade: file.blade,
+            points: file.points.len(),
+            used_points: result.used,
+            registration: registration(result),
+            old_mm: allowance.old_mm,
+            places: [allowance.from_u, allowance.leading_u, allowance.trailing_u],
+            is_rising: matches!(plan.regions.border, RepairBorder::Rising { .. }),
+            regions: [Region::Norm, Region::Transition, Region::Repaired].map(|region| of_region(result, region)),
+            passes: plan.finish.len(),
+            points_per_pass: plan.lines.points,
+            stepover_mm: plan.lines.steps_mm,
+            layers_mm: plan.layers.iter().map(|(height_mm, _)| *height_mm).collect(),
+            removed_mm3: plan.removed_mm3,
+        }
+    }
+}
+
+fn registration(result: &RepairResult) -> RegistrationFigures {
+    let (file, found) = (&result.file, &result.registration);
+    let free = || (0..6).filter(|k| file.free[*k]);
+    let deviations = found.deviations();
+    RegistrationFigures {
+        free: free().map(|k| DIRECTIONS[k]).collect(),
+        turn_deg: found.motion.omega_rad.map(f64::to_degrees).into(),
+        shift_mm: found.motion.shift_mm.into(),
+        rms_mm: found.rms_mm,
+        deviations: free().map(|k| if k < 3 { deviations[k].to_degrees() } else { deviations[k] }).collect(),
+        condition: found.condition,
+        outliers: found.outliers,
+        even_least_mm: result.even.map(|motion| motion.least_mm),
+    }
+}
+
+fn of_region(result: &RepairResult, region: Region) -> RegionFigures {
+    let plan = &result.plan;
+    let nodes = plan.field.nodes().zip(plan.regions.regions.iter().flatten()).zip(plan.planned_mm.iter().flatten());
+    let (mut before, mut left, mut places) = (Vec::new(), Vec::new(), 0);
+    for ((node, _), planned) in nodes.filter(|((_, found), _)| **found == region) {
+        places += 1;
+        before.extend(node.along_mm);
+        left.extend(*planned);
+    }
+    before.sort_by(f64::total_cmp);
+    left.sort_by(f64::total_cmp);
+    RegionFigures {
+        region: region_word(region),
+        places,
+        holes: places - before.len(),
+        before_mm: before.first().zip(before.last()).map(|(low, high)| [*low, before[before.len() / 2], *high]),
+        left_mm: left.first().zip(left.last()).map(|(low, high)| [*low, *high]),
+    }
+}
+
+/// Figures as text.
+pub fn text(figures: &RepairFigures) -> String {
+    let found = &figures.registration;
+    let mut text = format!(
+        "{}: blade {}, {} side; {} of {} points lie on it\n",
+        figures.name, figures.blade, figures.side, figures.used_points, figures.points
+    );
+    let free = if found.free.is_empty() { "nothing is free".into() } else { found.free.join(", ") };
+    let _ = writeln!(
+        text,
+        "registration: {free}; rms {:.4} mm, condition {:.3}, {} outliers (the weld among them)",
+        found.rms_mm, found.condition, found.outliers
+    );
+    for (direction, deviation) in found.free.iter().zip(&found.deviations) {
+        let unit = if direction.starts_with("omega") { "degrees" } else { "mm" };
+        let _ = writeln!(text, "  {direction}: standard deviation {deviation:.5} {unit}");
+    }
+    if let Some(least_mm) = found.even_least_mm {
+        let _ = writeln!(text, "most even allowance within the datum's tolerances: {least_mm:.4} mm at least");
+    }
+    for region in &figures.regions {
+        let before = region.before_mm.map_or("not measured".into(), |[low, middle, high]| {
+            format!("{low:.3} .. {middle:.3} .. {high:.3} mm stand")
+        });
+        let left = region
+            .left_mm
+            .map_or("nothing is taken".into(), |[low, high]| format!("{low:.3} .. {high:.3} mm are left"));
+        let _ = writeln!(
+            text,
+            "{:<10} {:>5} places, {} in holes: {before}; {left}",
+            region.region, region.places, region.holes
+        );
+    }
+    let [from, low, high] = figures.places;
+    let _ = writeln!(text, "finishing begins at u {from:.4}, the border lies at u {low:.4} .. {high:.4}");
+    let _ = writeln!(
+        text,
+        "{} passes of {} points, {:.3} .. {:.3} mm apart; {} rough layers",
+        figures.passes,
+        figures.points_per_pass,
+        figures.stepover_mm[0],
+        figures.stepover_mm[1],
+        figures.layers_mm.len()
+    );
+    let _ = writeln!(
+        text,
+        "to be taken: {:.1} mm3 in the repaired region, {:.2} mm3 in the transition\n{NO_PROGRAM}.",
+        figures.removed_mm3[0], figures.removed_mm3[1]
+    );
+    text
+}

@@ -1,0 +1,91 @@
+//! Plan of a repair with the registration before it.
+
+use arcfeed_plan::geometry::face::Face;
+use arcfeed_plan::repair::blade::{NominalBlade, sides};
+use arcfeed_plan::repair::evenness::{AllowancePlace, EvenMotion, most_even};
+use arcfeed_plan::repair::field::AllowanceField;
+use arcfeed_plan::repair::plan::{RepairPlan, plan};
+use arcfeed_plan::repair::regions::{Region, regions};
+use arcfeed_plan::repair::registration::{NominalFoot, Registration, RegistrationSettings, RigidMotion, register};
+use arcfeed_plan::vector::Point;
+
+use crate::part::repair::RepairFile;
+
+/// Most points of a registration; of more points every k-th is taken.
+const REGISTERED_MAX: usize = 10_000;
+/// Repetitions of the linear program for the most even allowance.
+const EVEN_ROUNDS: usize = 2;
+
+/// Plan of one repair.
+pub struct RepairResult {
+    /// Repair file.
+    pub file: RepairFile,
+    /// Registration of the points.
+    pub registration: Registration,
+    /// Last motion for the most even allowance, if the datums allow any.
+    pub even: Option<EvenMotion>,
+    /// Points on the side.
+    pub used: usize,
+    /// Plan.
+    pub plan: RepairPlan,
+}
+
+impl RepairResult {
+    /// Plans a repair.
+    ///
+    /// # Errors
+    /// Describes why there is no plan.
+    pub fn of(file: RepairFile) -> Result<Self, String> {
+        let faces = sides(&file.blisk, file.blade);
+        let blade = NominalBlade::new([&faces[0], &faces[1]], &file.blisk);
+        blade.check(&file.points, file.blade, file.stylus_mm).map_err(|fault| fault.to_string())?;
+        let registration = registration(&file, &blade, &faces[0])?;
+        let mut points: Vec<Point> = file.points.iter().map(|point| registration.motion.moved(point)).collect();
+        let mut even = None;
+        for _ in 0..if file.tolerance.is_some() { EVEN_ROUNDS } else { 0 } {
+            let found = evened(&file, &blade, &points, &registration.motion.centre)?;
+            let centre = registration.motion.centre;
+            let motion = RigidMotion { centre, omega_rad: found.omega_rad, shift_mm: found.shift_mm };
+            points.iter_mut().for_each(|point| *point = motion.moved(point));
+            even = Some(found);
+        }
+        let samples = blade.heights(&points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
+        let plan = plan(blade.side(file.side), &samples, &file.settings).map_err(|why| why.to_string())?;
+        Ok(RepairResult { registration, even, used: samples.len(), plan, file })
+    }
+}
+
+fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Result<Registration, String> {
+    let every = file.points.len().div_ceil(REGISTERED_MAX).max(1);
+    let registered: Vec<Point> = file.points.iter().step_by(every).copied().collect();
+    let settings = RegistrationSettings {
+        centre: face.point(0.5, 0.5),
+        free: file.free,
+        is_robust: true,
+        uncertainty_mm: file.uncertainty_mm,
+    };
+    let foot = |point: &Point| {
+        let NominalFoot { point, normal } = blade.foot(point);
+        NominalFoot { point: point + normal * file.stylus_mm, normal }
+    };
+    register(&registered, &settings, foot).map_err(|error| error.to_string())
+}
+
+/// Motion that makes the repaired region's allowance most even.
+fn evened(file: &RepairFile, blade: &NominalBlade<'_>, points: &[Point], centre: &Point) -> Result<EvenMotion, String> {
+    let nominal = blade.side(file.side);
+    let samples = blade.heights(points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
+    let heights = nominal.height_field(&samples, file.settings.hole_mm);
+    let field = AllowanceField::new(nominal, &heights, file.settings.spacing_mm).map_err(|error| error.to_string())?;
+    let found = regions(nominal.surface(), &field, &file.settings.regions).ok_or("nothing is repaired on this side")?;
+    let of_repair =
+        field.nodes().zip(found.regions.iter().flatten()).filter(|(_, region)| **region == Region::Repaired);
+    let places: Vec<AllowancePlace> = of_repair
+        .filter_map(|(node, _)| {
+            let allowance_mm = node.along_mm?;
+            Some(AllowancePlace { point: node.point, normal: node.normal, allowance_mm })
+        })
+        .collect();
+    let tolerance = file.tolerance.as_ref().ok_or("the datums allow no motion")?;
+    most_even(&places, centre, tolerance).ok_or_else(|| "the most even allowance was not found".into())
+}

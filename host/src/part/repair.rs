@@ -1,0 +1,299 @@
+//! `REPAIR.toml` (docs/repair.md): a blade of a rotor, points measured on it, and what its repair is to leave.
+
+use std::path::{Path, PathBuf};
+
+use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::geometry::flaws::BladeSide;
+use arcfeed_plan::geometry::point_cloud;
+use arcfeed_plan::repair::blend::BlendShape;
+use arcfeed_plan::repair::evenness::DatumTolerance;
+use arcfeed_plan::repair::passes::PassSettings;
+use arcfeed_plan::repair::plan::RepairSettings;
+use arcfeed_plan::repair::regions::RegionSettings;
+use arcfeed_plan::repair::registration::DIRECTIONS;
+use arcfeed_plan::vector::Point;
+use arcfeed_units::LengthUnit;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::PartError;
+use super::geometry::frame;
+use super::geometry_files::{bytes, in_file, read, whole};
+use super::schema::{PartTable, PointUnit, RotorWord};
+use crate::file_error::FileError;
+use crate::job::{Complaint, Quantity, UnitWord, at, length_mm};
+use crate::place::place;
+use crate::toml_values::{refuse_numbers, with_key};
+
+/// Default of `uncertainty`.
+const UNCERTAINTY_MM: f64 = 0.005;
+/// Default of `spacing`.
+const SPACING_MM: f64 = 0.5;
+/// Largest motion that a datum's tolerance allows.
+const SHIFT_MAX_MM: f64 = 2.0;
+const TURN_MAX_DEG: f64 = 2.0;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RepairFileTable {
+    units: UnitWord,
+    name: Option<String>,
+    nominal: NominalTable,
+    measured: MeasuredTable,
+    #[serde(default)]
+    datum: DatumTable,
+    repair: RepairTable,
+    tool: RepairToolTable,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NominalTable {
+    part: Spanned<String>,
+    blade: Option<Spanned<u32>>,
+    side: SideWord,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SideWord {
+    Pressure,
+    Suction,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeasuredTable {
+    points: Spanned<String>,
+    units: Option<PointUnit>,
+    #[serde(default)]
+    axis: RotorWord,
+    stylus_radius: Option<Spanned<Quantity>>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DatumTable {
+    #[serde(default)]
+    free: Vec<Spanned<String>>,
+    uncertainty: Option<Spanned<Quantity>>,
+    shift: Option<Spanned<Quantity>>,
+    turn_deg: Option<Spanned<f64>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RepairTable {
+    threshold: Spanned<Quantity>,
+    width: Spanned<Quantity>,
+    least: Spanned<Quantity>,
+    #[serde(default)]
+    blend: BlendWord,
+    rough: Spanned<Quantity>,
+    depth: Spanned<Quantity>,
+    spacing: Option<Spanned<Quantity>>,
+    hole: Option<Spanned<Quantity>>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum BlendWord {
+    Linear,
+    #[default]
+    Cubic,
+    Quintic,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RepairToolTable {
+    radius: Spanned<Quantity>,
+    cusp: Spanned<Quantity>,
+    chord: Spanned<Quantity>,
+}
+
+/// Checked repair file. Part frame, millimetres.
+#[derive(Clone, Debug)]
+pub struct RepairFile {
+    /// Name in the file, or else the file's own name.
+    pub name: String,
+    /// Files that it names: the part and the points.
+    pub inputs: Vec<PathBuf>,
+    /// The rotor.
+    pub blisk: Blisk,
+    /// Number of the blade, from 1.
+    pub blade: u32,
+    /// Side that is repaired.
+    pub side: BladeSide,
+    /// Measured points.
+    pub points: Vec<Point>,
+    /// Radius of the stylus by which ball centres lie off the surface; 0 of points on it.
+    pub stylus_mm: f64,
+    /// Directions that the points determine.
+    pub free: [bool; 6],
+    /// Uncertainty of a point.
+    pub uncertainty_mm: f64,
+    /// Motion that the datums allow for an even allowance; `None`: none.
+    pub tolerance: Option<DatumTolerance>,
+    /// Requirements.
+    pub settings: RepairSettings,
+}
+
+impl RepairFile {
+    /// Reads and checks a repair file and the files it names.
+    ///
+    /// # Errors
+    /// See [`FileError`].
+    pub fn load(path: &Path) -> Result<Self, FileError> {
+        RepairFile::parse(path, &super::read(path)?)
+    }
+
+    /// Checks a repair given as text. `path` is used in messages and to locate the files that it names.
+    ///
+    /// # Errors
+    /// See [`FileError`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        let table = || -> Result<RepairFileTable, Complaint> {
+            toml::from_str(text)
+                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let table = refuse_numbers(text).and_then(|()| table());
+        table.map_err(PartError::Here).and_then(|table| build(&table, path, folder)).map_err(|wrong| match wrong {
+            PartError::There(error) => error,
+            PartError::Here((offset, message)) => {
+                let [line, column] = place(text, offset);
+                FileError::Content { path: path.into(), line, column, message: with_key(text, offset, &message) }
+            }
+        })
+    }
+}
+
+fn build(table: &RepairFileTable, path: &Path, folder: &Path) -> Result<RepairFile, PartError> {
+    let unit: LengthUnit = table.units.into();
+    let blisk = nominal(&table.nominal, folder)?;
+    let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let (uncertainty_mm, free, tolerance) = datum(&table.datum, unit)?;
+    let stylus = table.measured.stylus_radius.as_ref();
+    Ok(RepairFile {
+        name: table.name.clone().unwrap_or_else(own_name),
+        inputs: [&table.nominal.part, &table.measured.points].map(|file| folder.join(file.as_ref())).to_vec(),
+        blade: blade(table.nominal.blade.as_ref(), blisk.blades)?,
+        side: match table.nominal.side {
+            SideWord::Pressure => BladeSide::Pressure,
+            SideWord::Suction => BladeSide::Suction,
+        },
+        stylus_mm: stylus.map_or(Ok(0.0), |given| length_mm(given, unit, "stylus_radius"))?,
+        settings: settings(table, unit)?,
+        points: points(&table.measured, unit, folder)?,
+        uncertainty_mm,
+        free,
+        tolerance,
+        blisk,
+    })
+}
+
+/// The rotor of a part file, of which only `[geometry]` and `[blank]` are used.
+fn nominal(entry: &NominalTable, folder: &Path) -> Result<Blisk, PartError> {
+    let path = folder.join(entry.part.as_ref());
+    let text = read(&entry.part, folder)?;
+    let rotor = |part: &PartTable, _: &Path, folder: &Path| {
+        let unit: LengthUnit = part.units.into();
+        super::geometry::build(&part.geometry, unit, super::blank(&part.blank, unit)?, folder)
+    };
+    super::parse(&path, &text, rotor).map_err(PartError::There)
+}
+
+fn blade(entry: Option<&Spanned<u32>>, blades: u32) -> Result<u32, Complaint> {
+    match entry {
+        Some(number) if !(1..=blades).contains(number.as_ref()) => {
+            Err(at(number, &format!("the rotor has blades 1 to {blades}")))
+        }
+        given => Ok(given.map_or(1, |number| *number.as_ref())),
+    }
+}
+
+fn points(entry: &MeasuredTable, unit: LengthUnit, folder: &Path) -> Result<Vec<Point>, PartError> {
+    let frame = frame(entry.axis, entry.units, unit);
+    let file = &entry.points;
+    let ending = Path::new(file.as_ref()).extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let cloud = |points: std::io::Result<Vec<Point>>, kind: &str| {
+        points.map_err(|error| {
+            let message = format!("this is no complete {kind} file ({error}); export it anew");
+            whole(file, folder, &message)
+        })
+    };
+    match ending.as_deref() {
+        Some("stl") => cloud(point_cloud::from_stl(&bytes(file, folder)?, &frame), "STL"),
+        Some("ply") => cloud(point_cloud::from_ply(&bytes(file, folder)?, &frame), "PLY"),
+        _ => {
+            let text = read(file, folder)?;
+            point_cloud::from_table(&text, &frame).map_err(|error| in_file(file, folder, &error))
+        }
+    }
+}
+
+type Datum = (f64, [bool; 6], Option<DatumTolerance>);
+
+fn datum(entry: &DatumTable, unit: LengthUnit) -> Result<Datum, Complaint> {
+    let mut free = [false; 6];
+    for name in &entry.free {
+        let known = DIRECTIONS.iter().position(|direction| direction == name.as_ref());
+        let wrong =
+            || at(name, &format!("`free` takes directions that the points determine: {}", DIRECTIONS.join(", ")));
+        free[known.ok_or_else(wrong)?] = true;
+    }
+    let length = |given: &Option<Spanned<Quantity>>, name: &str, unless: f64| match given {
+        Some(given) if given.as_ref().to_mm(unit) == 0.0 => Ok(0.0),
+        given => given.as_ref().map_or(Ok(unless), |given| length_mm(given, unit, name)),
+    };
+    let shift_mm = length(&entry.shift, "shift", 0.0)?;
+    if let Some(given) = entry.shift.as_ref().filter(|_| shift_mm > SHIFT_MAX_MM) {
+        return Err(at(given, &format!("a datum's tolerance is {SHIFT_MAX_MM} mm at most")));
+    }
+    let turn_deg = entry.turn_deg.as_ref().map_or(0.0, |given| *given.as_ref());
+    if let Some(given) = entry.turn_deg.as_ref().filter(|_| !(0.0..=TURN_MAX_DEG).contains(&turn_deg)) {
+        return Err(at(given, &format!("turn_deg is 0 to {TURN_MAX_DEG} degrees")));
+    }
+    let tolerance = DatumTolerance { shift_mm, turn_rad: turn_deg.to_radians() };
+    let is_held = shift_mm == 0.0 && turn_deg == 0.0;
+    let uncertainty_mm = length(&entry.uncertainty, "uncertainty", UNCERTAINTY_MM)?;
+    Ok((uncertainty_mm, free, (!is_held).then_some(tolerance)))
+}
+
+fn settings(table: &RepairFileTable, unit: LengthUnit) -> Result<RepairSettings, Complaint> {
+    let RepairTable { threshold, width, least, rough, depth, spacing, hole, blend } = &table.repair;
+    let RepairToolTable { radius, cusp, chord } = &table.tool;
+    let least_mm = match least.as_ref().to_mm(unit) {
+        0.0 => 0.0,
+        _ => length_mm(least, unit, "least")?,
+    };
+    let (rough_mm, ball_mm) = (length_mm(rough, unit, "rough")?, length_mm(radius, unit, "radius")?);
+    if rough_mm <= least_mm {
+        return Err(at(
+            rough,
+            &format!("`rough` must be more than `least`, {least_mm} mm: finishing takes the difference"),
+        ));
+    }
+    let cusp_mm = length_mm(cusp, unit, "cusp")?;
+    if cusp_mm >= ball_mm {
+        return Err(at(cusp, "`cusp` must be less than the ball's radius"));
+    }
+    Ok(RepairSettings {
+        regions: RegionSettings {
+            threshold_mm: length_mm(threshold, unit, "threshold")?,
+            width_mm: length_mm(width, unit, "width")?,
+            least_mm,
+            shape: match blend {
+                BlendWord::Linear => BlendShape::Linear,
+                BlendWord::Cubic => BlendShape::Cubic,
+                BlendWord::Quintic => BlendShape::Quintic,
+            },
+        },
+        passes: PassSettings { ball_mm, cusp_mm, chord_mm: length_mm(chord, unit, "chord")? },
+        spacing_mm: spacing.as_ref().map_or(Ok(SPACING_MM), |given| length_mm(given, unit, "spacing"))?,
+        hole_mm: hole.as_ref().map(|given| length_mm(given, unit, "hole")).transpose()?,
+        rough_mm,
+        depth_mm: length_mm(depth, unit, "depth")?,
+    })
+}
