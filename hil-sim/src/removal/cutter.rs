@@ -47,7 +47,12 @@ impl StockCutterSettings {
     /// Tool of the settings that is in the spindle.
     fn tool_in(&self, spindle: ToolInSpindle) -> Option<&Tool> {
         let Some(numbered) = &self.numbered else { return Some(&self.tool) };
-        let ToolInSpindle::Number(number) = spindle else { return None };
+        let number = match spindle {
+            ToolInSpindle::Number(number) => number,
+            // The operator has loaded the only tool.
+            ToolInSpindle::Unstated => return numbered.others.is_empty().then_some(&self.tool),
+            ToolInSpindle::Unknown => return None,
+        };
         let first = (numbered.first == Some(number)).then_some(&self.tool);
         first.or_else(|| numbered.others.iter().find(|(own, _)| *own == Some(number)).map(|(_, tool)| tool))
     }

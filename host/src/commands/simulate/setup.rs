@@ -74,7 +74,9 @@ impl<'a> Setup<'a> {
         let others = others.map(|(setup, body)| Ok((setup.number, solid_of(setup, body)?)));
         let others = others.collect::<Result<Vec<_>, Failure>>()?;
         let first = file.job.tools.first().number;
-        let numbered = (file.job.tools.len() > 1).then_some(NumberedTools { first, others });
+        // Without a job file the tools of unknown diameter are not in the job.
+        let has_others = file.job.tools.len() > 1 || workpiece.assumed.is_some() && first.is_some();
+        let numbered = has_others.then_some(NumberedTools { first, others });
         let blank: Arc<dyn InitialSolid> =
             solid(&workpiece.blank, tolerance_mm).map_err(|error| error.at(&place))?.into();
         let stock = Stock::new(&*blank, workpiece.step_mm, workpiece.memory_max_bytes)
