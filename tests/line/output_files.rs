@@ -166,8 +166,8 @@ fn fails(scratch: &Scratch, folder: &Path, words: &str, command: &dyn Fn(&[&str]
         names
     };
     let (job, program) = (scratch.path("job.toml"), scratch.path("ibr-slot.nc"));
-    let [old, new, first, csv, parquet] = ["old.nc", "new.nc", "new.toml", "new.csv", "new.parquet"]
-        .map(|name| folder.join(name).display().to_string());
+    let [old, new, first, csv, parquet] =
+        ["old.nc", "new.nc", "new.toml", "new.csv", "new.parquet"].map(|name| folder.join(name).display().to_string());
     let before = (names(), read(&old));
     for arguments in [
         ["adapt", &job, "-o", &old],
