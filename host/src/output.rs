@@ -31,7 +31,7 @@ pub struct PendingFile(Pending);
 enum Pending {
     Stream(File, PathBuf),
     /// New file beside its place, the place, and the metadata of the file that is there.
-    Beside(NamedTempFile, PathBuf, Option<Metadata>),
+    Beside(NamedTempFile, PathBuf, Option<Box<Metadata>>),
 }
 
 /// Rejects outputs that are one of the inputs, or one another, under any name.
@@ -70,7 +70,7 @@ impl PendingFile {
     pub fn begin(path: &Path) -> Result<Self> {
         Ok(PendingFile(match target(path)? {
             Target::Stream => Pending::Stream(stream(path)?, path.to_owned()),
-            Target::File(real, before) => Pending::Beside(beside(&real)?, real, before),
+            Target::File(real, before) => Pending::Beside(beside(&real)?, real, before.map(Box::new)),
         }))
     }
 

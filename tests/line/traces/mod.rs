@@ -9,7 +9,7 @@ use std::process::Output;
 use arcfeed::trace::table::Kind;
 use arcfeed::trace::tables::{BLOCKS, SAMPLES, TEETH};
 use arcfeed_tests::python::python_with;
-use arcfeed_tests::{Running, Scratch, root, run, skip_loudly};
+use arcfeed_tests::{Running, Scratch, root, run, skip_loudly, wait_for};
 use serde_json::Value;
 
 const JOB: &str = "examples/ibr-slot/job.toml";
@@ -214,6 +214,22 @@ fn a_trace_that_cannot_be_written_leaves_nothing_behind_and_says_why() {
     assert_eq!(scratch.files(), before);
     let output = run(&["stream", &job, "--port", "loop://", "--trace", &scratch.path("run.csv")]);
     assert!(output.status.code() == Some(2) && text(&output.stderr).contains("or use sim:"), "{output:?}");
+}
+
+#[test]
+fn a_simulation_that_the_operator_stops_writes_no_table() {
+    let scratch = Scratch::new("trace-stopped");
+    // 16 hours of machine time.
+    let program = scratch.write("slow.nc", "%\nO1\nG21G17G90G94\nS9000M3\nG0X0.Y0.Z0.\nG1X1000.F1.\nM30\n%\n");
+    let trace = scratch.path("slow.csv");
+    let options = ["--tool", "10", "--teeth", "4", "--feed-per-tooth", "0.05", "--trace", &trace];
+    let running = Running::start(&scratch, "run", &[&["simulate", &program][..], &options].concat());
+    let growing = || scratch.files().iter().any(|name| name.ends_with(".part")).then_some(());
+    wait_for("a table that grows", growing);
+    running.interrupt();
+    let ended = running.end();
+    assert!(ended.code == Some(130) && ended.err.contains("no table of the trace is written"), "{ended:?}");
+    assert_eq!(scratch.files(), ["run.err", "run.out", "slow.nc"]);
 }
 
 #[test]

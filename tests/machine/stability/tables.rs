@@ -16,10 +16,11 @@ const BAND: f64 = 0.05;
 /// Beside a cusp of the lobes the depth changes by more than this from one speed of the table to the next, or the kind of chatter does.
 const STEEP: f64 = 1.5;
 
-struct Table {
-    name: &'static str,
-    csv: &'static str,
-    milling: Milling,
+/// Critical depths of a parameter set.
+pub struct Table {
+    pub name: &'static str,
+    pub csv: &'static str,
+    pub milling: Milling,
 }
 
 /// Set A, along one axis.
@@ -31,7 +32,7 @@ fn mode(frequency_hz: f64, damping_ratio: f64, stiffness_n_per_mm: f64, along: V
     Mode::from_stiffness(frequency_hz, damping_ratio, stiffness_n_per_mm, &along).expect("a mode")
 }
 
-fn tables() -> [Table; 6] {
+pub fn tables() -> [Table; 6] {
     let c = |along| mode(900.0, 0.03, 9000.0, along);
     let one = |immersion| Milling {
         modes: vec![mode_a(Vector3::x())],

@@ -56,6 +56,8 @@ impl RunObserver {
     /// # Errors
     /// A file cannot be written.
     pub fn write_tables(&mut self, files: &TraceFiles, locator: Option<BlockLocator>) -> Result<(), Failure> {
+        // A process that a signal ends would leave its unfinished files behind.
+        let _watched = on_interrupt();
         self.tables = Some(files.begin(self.loads.as_mut(), locator)?);
         Ok(())
     }
