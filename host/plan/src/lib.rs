@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Plans the path of a cup mill, or of a plunge mill, between the blades of a rotor, and proves that the tool collides with nothing.
+//! Plans the path of a cup mill, or of a plunge mill, between the blades of a rotor, or finishing passes over a blade, and proves that the tool
+//! collides with nothing.
 //!
 //! M. Petean, *Roughing integrally bladed rotors using cup mill cutters*, master's thesis, Ecole Polytechnique de Montreal
 //! 2004, chapters 3 and 4, without a CAD system; An Luling et al., *Five-axis plunge milling tool path generation of integral

@@ -16,7 +16,7 @@ use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
-use super::finish_table::{CourseWord, FinishFeedWord, FinishTable, InterpolateWord, MillingWord, SpacingWord};
+use super::finish_table::{CourseWord, FinishTable, InterpolateWord, MillingWord, SpacingWord};
 use super::schema::PartTable;
 use super::{CLEARANCE_MM, MachineSource, Output, PartError};
 use crate::file_error::FileError;
@@ -64,12 +64,10 @@ pub struct FinishPart {
 pub struct FinishFeeds {
     /// Spindle speed.
     pub rev_per_min: f64,
-    /// Feed per tooth.
+    /// Feed per tooth at the contact.
     pub per_tooth_mm: f64,
     /// Feed of approaches and links.
     pub approach_mm_per_min: f64,
-    /// The feed per tooth is that of the contact; otherwise that of the tip.
-    pub is_at_contact: bool,
     /// Largest way of the cutting end per tooth, over the feed per tooth.
     pub max_raise_ratio: f64,
 }
@@ -231,7 +229,6 @@ fn feeds(entry: &FinishTable, table: &PartTable, unit: LengthUnit) -> Result<Fin
         rev_per_min,
         per_tooth_mm,
         approach_mm_per_min: approach.map_or(Ok(cutting), |given| length_mm(given, unit, "approach_feed"))?,
-        is_at_contact: entry.feed == FinishFeedWord::Contact,
         max_raise_ratio,
     })
 }

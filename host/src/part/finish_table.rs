@@ -37,8 +37,6 @@ pub struct FinishTable {
     pub interpolate: InterpolateWord,
     pub tool_length: Option<Spanned<Quantity>>,
     pub part_zero: Option<[Quantity; 3]>,
-    #[serde(default)]
-    pub feed: FinishFeedWord,
     pub max_raise: Option<Spanned<f64>>,
     pub rev_per_min: Option<Spanned<f64>>,
     pub feed_per_tooth: Option<Spanned<Quantity>>,
@@ -76,12 +74,4 @@ pub enum InterpolateWord {
     #[default]
     Angles,
     Positions,
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "kebab-case")]
-pub enum FinishFeedWord {
-    #[default]
-    Contact,
-    Tip,
 }

@@ -113,11 +113,8 @@ fn cl(part: &FinishPart, plan: &FinishPlan, target_mm_per_min: f64) -> Cl {
         step.point,
     ) {
         (MoveKind::Rapid, ..) => None,
-        (MoveKind::Cut, Some(from), Some(to)) if feeds.is_at_contact => {
-            Some(contact.tip_mm_per_min(&part.mill, &from, &to))
-        }
-        (MoveKind::Cut, ..) => Some(target_mm_per_min),
-        (MoveKind::Link, ..) => Some(feeds.approach_mm_per_min),
+        (MoveKind::Cut, Some(from), Some(to)) => Some(contact.tip_mm_per_min(&part.mill, &from, &to)),
+        (MoveKind::Cut | MoveKind::Link, ..) => Some(feeds.approach_mm_per_min.min(target_mm_per_min)),
     };
     let point = |(at, step): (usize, &FinishMove)| ClPoint {
         line: at + 1,
