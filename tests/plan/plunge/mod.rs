@@ -12,4 +12,6 @@ mod passage;
 
 mod plans;
 
+mod stock;
+
 mod command;
