@@ -14,4 +14,6 @@ mod plans;
 
 mod stock;
 
+mod executed;
+
 mod command;
