@@ -4,6 +4,8 @@ use std::process::Output;
 
 use arcfeed_tests::{Scratch, run};
 
+use super::executed::{assert_read_by_rs274, assert_streamed};
+
 const PART: &str = "examples/impeller-13/PART.toml";
 /// Largest distance of places of program and CL data: half a step each, and half a step of B at the blank's radius.
 const PLACE_MM: f64 = 0.002;
@@ -13,7 +15,7 @@ fn plan(part: &str, more: &[&str]) -> Output {
 }
 
 /// Words of a block: letter and number.
-fn words(line: &str) -> Vec<(char, f64)> {
+pub fn words(line: &str) -> Vec<(char, f64)> {
     let mut found = Vec::new();
     for (at, letter) in line.char_indices().filter(|(_, letter)| letter.is_ascii_alphabetic()) {
         let rest = &line[at + 1..];
@@ -100,6 +102,18 @@ fn program_and_cl_data_of_the_example_are_the_same_path_with_standing_axes() {
     for name in ["stock.stl", "finished.stl", "report.html"] {
         assert!(std::fs::metadata(format!("{folder}/{name}")).unwrap().len() > 1000, "{name}");
     }
+    assert_read_by_rs274(&folder, "impeller-13");
+    assert_streamed(&folder, "impeller-13");
+}
+
+#[test]
+fn the_program_of_blisk_19_is_executed_by_the_simulated_control_and_read_by_another_interpreter() {
+    let scratch = Scratch::new("plunge-blisk");
+    let folder = scratch.path("out");
+    let output = plan("examples/blisk-19/PART.toml", &["-o", &folder]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_read_by_rs274(&folder, "blisk-19");
+    assert_streamed(&folder, "blisk-19");
 }
 
 #[test]

@@ -12,4 +12,8 @@ mod passage;
 
 mod plans;
 
+mod stock;
+
+mod executed;
+
 mod command;

@@ -38,13 +38,13 @@ fn plan(blisk: &Blisk, field: &Field, mill: &PlungeMill) -> Result<PassagePlan, 
 }
 
 /// Samples of both blades beside the passage.
-fn samples(blisk: &Blisk) -> Vec<Point> {
+pub fn samples(blisk: &Blisk) -> Vec<Point> {
     let places = || (0..=140).flat_map(|i| (0..=70).map(move |j| [f64::from(i) / 140.0, f64::from(j) / 70.0]));
     let faces = [0, 1].map(|index| blisk.blade(index)).map(|blade| [blade.pressure, blade.suction]);
     faces.iter().flatten().flat_map(|face| places().map(|[u, v]| face.point(u, v)).collect::<Vec<_>>()).collect()
 }
 
-fn least_mm(samples: &[Point], at: &Point) -> f64 {
+pub fn least_mm(samples: &[Point], at: &Point) -> f64 {
     libm::sqrt(samples.iter().map(|sample| (sample - at).norm_squared()).fold(f64::INFINITY, f64::min))
 }
 
