@@ -41,8 +41,8 @@ fn measured(blisk: &Blisk, on: &[BladeSide], hub: bool) -> Vec<Point> {
         let (angle, z) = (0.5 * random.f64() - 0.25, 24.0 * random.f64() - 12.0);
         let radius = 70.0 + 0.005 * normal(&mut random);
         let middle = blisk.pressure.point(0.5, 0.0);
-        let turned = middle.y.atan2(middle.x) + angle.signum() * (0.08 + angle.abs() / 2.0);
-        points.push(Point::new(radius * turned.cos(), radius * turned.sin(), z));
+        let turned = libm::atan2(middle.y, middle.x) + angle.signum() * (0.08 + angle.abs() / 2.0);
+        points.push(Point::new(radius * libm::cos(turned), radius * libm::sin(turned), z));
     }
     points
 }

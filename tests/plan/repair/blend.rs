@@ -10,7 +10,7 @@ const HALF_DIGIT: f64 = 5e-13;
 const INPUTS: [&str; 8] = ["u", "v", "u1", "u2", "u3", "d_max", "d_min", "p"];
 
 fn border_v([u, _, _, u2, u3, _, _, p]: [f64; 8]) -> f64 {
-    ((u - u2) / (u3 - u2)).clamp(0.0, 1.0).powf(p)
+    libm::pow(((u - u2) / (u3 - u2)).clamp(0.0, 1.0), p)
 }
 
 fn left_mm(inputs: [f64; 8], shape: BlendShape) -> f64 {

@@ -129,7 +129,7 @@ fn with_pit(table: &str) -> String {
         let words: Vec<&str> = line.split(',').collect();
         let values: Vec<f64> = words.iter().skip(1).filter_map(|word| word.parse().ok()).collect();
         let [x, y, z] = values.as_slice() else { return format!("{line}\n") };
-        let is_pit = words[0] == "PS" && (x.hypot(*y) - 94.0).abs() < 2.0 && z.abs() < 2.0;
+        let is_pit = words[0] == "PS" && (libm::hypot(*x, *y) - 94.0).abs() < 2.0 && z.abs() < 2.0;
         if is_pit { format!("PS,{x},{:.4},{z}\n", y - 1.2) } else { format!("{line}\n") }
     };
     table.lines().map(line).collect()

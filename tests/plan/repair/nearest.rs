@@ -15,7 +15,7 @@ fn curvature_per_mm(surface: &impl Surface, at: [f64; 2]) -> f64 {
     let (l, m, n) = (jet.uu.dot(&normal), jet.uv.dot(&normal), jet.vv.dot(&normal));
     let square = e * g - f * f;
     let (mean, gauss) = ((e * n - 2.0 * f * m + g * l) / (2.0 * square), (l * n - m * m) / square);
-    mean.abs() + (mean * mean - gauss).max(0.0).sqrt()
+    mean.abs() + libm::sqrt((mean * mean - gauss).max(0.0))
 }
 
 #[test]

@@ -156,10 +156,10 @@ fn missing_material_is_refused_with_its_place_and_amount() {
     // A pit in the weld, 0.05 mm below the least allowance.
     let pit = |at: [f64; 2]| {
         let off_mm = (Sheet.jet(at).point - Sheet.jet([0.9, 0.4]).point).norm();
-        let deep = (-off_mm * off_mm / 4.0).exp();
+        let deep = libm::exp(-off_mm * off_mm / 4.0);
         weld(at) * (1.0 - deep) + (0.02 - 0.05) * deep
     };
-    let refused = planned(0.0, pit).err().expect("a refusal");
+    let refused = planned(0.0, pit).expect_err("a refusal");
     println!("{refused}");
     let RepairInfeasible::Short { point, missing_mm, planned_mm, .. } = refused else { panic!("{refused}") };
     assert!((point - Sheet.jet([0.9, 0.4]).point).norm() < 0.5, "{point}");
@@ -169,11 +169,11 @@ fn missing_material_is_refused_with_its_place_and_amount() {
     let nominal = NominalSurface::new(Sheet);
     let mut samples = nominal.heights(&cloud(8, 40_000, 0.0, weld), 0.0);
     let narrow = RepairSettings { regions: RegionSettings { width_mm: 0.5, ..SETTINGS.regions }, ..SETTINGS };
-    let steep = plan(&nominal, &samples, &narrow).err().expect("a refusal");
+    let steep = plan(&nominal, &samples, &narrow).expect_err("a refusal");
     println!("{steep}");
     assert!(matches!(steep, RepairInfeasible::Steep { needed_mm, .. } if (needed_mm - 1.2).abs() < 0.01));
-    samples.retain(|sample| (sample.at[0] - 0.9).hypot(sample.at[1] - 0.5) > 0.05);
-    let hole = plan(&nominal, &samples, &SETTINGS).err().expect("a refusal");
+    samples.retain(|sample| libm::hypot(sample.at[0] - 0.9, sample.at[1] - 0.5) > 0.05);
+    let hole = plan(&nominal, &samples, &SETTINGS).expect_err("a refusal");
     println!("{hole}");
     assert!(matches!(hole, RepairInfeasible::Unmeasured { .. }));
 }
@@ -181,7 +181,7 @@ fn missing_material_is_refused_with_its_place_and_amount() {
 #[test]
 fn a_nick_in_an_edge_blends_by_distance() {
     let nick = |[u, v]: [f64; 2]| {
-        let t = (1.0 - ((u - 0.5) / 0.12).hypot(v / 0.15)).mul_add(8.0, 0.0).clamp(0.0, 1.0);
+        let t = ((1.0 - libm::hypot((u - 0.5) / 0.12, v / 0.15)) * 8.0).clamp(0.0, 1.0);
         OLD_MM + (WELD_MM - OLD_MM) * t
     };
     let plan = planned(0.0, nick).unwrap();
@@ -201,7 +201,7 @@ fn a_nick_in_an_edge_blends_by_distance() {
 fn passes_about_a_nick_keep_off_the_old_surface() {
     // 4.8 mm up and down the span and 5.4 mm along the chord, then 3 mm of transition, and a point beyond.
     let nick = |[u, v]: [f64; 2]| {
-        let t = ((1.0 - ((u - 0.5) / 0.12).hypot(v / 0.15)) * 8.0).clamp(0.0, 1.0);
+        let t = ((1.0 - libm::hypot((u - 0.5) / 0.12, v / 0.15)) * 8.0).clamp(0.0, 1.0);
         OLD_MM + (WELD_MM - OLD_MM) * t
     };
     let plan = planned(0.0, nick).unwrap();

@@ -30,7 +30,7 @@ pub fn cloud(seed: u64, count: usize, noise_mm: f64, height_mm: impl Fn([f64; 2]
 }
 
 fn wave([u, v]: [f64; 2]) -> f64 {
-    0.3 + 0.1 * (6.0 * u).sin() * (5.0 * v).cos()
+    0.3 + 0.1 * libm::sin(6.0 * u) * libm::cos(5.0 * v)
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn ball_centres_are_corrected_by_the_stylus() {
 #[test]
 fn a_hole_of_the_measurement_has_no_height() {
     let nominal = NominalSurface::new(Sheet);
-    let is_hole = |sample: &[f64; 2]| (sample[0] - 0.5).hypot(sample[1] - 0.5) < 0.15;
+    let is_hole = |sample: &[f64; 2]| libm::hypot(sample[0] - 0.5, sample[1] - 0.5) < 0.15;
     let mut samples = nominal.heights(&cloud(3, 5_000, 0.0, wave), 0.0);
     samples.retain(|sample| !is_hole(&sample.at));
     let heights = nominal.height_field(&samples, None);

@@ -21,11 +21,11 @@ fn equal_arcs_are_those_of_quadrature() {
         let [p, q] = case[0].numbers(["p", "q"]);
         let (range, speed): ([f64; 2], Box<dyn Fn(f64) -> f64>) = match case[0].word("curve") {
             "ellipse" => {
-                let speed = move |t: f64| (p * t.sin()).hypot(q * t.cos());
+                let speed = move |t: f64| libm::hypot(p * libm::sin(t), q * libm::cos(t));
                 ([0.0, core::f64::consts::FRAC_PI_2], Box::new(speed))
             }
-            "parabola" => ([-1.0, 3.0], Box::new(move |x: f64| 1_f64.hypot(2.0 * p * x))),
-            "spiral" => ([0.0, 2.0], Box::new(move |t: f64| p * 1_f64.hypot(q) * (q * t).exp())),
+            "parabola" => ([-1.0, 3.0], Box::new(move |x: f64| libm::hypot(1.0, 2.0 * p * x))),
+            "spiral" => ([0.0, 2.0], Box::new(move |t: f64| p * libm::hypot(1.0, q) * libm::exp(q * t))),
             "sheet_v" => ([0.0, 1.0], Box::new(move |v: f64| Sheet.jet([p, v]).v.norm())),
             other => panic!("{other}"),
         };

@@ -24,7 +24,7 @@ fn jet(point: Vector, [u, v]: [Vector; 2], [uu, uv, vv]: [Vector; 3]) -> Jet {
 impl Surface for Plain {
     fn jet(&self, [u, v]: [f64; 2]) -> Jet {
         let zero = Vector::zeros();
-        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        let ((su, cu), (sv, cv)) = (libm::sincos(u), libm::sincos(v));
         // Surface of revolution about z with radius R(v) and height Z(v).
         let revolved = |[radius, slope, bend]: [f64; 3], [height, rise, curve]: [f64; 3]| {
             jet(
