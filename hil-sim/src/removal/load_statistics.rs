@@ -13,6 +13,9 @@
 //! Source: own definitions.
 
 use arcfeed_model::tool::Edge;
+use arcfeed_units::Micros;
+
+use super::trail::SECTION_TIME_MAX;
 
 /// Chip thickness below which an edge counts as not cutting.
 pub const CHIP_MIN_MM: f64 = 1e-3;
@@ -111,6 +114,25 @@ impl Passes {
         self.count += other.count;
         self.max_mm = self.max_mm.max(other.max_mm);
         self.sum_mm += other.sum_mm;
+    }
+}
+
+/// Loads in a time window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadWindow {
+    /// Beginning of the window.
+    pub from: Micros,
+    /// End of the window.
+    pub to: Micros,
+    /// Statistics of the loads.
+    pub statistics: LoadStatistics,
+}
+
+impl LoadWindow {
+    /// The window of this time, without loads. Windows begin at whole multiples of their length.
+    pub fn around(at: Micros) -> Self {
+        let from = Micros(at.0 / SECTION_TIME_MAX.0 * SECTION_TIME_MAX.0);
+        LoadWindow { from, to: from.after(SECTION_TIME_MAX), statistics: LoadStatistics::default() }
     }
 }
 

@@ -21,13 +21,13 @@ use arcfeed_milling::process::{Process, ProcessStep};
 use super::chatter_detection::{ChatterResult, ChatterSamples};
 use super::cutter::LeftOut;
 use super::flexible_workpiece::FlexibleWorkpiece;
-use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, TurnStatistics};
+use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, LoadWindow, TurnStatistics};
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
 use super::tilted::{TiltedLayers, TiltedWorkpiece};
 use super::tip_path::TipPath;
 use super::tooth_passes::{PassStep, ToothPass, ToothPasses};
-use super::trail::{BlockRef, PathSection, SECTION_TIME_MAX};
+use super::trail::{BlockRef, PathSection};
 
 /// Distance from the workpiece within which the edges are evaluated.
 const NEAR_MM: f64 = 1.0;
@@ -54,17 +54,6 @@ pub struct LoadSettings {
     pub tilted: Option<TiltedWorkpiece>,
     /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
     pub samples: ChatterSamples,
-}
-
-/// Loads in a time window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LoadWindow {
-    /// Beginning of the window.
-    pub from: Micros,
-    /// End of the window.
-    pub to: Micros,
-    /// Statistics of the loads.
-    pub statistics: LoadStatistics,
 }
 
 /// The tool's edges, with the loads so far.
@@ -340,13 +329,9 @@ impl LoadMeter {
             self.turn = TurnStatistics::new();
             self.blocks.push((block, LoadStatistics::default()));
         }
-        let from = Micros(from.0 / SECTION_TIME_MAX.0 * SECTION_TIME_MAX.0);
-        if self.windows.last().is_none_or(|window| window.from != from) {
-            self.windows.push(LoadWindow {
-                from,
-                to: from.after(SECTION_TIME_MAX),
-                statistics: LoadStatistics::default(),
-            });
+        let window = LoadWindow::around(from);
+        if self.windows.last().is_none_or(|last| last.from != window.from) {
+            self.windows.push(window);
         }
         let ended = self.passes.advance(step, self.settings.process.chips_mm());
         let statistics_lists = self.blocks.last_mut().map(|(_, statistics)| statistics).into_iter();

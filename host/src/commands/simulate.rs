@@ -53,9 +53,7 @@ mod assertions;
 
 mod junit;
 
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread;
 use std::time::Instant;
 
 use arcfeed_control::ControlSettings;
@@ -82,7 +80,7 @@ pub use conditions::{foreseen, foreseen_before, has_scopes};
 use control::control_settings;
 use junit::TestSuite;
 use listing::{ProgramListing, locators};
-use observer::{RunObserver, write_tables};
+use observer::{RunObserver, side_by_side, write_tables};
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
 use run_tables::TraceFiles;
@@ -241,25 +239,6 @@ impl Simulate {
             }
         }
     }
-}
-
-/// Result of a run, and the time of its end.
-struct RunEnd {
-    result: Result<(), Failure>,
-    ended: Instant,
-}
-
-/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
-fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [RunEnd; 2] {
-    let run = |observer: &mut RunObserver, simulation: &mut Simulation| RunEnd {
-        result: observer.run(simulation),
-        ended: Instant::now(),
-    };
-    thread::scope(|scope| {
-        let other = scope.spawn(|| run(second, other));
-        let one = run(first, one);
-        [one, other.join().unwrap_or_else(|panic| resume_unwind(panic))]
-    })
 }
 
 /// Adds the material that both runs removed; returns the deviations from the job's target, and the marks on walls.

@@ -65,12 +65,12 @@ pub struct PassPoint {
 type Node = (Point, Vector);
 
 /// Surface of a blade: point and unit normal, away from the material, of a side at (u, v). A displaced blade is another such function.
-pub type Surface<'s> = dyn Fn(BladeSide, f64, f64) -> (Point, Vector) + 's;
+pub type SideSurface<'s> = dyn Fn(BladeSide, f64, f64) -> (Point, Vector) + 's;
 
 /// Passes over a surface.
 pub struct Layout<'s> {
     /// Surface.
-    pub surface: &'s Surface<'s>,
+    pub surface: &'s SideSurface<'s>,
     /// PassRows of both sides: pressure, suction.
     pub rows: [PassRows; 2],
     /// Course.

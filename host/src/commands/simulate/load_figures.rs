@@ -81,7 +81,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
 pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
     let lane = |title: &str, value: &dyn Fn(&LoadStatistics) -> f64| {
         let series = [("before", "#999", before), ("after", "#c03020", after)].map(|(name, color, meter)| {
-            let step = |window: &arcfeed_hil_sim::removal::loads::LoadWindow| {
+            let step = |window: &arcfeed_hil_sim::removal::load_statistics::LoadWindow| {
                 ([window.from.to_s(), window.to.to_s()], value(&window.statistics))
             };
             Series { name, color, steps: meter.windows().iter().map(step).collect() }

@@ -1,6 +1,9 @@
 //! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Instant;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
@@ -127,6 +130,27 @@ pub fn write_tables<const N: usize>(
     }
     let mut runs = observers.iter_mut().zip(files).zip(locators());
     runs.try_for_each(|((observer, files), locator)| observer.write_tables(files, Some(locator)))
+}
+
+/// Result of a run, and the time of its end.
+pub struct ObservedEnd {
+    /// Result.
+    pub result: Result<(), Failure>,
+    /// Time of the end.
+    pub ended: Instant,
+}
+
+/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
+pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [ObservedEnd; 2] {
+    let run = |observer: &mut RunObserver, simulation: &mut Simulation| ObservedEnd {
+        result: observer.run(simulation),
+        ended: Instant::now(),
+    };
+    thread::scope(|scope| {
+        let other = scope.spawn(|| run(second, other));
+        let one = run(first, one);
+        [one, other.join().unwrap_or_else(|panic| resume_unwind(panic))]
+    })
 }
 
 /// Runs to the end and passes each period to the observer. A long run is named, with its progress.
