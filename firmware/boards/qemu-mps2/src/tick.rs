@@ -7,9 +7,9 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use arcfeed_board_app::application::control_task::ControlTask;
 use arcfeed_board_app::application::sensors::{MachineLine, setpoint};
+use arcfeed_board_app::spsc::{Consumer, Producer, split};
 use arcfeed_firmware::output::OverrideOutput;
 use arcfeed_firmware::output::latched::Latched;
-use arcfeed_board_app::spsc::{Consumer, Producer, split};
 use arcfeed_link::message::codes::ModeCode;
 use arcfeed_link::message::table::{Sample, Setpoint};
 use arcfeed_units::{Micros, Span};

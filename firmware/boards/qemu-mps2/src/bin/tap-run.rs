@@ -8,6 +8,8 @@
 #![no_std]
 #![no_main]
 
+use arcfeed_board_app::tap::Tap;
+use arcfeed_board_app::tap::settings::TapSettings;
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::controller;
 use arcfeed_firmware::queue::Follower;
@@ -15,8 +17,6 @@ use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::input::Input;
 use arcfeed_firmware::supervisor::memory::Memory;
 use arcfeed_firmware::supervisor::settings::Settings;
-use arcfeed_board_app::tap::Tap;
-use arcfeed_board_app::tap::settings::TapSettings;
 use arcfeed_model::job::Job;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::tape_code::TapeCode;
