@@ -97,7 +97,12 @@ fn wrong_parts_are_refused_with_their_place_and_nothing_is_written() {
         ("safety = 0.5", "stations = [[0.5, 0, 0], [0.2, 0, 0]]", "a station is [place, tilt, yaw]"),
         ("scallop = 0.02", "scallop = 3", "no stepover"),
         ("neck = [[2.2, 34]]", "neck = [[9, 34]]", "no tool axis is admissible"),
-        ("neck = [[2.2, 34]]", "neck = [[2.2, 34]]\nstations = [[0, 10, 0]]", "keeps only"),
+        (
+            "neck = [[2.2, 34]]",
+            "neck = [[2.2, 34]]\nstations = [[0, 10, 0]]",
+            "its axis does not lead out of the rotor",
+        ),
+        ("neck = [[2.2, 34]]", "neck = [[9, 34]]\nstations = [[0, 80, -90]]", "the neck keeps only"),
     ] {
         let text = short();
         assert!(text.contains(from), "{from}");
