@@ -289,9 +289,10 @@ mod tests {
         let section = |at_mm, side_mm2| MappedSection { at_mm, end_mm2: end, side_mm2 };
         let ramp = Inclination::of_sine(0.5);
         let joint = MappedJoint { end_mm2: end, side_mm2: side, sine_ratio: 1.0, cosine_ratio: ramp.cosine_ratio };
+        // Without the gentle end of a plunge, which would hide the sum.
         let path = |joints, side, sine: f64, at_mm| {
             let sections: Vec<MappedSection> = (0..=10).map(|at| section(f64::from(at), side)).collect();
-            at(&law.table(&moved(&sections, joints), 10.0, (sine, sine == 1.0)).expect("a table"), at_mm)
+            at(&law.table(&moved(&sections, joints), 10.0, (sine, false)).expect("a table"), at_mm)
         };
         // The larger torque while a tooth passes: the end goes over from the one chip to the other, the side begins.
         let torque = |plunge_mm: f64, ramp_mm: f64| {

@@ -33,7 +33,7 @@ const ATTEMPTS: u32 = 10;
 /// Most instructions of a whole tick: samples, commands, supervisor, telemetry, output.
 const TICK_MAX: u32 = 1_600;
 /// Bytes of stack, of main loop and interrupts together.
-pub const STACK_MAX: u32 = 29 * 1024 + 256;
+pub const STACK_MAX: u32 = 29 * 1024 + 512;
 /// From the timer's end to the tick.
 const LATE_MAX: u32 = 40;
 

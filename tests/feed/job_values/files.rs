@@ -98,7 +98,8 @@ feed_per_tooth = 0.2
 "#,
 ];
 
-/// Job, machine and part files of the examples, and the jobs above. The firmware there has none.
+/// Job, machine and part files of the examples, and the jobs above. The firmware there has none; files of repairs are tested in
+/// `tests/plan/repair`.
 pub fn files() -> Vec<(PathBuf, String)> {
     let mut folders = vec![root().join("examples"), root().join("host/machines")];
     let mut files = Vec::new();
@@ -107,7 +108,7 @@ pub fn files() -> Vec<(PathBuf, String)> {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
                 folders.extend((!path.ends_with("embassy")).then_some(path));
-            } else if path.extension().is_some_and(|extension| extension == "toml") {
+            } else if !path.ends_with("REPAIR.toml") && path.extension().is_some_and(|extension| extension == "toml") {
                 files.push((path.clone(), std::fs::read_to_string(path).expect("text")));
             }
         }

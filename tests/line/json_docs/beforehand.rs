@@ -191,8 +191,11 @@ fn along_contours(scratch: &Scratch, job: &str) -> BTreeSet<String> {
     scratch.write("machine.toml", "unit = 'mm'\n[radius]\n1 = 2.0\n");
     let job = job.replace("roll.nc", "contour.nc");
     let rewriting = job.replace("limits =", "override = { mode = 'rewrite-only' }\nlimits =");
-    let jobs =
-        [job, rewriting.clone(), rewriting.replace("limits =", "control = { settings = 'machine.toml' }\nlimits =")];
+    // The control itself reduces the feed there as much as the law wants it.
+    scratch.write("reducing.toml", "unit = 'mm'\ninside_arc_least = 10\n[radius]\n1 = 2.0\n");
+    let of =
+        |settings: &str| rewriting.replace("limits =", &format!("control = {{ settings = '{settings}' }}\nlimits ="));
+    let jobs = [job, rewriting.clone(), of("machine.toml"), of("reducing.toml")];
     let blocks = jobs.iter().flat_map(|job| objects(&["adapt", &scratch.write("contour.toml", job)]).1);
     blocks.map(|block| block["reason"].to_string()).collect()
 }

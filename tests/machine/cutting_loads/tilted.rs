@@ -184,7 +184,7 @@ fn a_tilted_tool_has_no_chips_in_a_flexible_workpiece_and_is_named() {
     println!("{complaints}");
     let report: Value = serde_json::from_str(&report).expect("one object");
     assert!(
-        code == Some(0) && complaints.contains("1 blocks have no chips and forces: the tool is tilted"),
+        code == Some(0) && complaints.contains("no chips and forces in 1 block: the tool is tilted"),
         "{complaints}"
     );
     assert_eq!(report["loads"]["left_out"][0]["cause"], "tilted");
