@@ -78,7 +78,15 @@ impl FinishPart {
     /// # Errors
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
-        super::parse(path, &super::read(path)?, build)
+        FinishPart::parse(path, &super::read(path)?)
+    }
+
+    /// Checks a part given as text. `path` is used in messages and to locate the files that it names.
+    ///
+    /// # Errors
+    /// See [`FileError`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        super::parse(path, text, build)
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use arcfeed::job::JobFile;
 use arcfeed::machine_file::MachineFile;
 use arcfeed::part::PartFile;
+use arcfeed::part::finish::FinishPart;
 use arcfeed::part::plunge::PlungePart;
 use arcfeed_tests::root;
 use toml::Spanned;
@@ -130,10 +131,11 @@ pub fn refusal(path: &Path, text: &str) -> Option<String> {
     if text.contains("[[rotary]]") {
         MachineFile::parse(text).err()
     } else if text.contains("[geometry") {
-        // One file may have the tools of both planners.
+        // One file may have the tools of all planners.
         let for_cup_mill = text.contains("[cutter").then(|| PartFile::parse(path, text).err()).flatten();
         let for_plunges = || text.contains("[plunge").then(|| PlungePart::parse(path, text).err()).flatten();
-        for_cup_mill.or_else(for_plunges).map(|error| stripped(error.to_string()))
+        let for_finishing = || text.contains("[finish").then(|| FinishPart::parse(path, text).err()).flatten();
+        for_cup_mill.or_else(for_plunges).or_else(for_finishing).map(|error| stripped(error.to_string()))
     } else {
         JobFile::parse(path, text).err().map(|error| stripped(error.to_string()))
     }

@@ -192,7 +192,7 @@ fn along_contours(scratch: &Scratch, job: &str) -> BTreeSet<String> {
     let job = job.replace("roll.nc", "contour.nc");
     let rewriting = job.replace("limits =", "override = { mode = 'rewrite-only' }\nlimits =");
     // The control itself reduces the feed there as much as the law wants it.
-    scratch.write("reducing.toml", "unit = 'mm'\ninside_arc_least = 10\n[radius]\n1 = 2.0\n");
+    scratch.write("reducing.toml", "unit = 'mm'\ninside_arc_least = 10\n[radius]\n1 = 5.0\n");
     let of =
         |settings: &str| rewriting.replace("limits =", &format!("control = {{ settings = '{settings}' }}\nlimits ="));
     let jobs = [job, rewriting.clone(), of("machine.toml"), of("reducing.toml")];
