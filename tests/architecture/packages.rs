@@ -9,9 +9,9 @@ use crate::source::{read, rust_files};
 /// Crates whose README has no example in Rust: the program's is the project's own, the C interface has one in C.
 const WITHOUT_EXAMPLE: [&str; 2] = ["arcfeed", "arcfeed-c"];
 
-/// Most keywords that crates.io takes.
+/// Most keywords that the public registry takes.
 const KEYWORDS_MAX: usize = 5;
-/// Longest keyword that crates.io takes.
+/// Longest keyword that the public registry takes.
 const KEYWORD_MAX: usize = 20;
 
 /// A published crate.

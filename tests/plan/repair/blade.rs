@@ -2,28 +2,16 @@
 
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::flaws::BladeSide;
-use arcfeed_plan::geometry::generator::{Hand, Rotor};
 use arcfeed_plan::repair::blade::{CloudFault, NominalBlade, sides};
 use arcfeed_plan::repair::registration::{RegistrationError, RegistrationSettings, register};
 use arcfeed_plan::vector::{Point, Vector};
 
 use super::scan::normal;
+use crate::published_rotor::ROTOR;
 
 /// Rotor of examples/blisk-19.
 fn blisk() -> Blisk {
-    let rotor = Rotor {
-        blades: 19,
-        hub_radius_mm: 70.0,
-        tip_radius_mm: 98.6,
-        chord_mm: [26.0, 26.0],
-        stagger_deg: [28.0, 42.0],
-        camber_deg: [14.0, 10.0],
-        thickness_ratio: [0.1, 0.055],
-        edge_mm: 0.0,
-        lean_deg: 0.0,
-        hand: Hand::Right,
-    };
-    let [pressure, suction] = rotor.sections(9, 81).unwrap().faces().unwrap();
+    let [pressure, suction] = ROTOR.sections(9, 81).unwrap().faces().unwrap();
     let hub = Revolution { profile_mm: vec![[-14.0, 70.0], [14.0, 70.0]] };
     Blisk { blades: 19, pressure, suction, hub, blank: Blank { radius_mm: 98.6, faces_mm: [-14.0, 14.0] } }
 }

@@ -14,4 +14,4 @@ pub mod baseline;
 
 pub mod plunge_nc;
 
-pub mod plunge_job;
+pub mod end_mill_job;

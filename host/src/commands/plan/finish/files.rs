@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::deviation::Mode;
-use arcfeed_plan::output::plunge_job::{PlungeJob, ToolShape};
+use arcfeed_plan::output::end_mill_job::{EndMillJob, ToolShape};
 use arcfeed_units::LengthUnit;
 
 use super::super::super::outcome::Failure;
@@ -49,7 +49,7 @@ fn job(result: &FinishResult, program: &str) -> String {
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
     let feeds = result.cl.points.iter().filter_map(|point| point.feed_mm_per_min);
-    PlungeJob {
+    EndMillJob {
         // The program is metric, whatever the part's unit.
         unit: LengthUnit::Mm,
         program,

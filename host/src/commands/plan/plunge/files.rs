@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::plunge_job::{PlungeJob, ToolShape};
+use arcfeed_plan::output::end_mill_job::{EndMillJob, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
 
@@ -99,7 +99,7 @@ fn job(result: &PlungeResult, program: &str) -> String {
     let part = &result.part;
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
-    PlungeJob {
+    EndMillJob {
         unit: part.output.unit,
         program,
         shape: ToolShape {

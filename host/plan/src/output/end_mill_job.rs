@@ -8,7 +8,7 @@ use crate::output::job::{Machine, number, quoted};
 
 /// Content of a job file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlungeJob<'a> {
+pub struct EndMillJob<'a> {
     /// Unit of the file, and of the program.
     pub unit: LengthUnit,
     /// Program, relative to the file.
@@ -46,7 +46,7 @@ pub struct ToolShape {
     pub teeth: u16,
 }
 
-impl PlungeJob<'_> {
+impl EndMillJob<'_> {
     /// Text of the file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
