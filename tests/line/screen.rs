@@ -194,7 +194,7 @@ fn a_terminal_that_is_closed_ends_the_sending_as_ctrl_c_does() {
     drop(pair.master);
     let status = wait_for("the end of arcfeed", || child.try_wait().expect("a child can be waited for"));
     assert_eq!(status.exit_code(), 130, "{status:?}");
-    assert!(records().ends_with("how=aborted\n"), "{}", records());
+    assert!(records().ends_with("reason=aborted\n"), "{}", records());
 }
 
 #[test]

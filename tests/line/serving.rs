@@ -199,7 +199,7 @@ fn macros_call_programs_of_the_library_and_print_to_the_sender() {
     heard.retain(|byte| !matches!(*byte, DC1 | DC3));
     assert_eq!(heard, b"\x12X   3.000\n\x14");
     let report = report(&ended);
-    assert_eq!((&report["printed"], &report["messages"]), (&json!(["X   3.000"]), &json!(["LOOK"])));
+    assert_eq!((&report["print_output"], &report["messages"]), (&json!(["X   3.000"]), &json!(["LOOK"])));
     assert_eq!(executed(&scratch), ["G21", "POPEN", "G65P9010X1.5", "O9010", "(LOOK)", "PCLOS", "G0X3.", "M30"]);
 }
 
@@ -221,7 +221,7 @@ fn what_a_control_prints_is_in_the_report_of_the_sender() {
     let ended = Running::start(&scratch, "stream", &stream).end();
     control.join().expect("the control");
     assert_eq!(ended.code, Some(0), "{}", ended.err);
-    assert_eq!(report(&ended)["printed"], json!(["X  1.500", "Y  2.000"]));
+    assert_eq!(report(&ended)["print_output"], json!(["X  1.500", "Y  2.000"]));
 }
 
 #[test]

@@ -45,7 +45,10 @@ fn the_example_rotor_is_planned_checked_simulated_and_streamed() {
     let report = object(&["simulate", &job]);
     assert_eq!(report["alarms"], Value::Array(vec![]));
     let material = &report["material"];
-    println!("planned: {}; simulated: {} in3, deviation {}", plan["removed"], material["taken"], material["deviation"]);
+    println!(
+        "planned: {}; simulated: {} in3, deviation {}",
+        plan["removed"], material["removal"], material["deviation"]
+    );
     let removed_mm3 = number(material, "/taken/removed") * MM_PER_INCH * MM_PER_INCH * MM_PER_INCH;
     let planned_mm3 = number(&plan, "/removed/total_mm3");
     assert!((removed_mm3 / planned_mm3 - 1.0).abs() < 0.02, "{removed_mm3} of {planned_mm3}");

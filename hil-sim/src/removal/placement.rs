@@ -1,11 +1,22 @@
 //! Position of the tool on the workpiece.
 //!
 //! The workpiece is defined in the program's coordinates at its first cut: those of the work coordinate system in force
-//! there, with the rotary axes at their positions there. A block that cuts with the rotary axes at other positions, or
-//! while they turn, has no known position on the workpiece, unless the program gives the tool tip on the part (G43.4)
-//! and the machine's kinematics give the tool's direction.
+//! there, with the rotary axes at their positions there. With L the machine coordinates of the tip, T(q) the turn of the part
+//! by the rotary positions q about its axes, q0 those of the first cut, p0 the origin there and t0 the tool's axis:
+//!
+//! ```text
+//! tip  = T(q0)^-1 T(q) L - p0                (1)
+//! axis = R(q0)^-1 R(q) t0                    (2)
+//! ```
+//!
+//! This needs the machine's kinematics, and a machine whose rotary axes both carry the part. Without them a block that cuts at
+//! other positions than q0 has no known position on the workpiece. Under G43.4 the program gives the tip on the part, and
+//! the kinematics give the axis. While rotary axes turn without G43.4 the position is unknown.
+//!
+//! Source: (1), (2) the chain of `arcfeed_kinematics::forward`.
 
-use arcfeed_kinematics::machine::{Letter, Machine};
+use arcfeed_kinematics::forward::{Axes, Setup};
+use arcfeed_kinematics::machine::{Carries, Letter, Machine};
 use arcfeed_kinematics::vector::{Vector, cross, difference, length, turned, unit};
 use arcfeed_units::{MicroDeg, Nm};
 
@@ -31,7 +42,8 @@ const UP: Vector = [0.0, 0.0, 1.0];
 pub enum LeftOutReason {
     /// A rotary axis turns, and the path is not given on the part.
     Turning,
-    /// The rotary axes are at other positions than for the first cut.
+    /// The rotary axes are at other positions than for the first cut, and no machine is configured that turns the part about
+    /// known axes.
     OtherPosition,
     /// The path is given on the part, and no machine is configured.
     NoMachine,
@@ -149,7 +161,12 @@ impl WorkpiecePlacement {
         let turns = length(difference(poses[1].axis, poses[0].axis)) > UPRIGHT_RAD;
         match machine {
             Some(machine) if !turns => {
-                Ok(ToolChord { ends_mm, frame: tool_frame(machine, &section.positions[0], section) })
+                let position = &section.positions[0];
+                let frame = match section.context.programmed_path {
+                    ProgrammedPath::Axes => self.in_first_cut(machine, position),
+                    _ => frame_at(machine, rotary_deg(machine, position, section)),
+                };
+                Ok(ToolChord { ends_mm, frame })
             }
             _ => Err(LeftOutReason::AxisTurns),
         }
@@ -157,17 +174,47 @@ impl WorkpiecePlacement {
 
     /// Tip and axis on the part at each point.
     fn poses(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Pose>, LeftOutReason> {
-        let axis: Box<dyn Fn(&AxisPosition) -> Vector + '_> = match (section.context.programmed_path, machine) {
+        let origin_mm = self.origin_mm.unwrap_or_default();
+        let tip_mm = |position: &AxisPosition| difference([position[0], position[1], position[2]], origin_mm);
+        let pose: Box<dyn Fn(&AxisPosition) -> Pose + '_> = match (section.context.programmed_path, machine) {
             (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
             (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
-            (ProgrammedPath::Tip, Some(machine)) => Box::new(move |position| axis_at(machine, position, section)),
+            (ProgrammedPath::Tip, Some(machine)) => {
+                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: axis_at(machine, position, section) })
+            }
             (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
-            (ProgrammedPath::Axes, _) if !self.is_at_first_cut(section) => return Err(LeftOutReason::OtherPosition),
-            (ProgrammedPath::Axes, _) => Box::new(|_| UP),
+            (ProgrammedPath::Axes, _) if self.is_at_first_cut(section) => {
+                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: UP })
+            }
+            (ProgrammedPath::Axes, Some(machine)) if turns_part(machine) => {
+                Box::new(move |position| self.indexed_pose(machine, position, origin_mm))
+            }
+            (ProgrammedPath::Axes, _) => return Err(LeftOutReason::OtherPosition),
         };
-        let origin_mm = self.origin_mm.unwrap_or_default();
-        let tip_mm = |position: &AxisPosition| [0, 1, 2].map(|along: usize| position[along] - origin_mm[along]);
-        Ok(section.positions.iter().map(|position| Pose { tip_mm: tip_mm(position), axis: axis(position) }).collect())
+        Ok(section.positions.iter().map(pose).collect())
+    }
+
+    /// Tip and axis on the part at other positions of the rotary axes than at the first cut. (1), (2)
+    fn indexed_pose(&self, machine: &Machine, position: &AxisPosition, origin_mm: Vector) -> Pose {
+        let axes = machine_axes(machine, position);
+        let on_part = machine.forward(&axes, &Setup::default()).tip_mm;
+        let at_first_cut = machine.linear_for(on_part, self.first_deg(machine), &Setup::default());
+        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: self.in_first_cut(machine, position).axes[2] }
+    }
+
+    /// Frame of the tool on the part as it was at the first cut. (2)
+    fn in_first_cut(&self, machine: &Machine, position: &AxisPosition) -> Frame {
+        let [first, second] = machine.rotary();
+        let (rotary_deg, [first_deg, second_deg]) =
+            (machine_axes(machine, position).rotary_deg, self.first_deg(machine));
+        let turned_back = |v: Vector| turned(turned(v, first.direction, -first_deg), second.direction, -second_deg);
+        Frame { axes: frame_at(machine, rotary_deg).axes.map(turned_back) }
+    }
+
+    /// Positions of the machine's rotary axes at the first cut, in the order of its description.
+    fn first_deg(&self, machine: &Machine) -> [f64; 2] {
+        let first = self.rotary_deg.unwrap_or_default();
+        machine.rotary().each_ref().map(|axis| first[letter_index(axis.letter)])
     }
 
     fn is_at_first_cut(&self, section: &PathSection) -> bool {
@@ -191,9 +238,8 @@ fn axis_at(machine: &Machine, position: &AxisPosition, section: &PathSection) ->
     machine.axis_at(rotary_deg(machine, position, section))
 }
 
-/// Frame of the tool on the part.
-fn tool_frame(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Frame {
-    let rotary_deg = rotary_deg(machine, position, section);
+/// Frame of the tool on the part at these positions of the rotary axes.
+fn frame_at(machine: &Machine, rotary_deg: [f64; 2]) -> Frame {
     let [first, second] = machine.rotary();
     // Square to the tool with all axes at zero: X of a machine whose tool stands along Z.
     let x = unit(cross([0.0, 1.0, 0.0], machine.tool())).unwrap_or([1.0, 0.0, 0.0]);
@@ -206,9 +252,31 @@ fn tool_frame(machine: &Machine, position: &AxisPosition, section: &PathSection)
 fn rotary_deg(machine: &Machine, position: &AxisPosition, section: &PathSection) -> [f64; 2] {
     let origin_deg = section.context.origin.rotary.map(MicroDeg::to_deg);
     machine.rotary().each_ref().map(|axis| {
-        let index = Letter::ALL.iter().position(|letter| *letter == axis.letter).unwrap_or(0);
+        let index = letter_index(axis.letter);
         position[3 + index] - origin_deg[index]
     })
+}
+
+/// Whether both rotary axes turn the part, under a tool along Z.
+fn turns_part(machine: &Machine) -> bool {
+    machine.tool() == UP && machine.rotary().iter().all(|axis| axis.carries == Carries::Part)
+}
+
+/// Machine coordinates of the tip, and positions of the machine's rotary axes.
+fn machine_axes(machine: &Machine, position: &AxisPosition) -> Axes {
+    Axes {
+        linear_mm: [position[0], position[1], position[2]],
+        rotary_deg: machine.rotary().each_ref().map(|axis| position[3 + letter_index(axis.letter)]),
+    }
+}
+
+/// Place of an axis among A, B, C.
+fn letter_index(letter: Letter) -> usize {
+    match letter {
+        Letter::A => 0,
+        Letter::B => 1,
+        Letter::C => 2,
+    }
 }
 
 fn rotary(position: &AxisPosition) -> Vector {

@@ -1,23 +1,25 @@
 //! Journal of a transmission, for a restart after a crash: one record per line.
 //!
 //! ```text
-//! b2a9c3d1 0 arcfeed-journal 1 program=00.. job=00.. sent=00.. bytes=1680 from=0 blocks=0 ours=0 own=0
+//! b2a9c3d1 0 arcfeed-journal 2 program=00.. job=00.. sent=00.. bytes=1680 from=0 blocks=0 restart_bytes=0 restart_blocks=0
 //! 5d0b7f02 1 out sent=0 until=214
-//! 91c44e7a 2 executed blocks=7 stands=0
-//! e81290bb 3 end sent=214 how=aborted
+//! 91c44e7a 2 executed blocks=7 stopped=0
+//! e81290bb 3 end sent=214 reason=aborted
 //! ```
 //! The CRC-32 at the start is that of the rest of the line; the record's number follows. `out` is on disk (fsync)
 //! before a character behind its `sent` leaves: after a crash, between `sent` and `until` characters of the last such
 //! record are out. A record torn off at the end had no effect yet and is dropped; damage anywhere else is rejected.
-//! Offsets and blocks are those of the transmission. `from` and `ours` of a resumed one lead back to the program's
-//! (`from` characters and `blocks` of it are left out, `ours` characters and `own` blocks of ours stand in front).
+//! Offsets and blocks are those of the transmission. `from` and `restart_bytes` of a resumed one lead back to the program's
+//! (`from` characters and `blocks` of it are left out, `restart_bytes` characters and `restart_blocks` blocks of them are sent first).
 
 use std::fmt::Write;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-const NAME: &str = "arcfeed-journal 1";
+const NAME: &str = "arcfeed-journal 2";
+/// First words of a journal of any release.
+const ANY_NAME: &str = "0 arcfeed-journal ";
 
 /// Input of a transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,9 +37,9 @@ pub struct Start {
     /// Blocks among them.
     pub blocks: usize,
     /// Characters that arcfeed puts before the rest.
-    pub ours: usize,
+    pub restart_bytes: usize,
     /// Blocks among them.
-    pub own: usize,
+    pub restart_blocks: usize,
 }
 
 /// Record after the first.
@@ -55,14 +57,14 @@ pub enum Record {
         /// Blocks of the transmission.
         blocks: usize,
         /// The control is in alarm or feed hold, with its axes at rest.
-        stands: bool,
+        stopped: bool,
     },
     /// The sender ended.
     End {
         /// Characters out.
         sent: usize,
         /// Reason.
-        how: EndReason,
+        reason: EndReason,
     },
 }
 
@@ -87,7 +89,7 @@ pub struct History {
     /// Least number of blocks of the program that the control had started, if it reported that.
     pub executed: Option<usize>,
     /// The control had stopped then, so that no later block was started.
-    pub stands: bool,
+    pub stopped: bool,
     /// Reason for the end, if the sender ended.
     pub ended: Option<EndReason>,
     /// Characters torn off at the end.
@@ -100,6 +102,11 @@ pub enum JournalError {
     /// The file does not begin as a journal.
     #[error("this is no journal of arcfeed, or its first record was never written: nothing was sent with it")]
     NoStart,
+    /// The first record is sound, and this release does not read it.
+    #[error(
+        "another release of arcfeed wrote this journal: resume with that one, or find the place at the control and use --from"
+    )]
+    OtherRelease,
     /// A record is corrupted, and good ones follow.
     #[error(
         "line {0} is damaged in the middle of the journal: it says nothing reliable any more; find the place at the control"
@@ -119,10 +126,10 @@ impl EndReason {
 
 /// First line of a journal.
 pub fn first_line(start: &Start) -> String {
-    let Start { program, job, sent, bytes, from, blocks, ours, own } = start;
+    let Start { program, job, sent, bytes, from, blocks, restart_bytes, restart_blocks } = start;
     seal(&format!(
         "0 {NAME} program={program:016x} job={job:016x} sent={sent:016x} bytes={bytes} from={from} blocks={blocks} \
-         ours={ours} own={own}"
+         restart_bytes={restart_bytes} restart_blocks={restart_blocks}"
     ))
 }
 
@@ -130,10 +137,10 @@ pub fn first_line(start: &Start) -> String {
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
-        Record::Executed { blocks, stands } => {
-            format!("{number} executed blocks={blocks} stands={}", u8::from(*stands))
+        Record::Executed { blocks, stopped } => {
+            format!("{number} executed blocks={blocks} stopped={}", u8::from(*stopped))
         }
-        Record::End { sent, how } => format!("{number} end sent={sent} how={}", how.word()),
+        Record::End { sent, reason } => format!("{number} end sent={sent} reason={}", reason.word()),
     })
 }
 
@@ -146,7 +153,7 @@ fn seal(text: &str) -> String {
 /// The file begins as a journal of any version, or is empty.
 pub fn is_journal(bytes: &[u8]) -> bool {
     let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
-    first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with("0 arcfeed-journal ")))
+    first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with(ANY_NAME)))
 }
 
 /// Reads a journal.
@@ -156,28 +163,29 @@ pub fn is_journal(bytes: &[u8]) -> bool {
 pub fn read(bytes: &[u8]) -> Result<History, JournalError> {
     let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
     let first = lines.next().and_then(open).ok_or(JournalError::NoStart)?;
-    let start = parse_start(first).ok_or(JournalError::NoStart)?;
-    let mut history = History { start, sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
+    let other = if first.starts_with(ANY_NAME) { JournalError::OtherRelease } else { JournalError::NoStart };
+    let start = parse_start(first).ok_or(other)?;
+    let mut history = History { start, sent: [0; 2], executed: None, stopped: false, ended: None, torn: 0 };
     let (mut sent, mut executed) = ([0; 2], None);
     for (index, line) in lines.enumerate() {
         let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
         match open(line).and_then(|text| parse(text, number)) {
             Some(_) if history.torn > 0 => return Err(JournalError::Line(index + 1)),
             Some(Record::Out { sent: out, until }) => sent = [out, until],
-            Some(Record::Executed { blocks, stands }) => (executed, history.stands) = (Some(blocks), stands),
+            Some(Record::Executed { blocks, stopped }) => (executed, history.stopped) = (Some(blocks), stopped),
             // Characters given to a failed line need not have left.
-            Some(Record::End { sent: out, how: EndReason::Failed }) => {
+            Some(Record::End { sent: out, reason: EndReason::Failed }) => {
                 (sent, history.ended) = ([sent[0].min(out), out], Some(EndReason::Failed));
             }
-            Some(Record::End { sent: out, how }) => (sent, history.ended) = ([out; 2], Some(how)),
+            Some(Record::End { sent: out, reason }) => (sent, history.ended) = ([out; 2], Some(reason)),
             // Valid record in the wrong place: one before it is missing.
             None if open(line).is_some() => return Err(JournalError::Line(index + 2)),
             None => history.torn += line.len(),
         }
     }
-    let of_program = |out: usize| start.from + out.saturating_sub(start.ours);
+    let of_program = |out: usize| start.from + out.saturating_sub(start.restart_bytes);
     history.sent = sent.map(|out| of_program(out.min(start.bytes)));
-    history.executed = executed.map(|blocks: usize| start.blocks + blocks.saturating_sub(start.own));
+    history.executed = executed.map(|blocks: usize| start.blocks + blocks.saturating_sub(start.restart_blocks));
     Ok(history)
 }
 
@@ -200,8 +208,8 @@ fn parse_start(text: &str) -> Option<Start> {
         bytes: count("bytes")?,
         from: count("from")?,
         blocks: count("blocks")?,
-        ours: count("ours")?,
-        own: count("own")?,
+        restart_bytes: count("restart_bytes")?,
+        restart_blocks: count("restart_blocks")?,
     })
 }
 
@@ -214,13 +222,13 @@ fn parse(text: &str, number: u32) -> Option<Record> {
     let count = |name| field(fields, name)?.parse().ok();
     Some(match kind {
         "out" => Record::Out { sent: count("sent")?, until: count("until")? },
-        "executed" => Record::Executed { blocks: count("blocks")?, stands: field(fields, "stands")? == "1" },
+        "executed" => Record::Executed { blocks: count("blocks")?, stopped: field(fields, "stopped")? == "1" },
         "end" => {
-            let word = field(fields, "how")?;
-            let how = [EndReason::Complete, EndReason::Aborted, EndReason::Failed]
+            let word = field(fields, "reason")?;
+            let reason = [EndReason::Complete, EndReason::Aborted, EndReason::Failed]
                 .into_iter()
-                .find(|how| how.word() == word)?;
-            Record::End { sent: count("sent")?, how }
+                .find(|reason| reason.word() == word)?;
+            Record::End { sent: count("sent")?, reason }
         }
         _ => return None,
     })
@@ -234,7 +242,8 @@ fn field<'t>(fields: &'t str, name: &str) -> Option<&'t str> {
 mod tests {
     use super::*;
 
-    const START: Start = Start { program: 1, job: 2, sent: 3, bytes: 400, from: 0, blocks: 0, ours: 0, own: 0 };
+    const START: Start =
+        Start { program: 1, job: 2, sent: 3, bytes: 400, from: 0, blocks: 0, restart_bytes: 0, restart_blocks: 0 };
 
     fn journal(start: &Start, records: &[Record]) -> Vec<u8> {
         let mut text = first_line(start);
@@ -247,9 +256,9 @@ mod tests {
     fn records() -> [Record; 4] {
         [
             Record::Out { sent: 0, until: 100 },
-            Record::Executed { blocks: 2, stands: false },
+            Record::Executed { blocks: 2, stopped: false },
             Record::Out { sent: 98, until: 210 },
-            Record::Executed { blocks: 5, stands: false },
+            Record::Executed { blocks: 5, stopped: false },
         ]
     }
 
@@ -257,7 +266,7 @@ mod tests {
     fn the_last_records_count() {
         let history = read(&journal(&START, &records())).unwrap();
         assert_eq!((history.sent, history.executed, history.ended), ([98, 210], Some(5), None));
-        let end = Record::End { sent: 207, how: EndReason::Aborted };
+        let end = Record::End { sent: 207, reason: EndReason::Aborted };
         let history = read(&journal(&START, &[records().as_slice(), &[end]].concat())).unwrap();
         assert_eq!((history.sent, history.ended), ([207, 207], Some(EndReason::Aborted)));
     }
@@ -292,6 +301,13 @@ mod tests {
     }
 
     #[test]
+    fn a_journal_of_another_release_is_named_so() {
+        let other = seal("0 arcfeed-journal 1 program=00 job=00 sent=00 bytes=1680 from=0 blocks=0 ours=0 own=0");
+        assert_eq!(read(other.as_bytes()), Err(JournalError::OtherRelease));
+        assert_eq!(read(seal("0 something else").as_bytes()), Err(JournalError::NoStart));
+    }
+
+    #[test]
     fn garbage_behind_the_last_record_is_torn_off() {
         let mut bytes = journal(&START, &records());
         bytes.extend([0; 40]);
@@ -300,8 +316,8 @@ mod tests {
 
     #[test]
     fn a_resumed_transmission_counts_in_the_programs_characters() {
-        let start = Start { from: 1_000, blocks: 40, ours: 120, own: 9, ..START };
-        let out = [Record::Out { sent: 60, until: 320 }, Record::Executed { blocks: 12, stands: false }];
+        let start = Start { from: 1_000, blocks: 40, restart_bytes: 120, restart_blocks: 9, ..START };
+        let out = [Record::Out { sent: 60, until: 320 }, Record::Executed { blocks: 12, stopped: false }];
         let history = read(&journal(&start, &out)).unwrap();
         assert_eq!((history.sent, history.executed), ([1_000, 1_200], Some(43)));
     }

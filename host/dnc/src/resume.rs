@@ -22,17 +22,17 @@ pub struct RestartPlan {
     /// Line whose block was under way at the control's last report.
     pub executed: Option<usize>,
     /// The control had stopped then: no later block was started.
-    pub stands: bool,
+    pub stopped: bool,
     /// Blocks sent before that line.
     pub blocks: Vec<String>,
     /// Cutting blocks that were executed and come again.
-    pub repeats: CutRange,
+    pub repeated: CutRange,
     /// Cutting blocks that come again and may have been executed.
-    pub may_repeat: CutRange,
+    pub possibly_repeated: CutRange,
     /// Cutting blocks that were never executed and do not come.
-    pub skips: CutRange,
+    pub skipped: CutRange,
     /// Cutting blocks that do not come and may not have been executed.
-    pub may_skip: CutRange,
+    pub possibly_skipped: CutRange,
     /// Tool that must be in the spindle.
     pub tool: Option<i64>,
     /// M codes of the machine's builder in the part before: the operator has to restore their effect.
@@ -72,7 +72,7 @@ impl RestartPlan {
         control: &PowerOn,
     ) -> Result<Self, String> {
         let under_way = history.executed.map(|blocks| sent.line_of_block(blocks.max(1)).unwrap_or(1));
-        let index = match (wanted.line, under_way.filter(|_| history.stands)) {
+        let index = match (wanted.line, under_way.filter(|_| history.stopped)) {
             (Some(line), _) => sent.lines().iter().position(|sent| sent.source == line).filter(|index| *index > 0),
             (None, Some(under_way)) => Some(under_way),
             (None, None) => {
@@ -98,20 +98,20 @@ impl RestartPlan {
         // come.
         let out = sent.line_at(history.sent[1].saturating_sub(1)) + 1;
         let least = under_way.unwrap_or(0);
-        let most = if history.stands { least } else { out.max(least) };
-        let repeats = among(index, under_way.map_or(0, |under_way| under_way + 1));
-        let may_repeat = among(index.max(under_way.map_or(0, |under_way| under_way + 1)), most);
-        let (may_skip, skips) = (among(least, index.min(most)), among(most.max(least), index));
+        let most = if history.stopped { least } else { out.max(least) };
+        let repeated = among(index, under_way.map_or(0, |under_way| under_way + 1));
+        let possibly_repeated = among(index.max(under_way.map_or(0, |under_way| under_way + 1)), most);
+        let (possibly_skipped, skipped) = (among(least, index.min(most)), among(most.max(least), index));
         Ok(RestartPlan {
             line,
             sent: history.sent.map(|at| source(sent, at)),
             executed: under_way.map(|index| sent.lines()[index].source),
-            stands: history.stands,
+            stopped: history.stopped,
             blocks: blocks.lines().map(str::to_owned).collect(),
-            repeats,
-            may_repeat,
-            skips,
-            may_skip,
+            repeated,
+            possibly_repeated,
+            skipped,
+            possibly_skipped,
             tool: before.functions.tool,
             other_m: before.functions.others,
             index,
@@ -169,7 +169,7 @@ mod tests {
         let source = |at: usize| 1 + PROGRAM.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
         let transmission = Transmission::new(PROGRAM.as_bytes(), source, &wire).unwrap();
         let history =
-            History { start: Start::default(), sent, executed, stands: executed.is_some(), ended: None, torn: 0 };
+            History { start: Start::default(), sent, executed, stopped: executed.is_some(), ended: None, torn: 0 };
         let settings = Settings::preset(Preset::Fanuc16i, LengthUnit::Mm, Reading::Lenient);
         let control = PowerOn { settings, tables: Tables::default() };
         RestartPlan::new(&transmission, &history, &RestartRequest { line, clearance: None }, &control)
@@ -184,7 +184,7 @@ mod tests {
         let plan = plan(Some(4), [40, 44], None).unwrap();
         assert_eq!((plan.line, plan.executed), (5, Some(5)));
         assert_eq!(
-            (plan.repeats, plan.skips, plan.may_repeat, plan.may_skip.count),
+            (plan.repeated, plan.skipped, plan.possibly_repeated, plan.possibly_skipped.count),
             (cuts(1, 5, 5), CutRange::default(), CutRange::default(), 0)
         );
     }
@@ -192,9 +192,9 @@ mod tests {
     #[test]
     fn another_line_repeats_or_skips_and_says_so() {
         let earlier = plan(Some(4), [40, 44], Some(3)).unwrap();
-        assert_eq!((earlier.repeats, earlier.skips.count), (cuts(3, 3, 5), 0));
+        assert_eq!((earlier.repeated, earlier.skipped.count), (cuts(3, 3, 5), 0));
         let later = plan(Some(4), [40, 44], Some(7)).unwrap();
-        assert_eq!((later.repeats.count, later.skips), (0, cuts(2, 5, 6)));
+        assert_eq!((later.repeated.count, later.skipped), (0, cuts(2, 5, 6)));
     }
 
     #[test]
@@ -202,7 +202,7 @@ mod tests {
         let refusal = plan(None, [31, 36], None).unwrap_err();
         assert!(refusal.contains("line 5") && refusal.contains("line 6") && refusal.contains("--from"), "{refusal}");
         let plan = plan(None, [31, 36], Some(5)).unwrap();
-        assert_eq!((plan.may_repeat, plan.may_skip), (cuts(2, 5, 6), cuts(2, 3, 4)));
-        assert_eq!((plan.repeats.count, plan.skips.count), (0, 0));
+        assert_eq!((plan.possibly_repeated, plan.possibly_skipped), (cuts(2, 5, 6), cuts(2, 3, 4)));
+        assert_eq!((plan.repeated.count, plan.skipped.count), (0, 0));
     }
 }

@@ -73,7 +73,7 @@ struct BlockFigures {
     ipt_center_min: Option<f64>,
     kind: &'static str,
     law: Option<&'static str>,
-    left_whole: Option<&'static str>,
+    not_divided: Option<&'static str>,
     limit_axis: Option<char>,
     limit_feed: Option<f64>,
     line: usize,
@@ -223,7 +223,7 @@ impl<'a> Table<'a> {
             if self.in_pieces { pieces_column(&figures) } else { String::new() },
             figures.reason,
             limited_by(block, &figures),
-            figures.left_whole.map_or(String::new(), |why| format!(", left whole: {why}"))
+            figures.not_divided.map_or(String::new(), |why| format!(", not divided: {why}"))
         ));
     }
 
@@ -292,7 +292,7 @@ impl BlockFigures {
             factor_max: demand.and_then(|demand| factor(demand.feed_max_mm_per_min)),
             reason: block.reason.label(),
             pieces: (!block.pieces.is_empty()).then_some(block.pieces.len()),
-            left_whole: block.whole.map(Whole::label),
+            not_divided: block.whole.map(Whole::label),
             chip_error_min: block.chip_error.map(|error| error.min),
             chip_error_mean: block.chip_error.map(|error| error.mean),
             chip_error_max: block.chip_error.map(|error| error.max),

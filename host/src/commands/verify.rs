@@ -47,7 +47,7 @@ pub struct Verify {
 /// Figures of a comparison.
 #[derive(Debug, Serialize)]
 struct VerifyReport<'a> {
-    same: bool,
+    identical: bool,
     blocks: Option<usize>,
     difference: Option<Shown<'a>>,
 }
@@ -136,7 +136,8 @@ impl Verify {
                 sent: found.sent.as_deref(),
                 received: found.received.as_deref(),
             });
-            let verdict = VerifyReport { same: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
+            let verdict =
+                VerifyReport { identical: compared.is_ok(), blocks: compared.as_ref().ok().copied(), difference };
             say(format_args!("{}", json_text(&verdict)));
         } else if let Ok(blocks) = &compared {
             say(format_args!("{path}: {}, in the control as sent", counted(*blocks, "block")));

@@ -24,7 +24,7 @@ pub struct RunReport {
     /// Alarms that stopped the control.
     pub alarms: Vec<AlarmFigures>,
     /// Lines that the program had the control print.
-    pub printed: Vec<String>,
+    pub print_output: Vec<String>,
     /// Messages of the program and its alarms to the operator, and the places of alarms in called programs.
     pub messages: Vec<String>,
     /// Time from the first move to the program's end.
@@ -121,21 +121,21 @@ pub struct AxisLimitFigures {
     /// Limiting axis.
     pub axis: &'static str,
     /// Feed at the first request.
-    pub asked: f64,
+    pub demanded_feed: f64,
     /// Allowed feed.
-    pub allowed: f64,
+    pub allowed_feed: f64,
     /// Unit of both feeds.
     pub unit: &'static str,
 }
 
 impl fmt::Display for AxisLimitFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let AxisLimitFigures { block, n, axis, asked, allowed, unit } = self;
+        let AxisLimitFigures { block, n, axis, demanded_feed, allowed_feed, unit } = self;
         match n {
             Some(n) => write!(f, "N{n}")?,
             None => write!(f, "block {block}")?,
         }
-        write!(f, ": {axis} allows {allowed:.1} of {asked:.1} {unit}")
+        write!(f, ": {axis} allows {allowed_feed:.1} of {demanded_feed:.1} {unit}")
     }
 }
 
@@ -194,7 +194,7 @@ pub struct MovementFigures {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ReportFigures {
     /// Requested reports.
-    pub asked: usize,
+    pub requested: usize,
     /// Received reports that agree with the program.
     pub confirmed: usize,
     /// Line of the program's file up to which the control has read, by the last of them.
@@ -204,8 +204,8 @@ pub struct ReportFigures {
 impl ReportFigures {
     /// Figures of the received reports; `None` if none was requested.
     pub fn of(reports: &Reports) -> Option<Self> {
-        let (asked, confirmed) = reports.counts();
-        (asked > 0).then(|| ReportFigures { asked, confirmed, line: reports.read_up_to() })
+        let (requested, confirmed) = reports.counts();
+        (requested > 0).then(|| ReportFigures { requested, confirmed, line: reports.read_up_to() })
     }
 }
 

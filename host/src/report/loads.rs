@@ -44,20 +44,20 @@ pub struct VibrationFigures {
     /// Natural frequencies of a flexible workpiece, from the lowest.
     pub workpiece_hz: Vec<f64>,
     /// Blocks that were long enough to judge.
-    pub judged: usize,
+    pub judged_blocks: usize,
     /// Largest mean change of a window of teeth.
     pub metric_max: Option<f64>,
     /// The same for the original program.
     pub baseline_metric_max: Option<f64>,
     /// Blocks in which a tooth meets the tool at another position than the tooth before.
-    pub unsteady: Vec<UnsteadyFigures>,
+    pub unstable: Vec<UnstableFigures>,
     /// The same for the original program.
-    pub baseline_unsteady: Vec<UnsteadyFigures>,
+    pub baseline_unstable: Vec<UnstableFigures>,
 }
 
 /// Block with vibration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct UnsteadyFigures {
+pub struct UnstableFigures {
     /// Blocks executed, up to and including this one.
     pub block: u32,
     /// N of the block.
@@ -168,8 +168,8 @@ impl LoadsFigures {
     pub fn marks_words(&self) -> Option<String> {
         let side = |marks: &Option<MarksFigures>| marks.as_ref().map_or("no walls".into(), MarksFigures::range);
         let MarksFigures { largest, .. } = self.marks.as_ref()?;
-        let unsteady = self.vibration.iter().flat_map(|vibration| &vibration.unsteady);
-        let verdict = unsteady.filter(|block| block.block == largest.block).map(|block| block.verdict).next();
+        let unstable = self.vibration.iter().flat_map(|vibration| &vibration.unstable);
+        let verdict = unstable.filter(|block| block.block == largest.block).map(|block| block.verdict).next();
         Some(format!(
             "marks on walls, {}: before {}; after {}; {}{}",
             self.unit,
@@ -217,23 +217,23 @@ impl fmt::Display for LoadsFigures {
 impl VibrationFigures {
     /// Text for a person.
     pub fn words(&self, unit: &str) -> String {
-        let side = |metric: Option<f64>, unsteady: &[UnsteadyFigures]| {
+        let side = |metric: Option<f64>, unstable: &[UnstableFigures]| {
             let changes = metric.map_or("too short to judge".into(), |metric| format!("up to {}", short(metric)));
-            match unsteady.iter().max_by(|a, b| a.metric.total_cmp(&b.metric)) {
+            match unstable.iter().max_by(|a, b| a.metric.total_cmp(&b.metric)) {
                 None => changes,
                 Some(worst) => format!("{changes} ({} in {}, worst)", worst.verdict, worst.name()),
             }
         };
         format!(
             "place of the tool from tooth to tooth, {unit}: before {}; after {}; stable up to {}",
-            side(self.baseline_metric_max, &self.baseline_unsteady),
-            side(self.metric_max, &self.unsteady),
+            side(self.baseline_metric_max, &self.baseline_unstable),
+            side(self.metric_max, &self.unstable),
             short(self.floor)
         )
     }
 }
 
-impl UnsteadyFigures {
+impl UnstableFigures {
     /// Name of the block for a person.
     pub fn name(&self) -> String {
         self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"))

@@ -38,7 +38,7 @@ pub struct RangeFigures {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestFigures {
     /// Deviation of the wall.
-    pub off: f64,
+    pub distance: f64,
     /// X of the mark.
     pub x: f64,
     /// Y of the mark.
@@ -101,18 +101,18 @@ impl MarksFigures {
 impl LargestFigures {
     /// Text with the deviation, the place and the block.
     pub fn words(&self) -> String {
-        let LargestFigures { off, x, y, z, .. } = self;
+        let LargestFigures { distance, x, y, z, .. } = self;
         let block = self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"));
-        format!("{} at X{x:.3} Y{y:.3} Z{z:.3} by {block}", signed(*off))
+        format!("{} at X{x:.3} Y{y:.3} Z{z:.3} by {block}", signed(*distance))
     }
 }
 
 /// Number with its sign.
-pub fn signed(off: f64) -> String {
-    match off {
-        off if off.abs() < NONE => "0".into(),
-        off if off > 0.0 => format!("+{}", short(off)),
-        off => short(off),
+pub fn signed(distance: f64) -> String {
+    match distance {
+        distance if distance.abs() < NONE => "0".into(),
+        distance if distance > 0.0 => format!("+{}", short(distance)),
+        distance => short(distance),
     }
 }
 

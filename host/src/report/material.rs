@@ -34,9 +34,9 @@ pub struct MaterialFigures {
     /// `cm3/min` or `in3/min`.
     pub rate_unit: &'static str,
     /// Material removed in the whole run.
-    pub taken: TakenFigures,
+    pub removal: RemovalFigures,
     /// Material removed by the original program.
-    pub baseline: TakenFigures,
+    pub baseline: RemovalFigures,
     /// Part of it that was removed at rapid.
     pub at_rapid: f64,
     /// Remaining volume.
@@ -63,7 +63,7 @@ pub struct MaterialFigures {
 
 /// Removed material.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TakenFigures {
+pub struct RemovalFigures {
     /// Volume: the mean of the three families of rays.
     pub removed: f64,
     /// Difference between the three families.
@@ -82,9 +82,9 @@ pub struct RuleFigures {
     /// Rule, counted from 1; null for blocks without one.
     pub rule: Option<usize>,
     /// Material removed by these blocks.
-    pub taken: TakenFigures,
+    pub removal: RemovalFigures,
     /// Material removed by the original program.
-    pub baseline: TakenFigures,
+    pub baseline: RemovalFigures,
 }
 
 /// Block.
@@ -99,9 +99,9 @@ pub struct BlockFigures {
     /// The figures are those of the block's rapids.
     pub rapid: bool,
     /// Material removed by the block.
-    pub taken: TakenFigures,
+    pub removal: RemovalFigures,
     /// Material removed by the original program, if that has the same block.
-    pub baseline: Option<TakenFigures>,
+    pub baseline: Option<RemovalFigures>,
 }
 
 /// Blocks that removed nothing because the position of the workpiece relative to the tool is unknown.
@@ -157,18 +157,18 @@ impl MaterialFigures {
     /// Blocks that removed more than a cell between rays at rapid.
     pub fn rapids(&self, unit: LengthUnit) -> impl Iterator<Item = &BlockFigures> {
         let cell = VolumeUnit::of(unit).of_mm3((self.step * unit.mm()).powi(3));
-        self.blocks.iter().filter(move |block| block.rapid && block.taken.removed > cell)
+        self.blocks.iter().filter(move |block| block.rapid && block.removal.removed > cell)
     }
 
     /// Warnings, one sentence each.
     pub fn warnings(&self, unit: LengthUnit) -> Vec<String> {
         let name = |block: u32, n: Option<i64>| n.map_or(format!("block {block}"), |n| format!("N{n}"));
         let at_rapid = self.rapids(unit).map(|block| {
-            let BlockFigures { block, n, taken, .. } = block;
+            let BlockFigures { block, n, removal, .. } = block;
             let is_assumed = self.assumed_stock.is_some_and(|stock| stock.source != StockSource::Option);
             let of_stock = if is_assumed { " from the assumed stock" } else { "" };
             let block = name(*block, *n);
-            format!("{block}: {} {} taken at rapid{of_stock}", short(taken.removed), self.volume_unit)
+            format!("{block}: {} {} taken at rapid{of_stock}", short(removal.removed), self.volume_unit)
         });
         let mut warnings: Vec<String> = at_rapid.take(SHOWN).collect();
         if let more @ 1.. = self.rapids(unit).count().saturating_sub(SHOWN) {
@@ -190,7 +190,8 @@ impl LeftOutBlocks {
         match self.cause {
             "turning" => "rotary axes turn without G43.4: the path of the tool on the part is unknown",
             "other-position" => {
-                "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is"
+                "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is; name a \
+                 [machine] whose rotary axes both turn the part"
             }
             "no-machine" => "under G43.4, and the job names no machine",
             "other-tool" => "the shape of the tool in the spindle is not given",
@@ -218,27 +219,27 @@ impl fmt::Display for AssumedStock {
 
 impl fmt::Display for MaterialFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let MaterialFigures { volume_unit, rate_unit, taken, left, .. } = self;
+        let MaterialFigures { volume_unit, rate_unit, removal, left, .. } = self;
         if let Some(assumed) = &self.assumed_stock {
             writeln!(f, "  {assumed}")?;
         }
         writeln!(
             f,
             "  workpiece: {} {volume_unit} removed (its rays agree within {}), {} left",
-            short(taken.removed),
-            short(taken.spread),
+            short(removal.removed),
+            short(removal.spread),
             short(*left)
         )?;
         let columns = ["removed", "before, mean", "max", "after, mean", "max"];
         write!(f, "    {:<24}", format!("removal rate, {rate_unit}"))?;
         columns.iter().try_for_each(|column| write!(f, "{column:>14}"))?;
         writeln!(f)?;
-        for RuleFigures { rule, taken, baseline } in &self.rules {
+        for RuleFigures { rule, removal, baseline } in &self.rules {
             write!(f, "    {:<24}", rule.map_or("other blocks".into(), |rule| format!("movement {rule}")))?;
-            write_rates(f, taken, baseline)?;
+            write_rates(f, removal, baseline)?;
         }
         write!(f, "    {:<24}", "all")?;
-        write_rates(f, taken, &self.baseline)?;
+        write_rates(f, removal, &self.baseline)?;
         let (mib, per_mm3) = (self.memory_bytes as f64 / f64::from(1 << 20), self.bytes_per_mm3);
         writeln!(f, "    {} rays, {mib:.1} MiB, {per_mm3:.1} bytes/mm3", self.rays)?;
         if let Some(DeviationFigures { min, max, rms, largest, x, y, .. }) = &self.deviation {
@@ -248,7 +249,7 @@ impl fmt::Display for MaterialFigures {
     }
 }
 
-fn write_rates(f: &mut fmt::Formatter<'_>, after: &TakenFigures, before: &TakenFigures) -> fmt::Result {
+fn write_rates(f: &mut fmt::Formatter<'_>, after: &RemovalFigures, before: &RemovalFigures) -> fmt::Result {
     let rates = [after.removed, before.rate_mean, before.rate_max, after.rate_mean, after.rate_max];
     rates.iter().try_for_each(|rate| write!(f, "{:>14}", short(*rate)))?;
     writeln!(f)

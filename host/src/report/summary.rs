@@ -66,8 +66,8 @@ impl fmt::Display for RunSummary<'_> {
                 writeln!(f, "{SPINDLE_OVERRIDE}")?;
             }
         }
-        if let Some(ReportFigures { asked, confirmed, line }) = &report.reports {
-            write!(f, "  reports of the control: {confirmed} of {asked} as the program has it")?;
+        if let Some(ReportFigures { requested, confirmed, line }) = &report.reports {
+            write!(f, "  reports of the control: {confirmed} of {requested} as the program has it")?;
             writeln!(f, "{}", line.map_or(String::new(), |line| format!(", it has read up to line {line}")))?;
         }
         for limited in report.axis_limited.iter().take(SHOWN) {
@@ -76,7 +76,7 @@ impl fmt::Display for RunSummary<'_> {
         if let more @ 1.. = report.axis_limited.len().saturating_sub(SHOWN) {
             writeln!(f, "  slower than programmed: {more} more of these blocks")?;
         }
-        for line in &report.printed {
+        for line in &report.print_output {
             writeln!(f, "  printed: {line}")?;
         }
         for message in &report.messages {

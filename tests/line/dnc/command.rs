@@ -157,8 +157,8 @@ fn the_control_reports_where_it_is_and_the_file_stays_as_it_is() {
         (std::fs::read(scratch.path("ibr-slot.nc")).expect("a program"), scratch.path("executed.nc"));
     let output = run(&["stream", &job, "--executed", &executed, "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).expect("the report");
-    assert_eq!(report["reports"], serde_json::json!({ "asked": 6, "confirmed": 6, "line": 52 }), "{report}");
-    assert_eq!(report["printed"], serde_json::json!([]));
+    assert_eq!(report["reports"], serde_json::json!({ "requested": 6, "confirmed": 6, "line": 52 }), "{report}");
+    assert_eq!(report["print_output"], serde_json::json!([]));
     let dprnt = |line: &&String| line.starts_with("DPRNT[ARCFEED*L");
     assert_eq!(lines(&scratch, "executed.nc").iter().filter(dprnt).count(), 6);
     assert_eq!(std::fs::read(scratch.path("ibr-slot.nc")).expect("a program"), program);
@@ -176,8 +176,8 @@ fn reports_over_a_line_reach_the_journal_and_a_restart() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(said.contains("6 of 6 as the program has it, it has read up to line 52"), "{said}");
     let journal = std::fs::read_to_string(scratch.path("job.journal")).expect("a journal");
-    assert!(journal.contains(" executed blocks=") && journal.contains("stands=0"), "{journal}");
-    assert!(!journal.contains("stands=1"), "the present position is unknown");
+    assert!(journal.contains(" executed blocks=") && journal.contains("stopped=0"), "{journal}");
+    assert!(!journal.contains("stopped=1"), "the present position is unknown");
     drop(server);
     let mut server = Running::start(&scratch, "cut", &serve);
     let port = server.line("port: ");

@@ -149,9 +149,9 @@ fn a_control_that_stands_says_where_and_needs_no_line() {
     assert_eq!(output.status.code(), Some(4), "{}", String::from_utf8_lossy(&output.stderr));
     let plan: Value = serde_json::from_slice(&output.stdout).expect("the plan");
     let plan = &plan["resume"];
-    assert_eq!((&plan["stands"], &plan["line"]), (&Value::Bool(true), &plan["executed"]));
+    assert_eq!((&plan["stopped"], &plan["line"]), (&Value::Bool(true), &plan["executed"]));
     assert_eq!(
-        (&plan["may_repeat"]["count"], &plan["may_skip"]["count"], &plan["skips"]["count"]),
+        (&plan["possibly_repeated"]["count"], &plan["possibly_skipped"]["count"], &plan["skipped"]["count"]),
         (&0.into(), &0.into(), &0.into())
     );
 }

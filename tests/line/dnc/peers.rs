@@ -42,7 +42,7 @@ fn plan(program: &str, line: usize) -> Result<RestartPlan, String> {
     let sent = transmission(&text, Check::None);
     let end = sent.frames().len();
     let history =
-        History { start: Start::default(), sent: [end; 2], executed: None, stands: false, ended: None, torn: 0 };
+        History { start: Start::default(), sent: [end; 2], executed: None, stopped: false, ended: None, torn: 0 };
     RestartPlan::new(
         &sent,
         &history,
@@ -170,7 +170,7 @@ fn ugs_run_from_lacks_tool_length_cycles_and_shifted_coordinates() {
     let text = "%\nG21G0X0Y0Z-20.\nG1Z-30.F50.\nX6.\nM30\n%\n";
     let sent = transmission(text, Check::None);
     let history =
-        History { start: Start::default(), sent: [9; 2], executed: None, stands: false, ended: None, torn: 0 };
+        History { start: Start::default(), sent: [9; 2], executed: None, stopped: false, ended: None, torn: 0 };
     let low = RestartPlan::new(&sent, &history, &RestartRequest { line: Some(4), clearance: None }, &power_on())
         .expect("a restart");
     assert!(low.blocks[place(&low, "G0Z")].contains("Z-20."), "{low:?}");
@@ -205,7 +205,7 @@ fn resumed_at_a_line_it_is_that_line() {
     let sent = transmission(&text, Check::Parity);
     for line in 10..20 {
         let history =
-            History { start: Start::default(), sent: [0; 2], executed: None, stands: false, ended: None, torn: 0 };
+            History { start: Start::default(), sent: [0; 2], executed: None, stopped: false, ended: None, torn: 0 };
         let wanted = RestartRequest { line: Some(line), clearance: Some(Nm::from_mm(50.0)) };
         let plan = RestartPlan::new(&sent, &history, &wanted, &power_on()).expect("a restart");
         let rest = sent.resumed(&plan.preamble(), plan.index, &wire(Check::Parity)).expect("in the code");

@@ -44,7 +44,7 @@ fn broken(sent: &Transmission, settings: &ControlSettings, turns: usize, schedul
         let now = line.control.executed().len();
         if knows && now > executed {
             executed = now;
-            write(&Record::Executed { blocks: now, stands: false }, &mut journal);
+            write(&Record::Executed { blocks: now, stopped: false }, &mut journal);
         }
         let (out, total) = sender.progress();
         if until < total && until < out + AHEAD / 2 {
@@ -165,11 +165,11 @@ fn assert_reported(text: &str, plan: &RestartPlan, seen: usize, what: &str) {
     let done = seen + 1;
     let (again, left_out) = (count(plan.index, done), count(done, plan.index));
     assert!(
-        plan.repeats.count <= again && again <= plan.repeats.count + plan.may_repeat.count,
+        plan.repeated.count <= again && again <= plan.repeated.count + plan.possibly_repeated.count,
         "{what}: {again}, {plan:?}"
     );
-    assert!(plan.skips.count <= left_out, "{what}: {left_out}, {plan:?}");
-    assert!(left_out <= plan.skips.count + plan.may_skip.count, "{what}: {left_out}, {plan:?}");
+    assert!(plan.skipped.count <= left_out, "{what}: {left_out}, {plan:?}");
+    assert!(left_out <= plan.skipped.count + plan.possibly_skipped.count, "{what}: {left_out}, {plan:?}");
 }
 
 /// By how many lines the operator goes elsewhere, five being none.

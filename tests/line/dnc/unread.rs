@@ -45,7 +45,7 @@ fn a_program_is_sent_to_its_end_although_stderr_is_not_read() {
         let (status, out) = blind(&stream("spy://sim:"), Some(stderr), None);
         assert_eq!(status.code(), Some(0), "{out}");
         assert_eq!(lines(&scratch, "executed.nc"), wanted);
-        assert!(last_record(&scratch).ends_with("how=complete"), "{}", last_record(&scratch));
+        assert!(last_record(&scratch).ends_with("reason=complete"), "{}", last_record(&scratch));
     }
 }
 
@@ -56,7 +56,7 @@ fn a_program_is_sent_to_its_end_although_stdout_is_not_read() {
     for (stdout, code) in dead_ends().into_iter().zip([141, 1]) {
         let (status, err) = blind(&["stream", JOB, "--journal", &journal, "--json"], None, Some(stdout));
         assert_eq!(status.code(), Some(code), "{err}");
-        assert!(last_record(&scratch).ends_with("how=complete"), "{}", last_record(&scratch));
+        assert!(last_record(&scratch).ends_with("reason=complete"), "{}", last_record(&scratch));
         assert_eq!(err.contains("stdout: "), code == 1, "{err}");
     }
 }

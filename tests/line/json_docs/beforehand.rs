@@ -135,7 +135,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
             documented.assert_fits("adapt", block);
             reasons.insert(block["reason"].to_string());
             kinds.insert(block["kind"].to_string());
-            wholes.insert(block["left_whole"].to_string());
+            wholes.insert(block["not_divided"].to_string());
         }
     }
     scratch.write("line.nc", "G21G90G94\nG1X10.F100.\nY0.\nX0.A5.\n/X30.\nM30\n");
@@ -160,7 +160,7 @@ fn what_adapt_prints_is_documented_for_every_reason_and_kind_there_is() {
         schema["properties"][field]["enum"].as_array().expect("a list").iter().map(Value::to_string).collect()
     };
     assert_eq!((reasons, kinds), (listed("reason"), listed("kind")));
-    assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("left_whole")), "{wholes:?}");
+    assert!(wholes.contains("\"coordinates\"") && wholes.is_subset(&listed("not_divided")), "{wholes:?}");
 }
 
 /// Reasons of a line before a rounded corner; `job` is one of the contour law for `roll.nc`.

@@ -133,7 +133,10 @@ fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
     let report = object(&["simulate", &job], 0);
     documented.assert_fits("simulate", &report);
     let loads = &report["loads"];
-    assert!(loads["marks"]["largest"]["off"].is_f64() && loads["vibration"]["workpiece_hz"][1].is_f64(), "{loads}");
+    assert!(
+        loads["marks"]["largest"]["distance"].is_f64() && loads["vibration"]["workpiece_hz"][1].is_f64(),
+        "{loads}"
+    );
     assert!(report["spindle"]["torque"]["baseline_above"][0]["n"].is_i64(), "{}", report["spindle"]);
     assert!(loads["blocks"][0]["load"]["chips"][0].is_u64() && loads["left_out"][0]["cause"] == "contour", "{loads}");
 }

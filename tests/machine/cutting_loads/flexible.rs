@@ -118,7 +118,7 @@ fn it_chatters_where_its_first_mode_says() {
             cutting: "cutting = [600, 200, 0]\nedge = [0, 0, 0]\n",
         };
         let report = strip.simulation_report("chatters");
-        let blocks = report["loads"]["vibration"]["unsteady"].as_array().expect("a list").iter();
+        let blocks = report["loads"]["vibration"]["unstable"].as_array().expect("a list").iter();
         let found: Vec<i64> = blocks.map(|block| block["n"].as_i64().expect("a number")).collect();
         println!("{depth_mm} mm: not steady {found:?}");
         assert_eq!(found, unsteady);
@@ -152,7 +152,7 @@ fn a_strip_too_stiff_to_move_is_a_rigid_one() {
         let rounding = if field.starts_with("marks") { 1e-12 } else { 0.0 };
         assert!((given - rigid).abs() < 1e-9 * rigid + rounding, "{field}");
     }
-    assert!(rigid["loads"]["vibration"].is_null() && given["loads"]["vibration"]["unsteady"] == serde_json::json!([]));
+    assert!(rigid["loads"]["vibration"].is_null() && given["loads"]["vibration"]["unstable"] == serde_json::json!([]));
 }
 
 #[test]

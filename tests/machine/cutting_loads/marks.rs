@@ -130,10 +130,10 @@ fn chatter_is_in_the_walls_and_a_steady_cut_is_not() {
         (number(of_slot, "/max").max(-number(of_slot, "/min")), report["loads"]["vibration"].clone())
     };
     let (steady_mm, vibration) = marks(&ACROSS, "steady-marks");
-    assert_eq!(vibration["unsteady"], serde_json::json!([]));
+    assert_eq!(vibration["unstable"], serde_json::json!([]));
     let floor_mm = number(&vibration, "/floor");
     let (chatter_mm, vibration) = marks(&Slot { axial_depth_mm: 0.6, ..ACROSS }, "chatter-marks");
-    assert_eq!(vibration["unsteady"][0]["verdict"], "chatter");
+    assert_eq!(vibration["unstable"][0]["verdict"], "chatter");
     let metric_mm = number(&vibration, "/metric_max");
     println!("steady {steady_mm:.6} mm; chatter {chatter_mm:.6} mm, from tooth to tooth {metric_mm:.6}");
     // Places that differ by M in the mean from tooth to tooth have an amplitude of about that.

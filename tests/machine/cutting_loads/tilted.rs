@@ -152,7 +152,7 @@ fn a_tilted_tool_with_modes_has_a_verdict_on_its_chatter() {
     let modes = "modes = [{ frequency = 900, damping = 0.03, stiffness = 8000, direction = [1, 0, 0] }]\n";
     let verdict = |tilt: Tilt, name: &str| {
         let vibration = tilt.report(name, modes)["loads"]["vibration"].clone();
-        let unsteady: Vec<(Value, Value)> = vibration["unsteady"]
+        let unsteady: Vec<(Value, Value)> = vibration["unstable"]
             .as_array()
             .expect("a list")
             .iter()

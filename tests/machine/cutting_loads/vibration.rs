@@ -16,7 +16,7 @@ fn a_slot_below_the_limit_is_steady() {
     println!("{vibration}");
     assert_eq!(number(vibration, "/judged"), 1.0);
     assert!(number(vibration, "/metric_max") < 0.2 * number(vibration, "/floor"));
-    assert_eq!([&vibration["unsteady"], &vibration["baseline_unsteady"]], [&serde_json::json!([]); 2]);
+    assert_eq!([&vibration["unstable"], &vibration["baseline_unstable"]], [&serde_json::json!([]); 2]);
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn springing_back_from_a_ramp_is_no_chatter() {
     let report = simulation_report("ramp", &job, program);
     let vibration = &report["loads"]["vibration"];
     println!("{vibration}");
-    assert_eq!([&vibration["unsteady"], &vibration["baseline_unsteady"]], [&serde_json::json!([]); 2]);
+    assert_eq!([&vibration["unstable"], &vibration["baseline_unstable"]], [&serde_json::json!([]); 2]);
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn a_slot_above_it_chatters() {
     let report = Slot { axial_depth_mm: 0.6, ..ALONG }.simulation_report("chatter");
     let vibration = &report["loads"]["vibration"];
     println!("{vibration}");
-    for which in ["unsteady", "baseline_unsteady"] {
+    for which in ["unstable", "baseline_unstable"] {
         assert_eq!(vibration[which].as_array().map(Vec::len), Some(1));
         assert_eq!(
             [&vibration[which][0]["verdict"], &vibration[which][0]["n"]],

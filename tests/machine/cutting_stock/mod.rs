@@ -12,4 +12,6 @@ mod left_out;
 
 mod files;
 
+mod indexed;
+
 mod complaints;

@@ -63,6 +63,6 @@ impl RunOutput {
     /// Volume that the block N removed.
     #[track_caller]
     pub fn removed(&self, n: i64) -> f64 {
-        self.block(n).and_then(|block| block["taken"]["removed"].as_f64()).unwrap_or_else(|| panic!("no block {n}"))
+        self.block(n).and_then(|block| block["removal"]["removed"].as_f64()).unwrap_or_else(|| panic!("no block {n}"))
     }
 }

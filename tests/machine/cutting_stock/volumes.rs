@@ -41,10 +41,10 @@ fn rates_are_section_times_feed() {
     let output = ScratchJob::new("rate", MILL, SLOT).run(&[]);
     let block = output.block(4).expect("the slot cuts");
     // 10 mm by 4 mm at 600 mm/min. A window is four steps long or more, so that a ray more or less is a quarter at most.
-    let (mean, max) = (block["taken"]["rate_mean"].as_f64().unwrap(), block["taken"]["rate_max"].as_f64().unwrap());
+    let (mean, max) = (block["removal"]["rate_mean"].as_f64().unwrap(), block["removal"]["rate_max"].as_f64().unwrap());
     println!("mean {mean:.4}, largest {max:.4}, of 24 cm3/min");
     assert!((mean / 24.0 - 1.0).abs() < 6e-3 && (1.0..1.25).contains(&(max / 24.0)));
-    let seconds = block["taken"]["cutting_time_s"].as_f64().unwrap();
+    let seconds = block["removal"]["cutting_time_s"].as_f64().unwrap();
     // A little longer, as it begins and ends at rest.
     assert!((4.0..4.02).contains(&seconds), "{seconds} s for 40 mm at 600 mm/min");
 }
@@ -90,14 +90,14 @@ fn the_adapted_program_takes_the_same_in_less_time() {
     let output = arcfeed_tests::run(&["simulate", "examples/ibr-slot/job.toml", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     let number = |run: &str, field: &str| report["material"][run][field].as_f64().expect("a number");
-    let [after, before] = ["taken", "baseline"].map(|run| number(run, "removed"));
+    let [after, before] = ["removal", "baseline"].map(|run| number(run, "removed"));
     println!(
         "{before:.4} in3 before, {after:.4} after; {:.1} s, {:.1} s",
         number("baseline", "cutting_time_s"),
-        number("taken", "cutting_time_s")
+        number("removal", "cutting_time_s")
     );
     assert!(after > 5.0 && (after / before - 1.0).abs() < 1e-3);
-    assert!(number("taken", "rate_mean") > 1.2 * number("baseline", "rate_mean"));
+    assert!(number("removal", "rate_mean") > 1.2 * number("baseline", "rate_mean"));
     let left = report["material"]["left"].as_f64().expect("a number");
     // The block's Z is no whole number of steps; its cells stand for as much as they are.
     assert!((after + left - 6.5 * 4.0 * 1.7062).abs() < 0.02 * 6.5 * 4.0 * 1.7062, "{after} {left}");

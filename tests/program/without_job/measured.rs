@@ -41,7 +41,8 @@ fn a_stock_of_a_comment_has_the_closed_form_of_the_slot_that_is_cut() {
     // Two half discs at the ends; the second rapid takes a disc 2 deep and a step of 5 beside it.
     let cut = 4.0 * (10.0 * 40.0 + 10.0 * 15.0 * pi + 25.0 * pi);
     let rapid = 2.0 * (25.0 * pi + 5.0 * 10.0);
-    let taken = [&material["taken"]["removed"], &material["at_rapid"]].map(|value| 1e3 * value.as_f64().expect("cm3"));
+    let taken =
+        [&material["removal"]["removed"], &material["at_rapid"]].map(|value| 1e3 * value.as_f64().expect("cm3"));
     println!("removed {:.1} of {:.1} mm3, at rapid {:.1} of {rapid:.1}", taken[0], cut + rapid, taken[1]);
     assert!((taken[0] / (cut + rapid) - 1.0).abs() < 5e-3 && (taken[1] / rapid - 1.0).abs() < 1e-2);
     assert!(text_of(&output.stderr).contains("taken at rapid from the assumed stock"), "{}", text_of(&output.stderr));
@@ -95,13 +96,13 @@ fn blocks_before_and_after_are_those_of_one_line_also_where_a_line_is_sent_in_tw
     println!("{names:?}");
     assert_eq!(names, [1, 2, 3, 4, 5]);
     // Each block of the original program once: their volumes are those of the whole run.
-    for (side, total) in [("taken", "taken"), ("baseline", "baseline")] {
+    for (side, total) in [("removal", "removal"), ("baseline", "baseline")] {
         let sum: f64 = blocks.iter().map(|block| removed(&block[side])).sum();
         assert!((sum / removed(&material[total]) - 1.0).abs() < 1e-9, "{side}: {sum}");
     }
     // The same path is cut before and after.
     for block in blocks {
-        assert!((removed(&block["taken"]) / removed(&block["baseline"]) - 1.0).abs() < 2e-2, "{block}");
+        assert!((removed(&block["removal"]) / removed(&block["baseline"]) - 1.0).abs() < 2e-2, "{block}");
     }
 }
 
@@ -129,7 +130,7 @@ fn several_tools_cut_one_stock_and_those_without_a_diameter_take_nothing() {
         let output = run(arguments);
         assert_eq!(output.status.code(), Some(0), "{}", text_of(&output.stderr));
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
-        (1e3 * report["material"]["taken"]["removed"].as_f64().expect("cm3"), text_of(&output.stderr))
+        (1e3 * report["material"]["removal"]["removed"].as_f64().expect("cm3"), text_of(&output.stderr))
     };
     let path = scratch.write("p.nc", text);
     let (removed, said) = taken(&["simulate", &path, "--tool", "T1=10", "--tool", "T2=6", "--json"]);

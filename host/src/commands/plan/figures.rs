@@ -305,7 +305,7 @@ struct WidthFigures {
     width_mm: f64,
     outer_radius_mm: f64,
     share_ratio: Option<f64>,
-    why: Option<String>,
+    refused: Option<String>,
 }
 
 /// Figures of other rings: each is planned and proven as that of the part.
@@ -341,12 +341,12 @@ pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
         .chain(by_middle.iter().map(|trial| (trial, false)))
     {
         let outer_radius_mm = trial.middle_mm + trial.width_mm / 2.0;
-        let (share_ratio, why) = match &trial.share_ratio {
+        let (share_ratio, refused) = match &trial.share_ratio {
             Ok(share) => (Some(*share), None),
             Err(why) => (None, Some(why.to_string())),
         };
         if json {
-            let figures = WidthFigures { width_mm: trial.width_mm, outer_radius_mm, share_ratio, why };
+            let figures = WidthFigures { width_mm: trial.width_mm, outer_radius_mm, share_ratio, refused };
             say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
         } else {
             let mark = match (trial.worth() >= most, is_own) {
@@ -355,7 +355,7 @@ pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
                 (false, true) => "  this cutter",
                 (false, false) => "",
             };
-            let taken = share_ratio.map(|share| format!("{:.2}", 100.0 * share)).or(why).unwrap_or_default();
+            let taken = share_ratio.map(|share| format!("{:.2}", 100.0 * share)).or(refused).unwrap_or_default();
             say(format_args!("  {:>16.3}   {outer_radius_mm:>16.3}   {taken}{mark}", trial.width_mm));
         }
     }

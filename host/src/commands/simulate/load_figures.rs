@@ -11,7 +11,7 @@ use arcfeed_units::LengthUnit;
 use super::block_pairs::{BlockPairs, BlockPlace};
 use super::material_figures::left_out_figures;
 use crate::report::loads::{
-    LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures, UnsteadyFigures, VibrationFigures,
+    LoadBlockFigures, LoadFigures, LoadRuleFigures, LoadsFigures, UnstableFigures, VibrationFigures,
 };
 use crate::report::page::plot::{Lane, Series};
 
@@ -52,8 +52,8 @@ pub fn figures((unit, pairs): (LengthUnit, &BlockPairs), meter: &LoadMeter, base
 
 fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> VibrationFigures {
     let worst = |meter: &LoadMeter| meter.chatter().iter().map(|block| block.metric_mm / unit.mm()).reduce(f64::max);
-    let unsteady = |meter: &LoadMeter| {
-        let unsteady = meter.chatter().iter().filter_map(|block| {
+    let unstable = |meter: &LoadMeter| {
+        let unstable = meter.chatter().iter().filter_map(|block| {
             let verdict = match block.verdict {
                 Verdict::Stable => return None,
                 Verdict::Uneven => "uneven",
@@ -62,18 +62,18 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
             };
             let BlockRef { count, sequence, rule, .. } = block.block;
             let (rule, metric) = (rule.map(|rule| rule + 1), block.metric_mm / unit.mm());
-            Some(UnsteadyFigures { block: count, n: sequence, rule, verdict, metric })
+            Some(UnstableFigures { block: count, n: sequence, rule, verdict, metric })
         });
-        unsteady.collect()
+        unstable.collect()
     };
     VibrationFigures {
         floor: meter.floor_mm() / unit.mm(),
         workpiece_hz: meter.workpiece_hz().collect(),
-        judged: meter.chatter().len(),
+        judged_blocks: meter.chatter().len(),
         metric_max: worst(meter),
         baseline_metric_max: worst(baseline),
-        unsteady: unsteady(meter),
-        baseline_unsteady: unsteady(baseline),
+        unstable: unstable(meter),
+        baseline_unstable: unstable(baseline),
     }
 }
 

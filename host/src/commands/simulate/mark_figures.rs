@@ -60,7 +60,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Optio
     Some(MarksFigures {
         range: RangeFigures::of(marks.iter().map(|mark| in_unit(mark.off_mm)))?,
         largest: LargestFigures {
-            off: in_unit(worst.off_mm),
+            distance: in_unit(worst.off_mm),
             x,
             y,
             z: z(worst.layer),
@@ -106,8 +106,8 @@ pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Ma
 /// Path among the layers, block by block.
 pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> LoadPlot {
     let in_unit = |mm: f64| mm / unit.mm();
-    let unsteady = |count: u32| {
-        let blocks = loads.vibration.iter().flat_map(|vibration| &vibration.unsteady);
+    let unstable = |count: u32| {
+        let blocks = loads.vibration.iter().flat_map(|vibration| &vibration.unstable);
         blocks.filter(|block| block.block == count).map(|block| block.verdict).next()
     };
     let chip_ratio = |of: &BlockRef| {
@@ -123,7 +123,7 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
         if before.replace(segment.block) != Some(segment.block) {
             let name =
                 segment.block.sequence.map_or_else(|| format!("block {}", segment.block.count), |n| format!("N{n}"));
-            let (verdict, chip_ratio) = (unsteady(segment.block.count), chip_ratio(&segment.block));
+            let (verdict, chip_ratio) = (unstable(segment.block.count), chip_ratio(&segment.block));
             blocks.push(PlotBlock { name, verdict, chip_ratio, lines: Vec::new() });
         }
         let Some(block) = blocks.last_mut() else { continue };

@@ -15,7 +15,7 @@ use super::block_pairs::{BlockPairs, BlockPlace};
 use super::edges::UPRIGHT;
 use super::setup::Setup;
 use crate::report::material::{
-    BlockFigures, DeviationFigures, LeftOutBlocks, MaterialFigures, RuleFigures, TakenFigures, VolumeUnit,
+    BlockFigures, DeviationFigures, LeftOutBlocks, MaterialFigures, RemovalFigures, RuleFigures, VolumeUnit,
 };
 
 /// Figures of a run, and of the original program.
@@ -28,31 +28,31 @@ pub fn figures(
     let volumes = VolumeUnit::of(unit);
     let step_mm = setup.workpiece.step_mm;
     let runs = [cutter, baseline];
-    let taken = |choose: &dyn Fn(&StockCutter, &Piece) -> bool| {
-        runs.map(|run| taken_of(run.pieces().iter().filter(|piece| choose(run, piece)), step_mm, volumes))
+    let removal = |choose: &dyn Fn(&StockCutter, &Piece) -> bool| {
+        runs.map(|run| removal_of(run.pieces().iter().filter(|piece| choose(run, piece)), step_mm, volumes))
     };
-    let [mut total, mut before] = taken(&|_, _| true);
-    let [rapid, _] = taken(&|run, piece| run.blocks()[piece.block].is_rapid);
+    let [mut total, mut before] = removal(&|_, _| true);
+    let [rapid, _] = removal(&|run, piece| run.blocks()[piece.block].is_rapid);
     let whole_mm3 = setup.settings.stock.volume().mean_mm3();
     let stock = cutter.stock();
     let mut rules: Vec<Option<usize>> = cutter.blocks().iter().map(|of| of.rule).collect();
     rules.sort_unstable_by_key(|rule| rule.unwrap_or(usize::MAX));
     rules.dedup();
     let rules = rules.into_iter().map(|rule| {
-        let [after, before] = taken(&|run, piece| run.blocks()[piece.block].rule == rule);
-        RuleFigures { rule: rule.map(|rule| rule + 1), taken: after, baseline: before }
+        let [after, before] = removal(&|run, piece| run.blocks()[piece.block].rule == rule);
+        RuleFigures { rule: rule.map(|rule| rule + 1), removal: after, baseline: before }
     });
     let rules: Vec<RuleFigures> = rules.collect();
     // A window within one rule may be shorter than one over its neighbours, too.
     for rule in &rules {
-        total.rate_max = total.rate_max.max(rule.taken.rate_max);
+        total.rate_max = total.rate_max.max(rule.removal.rate_max);
         before.rate_max = before.rate_max.max(rule.baseline.rate_max);
     }
     MaterialFigures {
         assumed_stock: setup.workpiece.assumed,
         volume_unit: volumes.label,
         rate_unit: volumes.rate_label,
-        taken: total,
+        removal: total,
         baseline: before,
         at_rapid: rapid.removed,
         left: volumes.of_mm3(stock.volume().mean_mm3()),
@@ -104,7 +104,7 @@ fn blocks(
 ) -> Vec<BlockFigures> {
     let after = by_place(cutter, |count| pairs.place(count));
     let before = by_place(baseline, BlockPlace::Original);
-    let taken = |pieces: &[&Piece]| taken_of(pieces.iter().copied(), step_mm, volumes);
+    let removal = |pieces: &[&Piece]| removal_of(pieces.iter().copied(), step_mm, volumes);
     let cutting = after.into_iter().map(|(key, (of, pieces))| {
         let before = before.get(&key).filter(|(other, _)| other.sequence == of.sequence);
         BlockFigures {
@@ -112,11 +112,11 @@ fn blocks(
             n: of.sequence,
             rule: of.rule.map(|rule| rule + 1),
             rapid: of.is_rapid,
-            taken: taken(&pieces),
-            baseline: before.map(|(_, pieces)| taken(pieces)),
+            removal: removal(&pieces),
+            baseline: before.map(|(_, pieces)| removal(pieces)),
         }
     });
-    let mut blocks: Vec<BlockFigures> = cutting.filter(|block| block.taken.removed > 0.0).collect();
+    let mut blocks: Vec<BlockFigures> = cutting.filter(|block| block.removal.removed > 0.0).collect();
     blocks.sort_by_key(|block| block.block);
     blocks
 }
@@ -142,14 +142,18 @@ pub fn by_place<P: Ord>(
     found
 }
 
-fn taken_of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64, volumes: VolumeUnit) -> TakenFigures {
-    let taken = RemovedVolume::of(pieces, step_mm);
-    TakenFigures {
-        removed: volumes.of_mm3(taken.mean_mm3()),
-        spread: volumes.of_mm3(taken.spread_mm3()),
-        cutting_time_s: taken.time.to_s(),
-        rate_mean: volumes.of_mm3(taken.rate_mean_per_min()),
-        rate_max: volumes.of_mm3(taken.rate_max_per_min),
+fn removal_of<'p>(
+    pieces: impl Iterator<Item = &'p Piece> + Clone,
+    step_mm: f64,
+    volumes: VolumeUnit,
+) -> RemovalFigures {
+    let removal = RemovedVolume::of(pieces, step_mm);
+    RemovalFigures {
+        removed: volumes.of_mm3(removal.mean_mm3()),
+        spread: volumes.of_mm3(removal.spread_mm3()),
+        cutting_time_s: removal.time.to_s(),
+        rate_mean: volumes.of_mm3(removal.rate_mean_per_min()),
+        rate_max: volumes.of_mm3(removal.rate_max_per_min),
     }
 }
 

@@ -40,7 +40,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
         unit: job.unit.label(),
         blocks_executed: Some(simulation.control().executed().len()),
         alarms: alarm.into_iter().collect(),
-        printed: print_output::lines(simulation.control().output()),
+        print_output: print_output::lines(simulation.control().output()),
         messages: simulation.control().messages().map(String::from).collect(),
         cycle_time_s: Some(simulation.cycle_time().to_s()),
         chip_load: chip_load(job, simulation.meter().moves(), &|_| true),
@@ -83,8 +83,8 @@ fn axis_limit(unit: LengthUnit, limited: &AxisLimited) -> AxisLimitFigures {
         block: count,
         n: sequence,
         axis: ["X", "Y", "Z", "A", "B", "C"][axis],
-        asked: per_min(wanted_mm_per_s),
-        allowed: per_min(allowed_mm_per_s),
+        demanded_feed: per_min(wanted_mm_per_s),
+        allowed_feed: per_min(allowed_mm_per_s),
         unit,
     }
 }

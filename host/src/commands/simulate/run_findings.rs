@@ -5,7 +5,7 @@ use arcfeed_units::LengthUnit;
 
 use crate::plural::counted;
 use crate::report::figures::RunReport;
-use crate::report::loads::UnsteadyFigures;
+use crate::report::loads::UnstableFigures;
 use crate::report::material::{LeftOutBlocks, short};
 use crate::report::page::viewer::RunFinding;
 use crate::report::spindle::{BlockValue, SpindleLoadFigures};
@@ -23,7 +23,7 @@ pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) 
     add(&mut found, report.alarms.iter().map(|alarm| finding("alarm", "after", last, alarm.to_string())));
     if let Some(material) = &report.material {
         let rapids = material.rapids(unit).map(|block| {
-            let text = format!("{} {} taken at rapid", short(block.taken.removed), material.volume_unit);
+            let text = format!("{} {} taken at rapid", short(block.removal.removed), material.volume_unit);
             finding("warning", "after", block.block, named(block.block, block.n, &text))
         });
         add(&mut found, rapids);
@@ -35,8 +35,8 @@ pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) 
     }
     if let Some(loads) = &report.loads {
         if let Some(vibration) = &loads.vibration {
-            for (run, blocks) in [("after", &vibration.unsteady), ("before", &vibration.baseline_unsteady)] {
-                add(&mut found, blocks.iter().map(|block| unsteady(run, block, loads.unit)));
+            for (run, blocks) in [("after", &vibration.unstable), ("before", &vibration.baseline_unstable)] {
+                add(&mut found, blocks.iter().map(|block| unstable(run, block, loads.unit)));
             }
         }
         add(&mut found, loads.left_out.iter().map(|left_out| omission("no chips and forces", left_out)));
@@ -84,7 +84,7 @@ fn add_loads(found: &mut Vec<RunFinding>, quantity: &str, (unit, per_unit): (&st
     }
 }
 
-fn unsteady(run: &'static str, block: &UnsteadyFigures, unit: &str) -> RunFinding {
+fn unstable(run: &'static str, block: &UnstableFigures, unit: &str) -> RunFinding {
     let text = format!("{}: {} {unit} from tooth to tooth", block.verdict, short(block.metric));
     finding("warning", run, block.block, named(block.block, block.n, &text))
 }

@@ -91,7 +91,7 @@ impl Logbook {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(blocks) = executed.filter(|blocks| *blocks > open.executed) {
             open.executed = blocks;
-            open.write(Record::Executed { blocks, stands: false })?;
+            open.write(Record::Executed { blocks, stopped: false })?;
         }
         let (sent, total) = sender.progress();
         if open.until < total && open.until < sent + open.ahead / 2 + 1 {
@@ -114,16 +114,16 @@ impl Logbook {
         Ok(())
     }
 
-    /// Closes the journal; `stands` is the number of blocks that the control had started, if it has stopped.
+    /// Closes the journal; `stopped` is the number of blocks that the control had started, if it has stopped.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn end(&mut self, sender: &Sender, how: EndReason, stands: Option<usize>) -> Result<(), Failure> {
+    pub fn end(&mut self, sender: &Sender, reason: EndReason, stopped: Option<usize>) -> Result<(), Failure> {
         let Some(open) = &mut self.open else { return Ok(()) };
-        if let Some(blocks) = stands {
-            open.write(Record::Executed { blocks, stands: true })?;
+        if let Some(blocks) = stopped {
+            open.write(Record::Executed { blocks, stopped: true })?;
         }
-        open.write(Record::End { sent: sender.progress().0, how })?;
+        open.write(Record::End { sent: sender.progress().0, reason })?;
         open.close()
     }
 

@@ -221,7 +221,7 @@ impl Stream {
         let bits = bytes as f64 * f64::from(file.serial.bits_per_char());
         let mut report = RunReport { unit: file.job.unit.label(), ..RunReport::default() };
         report.blocks_sent = Some(sender.blocks_sent());
-        report.printed = print_output::lines(&heard.printed());
+        report.print_output = print_output::lines(&heard.printed());
         report.reports = ReportFigures::of(&heard);
         report.link = Some(LinkFigures {
             bytes: bytes as u64,

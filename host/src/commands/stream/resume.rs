@@ -50,7 +50,7 @@ impl Resume {
         let path = stream.journal_path();
         let history = read(&path, ready)?;
         let took_up_all = history.executed.is_some_and(|blocks| ready.whole.line_of_block(blocks + 1).is_none());
-        if history.ended == Some(EndReason::Complete) && history.stands && took_up_all && self.from.is_none() {
+        if history.ended == Some(EndReason::Complete) && history.stopped && took_up_all && self.from.is_none() {
             let message =
                 "the program was executed to its end: there is nothing to take up; for a part of it give --from LINE";
             return Err(Failure::Input(format!("{}: {message}", path.display())));
@@ -69,17 +69,17 @@ impl Resume {
         self.agree(&plan)?;
         let rest = ready.whole.resumed(&plan.preamble(), plan.index, &ready.wire);
         let rest = rest.map_err(|refusals| refused(format!("{refusals:?}")))?;
-        let ours = rest.frames().len() - (ready.whole.frames().len() - ready.whole.start_of(plan.index));
-        let own = rest.line_at(ours);
+        let restart_bytes = rest.frames().len() - (ready.whole.frames().len() - ready.whole.start_of(plan.index));
+        let behind_restart = rest.line_at(restart_bytes);
         let start = Start {
             bytes: rest.frames().len(),
             from: ready.whole.start_of(plan.index),
             blocks: (1..plan.index).filter(|index| ready.whole.is_block(*index)).count(),
-            ours,
-            own: (1..own).filter(|index| rest.is_block(*index)).count(),
+            restart_bytes,
+            restart_blocks: (1..behind_restart).filter(|index| rest.is_block(*index)).count(),
             ..ready.start
         };
-        Ok((rest, start, ready.reports.clone().resumed(plan.index, own)))
+        Ok((rest, start, ready.reports.clone().resumed(plan.index, behind_restart)))
     }
 
     fn agree(&self, plan: &RestartPlan) -> Result<(), Failure> {
@@ -140,7 +140,7 @@ fn show(plan: &RestartPlan, history: &History) {
     };
     say(format_args!("{ended}; the last character sent lies in lines {low} to {high}"));
     match plan.executed {
-        Some(line) if plan.stands => say(format_args!("the control stood in the block of line {line}")),
+        Some(line) if plan.stopped => say(format_args!("the control stood in the block of line {line}")),
         Some(line) => {
             say(format_args!(
                 "the control had taken up the block of line {line} at least, and went on with what it had"
@@ -164,10 +164,10 @@ fn show(plan: &RestartPlan, history: &History) {
             say(format_args!("{} cutting blocks {what}: lines {first} to {last}", cuts.count));
         }
     };
-    cuts(&plan.repeats, "are cut AGAIN");
-    cuts(&plan.may_repeat, "are cut again if they were executed");
-    cuts(&plan.skips, "are LEFT OUT");
-    cuts(&plan.may_skip, "are left out if they were not executed");
+    cuts(&plan.repeated, "are cut AGAIN");
+    cuts(&plan.possibly_repeated, "are cut again if they were executed");
+    cuts(&plan.skipped, "are LEFT OUT");
+    cuts(&plan.possibly_skipped, "are left out if they were not executed");
     say(format_args!(
         "RESET the control first; jog the tool clear; the first move is Z to the clearance. At M0 look whether all is \
          right, then press cycle start"

@@ -114,12 +114,12 @@ pub fn send(
     live.show(port, sender, known);
     // The terminal is restored before any message.
     drop(live);
-    let stands = match &ended {
+    let is_stopped = match &ended {
         Ok(End::Interrupted { at_rest } | End::Differs { at_rest, .. }) => *at_rest,
         Ok(_) => port.control_is_done() == Some(true),
         Err(_) => false,
     };
-    let stood = port.blocks_executed().filter(|_| stands);
+    let stood = port.blocks_executed().filter(|_| is_stopped);
     let closed = logbook.end(sender, ended.as_ref().map_or(EndReason::Failed, End::how), stood);
     let left = board_session.release();
     match ended {

@@ -125,7 +125,7 @@ impl Stream {
         report.blocks_sent = Some(sender.blocks_sent());
         report.link = Some(sim.link_figures());
         report.reports = ReportFigures::of(&heard);
-        report.printed.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
+        report.print_output.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
         report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
         let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
         // The report of the transmission is printed even if this fails.

@@ -19,12 +19,12 @@ pub fn section(loads: &LoadsFigures, marks: &MarksFigures, map: &str) -> Section
     );
     let layers = marks.layers.iter().map(|layer| (format!("layer at Z{}", short(layer.z)), String::new(), layer.range));
     table(&mut body, "layer", worst(layers.collect()));
-    let vibration = loads.vibration.iter().flat_map(|vibration| &vibration.unsteady);
-    let unsteady = vibration.filter_map(|block| {
+    let vibration = loads.vibration.iter().flat_map(|vibration| &vibration.unstable);
+    let unstable = vibration.filter_map(|block| {
         let of_block = marks.blocks.iter().find(|marks| marks.block == block.block)?;
         Some((block.name(), format!("{}, {} from tooth to tooth", block.verdict, short(block.metric)), of_block.range))
     });
-    table(&mut body, "not steady", worst(unsteady.collect()));
+    table(&mut body, "not steady", worst(unstable.collect()));
     Section { heading: "Marks on walls, seen along Z".into(), body }
 }
 

@@ -6,7 +6,7 @@ use arcfeed_units::LengthUnit;
 
 use super::{Section, escaped};
 use crate::report::figures::RunReport;
-use crate::report::material::{DeviationFigures, MaterialFigures, RuleFigures, TakenFigures, short};
+use crate::report::material::{DeviationFigures, MaterialFigures, RemovalFigures, RuleFigures, short};
 use crate::report::spindle::SpindleFigures;
 use crate::report::summary::RunSummary;
 
@@ -31,15 +31,15 @@ pub fn material(material: &MaterialFigures, unit: LengthUnit) -> Section {
         "<table>\n<tr><th></th><th>removed, {volume_unit}</th><th>cutting, s, before</th><th>after</th>\
          <th>mean {rate_unit}, before</th><th>after</th><th>largest, before</th><th>after</th></tr>"
     );
-    for RuleFigures { rule, taken, baseline } in &material.rules {
+    for RuleFigures { rule, removal, baseline } in &material.rules {
         let name = rule.map_or("other blocks".into(), |rule| format!("movement {rule}"));
-        row(&mut body, &name, taken, baseline);
+        row(&mut body, &name, removal, baseline);
     }
-    row(&mut body, "all", &material.taken, &material.baseline);
+    row(&mut body, "all", &material.removal, &material.baseline);
     let _ = writeln!(body, "</table>");
     let at_rapid =
         if *at_rapid > 0.0 { format!(", of the removed {} at rapid", short(*at_rapid)) } else { String::new() };
-    let spread = short(material.taken.spread);
+    let spread = short(material.removal.spread);
     let _ = writeln!(
         body,
         "<p>{} {volume_unit} left{at_rapid}. The rays along X, Y and Z agree within {spread} {volume_unit} on what was removed; \
@@ -66,7 +66,7 @@ pub fn spindle(figures: &SpindleFigures) -> Option<Section> {
     (!body.is_empty()).then(|| Section { heading: "Spindle".into(), body })
 }
 
-fn row(body: &mut String, name: &str, after: &TakenFigures, before: &TakenFigures) {
+fn row(body: &mut String, name: &str, after: &RemovalFigures, before: &RemovalFigures) {
     let _ = write!(body, "<tr><td>{name}</td><td>{}</td>", short(after.removed));
     let times = [before.cutting_time_s, after.cutting_time_s].map(|time_s| format!("{time_s:.1}"));
     let rates = [before.rate_mean, after.rate_mean, before.rate_max, after.rate_max].map(short);
