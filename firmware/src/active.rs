@@ -128,7 +128,7 @@ impl ActiveSegment {
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
 
-    /// Required reduction of the ratio below 1 at the end of the segment.
+    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
     pub fn reserve_ratio(&self) -> f32 {
         self.envelope.reserve_ratio()
     }

@@ -46,7 +46,7 @@ const RATIO_MAX: f32 = 3.0;
 /// Tolerance of the rounding to a whole per cent.
 const PERCENT_TOLERANCE: f32 = 0.01;
 
-/// Ratio along a segment, prepared with it.
+/// Largest ratio along a segment from which the override can still fall in time; prepared once with the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
     /// Borders: before each cell and after the last one.
@@ -144,7 +144,7 @@ impl Envelope {
         (self.at(0.0).0 * PERCENT + PERCENT_TOLERANCE) as u8
     }
 
-    /// Required reduction of the ratio below 1 at the end of the segment.
+    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
     pub fn reserve_ratio(&self) -> f32 {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }

@@ -25,7 +25,7 @@ impl FeedOverride {
     pub const PROGRAMMED: FeedOverride = FeedOverride { percent: 100 };
 }
 
-/// Validated bounds; configuration.
+/// Bounds, slew rates and step of the override, validated; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,

@@ -154,7 +154,8 @@ impl<D: OverrideSource> Simulation<D> {
         self.planned = moves.into_iter().collect();
     }
 
-    /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
+    /// Simulates one period: the control moves the axes, the machine reports, the meter measures, the override source
+    /// decides.
     pub fn step(&mut self) {
         self.now = self.now.after(STEP);
         let before = self.control.moves_begun();

@@ -123,7 +123,7 @@ impl Maths<f32> for Fpu {
     }
 }
 
-/// Everything that the equations take, mm.
+/// Inputs of the equations, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Movement<T> {
     /// M and N, two points of the stock limit, in the frame at O.
@@ -163,7 +163,7 @@ pub fn line<T: Real>([[x_m, y_m], [x_n, y_n]]: [[T; 2]; 2]) -> [T; 3] {
     [y_n - y_m, -(x_n - x_m), x_n * y_m - x_m * y_n] // (8) (9) (10)
 }
 
-/// Equations (11) to (26), and O'; NaN where there is no solution.
+/// Equations (11) to (26): the step and the next tool centre O'; NaN where there is no solution.
 pub fn step<T: Real, M: Maths<T>>(movement: &Movement<T>, line: [T; 3]) -> (Step<T>, [T; 2]) {
     let (x_b, y_b) = contact::<T, M>(movement, line);
     let theta = M::atan2(x_b, y_b);
@@ -209,8 +209,8 @@ fn next_center<T: Real, M: Maths<T>>(movement: &Movement<T>, x_c: T, y_c: T) -> 
     if nearer { (x, y) } else { (x_other, y_other) }
 }
 
-/// The same turn of the loop as a person writes it who counts instructions: one intersection where two are printed, coordinates
-/// in place of angles, no function but the root.
+/// Same result as [`tooth`] with fewer instructions: one intersection in place of two, coordinates in place of
+/// angles, no function but the square root.
 pub fn lean_tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let Movement { limits, edge_radius: r0, path_radius: rho, advance, feed_per_tooth } = *movement;
     let [a, b, c] = line(limits);

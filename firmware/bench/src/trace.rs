@@ -89,7 +89,8 @@ impl Display for Trace {
     }
 }
 
-/// Runs [`TICKS`] ticks under a law, twice: in surroundings where nothing ever happens, and in such where much does.
+/// Runs [`TICKS`] ticks under a law with two supervisors: one without any event, and one with random losses, signals
+/// and dial movements.
 pub fn run(choice: LawChoice) -> Trace {
     let mut random = Random::new(SEED);
     let mut hash = Fnv::default();

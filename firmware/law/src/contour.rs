@@ -29,7 +29,8 @@ pub struct ContourLimits {
     pub floor_ratio: f32,
 }
 
-/// The law for one segment, with the same demand everywhere on it.
+/// Contour law prepared for one segment: keeps the feed along the finished contour. Its demand is the same everywhere
+/// on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
     demand: Result<FeedDemand, NoDemand>,

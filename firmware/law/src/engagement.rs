@@ -39,7 +39,8 @@ pub enum PathShape {
     },
 }
 
-/// The law for one segment, with the same demand everywhere on it.
+/// Engagement law prepared for one segment of an end mill: keeps the largest chip thickness. Its demand is the same
+/// everywhere on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engagement {
     demand: Result<FeedDemand, NoDemand>,

@@ -174,7 +174,8 @@ impl SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// Passes the paths at which a table of the law may bend or jump, mm.
+    /// Passes the positions at which a table of the law may bend or jump to `take`: paths from the start of the
+    /// segment, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         match self {
             SegmentLaw::Table(law) => law.knots_mm(take),

@@ -2,7 +2,7 @@
 
 use embedded_hal::delay::DelayNs;
 
-/// Delay of the lines relative to the pins, and the delay source.
+/// Time that the lines need to follow the pins, and the delay source that waits for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settling<D> {

@@ -34,7 +34,7 @@ pub struct Freshness {
     pub invalid_in_row: u8,
 }
 
-/// Lost source.
+/// Source of data whose loss the supervisor detects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
@@ -44,7 +44,7 @@ pub enum Source {
     Link,
 }
 
-/// A loss at the time of its detection.
+/// A lost source, at the time of its detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loss {
     /// Lost source.

@@ -56,7 +56,7 @@ impl Memory {
         &self.counters
     }
 
-    /// Level at the output, before rounding.
+    /// Override ratio at the output, before rounding to whole steps.
     pub fn level(&self) -> Level {
         self.level
     }

@@ -141,7 +141,7 @@ impl DncPort {
         }
     }
 
-    /// Whether the sender has sent DC1 since the last call, while the port read no program.
+    /// Whether the sender has sent DC1 since the last call while the port was not reading a program.
     pub fn take_request(&mut self) -> bool {
         std::mem::take(&mut self.is_requested)
     }

@@ -68,7 +68,7 @@ impl Search {
     }
 }
 
-/// Alarm for a missing number.
+/// Block that raises the alarm of a search whose sequence number does not exist.
 pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
     ReadBlock::new(line, Vec::new(), Action::Fault(fault))

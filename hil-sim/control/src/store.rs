@@ -17,7 +17,7 @@ use super::dnc_port::DncPort;
 use super::line::LineSettings;
 use super::tape::ReceivedBlock;
 
-/// A control in EDIT mode.
+/// Control in EDIT mode: receives a program into its memory, and punches it.
 #[derive(Debug)]
 pub struct Store {
     port: DncPort,

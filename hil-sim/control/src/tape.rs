@@ -51,7 +51,7 @@ pub enum ReceivedBlock {
     },
 }
 
-/// State of reading.
+/// Reader of tape code: detects the code, and the label and the end of a program; state.
 #[derive(Debug)]
 pub struct Tape {
     settings: TapeSettings,

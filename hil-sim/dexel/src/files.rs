@@ -8,7 +8,7 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use super::mesh::{Mesh, MeshError};
 
-/// Why a file is no solid.
+/// Reason why a file contains no valid solid.
 #[derive(Debug)]
 pub enum FileError {
     /// It cannot be read, or is no STL.

@@ -17,7 +17,7 @@ use super::dexel::{Dexel, Interval};
 use super::section::Sweep;
 use super::tool::Slab;
 
-/// A slab on its way, in the plane across the axis.
+/// Straight sweep of a slab whose axis is a lattice axis, projected along that axis.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabSweep {
     axis: usize,
@@ -42,7 +42,7 @@ pub struct Row {
 }
 
 impl SlabSweep {
-    /// Prepares a slab, widened by a margin; `None` if its axis is not one of the lattice's.
+    /// Prepares the sweep of a slab, widened by a margin; `None` if its axis is not one of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
@@ -57,8 +57,8 @@ impl SlabSweep {
         Some(SlabSweep { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
     }
 
-    /// Narrows a row of rays along `ray_axis`, as far as the box meets it, to the part that the slab can meet. `None` if no
-    /// ray can lose anything.
+    /// Narrows a row of rays along `ray_axis` from the bounding box of the sweep to the part that the slab can cut.
+    /// `None` if no ray can lose material.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
         if ray_axis != self.axis {
             return Some(row);
@@ -71,7 +71,7 @@ impl SlabSweep {
         Some(Row { across, hollow, along: self.heights })
     }
 
-    /// Whether a ray through a point can lose any of its material.
+    /// Whether a ray through a point can lose material.
     pub fn may_cut(&self, ray_axis: usize, point_mm: &[f64; 3], dexel: &Dexel) -> bool {
         if ray_axis == self.axis {
             return self.reaches(point_mm, self.outer_mm, self.hole_mm);

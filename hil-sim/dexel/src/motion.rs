@@ -58,7 +58,7 @@ pub enum Move {
     },
 }
 
-/// Why a move cannot be swept.
+/// Reason why a move cannot be swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveError {
     /// An axis or normal without a direction.
@@ -90,7 +90,7 @@ impl fmt::Display for MoveError {
 impl std::error::Error for MoveError {}
 
 impl Move {
-    /// The sweeps, in order.
+    /// Straight sweeps that replace the move within the tolerance, in order.
     ///
     /// # Errors
     /// A direction or position is none, or the tolerance takes more than a million sweeps.

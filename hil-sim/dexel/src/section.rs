@@ -29,7 +29,7 @@ const SAME_MM: f64 = 1e-11;
 /// Most places there can be: the outside's 2 extremes, 8 crossings of each conic with the edges, 4 corners.
 const PLACES_MAX: usize = 22;
 
-/// A straight move of the tool's tip under a fixed axis.
+/// A straight move of the tool's tip with a fixed tool axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
     /// Tip position at the start.
@@ -41,7 +41,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// v
+    /// Displacement of the tip, v.
     pub fn motion_mm(&self) -> Vector {
         [0, 1, 2].map(|axis| self.to_mm[axis] - self.from_mm[axis])
     }
@@ -66,7 +66,7 @@ struct Cone {
 #[derive(Clone, Copy, Debug)]
 struct Conic([f64; 6]);
 
-/// A slab on its way, as the rays of one direction see it.
+/// Intersection of a moving slab with rays of one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
     ray_axis: usize,
@@ -87,7 +87,7 @@ struct Places {
 }
 
 impl Section {
-    /// A slab of the tool on a way, for rays along an axis.
+    /// Prepares a slab on a sweep, for rays along an axis.
     pub fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
         let motion_mm = sweep.motion_mm();
         let rise = [sweep.axis[ray_axis], dot(motion_mm, sweep.axis)];
@@ -110,8 +110,8 @@ impl Section {
         }
     }
 
-    /// Takes from the ray through `point_mm`, whose coordinate along the ray does not matter, what the slab sweeps; all of
-    /// that must be known to lie `within` a stretch of the ray.
+    /// Passes each interval of the ray through `point_mm` that the slab sweeps to `take`; the coordinate of
+    /// `point_mm` along the ray is ignored. All intervals must be known to lie in `within`.
     pub fn for_each_span(&self, mut point_mm: Vector, within: &Interval, mut take: impl FnMut(Interval)) {
         let origin_mm = self.sweep.from_mm[self.ray_axis];
         point_mm[self.ray_axis] = origin_mm;

@@ -27,7 +27,7 @@ use arcfeed_control::signals::FeedOverrideLines;
 /// Length of a frame with a setpoint on the line.
 const SETPOINT_BYTES: usize = OVERHEAD + 18;
 
-/// The lines of a board.
+/// Serial line of a board, by what is at its other end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
     /// Line to the host.
@@ -40,7 +40,7 @@ pub enum Wire {
     Control,
 }
 
-/// The far ends of a board's lines.
+/// The simulator's ends of a board's serial lines.
 pub trait Wires {
     /// Sends bytes.
     ///
@@ -75,7 +75,7 @@ impl AttachedDevices for () {
     fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
 }
 
-/// Bytes to the board.
+/// Bytes on their way to the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Bytes from the host.

@@ -30,7 +30,7 @@ pub struct ChatterResult {
     pub verdict: Verdict,
 }
 
-/// Samples of a run.
+/// Tool positions of a run, sampled once per tooth, by which chatter is detected.
 #[derive(Clone, Debug)]
 pub struct ChatterSamples {
     sampling: Sampling,

@@ -10,7 +10,7 @@ use arcfeed_control::drives::limits::AXES;
 
 use super::trail::{BlockRef, PathSection, at_tip};
 
-/// Last period of the run; state.
+/// Observer of a run, period by period; state: the last period.
 #[derive(Clone, Debug, Default)]
 pub struct Periods {
     axes: Option<[f64; AXES]>,

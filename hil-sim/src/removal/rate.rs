@@ -39,7 +39,7 @@ pub struct RateWindow {
     cut: Micros,
 }
 
-/// Sum over several pieces.
+/// Removed volume and largest removal rate of several path sections together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RemovedVolume {
     /// Volume that the rays along x, y, z measure, mm3.

@@ -68,7 +68,7 @@ pub enum CompensationFault {
     Given(Fault),
 }
 
-/// Compensator of a contour.
+/// Cutter compensation (G41, G42) of a contour, move by move: computes the path of the tool centre.
 #[derive(Clone, Debug)]
 pub struct Compensator {
     settings: CompensationSettings,

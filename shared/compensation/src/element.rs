@@ -25,7 +25,7 @@ pub struct ArcElement {
     pub sweep_rad: f64,
 }
 
-/// Path at one of its ends.
+/// The path as it leaves or reaches a corner: direction and, for an arc, its offset circle.
 #[derive(Clone, Copy, Debug)]
 pub struct Branch {
     /// Direction of motion, length 1.

@@ -23,7 +23,7 @@ use crate::vector::{Point, Vector, at, between, cross, dot, length, minus, plus,
 /// Angle between the moves below which nothing is inserted.
 const TANGENT_RAD: f64 = core::f64::consts::PI / 180.0;
 
-/// A corner between two moves.
+/// Chamfer or rounded corner (`,C`, `,R`) that the control inserts between two moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsertedCorner {
     /// First move, up to the corner.

@@ -35,7 +35,8 @@ pub enum Transition {
     Change(BranchChange),
 }
 
-/// A branch change.
+/// Change between the two solutions of the rotary axes for the tool's direction: the axes turn by large angles while
+/// the tool barely moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchChange {
     /// Index of the point at which the move ends.

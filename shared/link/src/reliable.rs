@@ -35,7 +35,7 @@ pub enum Acked {
     Impossible,
 }
 
-/// Sender's side.
+/// Sender's side of reliable messages: those that the peer has not acknowledged.
 #[derive(Clone, Debug)]
 pub struct Outbox<const WINDOW: usize> {
     messages: Deque<Outgoing, WINDOW>,
@@ -160,7 +160,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.peer_is_busy = is_busy;
     }
 
-    /// Last busy flag of the peer.
+    /// Whether the peer was busy according to its last frame.
     pub const fn is_peer_busy(&self) -> bool {
         self.peer_is_busy
     }
@@ -206,7 +206,7 @@ pub enum Arrival {
     Gap,
 }
 
-/// Receiver's side.
+/// Receiver's side of reliable messages: sequence number of the next expected one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inbox {
     expected: u16,

@@ -16,7 +16,7 @@ pub const RULES_MAX: usize = 16;
 /// Largest relative difference of an arc's radius from the ring's.
 pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 
-/// One `[[cut]]`.
+/// Cut rule, one `[[cut]]` of a job: the moves to which a law applies, and the stock that they cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
     /// Index of its tool in the job.

@@ -171,7 +171,7 @@ impl Descent {
         (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine_ratio: sine })
     }
 
-    /// Whether it runs along the axis. (2)
+    /// Whether the move runs along the tool's axis. (2)
     pub fn is_plunge(&self) -> bool {
         libm::sqrt((1.0 - self.sine_ratio * self.sine_ratio).max(0.0)) <= PLUNGE_OFF_MAX * self.sine_ratio
     }

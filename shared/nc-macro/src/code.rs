@@ -18,8 +18,8 @@ pub struct MacroCode {
 }
 
 impl MacroCode {
-    /// Removes blanks and comments from a line; small letters of the code become capitals. Who must refuse them does so
-    /// before.
+    /// Removes blanks and comments from a line; small letters of the code become capitals. A reader that must reject
+    /// small letters checks the line before.
     pub fn new(line: &[u8]) -> Self {
         let mut code = MacroCode { end: column(line.len()), ..MacroCode::default() };
         let (mut in_comment, mut comments) = (false, 0);

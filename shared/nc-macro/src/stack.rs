@@ -18,7 +18,7 @@ pub struct SourceLine {
     pub line: u32,
 }
 
-/// Limits that the caller sets.
+/// Limits of an interpretation: nesting, statements, memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Maximum nesting of subprograms (M98).

@@ -61,7 +61,7 @@ impl AxisScaling {
     }
 }
 
-/// (1) for one axis, by `by / over`.
+/// Coordinate of a point scaled about a centre by `by / over`. (1)
 pub fn scaled_coordinate(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
     let (by, over) = (i64::from(by), i64::from(over));
     let part = point.saturating_sub(center).saturating_mul(by);

@@ -140,7 +140,7 @@ pub struct Tables {
     pub radii: [[Nm; 2]; OFFSETS],
 }
 
-/// Series of the control.
+/// Series of the control, for its standard settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i/18i/21i-M.

@@ -43,7 +43,7 @@ const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;
 
 impl Block {
-    /// Cut rule that applies to it.
+    /// Cut rule that applies to the move.
     pub fn cut<'j>(&self, job: &'j Job) -> Option<&'j CutRule> {
         self.rule.and_then(|index| job.rules.get(index))
     }

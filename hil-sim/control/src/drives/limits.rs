@@ -110,7 +110,7 @@ impl DriveLimits {
 }
 
 impl Bend {
-    /// Bound of both.
+    /// Larger value of both bends, axis by axis.
     #[must_use]
     pub fn or(&self, other: &Bend) -> Bend {
         let greater = |one: &[f64; AXES], two: &[f64; AXES]| std::array::from_fn(|axis| one[axis].max(two[axis]));

@@ -115,6 +115,7 @@ impl<B: Modal> Bench<B> {
         Ok(Bench { pass, body, tool, rigid })
     }
 
+    /// Runs one pass with this damping.
     pub fn run(&self, damping: Damping) -> Result<Outcome, Failure> {
         let (mut modes, mut seen) = (Vec::new(), None);
         if let Some(ratio) = damping.workpiece {
@@ -148,7 +149,7 @@ impl<B: Modal> Bench<B> {
 }
 
 impl Outcome {
-    /// The criterion: M is at most a twentieth of the feed per tooth in every window of the chord.
+    /// Whether the pass was stable: M is at most a twentieth of the feed per tooth in every window of the chord.
     pub fn is_stable(&self) -> bool {
         self.metrics_mm.iter().all(|metric_mm| *metric_mm <= STABLE_MM)
     }

@@ -114,7 +114,7 @@ impl EdgeElement {
         self.center_mm + self.towards * self.radius_mm
     }
 
-    /// The other end of the rake face.
+    /// Inner end of the rake face, opposite to the edge.
     pub fn root_mm(&self) -> Vector2<f64> {
         self.edge_mm() - self.outward() * self.depth_mm
     }
@@ -128,7 +128,7 @@ impl EdgeElement {
         })
     }
 
-    /// Whether there is material on the rays around the edge, or would be within `margin_mm`.
+    /// Whether there is material on the rays around the edge or within `margin_mm` of it.
     pub fn is_near(&self, layer: &Layer, margin_mm: f64) -> bool {
         let axis = self.axis();
         let ends_mm = [self.edge_mm(), self.root_mm()];

@@ -28,7 +28,7 @@ const SAMPLES_MAX: usize = 512;
 /// Number of tried frequencies for each one that the samples can resolve.
 const FINER: usize = 4;
 
-/// Repetition of the samples.
+/// Verdict on the stability of a cut, from the tool's position once per tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// The samples repeat every tooth.

@@ -16,7 +16,8 @@ use super::sparse::Sparse;
 /// Entries of a row of T: unknown and coefficient.
 pub type MappingRow = Vec<(usize, f64)>;
 
-/// Mapping T, or its two parts.
+/// Mapping T from the unknowns of the equations to the displacements of the nodes; for a wave around a disk in two
+/// parts, real and imaginary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknowns {
     parts: Vec<Vec<MappingRow>>,

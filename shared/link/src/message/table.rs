@@ -70,7 +70,8 @@ macro_rules! messages {
                 }
             }
 
-            /// Puts its payload into a buffer; its length. [`super::field::PAYLOAD_MAX`] bytes are always enough.
+            /// Writes the payload of the message into a buffer; returns its length. [`super::field::PAYLOAD_MAX`]
+            /// bytes are always enough.
             ///
             /// # Errors
             /// The buffer is too short.
