@@ -90,7 +90,7 @@ impl Inclination {
     }
 }
 
-/// Limits of the law at a spindle speed.
+/// Plunge law for one tool at one spindle speed: limits of the feed along the tool's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialLaw {
     /// a: thickest chip.

@@ -24,7 +24,7 @@ pub fn note(line: Arguments<'_>) {
     }
 }
 
-/// Does a part of a command without its lines on stderr: another part has printed the same.
+/// Runs a part of a command without its lines on stderr, because another part has printed the same lines.
 pub fn without_notes<T>(part: impl FnOnce() -> T) -> T {
     IS_QUIET.store(true, Ordering::Relaxed);
     let result = part();

@@ -250,7 +250,8 @@ impl JobFile {
         }
     }
 
-    /// Refuses a job whose rules have scopes, for `whom`, which knows only blocks.
+    /// Rejects a job with rules that are restricted to lines of the file or to a plane, for a recipient `whom` that
+    /// knows only blocks.
     ///
     /// # Errors
     /// Names the first such rule with its place and key; `path` is the job file.

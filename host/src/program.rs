@@ -73,7 +73,7 @@ pub use tool_comment::{CommentedKind, ToolComment};
 pub use tool_notes::{ToolNote, ToolNotes};
 pub use unit_survey::AssumedUnit;
 
-/// Program, read as a whole.
+/// Program, read as a whole, with its faults.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// Path of the file.
@@ -98,7 +98,7 @@ pub struct Program {
     run: Vec<MoveTrace>,
 }
 
-/// Line of a program; the default has no text and no meaning.
+/// Line of a program, with its meaning; the default has no text and no meaning.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramLine {
     /// Bytes without the line end.
@@ -139,7 +139,7 @@ impl ProgramLine {
         has_code.then(|| Diagnostic::of_line(1, &self.text, diagnostic::NO_LABEL))
     }
 
-    /// The control counts the line as a block: anything but `%` and an empty line.
+    /// Whether the control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == LineKind::ProgramMark);
         !self.text.is_empty() && !is_mark
@@ -211,7 +211,7 @@ impl Program {
         self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
     }
 
-    /// A control would stop somewhere in the program.
+    /// Whether a control would stop somewhere in the program.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }

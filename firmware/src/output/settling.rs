@@ -12,7 +12,7 @@ pub struct Settling<D> {
     pub settle_ns: u32,
 }
 
-/// No delay: the lines follow their pins at once.
+/// Delay source that never waits, for lines that follow their pins at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoDelay;

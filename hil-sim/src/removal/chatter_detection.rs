@@ -43,7 +43,7 @@ pub struct ChatterSamples {
 }
 
 impl ChatterSamples {
-    /// No samples yet; the number of samples per turn, and the change of position that counts as none.
+    /// Empty samples; `per_turn` samples per turn, and `floor_mm`, the change of position that counts as none.
     pub fn new(per_turn: usize, floor_mm: f64) -> Self {
         let sampling = Sampling { teeth: per_turn, tooth_hz: 0.0, floor_mm };
         ChatterSamples { sampling, window: Vec::new(), windows: 0, block: None, blocks: Vec::new() }

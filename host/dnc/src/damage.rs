@@ -6,7 +6,7 @@ use arcfeed_units::Micros;
 /// Time between two looks at the counters.
 const PERIOD: Micros = Micros::from_ms(200);
 
-/// Counters at the last check.
+/// Watch on the system's counts of damaged characters, for warnings.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DamageMonitor {
     seen: Counts,

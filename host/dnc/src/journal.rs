@@ -19,7 +19,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const NAME: &str = "arcfeed-journal 1";
 
-/// Input of a transmission.
+/// First record of a journal: the input of the transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     /// Fingerprint of the program's file.
@@ -40,7 +40,7 @@ pub struct Start {
     pub own: usize,
 }
 
-/// Record after the first.
+/// Record of a journal after the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
     /// Characters are out; no more than `until` will be out before the next record.
@@ -66,7 +66,7 @@ pub enum Record {
     },
 }
 
-/// Reason for which a sender ended.
+/// Reason why a sender ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
     /// All characters are out.
@@ -94,7 +94,7 @@ pub struct History {
     pub torn: usize,
 }
 
-/// Reason for which a journal cannot be used.
+/// Reason why a journal cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum JournalError {
     /// The file does not begin as a journal.
@@ -143,7 +143,7 @@ fn seal(text: &str) -> String {
     line
 }
 
-/// The file begins as a journal of any version, or is empty.
+/// Whether a file begins as a journal of any version, or is empty.
 pub fn is_journal(bytes: &[u8]) -> bool {
     let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
     first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with("0 arcfeed-journal ")))

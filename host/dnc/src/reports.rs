@@ -44,7 +44,7 @@ struct Expected {
     tolerance: f64,
 }
 
-/// Finding of a report.
+/// Finding about a position report of the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReportFinding {
     /// The control does not execute the program that was sent.
@@ -53,7 +53,7 @@ pub enum ReportFinding {
     Doubtful(String),
 }
 
-/// Reports of a transmission, expected and received.
+/// Position reports that a control prints during a transmission (`[dnc] report_every`): expected and received ones.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
     expected: Vec<Expected>,

@@ -21,7 +21,7 @@ use crate::proof::removal::{Stock, slot_share_ratio};
 use crate::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use crate::vector::Point;
 
-/// Slot to be planned.
+/// Slot to be planned, with cutter and requirements.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
@@ -31,7 +31,7 @@ pub struct Problem<'p> {
     prepared: [PreparedSlot; 2],
 }
 
-/// Plan and its value.
+/// Plan of a slot, and the fraction of the slot that it removes.
 #[derive(Clone, Debug)]
 pub struct ValuedPlan {
     /// Plan.
@@ -70,7 +70,7 @@ impl<'p> Problem<'p> {
         Problem { fixture, ..self }
     }
 
-    /// Plan that removes most among those that `admits` accepts.
+    /// Plan that removes most, among those that `admits` accepts.
     ///
     /// # Errors
     /// See [`Problem::ranked`].

@@ -16,7 +16,7 @@ use crate::vector::Flat;
 /// An arc that ends this little before its start has no length.
 const SWEEP_NOISE_RAD: f64 = 1e-9;
 
-/// Path of a slot.
+/// Path of the tool through a slot, level by level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotPath {
     /// A, on the outer circle at the base position: the same on all levels.
@@ -33,7 +33,7 @@ pub struct SlotPath {
     pub clear_mm: f64,
 }
 
-/// Level.
+/// One level of a slot's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     /// Height, mm.
@@ -44,7 +44,7 @@ pub struct Level {
     pub interior_end: Flat,
 }
 
-/// Purpose of a piece of the path.
+/// Purpose of a piece of the path, such as a movement of the ring or a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Purpose {
     /// Down to the first level, at the base position.

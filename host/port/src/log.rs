@@ -16,7 +16,7 @@ pub enum Level {
     Error,
 }
 
-/// Prints messages from a level on.
+/// Log that prints messages from a level on.
 #[derive(Clone, Copy, Debug)]
 pub struct Log {
     name: &'static str,

@@ -10,7 +10,7 @@ use super::tcp::Tcp;
 use super::url::Address;
 use super::{Port, PortError};
 
-/// Open connection.
+/// Open TCP connection to a port server with plain bytes (`socket://`).
 pub struct Socket {
     tcp: Tcp,
     clock: WallClock,

@@ -55,7 +55,7 @@ struct Executions {
     is_literal: bool,
 }
 
-/// A program with its feeds written back.
+/// A program with macro statements, with the adapted feeds written into its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenProgram {
     /// Text of the file.
@@ -64,8 +64,8 @@ pub struct WrittenProgram {
     pub line_ends: Vec<usize>,
 }
 
-/// The program's file with the feeds of its adapted blocks. `source` are its blocks as executed, `text` is what they are
-/// as adapted, with the end of each line.
+/// Writes the feeds of the adapted blocks into the program's own text. `source` are the blocks as executed; `text` is
+/// their adapted text, with the end of each line.
 ///
 /// # Errors
 /// Lines that cannot get one feed, or a program that would not execute the same blocks: in words, each with its place.

@@ -9,7 +9,7 @@ use arcfeed_units::Micros;
 /// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
-/// Count of the board compared with that of the control; state.
+/// Detector of a board that no longer sees the moves of the control; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Standstill {
     /// Moves done, as the board saw it.
@@ -20,8 +20,8 @@ pub struct Standstill {
 }
 
 impl Standstill {
-    /// Compares the number of moves that the board has seen done with the least number that the control has done. True
-    /// once for each standstill.
+    /// Compares the number of moves whose end the board has seen with the least number that the control has done.
+    /// Returns true once for each standstill.
     pub fn check(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };

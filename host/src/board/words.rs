@@ -19,7 +19,7 @@ pub const fn state(state: StateCode) -> &'static str {
     }
 }
 
-/// The laws have the override in this state, or will have it as soon as a segment begins.
+/// Whether the laws have the override in this state, or will have it as soon as a segment begins.
 pub const fn is_engaged(state: StateCode) -> bool {
     matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
 }
@@ -85,7 +85,7 @@ pub fn link(state: LinkState) -> String {
     }
 }
 
-/// Reason for which the link is over.
+/// Reason for the end of a link.
 pub const fn link_loss(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",

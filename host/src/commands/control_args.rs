@@ -27,7 +27,7 @@ pub struct ControlArgs {
     pub units: Option<LengthUnit>,
 }
 
-/// Control that reads a program.
+/// Control with which a program is read: settings, offsets and conventions.
 pub struct ControlReading {
     /// Control.
     pub control: ControlKind,

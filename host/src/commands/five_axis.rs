@@ -104,7 +104,7 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
     Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
 }
 
-/// Path with its findings, to be reported.
+/// Path on a five-axis machine with its findings, to be reported.
 #[derive(Clone, Copy, Debug)]
 pub struct PathReport<'a> {
     /// The file of the CL data or the program.
@@ -193,7 +193,7 @@ pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
     repair.then(|| ball.unwrap_or(ToolEnd::Other))
 }
 
-/// The file's name is one of CL data.
+/// Whether a file's name is that of CL data.
 pub fn is_cl(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))

@@ -24,7 +24,7 @@ use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;
 
-/// A job file, or a program with the values that a job would add to it.
+/// Input of a command: a job file, or a program with the values that a job would add.
 #[derive(Clone, Debug, clap::Args)]
 pub struct JobInput {
     /// The job file (.toml); or an NC program, for end mills: tools from its comments or from the options below
@@ -50,7 +50,8 @@ impl JobInput {
         Ok((file, program))
     }
 
-    /// The same with the program's text alone, and whether a feed could leak into one of its lines.
+    /// Loads job and program, keeping only the program's text; also says whether a feed set by a law could stay in
+    /// force for a line that needs another one.
     ///
     /// # Errors
     /// Every error of the program, one per line; a fault of the map; options beside a job file; a missing option.
@@ -69,7 +70,8 @@ impl JobInput {
     }
 }
 
-/// Loads a job and its program's text.
+/// Loads a job and the text of its program; also says whether a feed set by a law could stay in force for a line that
+/// needs another one.
 ///
 /// # Errors
 /// Every error of the program, one per line; a fault of the map.
@@ -155,7 +157,7 @@ struct KeptReason {
 }
 
 impl KeptMoves {
-    /// None so far, of a program with these places.
+    /// Empty list, for a program whose lines have these places in its file.
     pub fn new(places: Option<Arc<ExecutedPlaces>>) -> Self {
         KeptMoves { places, ..KeptMoves::default() }
     }

@@ -113,7 +113,7 @@ pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
     output::write_whole(path, text).map_err(|error| file_failure(path, &error))
 }
 
-/// Rejects outputs that are files which the command reads, or one another.
+/// Rejects output files that the command also reads, or that are the same file twice.
 ///
 /// # Errors
 /// Describes the first such output.
@@ -132,7 +132,8 @@ pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
     Ok((file, program))
 }
 
-/// As [`load_unmapped`] with the program's text alone, and whether a feed could leak into one of its lines.
+/// Loads a job and the text of its program; also says whether a feed set by a law could stay in force for a line that
+/// needs another one.
 ///
 /// # Errors
 /// Every error of the program, one per line.
@@ -140,7 +141,8 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     read_source(job, JobFile::load(job)?)
 }
 
-/// The same for a job that has been read from the file `job`.
+/// Reads the text of the program of a job that has been read from the file `job`; the result is that of
+/// [`load_source`].
 ///
 /// # Errors
 /// See [`load_source`].

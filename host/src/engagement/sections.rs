@@ -57,7 +57,7 @@ pub struct MappedJoint {
     pub cosine_ratio: f64,
 }
 
-/// A descending move of a map.
+/// A descending move of a map, with its sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedDescent {
     /// Line of the program, counted from 1.
@@ -81,7 +81,7 @@ pub struct MappedDescents {
     pub moves: Vec<MappedDescent>,
 }
 
-/// Looks descending moves up in the order of execution; state.
+/// Finds the descending moves of a program in a map, in the order of execution; state.
 #[derive(Clone, Debug)]
 pub struct DescentLookup<'m> {
     ahead: &'m [MappedDescent],

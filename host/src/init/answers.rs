@@ -79,7 +79,7 @@ pub struct Length {
 }
 
 impl Length {
-    /// In TOML.
+    /// The length in TOML.
     pub fn to_toml(&self) -> String {
         match self.unit {
             None => format!("{:?}", self.number),
@@ -87,7 +87,7 @@ impl Length {
         }
     }
 
-    /// In millimetres; `unit` applies if the length names none.
+    /// The length in millimetres; `unit` applies if the length names none.
     pub fn to_mm(&self, unit: LengthUnit) -> f64 {
         self.number * self.unit.unwrap_or(unit).mm()
     }

@@ -55,7 +55,7 @@ pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     by_turn.filter(|arcs| !arcs.is_empty()).map(|arcs| Group::of(&arcs)).collect()
 }
 
-/// Both radii are the same for a cut rule.
+/// Whether a cut rule cannot distinguish two radii.
 pub fn same_radius(a_mm: f64, b_mm: f64) -> bool {
     libm::fabs(a_mm - b_mm) <= RADIUS_MATCH_RATIO * a_mm.min(b_mm)
 }

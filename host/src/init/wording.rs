@@ -32,7 +32,7 @@ pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     }
 }
 
-/// List of a few words; more are given as the first, the last and their number.
+/// List of words for a message; a long list is shortened to the first, the last and their number.
 pub fn some(words: &[String]) -> String {
     match words {
         [first, .., last] if words.len() > NAMED_MAX => format!("{first} to {last} ({} values)", words.len()),

@@ -59,7 +59,7 @@ impl Default for DncSettings {
     }
 }
 
-/// Checks the table.
+/// Checks the `[dnc]` table of a job.
 pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, Complaint> {
     let code = match &given.code {
         None => None,

@@ -45,7 +45,7 @@ pub struct Workpiece {
     pub offset: usize,
 }
 
-/// Stock that no job describes: a block.
+/// Stock that is assumed for a program without a job file: a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AssumedStock {
     /// Source of its size.

@@ -106,7 +106,7 @@ impl MachineSample {
     }
 }
 
-/// Session: the conversation with the script.
+/// Conversation with the script that controls LinuxCNC.
 pub struct Session {
     script: Child,
     commands: Option<ChildStdin>,

@@ -79,7 +79,7 @@ fn arrival() -> f64 {
 }
 
 impl Loops {
-    /// The values are in range.
+    /// Whether the values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.gain_per_s, self.in_position_mm].into_iter().all(|value| value > 0.0 && value.is_finite());
         positive && (0.0..=1.0).contains(&self.feed_forward_ratio)
@@ -87,7 +87,7 @@ impl Loops {
 }
 
 impl SpindleRamps {
-    /// The values are in range.
+    /// Whether the values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.run_up_rev_per_min_s, self.run_down_rev_per_min_s, self.arrival_ratio];
         positive.into_iter().all(|value| value > 0.0 && value.is_finite())

@@ -17,7 +17,7 @@ const REFUSED: [&str; 5] = ["CIRCLE", "GODLTA", "CYCLE", "MOVARC", "COPY"];
 /// Tolerance of the length of i, j, k: beyond it they are no direction.
 const UNIT_SLACK: f64 = 0.01;
 
-/// CL data.
+/// CL data: the tool path of a CAM system, before it is adapted to a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cl {
     /// `PARTNO`.

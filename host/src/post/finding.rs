@@ -17,7 +17,7 @@ const PERCENT: f64 = 100.0;
 /// Last digit shown of a position.
 const SHOWN: f64 = 1e-3;
 
-/// Finding about a point.
+/// Finding about a point of a path on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the CL data or the program, counted from 1.

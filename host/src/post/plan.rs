@@ -29,7 +29,7 @@ pub struct Task {
     pub retract_mm: f64,
 }
 
-/// Path on the machine.
+/// Path as positions of the machine's axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisPlan {
     /// Axis positions of each point.

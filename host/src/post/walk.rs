@@ -17,7 +17,7 @@ use crate::program::{MoveTrace, Program};
 /// Least number of steps on a curved path.
 const STEPS_MIN: f64 = 8.0;
 
-/// Move of the program.
+/// Move of a program on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// Move of the control.
@@ -56,7 +56,7 @@ impl Move {
         Move { made, is_continuous: false, setup, rotary_deg }
     }
 
-    /// The move is a cutting move.
+    /// Whether the move is a cutting move.
     pub fn is_cut(&self) -> bool {
         self.made.segment.path != Path::Rapid
     }

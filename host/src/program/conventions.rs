@@ -30,7 +30,7 @@ const PLANE_TINY: &str = "no X or Y of the program has a decimal point, and as l
 const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
                         0.1 in; read whole units with `--decimals calculator`";
 
-/// Words with and without decimal points, line by line, for a control that counts words without one in least increments.
+/// Survey of words with and without decimal points, for a control that counts words without one in least increments.
 #[derive(Debug)]
 pub struct DecimalSurvey {
     unit: LengthUnit,
@@ -57,7 +57,7 @@ struct PlainWord {
 }
 
 impl DecimalSurvey {
-    /// No line so far.
+    /// Survey before the first line, for these settings.
     pub fn new(settings: &Settings) -> Self {
         DecimalSurvey {
             unit: settings.unit,

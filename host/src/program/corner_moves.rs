@@ -8,7 +8,7 @@ use arcfeed_nc::modal::{Corner, Plane};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::Segment;
 
-/// Move beside a chamfer or rounded corner, in the coordinates of the path.
+/// Move beside a chamfer or rounded corner, in path coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerMove {
     /// The move, without the parts that corners take away.

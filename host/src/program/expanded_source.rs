@@ -20,7 +20,8 @@ use super::source::{LINES_MAX, Source};
 use super::{Diagnostic, ExecutedPlaces, Expansion, Program, RunBounds, Severity};
 
 impl Source {
-    /// The blocks of this program as executed; of a program without macro statements and calls the program itself.
+    /// The blocks of this program as executed, without macro statements and calls; a program without those is
+    /// returned as it is.
     ///
     /// # Errors
     /// Faults of the run; a value from outside the program; more than 500 000 blocks.

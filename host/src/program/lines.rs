@@ -11,7 +11,7 @@ use super::block_delete::BlockDeleteReader;
 use super::diagnostic::{START_UNKNOWN, is_blank};
 use super::{Diagnostic, ProgramLine};
 
-/// State of the control after the lines read so far.
+/// Reader of a program, line by line, with the state of the control.
 pub struct LineReader {
     reader: Reader,
     reading: Reading,

@@ -16,7 +16,7 @@ use super::library::Folder;
 /// Most places for which faults are reported.
 const FAULTS_MAX: usize = 200;
 
-/// Faults found so far.
+/// Collector of the faults found while a program is interpreted, each with its place.
 pub struct RunFaults<'a> {
     /// Lines of the main program's file.
     pub texts: Vec<&'a [u8]>,
@@ -29,7 +29,7 @@ pub struct RunFaults<'a> {
 }
 
 impl<'a> RunFaults<'a> {
-    /// No faults yet, in a control with these settings.
+    /// Collector without faults, for a control with these settings; `texts` are the files of the program.
     pub fn new(texts: Vec<&'a [u8]>, folder: Option<&'a Folder>, settings: &Settings) -> Self {
         let (contours, reported) = (ContourCheck::new(settings), BTreeSet::new());
         RunFaults { texts, folder, list: Vec::new(), contours, reported }

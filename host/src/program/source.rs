@@ -22,7 +22,7 @@ pub const BYTES_MAX: u64 = 80 << 20;
 /// Most lines of a program that is kept as a whole, with some 2.3 kB per line.
 pub const LINES_MAX: usize = 500_000;
 
-/// Program as text.
+/// NC program as text, with the settings of the control that reads it.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Path of the file.
@@ -39,7 +39,7 @@ pub struct Source {
     pub places: Option<Arc<ExecutedPlaces>>,
 }
 
-/// Lines of a program, each in the memory of the one before.
+/// Reader of the lines of a program, which keeps one line at a time.
 pub struct SourceLines<'a> {
     rest: Lines<'a>,
     reader: LineReader,

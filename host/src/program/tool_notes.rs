@@ -64,7 +64,7 @@ pub struct ToolNotes {
 }
 
 impl ToolNotes {
-    /// For a program in this unit.
+    /// Empty notes, for a program in this unit.
     pub fn new(unit: LengthUnit) -> Self {
         let (notes, contradicted) = (Vec::new(), Vec::new());
         ToolNotes {

@@ -22,7 +22,7 @@ pub struct AssumedUnit {
 }
 
 impl AssumedUnit {
-    /// For the text of a program; `None` if it states its unit or has no length.
+    /// Unit assumed by the text of a program; `None` if it states its unit or has no length.
     pub fn of(program: &[u8]) -> Option<Self> {
         let mut survey = UnitSurvey::default();
         for (index, line) in Lines::new(program).enumerate() {

@@ -21,7 +21,7 @@ pub struct MarksFigures {
     pub blocks: Vec<BlockMarksFigures>,
 }
 
-/// Range of the marks on some walls.
+/// Least and largest mark on some walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RangeFigures {
     /// Number of ray ends on them.
@@ -34,7 +34,7 @@ pub struct RangeFigures {
     pub rms: f64,
 }
 
-/// Mark with the largest amount.
+/// Largest mark, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestFigures {
     /// Deviation of the wall.
@@ -107,7 +107,7 @@ impl LargestFigures {
     }
 }
 
-/// Number with its sign.
+/// A number with its sign.
 pub fn signed(off: f64) -> String {
     match off {
         off if off.abs() < NONE => "0".into(),

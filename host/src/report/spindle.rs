@@ -8,7 +8,7 @@ use crate::plural::counted;
 /// Most blocks that a warning names.
 const SHOWN: usize = 5;
 
-/// Load of the spindle.
+/// Load of the spindle in a run, against its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleFigures {
     /// `cutting`: simulated forces; `estimate`: removal rate times specific cutting force.
@@ -21,7 +21,7 @@ pub struct SpindleFigures {
     pub torque: Option<SpindleLoadFigures>,
 }
 
-/// Power or torque of a run.
+/// Largest power or torque of a run, against the limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleLoadFigures {
     /// Limit in the job, if there is one.

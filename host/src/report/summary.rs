@@ -15,7 +15,7 @@ const SHOWN: usize = 10;
 const SPINDLE_OVERRIDE: &str = "  spindle override: not known here. Without a tacho at a feed board the chip is its target times 100 % over that override, at \
      50 % twice its target: keep it at 100 %";
 
-/// Summary as text of several complete lines.
+/// Summary of a run for a person, as text of several complete lines.
 #[derive(Debug)]
 pub struct RunSummary<'a> {
     /// Name of the run, for the headline.

@@ -80,7 +80,7 @@ pub enum Command {
     Abort,
 }
 
-/// Key, by its meaning.
+/// Key pressed by the operator, by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Press {
     /// Space, h.

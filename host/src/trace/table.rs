@@ -32,7 +32,7 @@ pub struct TableColumn {
     pub about: &'static str,
 }
 
-/// Table.
+/// Table of a trace: name, meaning and columns.
 #[derive(Debug)]
 pub struct Table {
     /// Name in the metadata.

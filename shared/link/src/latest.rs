@@ -33,7 +33,7 @@ impl<const KINDS: usize> Default for Offers<KINDS> {
 }
 
 impl<const KINDS: usize> Offers<KINDS> {
-    /// No values.
+    /// Empty slots.
     pub const fn new() -> Self {
         Offers { places: Vec::new(), turns: 0 }
     }

@@ -58,7 +58,7 @@ impl<const WINDOW: usize> Default for Outbox<WINDOW> {
 }
 
 impl<const WINDOW: usize> Outbox<WINDOW> {
-    /// No messages.
+    /// Empty outbox.
     pub const fn new() -> Self {
         Outbox {
             messages: Deque::new(),

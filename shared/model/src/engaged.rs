@@ -87,12 +87,12 @@ impl EngagedInterval {
         (to_deg - from_deg <= TURN_DEG).then_some(interval)
     }
 
-    /// From and to, degrees, after rounding.
+    /// Both ends of the arc, degrees, after rounding.
     pub fn degrees(self) -> [f64; 2] {
         [self.from, self.to].map(|units| f64::from(units) / UNITS_PER_DEGREE)
     }
 
-    /// From and to, 1/90 degree.
+    /// Both ends of the arc, 1/90 degree.
     pub fn units(self) -> [i16; 2] {
         [self.from, self.to]
     }
@@ -113,7 +113,7 @@ impl EngagedInterval {
 }
 
 impl EngagedSpan {
-    /// From and to, degrees.
+    /// Both ends of the arc, degrees.
     pub fn degrees(&self) -> [f32; 2] {
         [self.from, self.to].map(|units| units / UNITS_PER_DEGREE as f32)
     }

@@ -102,7 +102,8 @@ impl<'a> Words<'a> {
         Words { line, at: 0, tolerance: Tolerance::None, tolerated: Tolerated::default() }
     }
 
-    /// Also accepts blanks inside words and, if `is_lenient`, small letters and a `;` at the end of the code.
+    /// Tokens of a line, with tolerance: accepts blanks inside words and, if `is_lenient`, small letters and a `;` at
+    /// the end of the code.
     pub fn tolerant(line: &'a [u8], is_lenient: bool) -> Self {
         let tolerance = if is_lenient { Tolerance::Everything } else { Tolerance::Blanks };
         Words { tolerance, ..Words::new(line) }

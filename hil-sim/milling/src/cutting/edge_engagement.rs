@@ -292,8 +292,8 @@ impl EdgeEngagement {
         self.tips.last.is_some_and(|(tip_mm, _)| pose.tip_mm < tip_mm - STILL_MM)
     }
 
-    /// Before the cutter moves there, removes the material of which no edge would have a chip. If it has not cut
-    /// before, that is all material at its position; if the tip enters another layer, the steps of a rounded corner.
+    /// Removes the material that no edge would cut when the cutter moves to `pose`. If it has not cut before, that is
+    /// all material at its position; if the tip enters another layer, the steps of a rounded corner.
     pub fn enter(&mut self, pose: &ToolPose) {
         let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.clear_at(pose) };
         let nth = self.layers.nth(pose.tip_mm);

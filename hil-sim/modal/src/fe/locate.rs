@@ -48,7 +48,7 @@ impl LocatedPoint {
     }
 }
 
-/// No element is within reach.
+/// Error: no element is within reach of the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooFar {
     /// Requested point.

@@ -28,7 +28,8 @@ const HALVINGS: i32 = 50;
 const STEPS: i32 = 200;
 const FARTHEST_RAD: f64 = 0.3;
 
-/// B1, and the fraction of the tip curve, from the leading edge, at which the circle meets it.
+/// Point B1 about which the ring turns at the suction side, and the fraction of the tip curve, from the leading edge,
+/// at which the circle then meets the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPivot {
     /// Pivot.

@@ -26,7 +26,7 @@ const PROOF_MM: f64 = 0.025;
 /// Search steps of a side.
 const STEPS: [usize; 2] = [32, 16];
 
-/// Side of a blade about the slot, slot frame.
+/// Side of a blade that the ring could touch, slot frame.
 #[derive(Debug)]
 pub struct Neighbour {
     /// Blade, counted from that of the slot's pressure side by growing angle; negative before it.
@@ -100,7 +100,7 @@ impl WholeBlade {
     }
 }
 
-/// Part of space that a ring reaches.
+/// Space that the ring can occupy during a path.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// Centre about which it moves.

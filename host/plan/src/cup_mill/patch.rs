@@ -15,7 +15,7 @@ const ONE_PLACE: f64 = 2.5;
 
 type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 
-/// Surface over a rectangle of parameters.
+/// Surface over a rectangle of parameters, with samples for a search of its points.
 pub struct Patch {
     point: Arc<Surface>,
     ranges: [[f64; 2]; 2],
@@ -33,7 +33,7 @@ impl fmt::Debug for Patch {
 }
 
 impl Patch {
-    /// `point` over `ranges`, with samples at `steps` per direction.
+    /// Surface of the points `point(u, v)` over `ranges`, with samples at `steps` per direction.
     pub fn new(
         ranges: [[f64; 2]; 2],
         steps: [usize; 2],
@@ -80,7 +80,7 @@ impl Patch {
         (self.point)(u, v)
     }
 
-    /// Points on which it is searched.
+    /// Sample points on which a search begins.
     pub fn samples(&self) -> impl Iterator<Item = &Point> {
         self.samples.iter().map(|(_, point)| point)
     }

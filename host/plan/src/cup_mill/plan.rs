@@ -26,7 +26,7 @@ use super::turns::Surroundings;
 
 pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
 
-/// Plan of a slot.
+/// Plan of a slot for a cup mill: tool axis, positions and path.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
     /// Edges near which the ring turns.
@@ -93,7 +93,7 @@ pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -
 }
 
 impl PreparedSlot {
-    /// Prepares a slot with its allowance; for a search its numbers are rounded to `grain_mm`.
+    /// Prepares a slot with its allowance. For a search, its numbers are rounded to multiples of `grain_mm`.
     ///
     /// # Errors
     /// A blade is not above the hub.

@@ -65,7 +65,7 @@ impl<'r> Request<'r> {
         Request { cutter, roughing, limits: BaseLimits::Sides, raise: 0, levels_max: None }
     }
 
-    /// The plan is only compared with others: on samples of the surfaces.
+    /// Whether the plan is only compared with others, on fewer samples of the surfaces.
     pub fn is_coarse(&self) -> bool {
         self.levels_max.is_some()
     }

@@ -25,7 +25,7 @@ use crate::vector::Point;
 const WIDTH_PLACES: u32 = 40;
 const WIDTH_DEPTHS: u32 = 8;
 
-/// Conventional mill and its cutting conditions.
+/// Flank milling with a conventional end mill, for comparison: mill and cutting conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlankMilling {
     /// Diameter of the ball.
@@ -58,7 +58,7 @@ pub struct Passes {
     pub passes: usize,
 }
 
-/// Time of a slot.
+/// Time of a slot in flank milling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotTime {
     /// Cutting time.

@@ -12,7 +12,7 @@ use crate::vector::{Flat, Point};
 
 use super::motion::{Arc, Motion};
 
-/// Ring's underside and its path.
+/// Floor that the ring leaves: lowest height of its underside over each place.
 pub struct Floor {
     /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],

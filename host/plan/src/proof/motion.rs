@@ -8,7 +8,7 @@ use crate::vector::{Flat, Point, Vector};
 /// An arc whose ends are nearer than this has no length: rounding.
 const SAME_MM: f64 = 1e-9;
 
-/// Line or arc of the tool's bottom centre, slot frame.
+/// Line or arc of the path of the tool's bottom centre, slot frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Length, mm.
@@ -32,7 +32,7 @@ pub struct Arc {
     pub sweep_rad: f64,
 }
 
-/// Tool at a place of its path.
+/// Position and direction of motion of the tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     /// Middle of the tool's bottom.

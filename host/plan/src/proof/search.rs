@@ -24,7 +24,7 @@ const MOST_PIECES: usize = 4_000_000;
 /// Tolerance of a depth, as a fraction of it: a collision is certain then, and the depth only shows its size.
 const DEPTH_RATIO: f64 = 0.02;
 
-/// Part of a tool, its path, and copies of a body.
+/// Search for the least distance between a part of the tool on its path and copies of a body.
 pub struct Search<'s> {
     /// Sections of the part.
     pub sections: &'s [Section],
@@ -36,7 +36,7 @@ pub struct Search<'s> {
     pub turns: &'s [Rotation3<f64>],
 }
 
-/// Place of a distance.
+/// Place of a least distance: on the path and on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Step of the path, from 0.

@@ -12,7 +12,7 @@
 
 use crate::cutter::{CupMill, ToolPart};
 
-/// Ring or disc of the tool.
+/// Piece of the tool in the half plane through its axis: a box with rounded corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     low: [f64; 2],
@@ -21,7 +21,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Sections of a part.
+    /// All pieces of a part of the tool.
     pub fn of(tool: &CupMill, part: ToolPart) -> Vec<Section> {
         match part {
             ToolPart::Ring => {

@@ -6,7 +6,7 @@ use crate::log::Level;
 /// Longest wait that a URL may set.
 const SECONDS_MAX: f64 = 3_600.0;
 
-/// Options not used yet; of an option given twice the first.
+/// Options of a URL that have not been used yet; of an option given twice, the first.
 pub struct Options(Vec<(String, String)>);
 
 impl Options {
@@ -20,7 +20,7 @@ impl Options {
         text.rsplit_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
 
-    /// No options.
+    /// Empty options.
     pub fn none() -> Self {
         Options(Vec::new())
     }

@@ -42,7 +42,7 @@ pub enum SurfaceFormat {
     Ply,
 }
 
-/// Content of a run's page.
+/// Content of the report page of a run.
 pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,

@@ -44,7 +44,7 @@ impl LiveDisplay {
         LiveDisplay { bar: Some(bar), screen: None, log: None }
     }
 
-    /// No display.
+    /// Display that shows nothing.
     pub fn nothing() -> Self {
         LiveDisplay { bar: None, screen: None, log: None }
     }

@@ -9,7 +9,7 @@ const LANE_HEIGHT: f64 = 150.0;
 /// Margins of the lanes: left, right, and above each.
 const MARGINS: [f64; 3] = [70.0, 15.0, 30.0];
 
-/// Lane: a quantity over time.
+/// One diagram of a plot: a quantity over time.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// Title of the lane, with the unit.
@@ -22,7 +22,7 @@ pub struct Lane {
     pub has_gaps: bool,
 }
 
-/// Curve of a lane.
+/// Curve of a diagram.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Name of the run.
@@ -33,7 +33,7 @@ pub struct Series {
     pub steps: Vec<([f64; 2], f64)>,
 }
 
-/// The lanes as SVG.
+/// Diagrams over a common time axis, as SVG.
 pub fn svg(lanes: &[Lane]) -> String {
     let steps = || lanes.iter().flat_map(|lane| &lane.series).flat_map(|series| &series.steps);
     let until_s = steps().map(|([_, to], _)| *to).fold(1e-3, f64::max);

@@ -16,7 +16,7 @@ use arcfeed_units::LengthUnit;
 
 use super::{Page, Section};
 
-/// Content of the page.
+/// Content of the report page of a plan.
 #[derive(Clone, Debug)]
 pub struct PlanReport {
     /// Name of the part.
@@ -56,7 +56,7 @@ pub struct PlanVerdict {
     pub sentences: Vec<String>,
 }
 
-/// Position of the rotor under the tool.
+/// Tool axis of a plan, and the rotary positions of the rotor under the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The tool's axis in the part frame.
@@ -113,7 +113,7 @@ pub struct Clearance {
     pub place: String,
 }
 
-/// Volumes of one slot.
+/// Volumes that a plan removes from one slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
     /// Volume between the allowances, within the blank.
@@ -137,7 +137,7 @@ pub struct LeftMap {
     pub values_mm: Vec<Option<f64>>,
 }
 
-/// Curve seen along the tool.
+/// Curve of a picture, seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Name of the curve.

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Value that stands for "no value".
 const NONE: i32 = i32::MIN;
 
-/// Named column.
+/// Named column of numbers in the viewer's data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Description of the column, without its values.
