@@ -71,7 +71,7 @@ const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
 /// Code of a demand; the codes of refusals follow the order of [`NoDemand`], so that the compiler needs no conversion.
 const ANSWERED: u16 = 5;
 
-/// Inputs of an envelope.
+/// Sent feed and limits of a segment: inputs of an envelope besides the law.
 #[derive(Clone, Copy, Debug)]
 pub struct Sent {
     /// Sent feed.

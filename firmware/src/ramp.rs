@@ -45,7 +45,7 @@ pub struct Level {
     ratio: f32,
 }
 
-/// Bound that limits a wanted ratio.
+/// Bound of the override that limits a wanted ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
@@ -59,7 +59,7 @@ pub enum Bound {
     NotANumber,
 }
 
-/// Reason why bounds are rejected.
+/// Reason why bounds of the override are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
@@ -72,7 +72,7 @@ pub enum LimitsError {
 }
 
 impl Ramp {
-    /// Checks the bounds.
+    /// Checks the bounds of the override.
     ///
     /// # Errors
     /// See [`LimitsError`].

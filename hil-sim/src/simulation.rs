@@ -27,7 +27,7 @@ use arcfeed_milling::cutting::meter::{ChipMeter, STEADY_RATIO};
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
 
-/// A simulated run; deterministic.
+/// Simulation of control, machine, override source and chip meter on one time base; deterministic.
 #[derive(Debug)]
 pub struct Simulation<D = InProcessController> {
     now: Micros,
@@ -216,7 +216,7 @@ impl<D: OverrideSource> Simulation<D> {
         self.output
     }
 
-    /// The meter.
+    /// The chip meter.
     pub fn meter(&self) -> &ChipMeter {
         &self.meter
     }

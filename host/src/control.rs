@@ -139,7 +139,7 @@ impl From<CenterConvention> for ArcCenters {
 }
 
 impl Convention {
-    /// Name in files.
+    /// Name of the convention in job and settings files.
     pub const fn name(self) -> &'static str {
         match self {
             Convention::LeastIncrement => "least-increment",

@@ -116,7 +116,7 @@ pub struct JobFile {
     pub rule_scopes: Vec<RuleScope>,
 }
 
-/// Supported controls.
+/// Supported kinds of control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ControlKind {
     /// Series 16i.

@@ -24,7 +24,7 @@ use crate::random::Random;
 /// One of this number of position samples is missing.
 const MISSING: u64 = 50;
 
-/// Source of a block's law.
+/// Law for the random cases of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawChoice {
     /// The job gives the law.

@@ -57,12 +57,12 @@ pub trait Maths<T> {
     fn atan2(y: T, x: T) -> T;
 }
 
-/// All from `libm`.
+/// Implementation of [`Maths`] with all functions from `libm`.
 #[derive(Debug)]
 pub enum Libm {}
 
-/// Square root by the instruction of the chip, sine and cosine by a polynomial in single precision (4e-6 off within a right
-/// angle, which the equations do not leave), the rest from `libm`.
+/// Implementation of [`Maths`] for a chip with FPU: square root by an instruction, sine and cosine by a polynomial in
+/// single precision (4e-6 off within a right angle, which the equations do not leave), the rest from `libm`.
 #[derive(Debug)]
 pub enum Fpu {}
 

@@ -20,7 +20,7 @@ use arcfeed_units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Limits of the law.
+/// Limits of the contour law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourLimits {
     /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).

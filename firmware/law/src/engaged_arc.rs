@@ -30,7 +30,7 @@ pub enum EdgePolicy {
     Only(Edge),
 }
 
-/// The ring and its path.
+/// Geometry of the ring and its path, for the engaged-arc law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// R: outer radius.

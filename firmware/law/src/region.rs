@@ -31,7 +31,7 @@ pub enum Region {
     Engaged(EngagedTable),
 }
 
-/// A cutting circle at a place.
+/// A cutting circle with the tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct CircleAt<'p> {
     /// Cutting edge.
@@ -42,7 +42,7 @@ pub struct CircleAt<'p> {
     pub place: &'p Place,
 }
 
-/// `normal . p <= offset_mm` is inside.
+/// Half plane of material: the points p with `normal . p <= offset_mm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     /// Unit normal, out of the material.

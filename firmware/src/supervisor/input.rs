@@ -10,7 +10,7 @@ use super::signals::{Inhibit, Signals};
 /// The segment in execution and its count; `None` for none.
 pub type Work<'a> = Option<(u32, &'a ActiveSegment)>;
 
-/// All other inputs of the supervisor.
+/// Inputs of the supervisor at a tick, except the segment in execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
     /// Position, spindle speed and the time since the last tick.
@@ -53,7 +53,7 @@ pub struct Loss {
     pub keep: Span,
 }
 
-/// Quality of the samples.
+/// Quality of the data from a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     /// Recent and valid.

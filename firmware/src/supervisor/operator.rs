@@ -8,7 +8,7 @@ use arcfeed_units::PERCENT;
 /// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;
 
-/// State of the dial.
+/// Operator's override dial; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorDial {
     percent: u8,

@@ -21,7 +21,7 @@ pub enum SegmentTracking {
     Followed(u32),
 }
 
-/// Change at a tick.
+/// Change of the segment in execution at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// No change.

@@ -6,7 +6,7 @@ use crate::ramp::LimitsError;
 
 use super::input::{Freshness, Loss, Quality, Source};
 
-/// Times and thresholds; configuration.
+/// Times and thresholds of the supervisor; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Time-outs of the position.
@@ -25,7 +25,7 @@ pub struct Settings {
     pub take_over_drop_percent: u8,
 }
 
-/// Time-outs of a source.
+/// Time-outs of a source: stale, lost, and end of its last value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timeouts {
     /// Age at which a sample or frame is stale: the override does not change.

@@ -1,6 +1,6 @@
 //! Binary signals in one word, one bit each; a single comparison detects that none is set.
 
-/// A set of signals.
+/// A set of signals: board faults, requests, and conditions of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals(u32);
 

@@ -11,7 +11,7 @@ use arcfeed_law::NoDemand;
 use super::report::{Limit, Reason, excess_percent};
 use super::signals::Inhibit;
 
-/// Target ratio with its reason.
+/// Override ratio that is aimed at, with its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Ratio of the target feed to the sent feed, with the operator's share.

@@ -26,7 +26,7 @@ pub struct ReadBlock {
     pub contour: ContourCommand,
 }
 
-/// Action of a block.
+/// Action of a block: motion, dwell, stop and others.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A comment, a title, modal words: no time, and moves flow through it.

@@ -14,7 +14,7 @@ use super::action::MoveContext;
 use super::panel::Phase;
 use super::plain::along_z;
 
-/// Run of a block with several moves.
+/// Execution of a block with several moves, such as a canned cycle.
 #[derive(Debug)]
 pub struct CannedCycleRun {
     series: Box<Series>,
@@ -26,7 +26,7 @@ pub struct CannedCycleRun {
     taps: bool,
 }
 
-/// Next step of the run.
+/// Next step of a canned cycle or another block with several moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunStep {
     /// Move in machine coordinates.

@@ -22,7 +22,7 @@ use super::line::{LineCounters, LineSettings};
 use super::punch::Punch;
 use super::tape::{ReceivedBlock, Tape};
 
-/// The port's state.
+/// The control's serial port, with the line and the buffer of received characters.
 #[derive(Debug)]
 pub struct DncPort {
     settings: Option<LineSettings>,

@@ -27,7 +27,7 @@ use super::action::{Action, ReadBlock};
 use super::path::to_pose;
 use super::settings::{ControlSettings, Switches};
 
-/// The drives' state.
+/// Drives of axes and spindle in a simulated control; state.
 #[derive(Debug)]
 pub struct DriveState {
     loops: Option<PositionLoops>,

@@ -32,7 +32,7 @@ const BEND_MISS: f64 = 0.0088;
 /// Fraction of the tolerance for each.
 const SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Rounded corner.
+/// Rounding of the corner between two moves, within the corner tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Junction {
     /// Half width of the corner, along the path to each side.

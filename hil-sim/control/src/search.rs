@@ -18,7 +18,7 @@ use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
 use super::tape::ReceivedBlock;
 
-/// Target of a search.
+/// Target of a block search: sequence search or restart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
     /// The block with this number, with the modal state as it is.

@@ -25,7 +25,7 @@ pub struct Store {
     state: StoreState,
 }
 
-/// State of the store.
+/// Progress of storing a program in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreState {
     /// Receives a program.
@@ -44,7 +44,7 @@ impl Store {
         Store { port: DncPort::on_line(line), blocks: Vec::new(), state: StoreState::Reading }
     }
 
-    /// Serial line.
+    /// Serial port of the control.
     pub fn port(&mut self) -> &mut DncPort {
         &mut self.port
     }

@@ -11,7 +11,7 @@ const CELLS_MAX: f64 = 65_536.0;
 /// Part of a cell that a box may be over a whole number of cells: rounding, no material.
 const OVERHANG_RATIO: f64 = 1e-9;
 
-/// Cubic cells in a box.
+/// Lattice of cubic cells in a box: rays pass through the centres of the cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     lowest_mm: [f64; 3],

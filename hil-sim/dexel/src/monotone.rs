@@ -48,7 +48,7 @@ pub struct MonotonePart {
     inner: Option<Wall>,
 }
 
-/// Radii at one height.
+/// Radii of a tool part at one height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
     /// Radius of the outside.

@@ -33,7 +33,7 @@ pub struct Pose {
     pub axis: Vector,
 }
 
-/// Move of a tool.
+/// Move of a tool in space: straight or along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
     /// The tip goes straight, the axis turns evenly along the shorter way.

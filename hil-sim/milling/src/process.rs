@@ -32,7 +32,7 @@ const NARROW_RATIO: f64 = 0.01;
 /// Upper bound of the change of a displacement in a step.
 const MARGIN_MM: f64 = 0.1;
 
-/// A tool in its workpiece.
+/// Milling process: cutter, workpiece, cutting force and vibration, step by step.
 #[derive(Clone, Debug)]
 pub struct Process {
     engagement: EdgeEngagement,
@@ -53,7 +53,7 @@ struct EdgeDisplacements {
     bent_mm: Vec<Vector3<f64>>,
 }
 
-/// Result of a step.
+/// Result of a step of the process: chips, loads and displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessStep {
     /// Loads on the tool at the end of the step.

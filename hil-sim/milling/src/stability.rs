@@ -62,7 +62,7 @@ pub struct LinearMilling {
     pub engaged_rad: [f64; 2],
 }
 
-/// Kind of chatter beyond a limit.
+/// Kind of chatter beyond a stability limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChatterKind {
     /// The vibration has a frequency of its own.
@@ -71,7 +71,7 @@ pub enum ChatterKind {
     Flip,
 }
 
-/// Smallest depth that is not stable.
+/// Smallest axial depth at which the cut is not stable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthLimit {
     /// Axial depth.

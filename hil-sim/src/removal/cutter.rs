@@ -19,7 +19,7 @@ use super::trail::{AxisSample, BlockRef, PathSection, Trail};
 /// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
-/// Stock, tools and tolerance.
+/// Settings of a stock cutter: stock, tools and tolerance.
 #[derive(Clone, Debug)]
 pub struct StockCutterSettings {
     /// Workpiece, in the program's coordinates.

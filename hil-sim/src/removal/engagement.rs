@@ -40,7 +40,7 @@ const TURN_DEG: f64 = 360.0;
 /// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
-/// Settings of the meter.
+/// Settings of the engagement meter.
 #[derive(Clone, Debug)]
 pub struct EngagementSettings {
     /// The workpiece, in the program's coordinates; layers along Z.

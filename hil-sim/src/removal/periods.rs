@@ -18,7 +18,7 @@ pub struct Periods {
     last: Option<(BlockRef, MoveContext, Segment)>,
 }
 
-/// One period of the run.
+/// One simulation period of a run, with its path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
     /// Path of the period, one chord.

@@ -35,7 +35,7 @@ use super::trail::BlockRef;
 /// Path between two descending moves within which the second meets the chip of the first: more than any tooth goes.
 const JOINED_MM: f64 = 2.0;
 
-/// Settings of the sections.
+/// Settings for computing engaged sections of descending moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSettings {
     /// Edges of the tool's end, and those of a side of it.
@@ -57,7 +57,7 @@ pub struct EdgeCounts {
     pub side: usize,
 }
 
-/// A descending move with its sections.
+/// A descending move with its engaged sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionedMove {
     /// The move in the workpiece's coordinates.

@@ -27,7 +27,7 @@ pub struct ToothPass {
     pub tip_mm: Vector,
 }
 
-/// Step of the tool.
+/// Step of the tool, in which teeth may end their passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassStep {
     /// Block that the step counts for.

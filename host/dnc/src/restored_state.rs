@@ -36,7 +36,7 @@ impl PowerOn {
     }
 }
 
-/// State before a block.
+/// State of the control before a block: all that a restart must restore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateBefore {
     /// The control's modal state.

@@ -42,7 +42,7 @@ pub struct RestartPlan {
     pub index: usize,
 }
 
-/// Cutting blocks, by their lines.
+/// Range of cutting blocks, by their lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CutRange {
     /// Number of blocks.

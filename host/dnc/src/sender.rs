@@ -103,7 +103,7 @@ pub enum State {
     Failed(FailureReason),
 }
 
-/// Reason of the failure.
+/// Reason why a transmission failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureReason {
     /// No DC1 in this time.

@@ -9,7 +9,7 @@
 
 use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
 
-/// Place and value of a minimum.
+/// Place and value of a minimum of a function of two variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum {
     /// Place.

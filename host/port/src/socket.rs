@@ -17,7 +17,7 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// Connects.
+    /// Connects to the server.
     ///
     /// # Errors
     /// No server listens there.

@@ -26,7 +26,7 @@ pub struct AskedCells {
 }
 
 impl AskedCells {
-    /// Every cell.
+    /// Every cell of the move.
     pub fn all() -> Self {
         AskedCells::from_run(0..CELLS)
     }

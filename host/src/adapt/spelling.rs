@@ -20,7 +20,7 @@ const OFFSETS: [u8; 3] = *b"IJK";
 const G_WORDS: [i64; 26] =
     [1, 2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
 
-/// Least increment, nm.
+/// Least increment of an axis word in this unit, nm.
 pub const fn increment_nm(unit: LengthUnit) -> i64 {
     match unit {
         LengthUnit::Inch => unit.nm() / 10_000,
@@ -37,7 +37,7 @@ pub struct Spelling<'a> {
     shape: WrittenShape,
 }
 
-/// Move that is written in pieces.
+/// Shape of a move that is written in pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrittenShape {
     /// An arc, or a line before a corner, in this plane.

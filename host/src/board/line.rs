@@ -144,7 +144,7 @@ impl<'p> BoardLine<'p> {
         self.send_due()
     }
 
-    /// The link.
+    /// The link to the board.
     pub fn link(&self) -> &Link {
         &self.link
     }

@@ -54,7 +54,7 @@ pub struct BoardRun<'p> {
     standstill: Standstill,
 }
 
-/// Progress of the start-up.
+/// Progress of a board's start-up, from the link to armed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The board has not answered yet.

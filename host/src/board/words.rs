@@ -5,7 +5,7 @@ use arcfeed_link::link::{LinkState, Loss, Refusal};
 use arcfeed_link::message::SCHEMA_HASH;
 use arcfeed_link::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
 
-/// State of the supervisor.
+/// Name of a state of the supervisor, for a person.
 pub const fn state(state: StateCode) -> &'static str {
     match state {
         StateCode::Idle => "idle",
@@ -44,7 +44,7 @@ pub const fn reset(reset: ResetCode) -> &'static str {
     }
 }
 
-/// Reason for a refusal.
+/// Reason why arming was refused, for a person.
 pub const fn refusal(why: RefusalCode) -> &'static str {
     match why {
         RefusalCode::Message => "unknown message",
@@ -64,7 +64,7 @@ pub const fn refusal(why: RefusalCode) -> &'static str {
     }
 }
 
-/// State of the link.
+/// State of the link to a board, for a person.
 pub fn link(state: LinkState) -> String {
     match state {
         LinkState::Up => "up".into(),

@@ -57,7 +57,7 @@ impl From<BranchWord> for Branch {
     }
 }
 
-/// Three coordinates.
+/// Three coordinates of a command-line option.
 #[derive(Clone, Copy, Debug)]
 pub struct Point([f64; 3]);
 
@@ -95,7 +95,7 @@ pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
     MachineFile::named(path).map_err(Failure::Input)
 }
 
-/// Loads CL data.
+/// Loads CL data from a file.
 ///
 /// # Errors
 /// They cannot be read.

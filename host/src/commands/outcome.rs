@@ -24,7 +24,7 @@ use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
 
-/// Reason for which a command failed.
+/// Reason why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The program or the job is at fault: exit code 1.

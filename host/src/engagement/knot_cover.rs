@@ -92,7 +92,7 @@ fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
     (0..samples.len()).map(at).collect()
 }
 
-/// Smallest interval that contains both.
+/// Smallest interval that contains both intervals.
 pub fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }

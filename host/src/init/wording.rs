@@ -20,7 +20,7 @@ pub fn length(mm: f64, unit: LengthUnit) -> String {
     if text == "-0.0" { "0.0".into() } else { text }
 }
 
-/// List of lengths, or their range.
+/// Lengths as a list, or as a range if there are many.
 pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     let one = |value: &Nm| length(value.to_mm(), unit);
     match values {
@@ -40,7 +40,7 @@ pub fn some(words: &[String]) -> String {
     }
 }
 
-/// Sense, as in job files.
+/// Sense of an arc, as `direction` in job files.
 pub const fn direction(turn: Turn) -> &'static str {
     match turn {
         Turn::Ccw => "ccw",
@@ -48,7 +48,7 @@ pub const fn direction(turn: Turn) -> &'static str {
     }
 }
 
-/// Plane, as in programs.
+/// Plane of an arc, as its G code.
 pub const fn plane(plane: Plane) -> &'static str {
     match plane {
         Plane::Xy => "G17",

@@ -72,7 +72,7 @@ pub enum StockSource {
     Extents,
 }
 
-/// Shape of the stock.
+/// Shape of the stock before the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Blank {
     /// A block, its edges along the axes.

@@ -32,7 +32,7 @@ pub enum CodeGroup {
     Path,
 }
 
-/// Rule for a G code.
+/// Rule for translating a G code to LinuxCNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GRule {
     /// The same on LinuxCNC.

@@ -37,7 +37,7 @@ pub struct Tolerance {
     pub rotary_deg: f64,
 }
 
-/// Position loops, alike in all axes.
+/// Position loops of a machine file, equal for all axes.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Loops {
@@ -52,7 +52,7 @@ pub struct Loops {
     pub in_position_mm: f64,
 }
 
-/// The spindle's drive.
+/// Spindle drive of a machine file.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct SpindleRamps {

@@ -218,7 +218,7 @@ pub struct RoughingTable {
     pub axial_feed: Option<Spanned<Quantity>>,
 }
 
-/// Values of `law`.
+/// Values of `law` in `[roughing]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawWord {

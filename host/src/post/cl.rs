@@ -28,7 +28,7 @@ pub struct Cl {
     pub passed_over: usize,
 }
 
-/// CL point.
+/// Point of CL data: tool tip, tool axis and feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClPoint {
     /// Line of the file, counted from 1.

@@ -12,7 +12,7 @@ use arcfeed_kinematics::vector::{difference, length};
 use super::cl::Cl;
 use super::finding::{Finding, FindingKind};
 
-/// Input for choosing the axis positions.
+/// Input of an axis plan: machine, placement, limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
     /// The machine.
@@ -143,7 +143,7 @@ impl AxisPlan {
     }
 }
 
-/// Axis positions of a pose.
+/// Positions of all axes for a tool pose and given rotary axes.
 pub fn stop(task: &Task, pose: &ToolPose, rotary_deg: [f64; 2]) -> PathPoint {
     let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
     PathPoint { pose: *pose, axes: Axes { linear_mm, rotary_deg } }

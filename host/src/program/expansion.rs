@@ -34,7 +34,7 @@ const RESTARTS: &str = "it would start the program again with the last feed in f
 /// Interpreted time of a slice of statements.
 const SLICE: Micros = Micros::from_ms(1);
 
-/// Bounds of a program's run.
+/// Bounds of the run of a program with macro statements.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBounds {
     /// Most blocks in all, and most statements between two moves.

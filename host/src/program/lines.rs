@@ -63,7 +63,7 @@ impl LineReader {
         }
     }
 
-    /// The control.
+    /// The control after the lines read so far.
     pub fn control(&self) -> &Reader {
         &self.reader
     }

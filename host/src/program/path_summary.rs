@@ -259,7 +259,7 @@ impl PathSummary {
         self.extents[axis] = Some([low.min(value), high.max(value)]);
     }
 
-    /// Tools that move.
+    /// Tools that make moves.
     pub fn tools_in_use(&self) -> impl Iterator<Item = &ToolUse> {
         self.tools.iter().filter(|tool| tool.cutting_mm > 0.0 || tool.rapid_mm > 0.0 || tool.cutting_s > 0.0)
     }

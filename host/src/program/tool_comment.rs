@@ -14,7 +14,7 @@ const DIAMETERS_MM: std::ops::RangeInclusive<f64> = 0.05..=250.0;
 /// Most teeth.
 const TEETH_MAX: f64 = 40.0;
 
-/// Tool data of a comment.
+/// Tool data that a comment of a program states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolComment {
     /// T number.

@@ -44,7 +44,7 @@ pub struct Operation {
     pub text: String,
 }
 
-/// Comments read so far.
+/// Collector of the comments about tools in a program.
 #[derive(Clone, Debug)]
 pub struct ToolNotes {
     unit: LengthUnit,

@@ -53,7 +53,7 @@ pub struct ToolFigures {
     pub baseline_chip_load: Option<ChipLoadFigures>,
 }
 
-/// Samples of several moves together.
+/// Chip samples of several moves together.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ChipSamples {
     /// Steady samples.

@@ -76,7 +76,7 @@ pub struct RestartFigures {
     pub g: Vec<String>,
 }
 
-/// Alarm of the control.
+/// Alarm that stopped the control, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmFigures {
     /// Line of the program as sent.

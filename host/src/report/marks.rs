@@ -53,7 +53,7 @@ pub struct LargestFigures {
     pub rule: Option<usize>,
 }
 
-/// Marks of a layer.
+/// Marks on the walls of one layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LayerFigures {
     /// Z of the middle of the layer.
@@ -63,7 +63,7 @@ pub struct LayerFigures {
     pub range: RangeFigures,
 }
 
-/// Marks of a block.
+/// Marks that one block left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockMarksFigures {
     /// Blocks executed, up to and including this one.

@@ -185,7 +185,7 @@ impl MaterialFigures {
 }
 
 impl LeftOutBlocks {
-    /// Cause in words.
+    /// Cause in words for a person.
     pub fn words(&self) -> &'static str {
         match self.cause {
             "turning" => "rotary axes turn without G43.4: the path of the tool on the part is unknown",

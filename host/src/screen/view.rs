@@ -14,7 +14,7 @@ const STRIP_MAX: usize = 200;
 /// Display time of each note, s.
 const NOTE_S: f64 = 6.0;
 
-/// Content of the screen.
+/// Content of the terminal screen of `stream --tui`.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Names of the program and the destination.
@@ -57,7 +57,7 @@ pub struct View {
     chars_per_s: f64,
 }
 
-/// Program text, prepared once.
+/// Program text for the screen, prepared once.
 #[derive(Debug)]
 pub struct Listing {
     /// Line of the program's file (0: ours) and text.
@@ -69,7 +69,7 @@ pub struct Listing {
     left_s: Vec<f64>,
 }
 
-/// Command of the operator.
+/// Command of the operator on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Pause the transmission.

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::table::{Cell, Table};
 use crate::output::PendingFile;
 
-/// CSV file that grows.
+/// CSV file that is written row by row.
 #[derive(Debug)]
 pub struct CsvFile(BufWriter<PendingFile>);
 

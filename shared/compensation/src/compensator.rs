@@ -59,7 +59,7 @@ pub enum CenterMove {
 /// Moves of the tool centre, in order.
 pub type CenterMoves = heapless::Vec<CenterMove, MOVES_MAX>;
 
-/// Fault in a contour.
+/// Fault in a contour under cutter compensation: an alarm of the control, or a case that is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationFault {
     /// Fault of the held move: it and what follows it cannot be executed.

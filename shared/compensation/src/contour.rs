@@ -17,7 +17,7 @@ use arcfeed_units::Nm;
 use crate::compensator::{CenterMoves, CompensationFault, Compensator, ContourMove};
 use crate::vector::in_plane;
 
-/// Compensation commanded by a block.
+/// Cutter compensation commanded by a block: begin, continue or cancel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContourCommand {
     /// Plane of compensation.

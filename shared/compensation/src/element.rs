@@ -6,7 +6,7 @@ use arcfeed_units::Nm;
 
 use crate::vector::{Point, Vector, between, in_plane, length, scaled, to_left, unit};
 
-/// A move in the plane.
+/// A move in the plane of the compensation.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     pub from: Point,
@@ -15,7 +15,7 @@ pub struct Element {
     pub arc: Option<ArcElement>,
 }
 
-/// An arc in the plane.
+/// Arc of an [`Element`].
 #[derive(Clone, Copy, Debug)]
 pub struct ArcElement {
     pub center: Point,

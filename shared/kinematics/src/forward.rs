@@ -24,7 +24,7 @@ pub struct ToolPose {
     pub axis: Vector,
 }
 
-/// Positions of all axes.
+/// Positions of all five axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     /// X, Y, Z: the gauge point of the spindle in the machine frame.
@@ -33,7 +33,7 @@ pub struct Axes {
     pub rotary_deg: [f64; 2],
 }
 
-/// Set-up of part and tool.
+/// Placement of the part on the machine, and tool length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
     /// The part's zero point in the machine frame, all axes at zero.

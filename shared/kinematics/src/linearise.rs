@@ -20,7 +20,7 @@ use super::vector::{along_arc, scaled, sum};
 /// Maximum number of halvings of one move: 4096 points.
 const HALVINGS: u32 = 12;
 
-/// Tolerance of a path.
+/// Tolerance of a linearised path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Distance of the tip from its line.

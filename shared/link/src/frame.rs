@@ -118,7 +118,7 @@ impl FrameClass {
     }
 }
 
-/// CRC-32C.
+/// CRC-32C of some bytes.
 pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }

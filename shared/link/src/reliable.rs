@@ -72,7 +72,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         }
     }
 
-    /// Adds a message.
+    /// Adds a message to be sent.
     ///
     /// # Errors
     /// The queue is full, or the payload is too long.

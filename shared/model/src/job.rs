@@ -91,7 +91,7 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// One tool.
+    /// A job's only tool.
     pub const fn one(setup: ToolSetup) -> Self {
         Tools { first: setup, more: Vec::new() }
     }
@@ -155,7 +155,7 @@ impl ToolAxis {
     }
 }
 
-/// Source of the spindle speed.
+/// Source of the spindle speed: program or operator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpeedSource {
     /// The program's S and M words.
@@ -191,7 +191,7 @@ impl Default for FeedCeiling {
     }
 }
 
-/// The feed laws.
+/// Feed law that a job selects, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawKind {
     /// Constant feed per tooth on a ring's circumference, at the contact with the stock line (Petean ch. 5).
@@ -228,7 +228,7 @@ pub enum FeedPolicy {
     RewriteOnly(PieceSettings),
 }
 
-/// Rules for cutting arcs into pieces.
+/// Rules for dividing arcs into pieces with an F each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceSettings {
     /// Step between feeds of an arc, %: the feeds are the smallest one times powers of this step.
@@ -247,7 +247,7 @@ impl Default for PieceSettings {
     }
 }
 
-/// Bounds of the override.
+/// Bounds, step and slew rates of the override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideLimits {
     /// Least override, %.

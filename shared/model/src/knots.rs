@@ -41,7 +41,7 @@ impl KnotRange {
 }
 
 impl Knots {
-    /// An empty store.
+    /// Empty list of knots.
     pub const fn new() -> Self {
         Knots { knots: Vec::new() }
     }

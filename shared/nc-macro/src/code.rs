@@ -7,7 +7,7 @@ use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::number::{self, Number};
 use arcfeed_nc::word::{BYTE_ORDER_MARK, column};
 
-/// The code of one line.
+/// The code of one line, without blanks and comments.
 #[derive(Clone, Debug, Default)]
 pub struct MacroCode {
     bytes: Vec<u8>,

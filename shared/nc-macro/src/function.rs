@@ -148,7 +148,7 @@ impl Function {
     }
 }
 
-/// Binary operator.
+/// Binary operator of macro expressions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`.

@@ -40,7 +40,7 @@ impl Default for Bounds {
     }
 }
 
-/// A call of a program.
+/// A call of a subprogram or a macro.
 #[derive(Clone, Debug)]
 pub struct Call {
     /// Number of the program (O).
@@ -66,7 +66,7 @@ pub enum ModalCallTiming {
     EveryBlock,
 }
 
-/// A running program.
+/// A running program and where it stands.
 #[derive(Clone, Debug)]
 pub struct CallFrame {
     file: usize,

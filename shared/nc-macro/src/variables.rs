@@ -134,7 +134,7 @@ pub enum SwitchedValues {
     All,
 }
 
-/// All variables.
+/// All macro variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
     /// #1 to #33 of the running macro.

@@ -8,7 +8,7 @@ use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
 use arcfeed_units::{MicroDeg, Micros, Nm};
 
-/// One action of a series.
+/// One action of a block that makes several moves, such as a canned cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SeriesAction {
     /// A straight move, rapid or at feed.
@@ -176,7 +176,7 @@ impl Series {
         SeriesCursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
     }
 
-    /// The next action.
+    /// The next action, if there is one.
     pub fn advance(&self, cursor: &mut SeriesCursor) -> Option<SeriesAction> {
         loop {
             let act = match self {

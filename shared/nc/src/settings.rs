@@ -17,7 +17,7 @@ pub const COMPENSATION_BLOCKS_MIN: u8 = 3;
 /// Most blocks that a control reads together for cutter compensation.
 pub const COMPENSATION_BLOCKS_MAX: u8 = 8;
 
-/// Strictness of the reader.
+/// Strictness of the reader towards deviations from the dialect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
     /// Reports deviations in titles and comments as notices, although a control would reject them.
@@ -94,7 +94,7 @@ pub enum Scope {
     Everything,
 }
 
-/// The settings of a control.
+/// Settings of a control that affect how it reads a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Unit at power-on.

@@ -52,7 +52,7 @@ pub struct TaskQueues<'q> {
     pub status: Producer<'q, TaskStatus>,
 }
 
-/// A command, executed in order.
+/// Command of the main loop to the control task, executed in order.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into; nearly all are segments")]
 pub enum Command {
@@ -125,7 +125,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
         Queues { commands: Queue::new(), notices: Queue::new(), status: Queue::new(), buffers: Buffers::new() }
     }
 
-    /// Both sides.
+    /// Divides the queues into the ends of the main loop and of the control task.
     pub fn split(&mut self) -> (HostQueues<'_>, TaskQueues<'_>) {
         let ((commands, taken_commands), (notices, taken_notices)) =
             (split(&mut self.commands), split(&mut self.notices));

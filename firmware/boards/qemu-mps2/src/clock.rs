@@ -16,7 +16,7 @@ pub const STEPS_PER_US: u32 = 25;
 /// As given to QEMU.
 const ICOUNT_SHIFT: u32 = 7;
 
-/// Counts instructions.
+/// Counter of executed instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct InstructionCounter {
     /// Instructions for reading the timer twice.

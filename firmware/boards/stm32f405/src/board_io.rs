@@ -59,7 +59,7 @@ struct Readers {
     panel: Panel,
 }
 
-/// The board between two ticks.
+/// The board's hardware and controller, as the tick uses them.
 pub struct BoardIo {
     sensors: Sensors,
     outputs: Outputs,

@@ -8,7 +8,7 @@ use crate::pins::{HEARTBEAT, LINES, READY};
 
 const NS_PER_US: u32 = 1_000;
 
-/// The port.
+/// Port with the lines *FV0 to *FV7.
 #[derive(Debug)]
 pub struct FvPort {
     port: GPIOC,

@@ -24,7 +24,7 @@ const RESET: u16 = 1 << 15;
 /// count only after a release.
 pub const AT_START: u16 = ZERO | ARM | RESET;
 
-/// Buttons that were open; state.
+/// Reader of the panel's buttons; state: buttons that were open, and pressed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Panel {
     seen_open: u16,

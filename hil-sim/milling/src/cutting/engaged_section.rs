@@ -92,7 +92,7 @@ impl EngagedSection {
         self.by_direction.iter().map(|edge| edge.width_mm).fold(0.0, f64::max)
     }
 
-    /// Directions with material.
+    /// Total angle of the directions with material.
     pub fn engaged_rad(&self) -> f64 {
         let engaged = self.by_direction.iter().filter(|edge| edge.width_mm > 0.0).count();
         engaged as f64 / self.by_direction.len() as f64 * TAU

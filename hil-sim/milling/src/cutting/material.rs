@@ -51,7 +51,7 @@ pub struct Kienzle {
     pub exponent_ratio: f64,
 }
 
-/// Linear edge model of one direction.
+/// Linear force model of one direction: cutting and edge coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
     /// k of (2).

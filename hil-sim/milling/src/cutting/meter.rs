@@ -23,7 +23,7 @@ use super::measured_move::{GoverningRule, MeasuredMove};
 /// Largest deviation from the commanded feed that counts as steady.
 pub const STEADY_RATIO: f64 = 5e-3;
 
-/// Chips of one move under a cut rule.
+/// Measured chip load of one move under a cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveChips {
     /// Count of executed blocks, up to and including the first block of the move.
@@ -43,7 +43,7 @@ pub struct MoveChips {
     pub left_out: ExcludedSamples,
 }
 
-/// Quantity of one tooth.
+/// Measured chip load of one tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredChip {
     /// Measured quantity relative to the target.
@@ -52,7 +52,7 @@ pub struct MeasuredChip {
     pub is_steady: bool,
 }
 
-/// The meter's state.
+/// Chip meter: measures the chip load from the machine's reports, move by move.
 #[derive(Debug)]
 pub struct ChipMeter {
     /// Teeth of the tool in the spindle.

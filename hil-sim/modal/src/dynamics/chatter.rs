@@ -44,7 +44,7 @@ pub enum Verdict {
     },
 }
 
-/// Conditions of the sampling.
+/// Conditions of sampling for chatter detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Teeth per turn.

@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::modal::Mode;
 use super::transition::{Rule, State, Transition};
 
-/// Settings of the steps.
+/// Settings of the time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
     /// Integration rule of one mode over one step.
@@ -36,7 +36,7 @@ pub struct Stepping {
     pub passes_max: usize,
 }
 
-/// Modes with their states; state.
+/// Vibrating structure as a sum of its modes; state.
 #[derive(Clone, Debug)]
 pub struct Vibration {
     stepping: Stepping,
@@ -63,7 +63,7 @@ pub struct Places {
     amplitudes: Vec<f64>,
 }
 
-/// Result of a step.
+/// Result of a time step of a vibrating structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VibrationStep {
     /// Displacement at the end.

@@ -5,7 +5,7 @@ use crate::vector::Vector;
 
 use super::room::Room;
 
-/// Requirements on the roughing path.
+/// Requirements on a roughing path: allowance, depth, axis, clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughing {
     /// Allowance on blades and hub, mm.
@@ -43,7 +43,7 @@ pub enum BaseLimits {
     WholeBlades,
 }
 
-/// Request for a plan.
+/// Request for a plan: cutter, requirements, and what part of the depth.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
     /// Cutter.

@@ -41,7 +41,7 @@ pub struct OffsetSide {
     pub foot: f64,
 }
 
-/// Hub and allowance.
+/// Hub surface with its allowance.
 #[derive(Clone, Copy, Debug)]
 pub struct Hub<'h> {
     /// Hub, part frame.
@@ -50,7 +50,7 @@ pub struct Hub<'h> {
     pub allowance_mm: f64,
 }
 
-/// Round edge that the ring approaches.
+/// Round edge of a blade that the turning ring approaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FarEdge {
     /// Leading edge: of a suction side.

@@ -33,7 +33,7 @@ pub struct Curves {
     pub blade: Sections,
 }
 
-/// File with the fault.
+/// Curve file in which a fault was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveFile {
     /// `hub.curve`
@@ -44,7 +44,7 @@ pub enum CurveFile {
     Profile,
 }
 
-/// Texts of the three files.
+/// Texts of the three curve files: hub, shroud, profile.
 #[derive(Clone, Copy, Debug)]
 pub struct Texts<'t> {
     /// `hub.curve`

@@ -50,7 +50,7 @@ impl Spline {
         Spline { degree: self.degree, knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect() }
     }
 
-    /// Degree.
+    /// Degree of the spline.
     pub fn degree(&self) -> usize {
         self.degree
     }

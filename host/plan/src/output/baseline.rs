@@ -38,7 +38,7 @@ pub struct FlankMilling {
     pub stepover_mm: f64,
 }
 
-/// Slot size seen from above.
+/// Size of a slot, seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotSize {
     /// Depth from the blank's rim to the hub's allowance.

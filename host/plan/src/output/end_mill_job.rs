@@ -6,7 +6,7 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::output::job::{Machine, number, quoted};
 
-/// Content of a job file.
+/// Content of a job file for a planned path of an end mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EndMillJob<'a> {
     /// Unit of the file, and of the program.

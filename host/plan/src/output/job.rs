@@ -10,7 +10,7 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 use crate::cutter::CupMill;
 use crate::output::limits::{BlankFace, StockBound, StockLimit};
 
-/// Content of a job file.
+/// Content of a job file for a planned path of a cup mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile<'a> {
     /// Unit of the file, and of the program.
@@ -60,7 +60,7 @@ pub struct Workpiece<'a> {
     pub step_mm: f64,
 }
 
-/// Source of the machine's description.
+/// Source of the machine's description in a job file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine<'a> {
     /// Machine file, relative to the job file.

@@ -92,7 +92,7 @@ pub struct StockBound {
     pub rise_ratio: f64,
 }
 
-/// Reason why there are no limits.
+/// Reason why there are no stock limits.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum LimitError {
     /// The faces are square to the tool.

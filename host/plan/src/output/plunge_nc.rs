@@ -24,7 +24,7 @@ const REDUCED: f64 = 0.5;
 /// Places nearer to each other than this are one, mm.
 const SAME_MM: f64 = 1e-4;
 
-/// Feeds, mm/min.
+/// Feeds of a plunging program, mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeFeeds {
     /// (1)
@@ -42,7 +42,7 @@ pub struct IndexAxis {
     pub zero_deg: f64,
 }
 
-/// Settings of the program.
+/// Settings of a plunging program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeSetup {
     /// O number.

@@ -18,7 +18,7 @@ use super::remaining::SlotWalls;
 /// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
-/// Volumes, mm3.
+/// Volumes that a path removes, mm3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemovedVolumes {
     /// Volume removed by each level, from the top.

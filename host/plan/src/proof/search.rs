@@ -51,7 +51,7 @@ pub struct Place {
     pub copy: usize,
 }
 
-/// Result of a search.
+/// Result of a search for the least distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastDistance {
     /// Lower bound of the distance, and a distance that was found, mm; infinite if there is no body.

@@ -96,7 +96,7 @@ impl Decoder {
     }
 }
 
-/// Appends data, with escaped command bytes.
+/// Appends data to `out`, with escaped command bytes.
 pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     for &byte in bytes {
         out.push(byte);

@@ -9,7 +9,7 @@ const DELAY_MAX_MS: u64 = 60_000;
 /// Most bytes of garbage.
 const GARBAGE_MAX: usize = 65_536;
 
-/// Faults; the default has none.
+/// Faults to be injected into a port; the default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
     /// Seed: the same bytes and the same seed give the same faults.

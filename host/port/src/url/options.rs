@@ -68,7 +68,7 @@ impl Options {
         parsed.map(Some).ok_or_else(|| UrlError::new(format!("{name}={value}"), message))
     }
 
-    /// Removes `logging`.
+    /// Removes the option `logging` and returns its level.
     pub fn logging(&mut self) -> Result<Option<Level>, UrlError> {
         let Some(value) = self.take("logging") else { return Ok(None) };
         let wrong = || UrlError::new(format!("logging={value}"), "write logging=debug, info, warning or error");

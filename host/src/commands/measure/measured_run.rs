@@ -26,7 +26,7 @@ use crate::job::JobFile;
 use crate::program::Source;
 use crate::report::figures::{OverrideFigures, RunReport};
 
-/// Sample of a machine's run.
+/// Sample of a run that was recorded on a machine.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredSample {
     /// Time.

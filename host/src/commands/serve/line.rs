@@ -15,7 +15,7 @@ const QUIET: Duration = Duration::from_secs(1);
 /// Longest wait for that silence.
 const QUIET_WAIT_MAX: Duration = Duration::from_secs(10);
 
-/// Control's end of the line.
+/// The emulated control's end of its line: a pseudo-terminal or a TCP port.
 pub struct ControlLine {
     name: String,
     end: End,
@@ -27,7 +27,7 @@ enum End {
 }
 
 impl ControlLine {
-    /// New pseudo-terminal.
+    /// Line over a new pseudo-terminal.
     ///
     /// # Errors
     /// The system has none.

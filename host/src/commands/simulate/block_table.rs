@@ -18,7 +18,7 @@ use super::material_figures;
 use crate::trace::table::Cell;
 use crate::trace::tables::BLOCK_COLUMNS;
 
-/// Block in execution in a millisecond.
+/// Data of the block that is in execution in a millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockRecord {
     /// Blocks executed, up to and including it.

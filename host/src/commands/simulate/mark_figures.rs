@@ -19,7 +19,7 @@ use crate::report::page::map::Map;
 /// Cells of the map along its longer side: walls are one cell wide.
 const CELLS: f64 = 200.0;
 
-/// Reference for marks.
+/// Reference against which marks of the teeth are measured.
 #[derive(Clone, Debug)]
 pub struct MarkReference {
     /// Layers before the run.

@@ -23,7 +23,7 @@ use crate::trace::{TableFile, TraceFormat};
 /// Addition to the names of the files of the original program.
 const ORIGINAL: &str = "-original";
 
-/// Files of `--trace`.
+/// Names of the files that `--trace` writes.
 #[derive(Clone, Debug)]
 pub struct TraceFiles {
     path: PathBuf,

@@ -22,7 +22,7 @@ use crate::screen::view::{Command, View};
 /// Wall time between two redraws.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// Display and event log.
+/// Display of a transmission while it runs, with the event log.
 pub struct LiveDisplay {
     bar: Option<ProgressBar>,
     screen: Option<(Screen, View, Instant)>,

@@ -87,7 +87,7 @@ pub struct Times {
     pub baseline: Result<BaselineResult, String>,
 }
 
-/// Flank milling of one slot.
+/// Result of the baseline: flank milling of one slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaselineResult {
     /// Ball-end mill.
@@ -147,7 +147,7 @@ pub struct Outline {
 }
 
 impl PlanReport {
-    /// Renders the page.
+    /// Builds the report page.
     pub fn page(&self) -> Page {
         let section = |heading: &str, body: String| Section { heading: heading.into(), body };
         let mut sections = vec![
