@@ -81,7 +81,7 @@ impl Interpolator {
         }
     }
 
-    /// Blocks read ahead.
+    /// Number of blocks read ahead.
     pub fn queued(&self) -> usize {
         self.queue.len()
     }

@@ -25,7 +25,7 @@ pub struct Store {
     state: StoreState,
 }
 
-/// Progress of storing a program in memory.
+/// Progress of a program in memory: received, stored, punched, or rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreState {
     /// Receives a program.

@@ -17,7 +17,7 @@ use arcfeed_units::Nm;
 use crate::compensator::{CenterMoves, CompensationFault, Compensator, ContourMove};
 use crate::vector::in_plane;
 
-/// Cutter compensation commanded by a block: begin, continue or cancel.
+/// Cutter compensation that a block commands, and its effect on the contour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContourCommand {
     /// Plane of compensation.

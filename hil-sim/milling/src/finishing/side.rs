@@ -21,7 +21,7 @@ pub struct Side {
     length_mm: f64,
 }
 
-/// Contact point of the tool on the blade, with its directions.
+/// Contact point of the tool on the blade, with the normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Point in the plane.

@@ -69,7 +69,7 @@ pub struct AssertionOutcome {
     pub verdict: Verdict,
 }
 
-/// Verdict on an assertion: passed, failed or not measured.
+/// Verdict on an assertion: passed, failed, or no data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// The limit holds.
