@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn wanted_ratios_beyond_the_bounds_end_there_and_what_is_no_number_is_100() {
+    fn ratios_are_limited_to_the_bounds_and_nan_becomes_100_percent() {
         let ramp = ramp(OverrideLimits::default());
         for (wanted, bounded) in [
             (f32::INFINITY, (2.0, Bound::Ceiling)),

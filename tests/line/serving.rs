@@ -105,7 +105,7 @@ fn a_contour_is_offset_by_the_radius_of_the_settings_and_stops_where_the_tool_do
 }
 
 #[test]
-fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_say() {
+fn restart_in_a_cycle_lists_omitted_functions_and_drills_at_the_offset_holes() {
     let scratch = Scratch::new("restart");
     let settings = scratch.write("machine.toml", "unit = 'mm'\n[work]\nG54 = { X = 100.0 }\n[length]\n1 = 50.0\n");
     let (server, mut line) = serve(&scratch, &["--settings", &settings, "--restart-at", "50"]);

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_reached_within_the_radius_of_the_way_and_not_in_the_hole_of_both_ends() {
+    fn swept_area_is_the_disc_along_the_path_minus_the_common_hole() {
         let (mill, ring) = (flat(None), flat(Some([4.9, 4.9])));
         let points = [[3.0, 4.0], [0.0, 6.2], [0.0, 6.3], [-5.1, 0.0], [-4.9, 0.0], [9.9, 11.0], [9.1, 12.0]];
         for [x, y] in points {

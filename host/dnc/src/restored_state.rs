@@ -344,7 +344,7 @@ mod tests {
                         G93\nG1X5.F30.\nG94G54G49G52X1.Y0Z0\nG2X6.I1.F8.\nG91G0Y1.\nX1.";
 
     #[test]
-    fn every_line_of_a_rich_program_can_be_taken_up_or_says_why_not() {
+    fn restart_at_every_line_of_a_rich_program_works_or_gives_a_reason() {
         let (mut restored, mut refused) = (0, Vec::new());
         for index in 2..=RICH.lines().count() + 1 {
             // The self-check in `blocks` compares every group.

@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn a_governed_feed_may_not_be_in_force_where_a_switch_may_skip_a_move_or_a_feed() {
+    fn governed_feed_does_not_leak_into_blocks_that_block_delete_may_change() {
         let leaks = |program: &str| std::panic::catch_unwind(|| rewrite(program, 41.2)).is_err();
         for skipped in ["/G1X2.", "/F9.", "/G21", "/G95", "/S9", "G1X2./F9.", "/2G1X2.\n/3G1X2."] {
             assert!(leaks(&format!("G1X0F25.\nG2X1.I.5\n{skipped}\nX3.\n")), "{skipped}");

@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_that_stands_still_is_reported_once_and_again_when_it_stood_still_anew() {
+    fn standstill_is_reported_once_for_each_time() {
         let stands = [(3, 4); 20];
         assert_eq!(reported(&stands), [6]);
         assert_eq!(reported(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);

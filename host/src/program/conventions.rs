@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_without_a_point_among_words_with_one_is_found_by_its_size() {
+    fn missing_decimal_point_is_found_by_the_size_of_the_word() {
         let text = "G90\nG0X0.Y0.Z5.\nG1Z-2.F100\nX100\nY50.5\nX20.25Y3\nG4X1000\nG2X0Y0I10\nX10000\nM30\n";
         assert_eq!(warned(text), [(4, 1), (6, 7)]);
     }

@@ -136,7 +136,7 @@ fn feed_mm(segment: &Segment) -> f64 {
 }
 
 #[test]
-fn no_piece_is_faster_than_the_demand_anywhere_on_it_and_what_is_said_of_the_chip_is_so() {
+fn pieces_never_exceed_the_demand_and_the_reported_chip_error_is_right() {
     let (mut pieces, mut whole, mut worst, mut slowest) = (0, 0, f64::NEG_INFINITY, 0.0_f64);
     for seed in 0..PROGRAMS {
         let Case { tables, file, adapted, .. } = case(seed);

@@ -67,7 +67,7 @@ fn a_line_to_the_simulator_that_breaks_says_how_far_it_came() {
 }
 
 #[test]
-fn a_line_that_takes_nothing_from_the_middle_on_says_how_far_it_came() {
+fn line_that_stops_accepting_characters_fails_with_the_progress() {
     let scratch = Scratch::new("lost-time");
     let job = job(&scratch);
     let text = std::fs::read_to_string(&job).expect("text");

@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_full_ring_and_half_a_disc_have_the_area_of_geometry_and_half_a_ray_more() {
+    fn section_of_a_full_ring_is_exact_and_of_a_half_disc_larger_by_half_a_ray() {
         let layer = Layer::rectangle([-20.0, -20.0], [40.0, 20.0], 0.1);
         let center_mm = Vector2::new(0.0, -10.0);
         let below = |point_mm: Vector2<f64>| is_above(&layer, point_mm, center_mm, 0.0);

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_it_is_the_distance_of_the_tool_and_its_slope_is_the_gradient() {
+    fn section_distance_agrees_with_the_tool_and_its_slope_with_the_gradient() {
         for part in [ToolPart::Ring, ToolPart::Body, ToolPart::Holder] {
             let sections = Section::of(&tool(), part);
             for place in (0..3600).map(|k| [f64::from(k % 60), f64::from(k / 60) * 1.7 - 10.0]) {

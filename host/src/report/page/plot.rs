@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_goes_to_nothing_or_ends_in_a_pause_and_takes_a_column_once() {
+    fn svg_curve_breaks_or_drops_at_pauses_and_has_each_column_once() {
         let same = |v: f64| v;
         let steps = [([0.0, 10.0], 5.0), ([20.0, 30.0], 7.0)];
         assert_eq!(path(&steps, &same, &same, false), "M0 5H10V0H20V7H30");
