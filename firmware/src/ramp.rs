@@ -49,7 +49,7 @@ pub struct Level {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
-    /// None.
+    /// No bound limits the ratio.
     Free,
     /// The ratio is below `min`: the chip exceeds its target.
     Floor,

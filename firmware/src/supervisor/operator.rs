@@ -20,7 +20,7 @@ pub struct OperatorDial {
 /// Movement of the dial since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DialTurn {
-    /// None, or up.
+    /// Not turned, or turned up.
     Kept,
     /// Down: the feed falls proportionally.
     Down {

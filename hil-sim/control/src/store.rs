@@ -49,7 +49,7 @@ impl Store {
         &mut self.port
     }
 
-    /// State of the store.
+    /// Progress of storing the program in memory.
     pub fn state(&self) -> StoreState {
         self.state
     }

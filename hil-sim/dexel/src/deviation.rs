@@ -1,4 +1,4 @@
-//! Heights of a stock along an axis, and how far they are from another stock's on the same lattice.
+//! Heights of a stock along an axis, and their deviation from those of another stock on the same lattice.
 
 use std::fmt;
 use std::io::{self, Write};

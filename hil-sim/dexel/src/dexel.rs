@@ -1,6 +1,6 @@
-//! One ray's material: sorted intervals that neither touch nor overlap.
+//! Material of one ray: sorted intervals that neither touch nor overlap.
 //!
-//! Nothing is rounded here: an end that a cut leaves is exactly an end of that cut, so the result does not depend on the
+//! Nothing is rounded: a new end of the material is exactly an end of the cut, so the result does not depend on the
 //! order of the cuts, not even in its last bit.
 
 use std::mem;
@@ -48,7 +48,7 @@ impl Interval {
     }
 }
 
-/// No stretch: it ends before it begins.
+/// Empty interval, which ends before it begins.
 pub const NOWHERE: Interval = Interval { from_mm: f64::INFINITY, to_mm: f64::NEG_INFINITY };
 
 /// Effect of a cut on a ray.
@@ -63,12 +63,12 @@ pub struct Taken {
 /// The material along one ray, as intervals. A single interval, the usual case, needs no heap memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Dexel {
-    /// None.
+    /// No material.
     #[default]
     Empty,
-    /// One piece.
+    /// One interval.
     One(Interval),
-    /// Two or more.
+    /// Two or more intervals.
     Many(Vec<Interval>),
 }
 

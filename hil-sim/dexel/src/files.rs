@@ -11,7 +11,7 @@ use super::mesh::{Mesh, MeshError};
 /// Reason why a file contains no valid solid.
 #[derive(Debug)]
 pub enum FileError {
-    /// It cannot be read, or is no STL.
+    /// The file cannot be read, or is no STL file.
     Read(io::Error),
     /// The triangles do not enclose a volume.
     Mesh(MeshError),

@@ -1,15 +1,16 @@
-//! A slab whose axis is one of the lattice's, on a way that rises or falls: what it can reach, seen along the axis.
+//! Bounds of the sweep of a slab whose axis is a lattice axis, on a path that rises or falls, projected along the axis.
 //!
-//! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
+//! The outside sweeps a disc along the path. The hole spares the points that stay inside it during the whole move:
 //!
 //! ```text
 //! reached: distance to the way <= R, and distance to one of its ends >= r        (1)
 //! ```
 //!
-//! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
-//! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
-//! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of rays along the axis only those between the outside and
-//! the hole of both ends are asked, between the slab's ends. On a way that does not rise (1) is all there is to know: [`level`](super::level).
+//! The path is straight, so its farthest point is one of its ends. On a line in the plane, the swept points lie between
+//! the first and the last point with the left part of (1), without the interval that the holes at both ends have in
+//! common. The bounds are computed with a margin, to leave out rays that cannot lose material: most rays near a move of
+//! three axes are already cut. Of the rays along the axis, only those between the outside and the common hole are
+//! examined, between the ends of the slab. On a path that does not rise, (1) is exact: [`level`](super::level).
 //!
 //! Source: own derivation.
 

@@ -29,7 +29,7 @@ const SWEEPS_MAX: f64 = 1e6;
 pub struct Pose {
     /// The tip.
     pub tip_mm: Vector,
-    /// From the tip to the holder; a direction of any length.
+    /// Direction from the tip to the holder, of any length.
     pub axis: Vector,
 }
 
@@ -38,20 +38,20 @@ pub struct Pose {
 pub enum Move {
     /// The tip goes straight, the axis turns evenly along the shorter way.
     Straight {
-        /// At the start.
+        /// Pose at the start.
         from: Pose,
-        /// At the end.
+        /// Pose at the end.
         to: Pose,
     },
     /// The tip turns about a line, and rises along it; the axis stays.
     Turn {
-        /// At the start.
+        /// Pose at the start.
         from: Pose,
         /// A point of the line.
         center_mm: Vector,
         /// Direction of the line.
         normal: Vector,
-        /// By the right-hand rule about the normal.
+        /// Angle of the arc, by the right-hand rule about the normal.
         angle_rad: f64,
         /// Along the normal, over the whole angle; 0 for an arc.
         rise_mm: f64,

@@ -4,8 +4,8 @@
 //! area = sum over pieces of a x b / 2        (1)
 //! ```
 //!
-//! A corner lies below the plane or not, the end of a piece right of a line or not: neighbours agree, so what is closed stays closed even where plane or line
-//! meet a corner.
+//! A vertex counts either as below the plane or as above it, and the end of an edge either as right of a line or as left of
+//! it. Neighbouring triangles and edges agree on this, so closed polygons stay closed even if plane or line meet a vertex.
 //!
 //! Source: (1) Green's theorem.
 

@@ -1,12 +1,12 @@
-//! The outline of a solid of revolution: lines and arcs in the plane of radius and height, from bottom to top.
+//! Profile of a solid of revolution: lines and arcs in the plane of radius and height, from bottom to top.
 //!
-//! An arc becomes chords with their ends on it; an angle a of radius r leaves
+//! An arc is replaced by chords with their ends on the arc. For a chord over the angle a, on the radius r, the distance
 //!
 //! ```text
 //! r (1 - cos(a/2)) <= tolerance        (1)
 //! ```
 //!
-//! between chord and arc, so a convex outline loses at most the tolerance and gains nothing.
+//! lies between chord and arc, so a convex profile loses at most the tolerance and gains nothing.
 //!
 //! Source: (1) the sagitta of a chord.
 
@@ -30,7 +30,7 @@ pub struct Knot {
 /// Reason why a profile is invalid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProfileError {
-    /// It goes down, or to the other side of the axis, or nowhere that is a number.
+    /// The next point is lower, on the other side of the axis, or not a finite number.
     Point(Knot),
     /// The ends of an arc are not on one circle about its centre, or it is more than half of one.
     Arc {

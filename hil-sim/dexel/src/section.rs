@@ -1,18 +1,18 @@
 //! Exact intervals that a moving slab of a tool removes from a ray.
 //!
 //! A point of the ray is o + u d. The slab's reference point is at f + s v, s from 0 to 1. With w = o - f, the tool's axis a, and
-//! the parts of all vectors square to it marked by ', the ray's point is in the slab at s where
+//! the parts of all vectors perpendicular to it marked by ', the ray's point is in the slab at s where
 //!
 //! ```text
 //! z = w.a + u d.a - s v.a            z0 <= z <= z1,  0 <= s <= 1            (1)
 //! |w' + u d' - s v'|^2 - r(z)^2 <= 0 for the outside's r, >= 0 for the hole's      (2)
 //! ```
 //!
-//! In the plane of s and u (1) is a parallelogram and (2) a conic. The answer, all u with an s, begins and ends where the
-//! outside's conic is extreme in u, where a conic crosses an edge of the parallelogram, or at its corners. Between two of
-//! these places it is the same everywhere, so it is asked for in the middle. For each u the s of the outside are one piece,
-//! as a cone's slab is convex, and so are those of the hole: the ray's point is reached unless the hole has both ends of
-//! that piece.
+//! In the plane of s and u, (1) is a parallelogram and (2) a conic. The swept points are all u for which there is an s.
+//! Their intervals begin and end where the outside's conic is extreme in u, where a conic crosses an edge of the
+//! parallelogram, or at a corner of it. Between two neighbouring candidates all points are swept or none, so one test in
+//! the middle is enough. For each u the values of s inside the outside form one interval, because a conical slab is
+//! convex, and so do those inside the hole: the point is swept unless the hole contains both ends of the first interval.
 //!
 //! Source: own derivation.
 
@@ -36,7 +36,7 @@ pub struct Sweep {
     pub from_mm: Vector,
     /// Tip position at the end.
     pub to_mm: Vector,
-    /// From the tip to the holder; a unit vector.
+    /// Unit vector from the tip to the holder.
     pub axis: Vector,
 }
 

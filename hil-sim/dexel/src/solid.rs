@@ -1,4 +1,4 @@
-//! Initial shapes of a stock, and what a tool has left of one.
+//! Initial shapes of a stock, and the shape that a tool has left.
 
 use std::fmt::Debug;
 

@@ -31,11 +31,11 @@ pub struct Volume {
 /// Reason why a stock cannot be built or cut further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StockError {
-    /// It has no rays.
+    /// The lattice of rays is invalid.
     Lattice(LatticeError),
-    /// It takes more memory than it may.
+    /// The stock takes more memory than allowed.
     Memory {
-        /// Memory that the stock takes.
+        /// Memory that the stock would take.
         needed_bytes: usize,
         /// Memory that the stock may take.
         allowed_bytes: usize,
@@ -112,7 +112,7 @@ impl Stock {
     /// Removes the material that the tool sweeps; returns its volume.
     ///
     /// # Errors
-    /// The pieces that are left take more than the memory allowed; what was swept is gone all the same.
+    /// The remaining intervals take more memory than allowed; the swept material is removed nevertheless.
     pub fn cut(&mut self, tool: &Tool, sweeps: &[Sweep]) -> Result<Volume, StockError> {
         let mut removed = Volume { by_axis: [0.0; 3] };
         for sweeps in sweeps.chunks(SWEEPS_AT_A_TIME) {

@@ -141,8 +141,8 @@ impl Process {
         self.moment(&step, found, removed_mm3)
     }
 
-    /// The same as [`Process::step`], but each edge that may have a chip has the workpiece's displacement at its own
-    /// position. The workpiece's modes come first.
+    /// Moves to the next position as [`Process::step`], on a flexible workpiece: each edge that may have a chip has
+    /// the workpiece's displacement at its own position. The workpiece's modes come first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, pose: &ToolPose, workpiece: &mut Workpiece<B>) -> ProcessStep {
         let mut at = self.engagement.poses(pose);
         self.edge_displacements.update(&self.engagement, &mut at, &self.vibration, workpiece);

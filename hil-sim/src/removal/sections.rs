@@ -51,9 +51,9 @@ pub struct SectionSettings {
 /// Numbers of edges that pass a place in one turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeCounts {
-    /// On the end.
+    /// Number of edges on the end.
     pub end: usize,
-    /// On each side, the outer and the inner one.
+    /// Number of edges on each side, the outer and the inner one.
     pub side: usize,
 }
 

@@ -8,7 +8,7 @@ use super::sender::{CHUNK, Sender, State};
 /// Failure of the line: it is gone, or accepts no characters.
 #[derive(Debug, thiserror::Error)]
 pub enum LineError {
-    /// It is gone.
+    /// The line is gone.
     #[error(transparent)]
     Port(#[from] PortError),
     /// The line has accepted nothing for this long.

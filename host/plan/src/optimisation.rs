@@ -64,7 +64,7 @@ impl<'p> Problem<'p> {
         Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
     }
 
-    /// The same with fixtures, as boxes that turn with the part: opposite corners, part frame.
+    /// The problem with fixtures, as boxes that turn with the part: opposite corners, part frame.
     #[must_use]
     pub fn with_fixture(self, fixture: &'p [[Point; 2]]) -> Self {
         Problem { fixture, ..self }

@@ -47,19 +47,19 @@ pub struct Level {
 /// Purpose of a piece of the path, such as a movement of the ring or a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Purpose {
-    /// Down to the first level, at the base position.
+    /// Line down to the first level, at the base position.
     Approach,
-    /// About B1 towards the base position, cutting with the outer circle.
+    /// Turn about B1 towards the base position; the outer circle cuts.
     Movement1,
-    /// About A away from it, outer circle.
+    /// Turn about A away from the base position; the outer circle cuts.
     Movement2,
-    /// About A towards it, inner circle.
+    /// Turn about A towards the base position; the inner circle cuts.
     Movement3,
-    /// About B1 away from it, inner circle.
+    /// Turn about B1 away from the base position; the inner circle cuts.
     Movement4,
-    /// From one level to the next.
+    /// Line from one level to the next.
     Link,
-    /// Up, at the base position.
+    /// Line up, at the base position.
     Retract,
 }
 

@@ -49,7 +49,7 @@ impl<'a> Known<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct KeptLines {
     one_by_one: BTreeSet<usize>,
-    /// So many leaks: every block after the first of them keeps its feed.
+    /// First line from which all blocks keep their feed, if there were too many leaks.
     all_from: Option<usize>,
 }
 

@@ -54,7 +54,7 @@ pub struct PlannedBlock {
     pub demand: Option<DemandRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
-    /// Why.
+    /// Reason for this feed.
     pub reason: PlanReason,
     /// Pieces of the move, if the law governs it without an override.
     pub pieces: Vec<SentPiece>,
@@ -64,7 +64,7 @@ pub struct PlannedBlock {
     pub chip_error: Option<ChipError>,
     /// F words in its text as sent.
     pub f_words: usize,
-    /// Why no law can look at it by itself.
+    /// Reason why no law can evaluate the move by itself.
     pub under: Option<NotModelled>,
     /// The fastest feed that machine, control and, where a law governs it, the job's ceiling allow; nothing for rapids.
     pub limit: Option<MoveLimit>,

@@ -23,7 +23,7 @@ pub enum Answer {
     Demand(FeedDemand),
     /// No feed is too high there.
     Anything,
-    /// It has no demand.
+    /// The law has no demand there.
     Nothing,
 }
 

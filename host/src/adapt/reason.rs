@@ -47,9 +47,9 @@ pub enum PlanReason {
     NeedsRewriting,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
     NoDemand,
-    /// It descends, but the plunge law has no feed that keeps the limits of the spindle.
+    /// The move descends, but the plunge law has no feed that keeps the limits of the spindle.
     Overload,
-    /// It descends, but the engagement map has no sections of it.
+    /// The move descends, but the engagement map has no sections of it.
     Unmapped,
     /// No cut rule speaks of it.
     NoRule,

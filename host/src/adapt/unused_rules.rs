@@ -45,9 +45,9 @@ pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUs
 enum Met {
     /// No move fits it.
     Never,
-    /// Those that fit it fit an earlier rule too.
+    /// All moves that match the rule also match an earlier rule.
     Behind,
-    /// It is the first that fits one.
+    /// A move matches the rule and no earlier one.
     First,
 }
 

@@ -54,12 +54,12 @@ impl Element {
         (arc.is_some() || from != to).then_some(Element { from, to, arc })
     }
 
-    /// Path at the start; `offset_mm` positive to the left.
+    /// Direction and offset circle of the path at the start of the move; `offset_mm` is positive to the left.
     pub fn start(&self, offset_mm: f64) -> Branch {
         self.branch(self.from, offset_mm)
     }
 
-    /// Path at the end.
+    /// Direction and offset circle of the path at the end of the move; `offset_mm` is positive to the left.
     pub fn end(&self, offset_mm: f64) -> Branch {
         self.branch(self.to, offset_mm)
     }

@@ -51,7 +51,7 @@ pub struct PathStart {
 pub enum Branch {
     /// The second axis stands beyond its position at the pole.
     Positive,
-    /// It stands before that position.
+    /// The second axis stands before that position.
     Negative,
 }
 

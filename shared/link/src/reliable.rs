@@ -27,11 +27,11 @@ pub struct Outgoing {
 /// Result of an acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acked {
-    /// Nothing new.
+    /// The acknowledgement is a repetition.
     Nothing,
     /// Messages were acknowledged; with a round trip if it is unambiguous.
     Some(Option<Span>),
-    /// It acknowledges messages that were never sent.
+    /// The peer acknowledges messages that were never sent.
     Impossible,
 }
 

@@ -58,7 +58,7 @@ pub struct Governing<'r> {
 /// Reason why a move that a cut rule matches keeps its programmed feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Exclusion {
-    /// It runs along the tool's axis, or turns about a line across it.
+    /// The move runs along the tool's axis, or turns about a line across this axis.
     Axial,
     /// A rotary axis turns with it: its F is not a feed along the path.
     Rotary,
@@ -84,7 +84,7 @@ impl Job {
         self.match_among(segment, machining, |_| true)
     }
 
-    /// The same among the rules whose index `admits` accepts.
+    /// Matches a move with the cut rules whose index `admits` accepts.
     pub fn match_among(&self, segment: &Segment, machining: &Machining, admits: impl Fn(usize) -> bool) -> Match<'_> {
         let Some((index, rule)) = self.rule_among(segment, machining.tool, admits) else { return Match::NoRule };
         let setup = self.tool_of(rule);
@@ -104,7 +104,7 @@ impl Job {
         self.rule_among(segment, tool, |_| true)
     }
 
-    /// The same among the rules whose index `admits` accepts.
+    /// The first rule that matches a move, as [`Job::rule_for`], among the rules whose index `admits` accepts.
     pub fn rule_among(
         &self,
         segment: &Segment,

@@ -186,7 +186,7 @@ impl EdgeEngagement {
         self.histories.len() + self.ends.len()
     }
 
-    /// Positions of the edges, before they are bent.
+    /// Positions of all edges for a tool pose, without deflection.
     pub fn poses(&self, pose: &ToolPose) -> EdgePoses {
         let descent = self.descent(pose);
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();

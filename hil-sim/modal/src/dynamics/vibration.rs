@@ -158,8 +158,8 @@ impl Vibration {
         VibrationStep { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
-    /// The same as [`Vibration::step`] with forces at several points: `force` returns those for displacements there, in
-    /// the order of the points. The step's displacement is still that of the cut.
+    /// Advances by `dt_s` as [`Vibration::step`], with forces at several points: `force` returns those for
+    /// displacements there, in the order of the points. The step's displacement is still that of the cut.
     pub fn step_at(
         &mut self,
         dt_s: f64,

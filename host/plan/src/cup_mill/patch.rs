@@ -101,7 +101,8 @@ impl Patch {
         self.least_below(f64::INFINITY, f)
     }
 
-    /// The same if a sample is below `limit`, otherwise none: for surfaces that rarely matter.
+    /// Minimum of a function over the points if a sample is below `limit`, otherwise `None`: for surfaces that rarely
+    /// matter.
     pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
         if self.is_coarse {

@@ -87,7 +87,7 @@ impl SideRange {
         self.foot
     }
 
-    /// The side above `raise` parts of its height.
+    /// The same side without its lowest `raise` of `RAISES` parts of its height.
     pub fn raised(&self, raise: usize) -> Self {
         let foot = self.foot + (1.0 - self.foot) * raise as f64 / RAISES as f64;
         SideRange { face: self.face.clone(), foot, ..*self }

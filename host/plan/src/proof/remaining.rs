@@ -26,11 +26,11 @@ pub struct Map {
 /// Remaining material in a slot beyond the allowance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemainingMaterial {
-    /// On the pressure side.
+    /// Material on the pressure side.
     pub pressure: Map,
-    /// On the suction side.
+    /// Material on the suction side.
     pub suction: Map,
-    /// On the hub between them.
+    /// Material on the hub between the sides.
     pub hub: Map,
 }
 

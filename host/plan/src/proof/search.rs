@@ -91,7 +91,8 @@ impl Search<'_> {
         self.least_until(gap_mm, [f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// The same, ended as soon as a distance below the first limit is found, or the lower bound reaches the second one.
+    /// Least distance, as [`Search::least`], but ended as soon as a distance below the first limit is found, or the
+    /// lower bound reaches the second one.
     pub fn least_until(&self, gap_mm: f64, [too_near_mm, enough_mm]: [f64; 2]) -> LeastDistance {
         let mut least = LeastDistance { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();

@@ -22,7 +22,7 @@ pub enum ProgramStart {
 pub enum ByteHandling {
     /// The control gets it.
     Pass,
-    /// It belongs to the last program's trailer.
+    /// The character belongs to the trailer of the last program.
     Discard,
     /// The client is dropped, for this reason.
     Refuse(String),

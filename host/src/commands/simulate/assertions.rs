@@ -28,7 +28,7 @@ const FEED: &[(&str, f64)] = &[("mm/min", 1.0), ("in/min", LengthUnit::Inch.mm()
 pub struct Assertion {
     text: String,
     figure: AssertedFigure,
-    /// In mm/min, W, N m, N, s, or as a ratio.
+    /// Limit in mm/min, W, N m, N, s, or as a ratio.
     limit: f64,
 }
 

@@ -26,9 +26,9 @@ pub const ARM: &str = "arm";
 /// Place where a person arms the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arming {
-    /// At its button, or by typing the word here.
+    /// At the board's button, or by typing `arm` here.
     Typed,
-    /// At its button: the keys here are the screen's.
+    /// Only at the board's button: the keyboard belongs to the screen.
     Button,
     /// Nowhere: the board and its button are simulated.
     Simulated,
