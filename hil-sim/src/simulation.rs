@@ -103,7 +103,7 @@ pub struct MoveOverride {
 }
 
 impl Simulation {
-    /// A control that reads from its DNC line, with the controller of the job.
+    /// Simulation of a control that reads from its DNC line, with the controller of the job.
     ///
     /// # Errors
     /// The bounds of the override are invalid.
@@ -111,7 +111,7 @@ impl Simulation {
         Ok(Simulation::new(Control::on_line(settings), job, InProcessController::new(job, fault, STEP.into())?))
     }
 
-    /// A control with the program in its memory, with the controller of the job.
+    /// Simulation of a control with the program in its memory, with the controller of the job.
     ///
     /// # Errors
     /// The bounds of the override are invalid.
@@ -130,7 +130,7 @@ impl Simulation {
 }
 
 impl<D: OverrideSource> Simulation<D> {
-    /// A control whose override comes from `source`.
+    /// Simulation of a control whose override comes from `source`.
     pub fn new(control: Control, job: &Job, source: D) -> Self {
         Simulation {
             now: Micros(0),

@@ -54,7 +54,7 @@ const HALVINGS: usize = 48;
 /// Reduction of the table's values, which are stored as f32.
 const F32_RATIO: f64 = 1.0 - 1e-6;
 
-/// Numbers of edges that pass a place in a turn.
+/// Numbers of cutting edges that pass a point in one turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges {
     /// z: on a side of the tool.

@@ -17,7 +17,7 @@ pub fn print(line: Arguments<'_>) -> std::io::Result<()> {
     stdout.flush()
 }
 
-/// Prints a line on stderr. An error is ignored: there is no place left to report it.
+/// Prints a line on stderr; errors of stderr are ignored, because nothing is left to report them to.
 pub fn note(line: Arguments<'_>) {
     if !IS_QUIET.load(Ordering::Relaxed) {
         let _lost = writeln!(stderr().lock(), "{line}");

@@ -74,7 +74,7 @@ impl PendingFile {
         }))
     }
 
-    /// Puts the file in its place, in one step.
+    /// Gives the finished file its name, in one step.
     ///
     /// # Errors
     /// It cannot be written.

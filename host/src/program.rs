@@ -175,7 +175,7 @@ impl Program {
         program
     }
 
-    /// Diagnostic for a first block that a control on a line takes for the label.
+    /// Diagnostic for a first block that a control on a line would skip as the label.
     pub fn missing_label(&self) -> Option<Diagnostic> {
         self.lines.first()?.missing_label()
     }

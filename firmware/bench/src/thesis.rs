@@ -147,7 +147,8 @@ pub struct Step<T> {
     pub turn: T,
 }
 
-/// One turn of the source's loop, equations (8) to (29): the step, and M and N in the frame that it leads to.
+/// One pass through the source's loop, equations (8) to (29): the step of a tooth, and the limits M and N in the
+/// frame after the step.
 pub fn tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let (step, next) = step::<T, M>(movement, line(movement.limits));
     let (cos, sin) = (M::cos(step.turn), M::sin(step.turn));

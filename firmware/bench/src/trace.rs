@@ -39,7 +39,7 @@ pub const LAWS: [(&str, LawChoice); 9] = [
 const SEED: u64 = 0x5eed_0fa2_cfee_d001;
 const TICKS_PER_BLOCK: u64 = 400;
 
-/// Result of a run: a hash, and counts of the ticks that it covers, by case.
+/// Result of a run: a hash, and numbers of ticks by case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Trace {
     /// FNV-1a of all outputs.

@@ -153,7 +153,7 @@ impl Alarm {
 }
 
 impl Counters {
-    /// Counts a tick by its reason.
+    /// Counts a tick under its reason.
     #[inline(always)]
     pub fn count(&mut self, reason: Reason) {
         let counter = match reason {

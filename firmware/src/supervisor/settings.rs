@@ -124,7 +124,7 @@ impl Settings {
         if is_lost { Quality::Lost } else { Quality::Stale }
     }
 
-    /// The loss; the position has priority. One of both must be lost.
+    /// The loss of position or link; if both are lost, that of the position. One of them must be lost.
     #[cold]
     pub fn loss(&self, position: &Freshness, link: &Freshness) -> Loss {
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));

@@ -88,7 +88,7 @@ impl DncPort {
         }
     }
 
-    /// Accepts bytes that the host puts on the line; they arrive at line rate.
+    /// Accepts bytes that the host puts on the line; they arrive at the rate of the line.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
         let Some(settings) = self.settings else { return };
         if !matches!(self.flow, Flow::Closed) {

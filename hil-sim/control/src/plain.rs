@@ -161,7 +161,7 @@ impl PlainReader {
     }
 }
 
-/// Pose with this Z, and zero in all other axes.
+/// Position with this Z, and zero in all other axes.
 pub fn along_z(length: Nm) -> Pose {
     Pose { linear: [Nm(0), Nm(0), length], ..Pose::ORIGIN }
 }

@@ -32,7 +32,7 @@ impl Default for TapeSettings {
     }
 }
 
-/// A block off the tape.
+/// Block received from the tape or the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReceivedBlock {
     /// Label, which the tape skips.
@@ -73,7 +73,7 @@ impl Tape {
         Tape::new(TapeSettings { code: Some(TapeCode::Ascii), label_skip: false, ..TapeSettings::default() })
     }
 
-    /// Notes a frame as it arrives; returns whether it ends a block.
+    /// Examines a frame as it arrives; returns whether it ends a block.
     pub fn watch(&mut self, frame: u8) -> bool {
         let Some(code) = self.code else {
             self.code = TapeCode::of_end_of_block(frame);

@@ -31,7 +31,7 @@ impl Interval {
         self.to_mm - self.from_mm
     }
 
-    /// Intersection of both intervals; an empty one ends before it begins.
+    /// Intersection of both intervals; if they do not overlap, the result ends before it begins.
     #[inline]
     pub fn common(&self, other: &Interval) -> Interval {
         // Comparisons, each an instruction: ends are numbers.

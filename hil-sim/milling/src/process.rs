@@ -100,7 +100,7 @@ impl Process {
         &self.chips_mm
     }
 
-    /// Takes the edges out of the material; the tool is at rest when they return.
+    /// Takes the edges out of the material; when they enter again, the tool does not vibrate.
     pub fn lift(&mut self) {
         self.engagement.lift();
         self.vibration.rest();

@@ -19,7 +19,7 @@ use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
 use crate::fe::modal_point::ModalPoint;
 
-/// A body whose modes are known at each of its points, and around it.
+/// Body whose mode shapes are known at each of its points, and around it.
 pub trait Modal {
     /// Angular frequencies, rad/s.
     fn omega_rad_per_s(&self) -> &[f64];

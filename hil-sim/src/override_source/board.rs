@@ -127,7 +127,7 @@ struct Counts {
 }
 
 impl<W: Wires, A: AttachedDevices> Board<W, A> {
-    /// A board with something attached to its other lines.
+    /// Board with a device attached to its other lines.
     pub fn new(wires: W, attached: A, mode: ModeCode) -> Self {
         Board {
             wires,

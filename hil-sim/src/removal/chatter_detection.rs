@@ -54,7 +54,7 @@ impl ChatterSamples {
         self.sampling.teeth
     }
 
-    /// Change of position that counts as none.
+    /// Largest change of position that counts as no change.
     pub fn floor_mm(&self) -> f64 {
         self.sampling.floor_mm
     }

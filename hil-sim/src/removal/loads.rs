@@ -179,7 +179,7 @@ impl LoadMeter {
         self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
-    /// Change of position that chatter detection counts as none.
+    /// Largest change of position that chatter detection counts as no change.
     pub fn floor_mm(&self) -> f64 {
         self.settings.samples.floor_mm()
     }

@@ -48,7 +48,7 @@ pub struct SectionSettings {
     pub has_ramps: bool,
 }
 
-/// Numbers of edges that pass a place in one turn.
+/// Numbers of edges that pass a point in one turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeCounts {
     /// Number of edges on the end.
@@ -157,8 +157,8 @@ impl SectionMeter {
         self.descent == Some(block.count)
     }
 
-    /// Takes a sample on the last descending move, unless the one before is nearer than `apart_mm`. The first sample of a
-    /// move is that of its joint, too.
+    /// Takes a sample on the last descending move, unless the previous sample is nearer than `apart_mm`. The first
+    /// sample of a move also counts for the joint with the move before.
     pub fn sample(&mut self, tool: &ToolAt<'_>, at_mm: f64, apart_mm: f64) {
         let [before @ .., moved] = &mut self.moves[..] else { return };
         if moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {

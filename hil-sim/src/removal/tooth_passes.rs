@@ -101,7 +101,7 @@ impl ToothPasses {
         &self.ended
     }
 
-    /// Takes the teeth out of the material: unfinished passes do not count.
+    /// Takes the teeth out of the material; unfinished passes do not count.
     pub fn lift(&mut self) {
         self.open.fill(None);
     }

@@ -37,7 +37,7 @@ impl Functions {
         }
     }
 
-    /// Words that switch spindle and coolant on again, at this speed.
+    /// Words that switch spindle and coolant on again, with this speed.
     pub fn words(&self, speed: Option<i64>) -> Vec<String> {
         let mut blocks = Vec::new();
         let speed = speed.map(|speed| format!("S{speed}")).unwrap_or_default();

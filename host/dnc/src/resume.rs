@@ -118,7 +118,7 @@ impl RestartPlan {
         })
     }
 
-    /// Text of the blocks that come first.
+    /// Text of the blocks that are sent before the rest of the program.
     pub fn preamble(&self) -> String {
         self.blocks.iter().map(|block| format!("{block}\n")).collect()
     }

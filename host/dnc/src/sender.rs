@@ -124,7 +124,7 @@ pub struct Counters {
 }
 
 impl Sender {
-    /// Sender that may hand out everything at once (see [`Sender::permit`]).
+    /// Sender without gates, which may send everything at once (see [`Sender::permit`]).
     pub fn new(transmission: Transmission, line: LineUse) -> Self {
         Sender {
             flow: if line.xonxoff { Flow::Silent } else { Flow::Go },

@@ -152,8 +152,8 @@ impl Transmission {
         Ok(sent)
     }
 
-    /// This transmission with lines of ours behind some of its own: index and text, in order; they count as of that
-    /// line.
+    /// This transmission with lines of ours added behind some of its own: index and text, in order. An added line
+    /// counts as part of the line before it.
     ///
     /// # Errors
     /// The control's code lacks a character of ours.

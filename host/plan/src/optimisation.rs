@@ -78,7 +78,7 @@ impl<'p> Problem<'p> {
         self.ranked(admits).map(|mut ranked| ranked.swap_remove(0))
     }
 
-    /// Plans that `admits` accepts, those that remove most first, at least one.
+    /// Plans that `admits` accepts, sorted by the removed fraction, the largest first; at least one.
     ///
     /// # Errors
     /// Reason for the roomiest axis, if there is no plan: the least missing width.
@@ -103,7 +103,8 @@ impl<'p> Problem<'p> {
         }
     }
 
-    /// Plan of the highest rank whose proof holds, or else the first one, with its proof; there is one plan if the axis is given.
+    /// Best plan whose proof holds, with the proof; if none holds, the best plan with its proof. If the axis is
+    /// given, there is only one plan.
     ///
     /// # Errors
     /// There is no plan.

@@ -79,7 +79,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// `count` places from the start to the end, evenly along the step.
+    /// `count` evenly spaced points from the start to the end of the step.
     pub fn places(&self, count: u32) -> Vec<[f64; 3]> {
         let share = |k: u32| f64::from(k) / f64::from(count.max(2) - 1);
         let along =

@@ -62,7 +62,7 @@ pub struct InsertedMove {
     pub place: ContourPlace,
 }
 
-/// Conditions of a move along a contour that its segment does not show.
+/// Conditions of a move under cutter compensation that its segment does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPlace {
     /// Side of the contour on which the tool runs, on an arc.

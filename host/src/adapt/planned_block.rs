@@ -121,7 +121,7 @@ impl PlannedBlock {
         if has_corner && is_outside { Segment { path: Path::Line, ..self.segment } } else { self.segment }
     }
 
-    /// Feed that a law has set on its move, or on the corner behind it.
+    /// Feed that a law has set on the move, or on the corner behind it.
     pub fn governed_feed(&self) -> Option<Nm> {
         let is_governed = self.demand.is_some() || self.reason == PlanReason::Corner;
         self.sent.filter(|_| is_governed)

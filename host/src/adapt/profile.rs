@@ -122,7 +122,7 @@ impl Profile {
         }
     }
 
-    /// Whether one answer stands for the whole move.
+    /// Whether one answer is valid for the whole move.
     pub fn is_uniform(&self) -> bool {
         self.bounds.len() == 1
     }

@@ -108,7 +108,7 @@ impl From<&Adapted> for WrittenProgram {
 }
 
 impl WrittenProgram {
-    /// Text that each line of the original file has become, with its line end.
+    /// New text of each line of the original file, with its line end.
     pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
         let begins = std::iter::once(0).chain(self.line_ends.iter().copied());
         begins.zip(&self.line_ends).map(|(begin, end)| &self.text[begin..*end])

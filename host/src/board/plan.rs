@@ -63,7 +63,7 @@ impl MoveBounds {
     }
 }
 
-/// Messages of a planned move with the feed that it is sent with: its engaged arcs, then the move.
+/// Messages of a planned move with its sent feed: its engaged arcs, then the move.
 ///
 /// # Errors
 /// Numbers out of range.

@@ -162,7 +162,8 @@ impl KeptMoves {
         KeptMoves { places, ..KeptMoves::default() }
     }
 
-    /// Adds a block if it is one of these moves; of the executions of a line the first.
+    /// Adds a block if it keeps its programmed feed although a cut rule matches it; of the executions of a line, the
+    /// first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
         let corner = block.inserted.as_ref().and_then(|inserted| inserted.demand);
@@ -195,7 +196,7 @@ impl KeptMoves {
         }
     }
 
-    /// Says on stderr why no move is governed, if none is, and what to change.
+    /// Explains on stderr why no move is governed, if none is, and what to change.
     pub fn explain(&self, program: &Path, file: &JobFile) {
         if self.governed > 0 || file.job.tools.first().law == LawKind::Programmed && file.job.tools.len() == 1 {
             return;
@@ -236,7 +237,7 @@ impl KeptMoves {
     }
 }
 
-/// Moves that are not in the map although their rule takes the engaged arcs from it.
+/// Moves whose rule takes the engagement from the map but that the map does not contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnknownMoves {
     first_line: usize,
@@ -244,7 +245,7 @@ pub struct UnknownMoves {
 }
 
 impl UnknownMoves {
-    /// Counts a block if it is one of these moves.
+    /// Counts a block if the map does not contain it.
     pub fn add(&mut self, block: &PlannedBlock, file: &JobFile) {
         let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
         if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::expects_engagement_per_move) {

@@ -56,7 +56,7 @@ pub struct JobValues {
 }
 
 impl JobValues {
-    /// Whether one of them is given.
+    /// Whether any of the values is given.
     pub fn is_any(&self) -> bool {
         let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, library, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
@@ -90,7 +90,8 @@ impl JobValues {
         keys
     }
 
-    /// The job of a program: the one that `arcfeed init` proposes with these values, without its open tools.
+    /// Job for a program without a job file: the one that `arcfeed init` proposes with these values, without the
+    /// tools that have open questions.
     ///
     /// # Errors
     /// The program cannot be read, or a value is missing: with the option that gives it.

@@ -33,13 +33,13 @@ fn parity(letter: &str) -> Result<Parity, &'static str> {
 }
 
 impl LineArgs {
-    /// Whether any of them is given.
+    /// Whether any of the options is given.
     pub fn is_any(&self) -> bool {
         let LineArgs { baudrate, bytesize, parity, stopbits, rtscts } = self;
         baudrate.is_some() || bytesize.is_some() || parity.is_some() || stopbits.is_some() || *rtscts
     }
 
-    /// Replaces the job's settings by those given.
+    /// Replaces settings of the job by the given options.
     ///
     /// # Errors
     /// A parity bit beside a code that the sender makes.

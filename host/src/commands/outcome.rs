@@ -122,7 +122,7 @@ pub fn refuse_inputs(outputs: &[Option<&Path>], inputs: &[PathBuf]) -> Result<()
     output::refuse_inputs(&outputs, inputs).map_err(Failure::Input)
 }
 
-/// Loads a job and its program, both without errors, without the engagement map that the job may name.
+/// Loads a job and its program, but not the engagement map that the job may name; fails if the program has errors.
 ///
 /// # Errors
 /// Every error of the program, one per line; a program too long to be kept as a whole.
@@ -221,7 +221,7 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag that Ctrl-C (or a request to terminate) sets: one for the process.
+/// Flag of the process that Ctrl-C, or a request to terminate, sets.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     static WATCH: Once = Once::new();

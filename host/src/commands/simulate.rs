@@ -120,7 +120,7 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Simulation that only writes its report.
+    /// Simulation of which only the report is written.
     pub fn report_of(input: JobInput, report: PathBuf) -> Self {
         let (surface, assertions, junit) = (None, Vec::new(), None);
         Simulate {

@@ -44,7 +44,8 @@ impl TangentialForce {
     }
 }
 
-/// Engaged section where one descending move passes into another: the first tooth cuts what both have left.
+/// Engaged section where one descending move passes into another: there the first tooth cuts the material that both
+/// moves have left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedJoint {
     /// Moment of the end's edges.

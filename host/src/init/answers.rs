@@ -26,7 +26,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers for a tool: those that name it before those for every tool.
+    /// Value for a tool: one given for this tool, otherwise one given for every tool.
     pub fn of<T: Clone>(values: &[ForTool<T>], tool: Option<i64>) -> Option<T> {
         let named = values.iter().find(|value| value.tool.is_some() && value.tool == tool);
         named.or(values.iter().find(|value| value.tool.is_none())).map(|value| value.value.clone())

@@ -35,7 +35,7 @@ pub struct Group {
     pub sweep_rad: [f64; 2],
 }
 
-/// Groups of arcs, those of one tool and plane together, by radius and sense.
+/// Groups of arcs, sorted by tool and plane, then by radius and sense.
 pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     let mut sorted: Vec<&FoundArc> = arcs.iter().collect();
     let key = |arc: &FoundArc| (arc.tool, arc.plane.axes());

@@ -213,8 +213,8 @@ impl Survey {
         }
     }
 
-    /// Checks that no arc is fed faster where the program mirrors an axis: an arc that runs outside by its direction may run
-    /// inside there.
+    /// Checks that outside arcs are not to be fed faster if the program mirrors an axis: there, an arc that looks
+    /// like an outside arc may run inside.
     ///
     /// # Errors
     /// The place, and what to do.

@@ -97,7 +97,7 @@ pub enum Blank {
     Stl(StlFile),
 }
 
-/// Cutting body of a tool, apart from its radii.
+/// Shape of a tool's cutting part besides its radii: corner and height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Corner radius: of an insert on both sides, of a mill's end. A ball-end mill has its own radius here.

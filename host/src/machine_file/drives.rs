@@ -141,7 +141,7 @@ impl Drives {
         Ok(Some(Drives { linear, rotary: [drive(3)?, drive(4)?], tolerance }))
     }
 
-    /// Replaces the speeds by those that the machine has now: a job may have changed them.
+    /// The drives with other maximum speeds, which a job may have changed.
     #[must_use]
     pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
         for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {

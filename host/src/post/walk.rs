@@ -73,14 +73,14 @@ impl Move {
         [from[0] + part * turned[0], from[1] + part * turned[1]]
     }
 
-    /// Move of the tip, if it is a straight one under G43.4.
+    /// The move as a straight move of the tip under G43.4; `None` for other moves.
     pub fn of_tip(&self) -> Option<TipMove> {
         let is_straight = self.made.follows_tip && self.made.segment.path == Path::Line;
         let tip_mm = [self.made.segment.start, self.made.segment.end].map(|pose| pose.linear.map(Nm::to_mm));
         is_straight.then_some(TipMove { tip_mm, rotary_deg: self.rotary_deg })
     }
 
-    /// Axis positions: at both ends, and on a curved path a degree or less apart.
+    /// Axis positions along the move: at both ends, and on a curved path at steps of one degree at most.
     pub fn places(&self, machine: &Machine) -> Vec<Axes> {
         let turned = self.turned_deg();
         let bend_deg = match &self.made.segment.path {

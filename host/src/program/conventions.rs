@@ -185,8 +185,8 @@ fn median(powers: &[usize; 64]) -> Option<usize> {
     })
 }
 
-/// Advice for a program with arcs that do not close: a convention with which more of them do, if there is one. The program is
-/// read again with it.
+/// Advice for a program with arcs that do not close: a convention with which more of them close, if there is one. The
+/// program is read again to find it.
 pub fn fitting_convention(source: &Source) -> Option<String> {
     let settings = source.settings;
     let open_arcs = |settings: Settings| {

@@ -34,7 +34,7 @@ struct HeldMove {
 }
 
 impl CornerMoves {
-    /// Whether the move of this line waits for the one behind its corner.
+    /// Whether the move of this line waits for the move behind its corner.
     pub fn holds(&self, line: usize) -> bool {
         self.held.is_some_and(|held| held.line == line)
     }

@@ -23,7 +23,7 @@ pub struct LineReader {
     has_trailer: bool,
 }
 
-/// The program with capitals in its code, as it is sent to a control.
+/// The program with capital letters in its code, as it is sent to a control.
 pub fn in_capitals(program: &[u8]) -> Vec<u8> {
     let mut capitals = Vec::with_capacity(program.len());
     for RawLine { text, ending } in Lines::new(program) {

@@ -203,7 +203,7 @@ impl PathSummary {
         lines.map(|(line, raw)| (Diagnostic::of_line(line, raw.text, STOPPED), raw.text)).collect()
     }
 
-    /// Comment about a tool: one with its data, otherwise the one at its tool change.
+    /// Comment about a tool: preferably one with its data, otherwise the comment at its tool change.
     pub fn comment_of<'s>(&'s self, tool: &'s ToolUse) -> &'s str {
         let described = tool.number.and_then(|number| self.comments.notes.text_of(number));
         described.unwrap_or(&tool.comment)

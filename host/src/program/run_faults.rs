@@ -103,7 +103,7 @@ impl<'a> RunFaults<'a> {
     }
 }
 
-/// Line in the main program's file; for a place in the library that of the call that led to it.
+/// Line of the main program's file for a place: for a place in the library, the line of the call that led there.
 pub fn in_main(place: SourceLine, calls: &[SourceLine]) -> SourceLine {
     let call = || calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
     if place.library.is_none() { place } else { call() }

@@ -49,12 +49,12 @@ pub struct SourceLines<'a> {
 }
 
 impl SourceLines<'_> {
-    /// The next line, if there is one more.
+    /// Reads and returns the next line, if there is one more.
     pub fn next_line(&mut self) -> Option<&ProgramLine> {
         self.read_next().then_some(&self.line)
     }
 
-    /// Reads the next line, if there is one more: see [`SourceLines::line`].
+    /// Reads the next line; returns whether there was one. [`SourceLines::line`] returns the line.
     pub fn read_line(&mut self) -> bool {
         self.read_next()
     }
@@ -176,7 +176,7 @@ impl Source {
         summary
     }
 
-    /// A diagnostic of a line, at its place in the file.
+    /// Converts a diagnostic of a line to its place in the file.
     #[must_use]
     pub fn in_file(&self, found: Diagnostic) -> Diagnostic {
         match &self.places {

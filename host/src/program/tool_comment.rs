@@ -146,7 +146,7 @@ impl ToolComment {
         self.has_size() || self.kind.is_some()
     }
 
-    /// Whether there is a dimension or a count of the tool.
+    /// Whether the comment has a dimension of the tool or a number of teeth.
     pub fn has_size(&self) -> bool {
         self.diameter_mm.is_some() || self.corner_radius_mm.is_some() || self.teeth.is_some()
     }

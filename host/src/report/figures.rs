@@ -111,7 +111,7 @@ impl fmt::Display for AlarmFigures {
     }
 }
 
-/// Block whose feed, with its override, one axis did not allow.
+/// Block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisLimitFigures {
     /// Blocks executed, up to and including this one.

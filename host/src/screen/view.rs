@@ -210,7 +210,7 @@ impl View {
         self.executed.unwrap_or(self.sent)
     }
 
-    /// Characters sent of blocks that the control has not started, if it reports that.
+    /// Number of characters sent of blocks that the control has not started, if the control reports its progress.
     pub fn at_control(&self) -> Option<usize> {
         let end = self.program.ends.get(self.executed?)?;
         Some(self.characters.saturating_sub(*end))

@@ -43,7 +43,7 @@ impl CsvFile {
         self.0.write_all(b"\n")
     }
 
-    /// Puts the file in its place.
+    /// Gives the finished file its name.
     ///
     /// # Errors
     /// It cannot be written.

@@ -85,7 +85,7 @@ impl ParquetFile {
         if self.rows == GROUP_ROWS { self.flush() } else { Ok(()) }
     }
 
-    /// Writes the rest, and puts the file in its place.
+    /// Writes the rest, and gives the finished file its name.
     ///
     /// # Errors
     /// It cannot be written.

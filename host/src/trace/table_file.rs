@@ -74,7 +74,7 @@ impl TableFile {
         }
     }
 
-    /// Writes the rest, and puts the file in its place.
+    /// Writes the rest, and gives the finished file its name.
     ///
     /// # Errors
     /// The file cannot be written.

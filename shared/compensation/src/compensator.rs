@@ -100,12 +100,12 @@ impl Compensator {
         Compensator { settings, held: None, waiting: heapless::Vec::new(), blocks: 0, vector: NONE }
     }
 
-    /// Whether the tool is beside the contour, or on its way there.
+    /// Whether the tool is beside the contour, or moves to it or away from it.
     pub fn is_active(&self) -> bool {
         self.held.is_some() || self.vector != NONE
     }
 
-    /// Move that waits for the next one.
+    /// Move that waits for the next move, because its end depends on it.
     pub fn held(&self) -> Option<&ContourMove> {
         self.held.as_ref().map(|held| &held.programmed)
     }

@@ -42,7 +42,7 @@ pub struct Circle {
 }
 
 impl Element {
-    /// The move in the plane; `None` if it does not travel there.
+    /// The move in the plane; `None` if it does not move there.
     pub fn of(segment: &Segment, plane: Plane) -> Option<Self> {
         let (from, to) = (in_plane(&segment.start, plane), in_plane(&segment.end, plane));
         let arc = match &segment.path {
@@ -73,7 +73,7 @@ impl Element {
         Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - f64::from(arc.sign) * offset_mm }) }
     }
 
-    /// Radius of the arc at its smaller end, and of its offset path there; `None` for a line.
+    /// Smaller end radius of the arc, and radius of its offset path there; `None` for a line.
     pub fn radii_mm(&self, offset_mm: f64) -> Option<(f64, f64)> {
         let arc = self.arc.as_ref()?;
         let [start, end] = [self.from, self.to].map(|point| length(between(point, arc.center)));

@@ -35,7 +35,7 @@ pub struct InsertedCorner {
 }
 
 impl InsertedCorner {
-    /// Inserts a corner between two moves that meet at its point.
+    /// Inserts a corner between two consecutive moves.
     ///
     /// # Errors
     /// PS0055 if the first move is too short for the corner or no such corner exists, PS0051 if the second is too short.

@@ -93,7 +93,7 @@ impl Segment {
         Segment { start: self.start.plus(by), end: self.end.plus(by), path, ..*self }
     }
 
-    /// The arc, if it is one.
+    /// The arc of the segment; `None` for other shapes.
     pub fn arc(&self) -> Option<&Arc> {
         match &self.path {
             Path::Arc(arc) => Some(arc),

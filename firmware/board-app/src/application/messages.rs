@@ -138,7 +138,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
 }
 
 impl PlannedMove {
-    /// Whether the axes are at its start position, if it has to wait for them.
+    /// Whether the axes are at the move's start position, if the move has to wait for them.
     pub fn can_begin(&self, position: Option<&Pose>) -> bool {
         self.begins_at.is_none_or(|begin| {
             position.is_some_and(|position| {
@@ -148,12 +148,12 @@ impl PlannedMove {
         })
     }
 
-    /// Whether it belongs to a run before `run`.
+    /// Whether the move belongs to a run before `run`.
     pub fn is_before(&self, run: u32) -> bool {
         self.run != run && !self.is_behind(run)
     }
 
-    /// Whether it belongs to a run after `run`.
+    /// Whether the move belongs to a run after `run`.
     pub fn is_behind(&self, run: u32) -> bool {
         // Run numbers wrap around: the shorter distance decides.
         self.run.wrapping_sub(run).cast_signed() > 0

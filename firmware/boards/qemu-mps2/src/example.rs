@@ -49,7 +49,7 @@ impl Block {
     }
 }
 
-/// The run, tick by tick: the position, and the block if a new one begins, with its count.
+/// Iterator over the recorded run, tick by tick: the position and, when a new block begins, the block with its count.
 #[derive(Debug)]
 pub struct Run {
     tick: u32,

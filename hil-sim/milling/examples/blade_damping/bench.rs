@@ -90,7 +90,7 @@ pub fn tool_point_mm() -> [f64; 3] {
 }
 
 impl<B: Modal> Bench<B> {
-    /// A body that has the shape of this blade in the cut region.
+    /// Bench for a body that has the shape of this blade in the cut region.
     pub fn new(body: B, blade: Blade, stepover_mm: f64, resolution: PassResolution) -> Result<Self, Failure> {
         let section = |length_mm, diameter_mm| BeamSection { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];

@@ -119,7 +119,7 @@ impl EdgeElement {
         self.edge_mm() - self.outward() * self.depth_mm
     }
 
-    /// Whether the whole rake face is so far to one side of the layer's rays that no material there matters.
+    /// Whether the whole rake face lies so far beside the layer's rays that it cannot meet material.
     pub fn is_apart(&self, layer: &Layer) -> bool {
         [0, 1].into_iter().any(|axis: usize| {
             let at = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
@@ -271,7 +271,7 @@ impl EdgeElement {
 }
 
 impl EdgeHistory {
-    /// Chip in front of the edge, which has moved here from its last cut.
+    /// Chip in front of the edge, for its motion since its last cut.
     pub fn front(&mut self, element: &EdgeElement, layer: &Layer) -> FrontChip {
         if element.is_apart(layer) {
             return FrontChip::default();
@@ -318,7 +318,7 @@ impl EdgeHistory {
         (element.edge_mm() - from.edge_mm()).norm().max((element.root_mm() - from.root_mm()).norm())
     }
 
-    /// Moves the edge to its next position, where it meets nothing.
+    /// Moves the edge to its next position without cutting.
     pub fn move_without_cut(&mut self, element: &EdgeElement) {
         *self = EdgeHistory { last: Some(*element), behind: None, requested: None };
     }

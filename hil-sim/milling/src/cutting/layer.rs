@@ -68,7 +68,8 @@ impl Layer {
         layer
     }
 
-    /// Cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
+    /// Layer of a stock: the cells whose middle is nearest to a height along `axis`. The plane has the two axes that
+    /// follow it.
     pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
         let lattice = stock.lattice();
         let [first, second] = Lattice::across(axis);

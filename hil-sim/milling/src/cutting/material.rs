@@ -23,7 +23,7 @@ pub struct ChipSection {
 }
 
 impl ChipSection {
-    /// One chip in place of two side by side: as wide as both, with the same section.
+    /// One chip in place of two adjacent ones, with their total width and total section.
     pub fn with(&self, other: &ChipSection) -> Self {
         let width_mm = self.width_mm + other.width_mm;
         let section_mm2 = self.thickness_mm * self.width_mm + other.thickness_mm * other.width_mm;

@@ -103,13 +103,13 @@ impl ChipMeter {
         &self.moves
     }
 
-    /// Quantity of the last tooth measured on the move in execution, steady or not, relative to the target.
+    /// Chip load of the last tooth measured on the move in execution, steady or not, relative to the target.
     pub fn last_ratio(&self) -> Option<f64> {
         self.last_ratio
     }
 
-    /// Quantity of the tooth that the last report completed, if there was one with a contact. If a report completes
-    /// several teeth, that of the last one.
+    /// Measured chip load of the tooth that the last report completed, if that tooth had a contact. If a report
+    /// completes several teeth, that of the last one.
     pub fn latest(&self) -> Option<MeasuredChip> {
         self.latest
     }
@@ -154,7 +154,7 @@ impl ChipMeter {
         self.cut = MeasuredMove::new(segment, governing);
     }
 
-    /// Counts a report as left out: the axes are not on the move yet, or the spindle stands still.
+    /// Counts a report as left out, because the axes are not on the move yet or the spindle stands still.
     pub fn leave_out(&mut self, sample: &Sample) {
         self.latest = None;
         if !self.is_on(sample.block) {

@@ -97,7 +97,7 @@ pub struct Tooth {
     pub force_n: f64,
 }
 
-/// The mill has no such edges, or they do not fit the layers.
+/// Error: the mill has no such edges, or they do not fit the layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillError;
 

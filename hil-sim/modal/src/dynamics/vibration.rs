@@ -133,7 +133,7 @@ impl Vibration {
         self.compliance = self.compliance_of_step();
     }
 
-    /// Adds a point. Shapes not given are those of the cut.
+    /// Adds a point with these mode shapes; missing shapes are those of the cut.
     pub fn add_place(&self, shapes: &[Vector3<f64>], onto: &mut Places) {
         let shapes = &shapes[..shapes.len().min(self.modes.len())];
         onto.shapes.extend(shapes.iter().copied().chain(self.modes[shapes.len()..].iter().map(|mode| mode.shape)));

@@ -50,7 +50,7 @@ const PROBES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 pub const GRAIN_MM: f64 = 1.0 / (1 << 23) as f64;
 
 impl NormalForm {
-    /// Normal form of a rotor and its slot, and both in it, rounded to `grain_mm` if there is one.
+    /// Normal form of a rotor and its slot; rotor and slot in the normal form, rounded to `grain_mm` if given.
     pub fn of(blisk: &Blisk, slot: &Slot, start: StartEdge, grain_mm: Option<f64>) -> (Self, Blisk, Slot) {
         let faces = [&slot.pressure, &slot.suction];
         let points = PROBES.iter().flat_map(|u| PROBES.map(|v| faces.map(|face| face.point(*u, v).coords)));

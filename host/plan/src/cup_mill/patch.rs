@@ -57,7 +57,7 @@ impl Patch {
         Patch { point: Arc::new(move |u, v| turn * point(u, v)), samples, ..*self }
     }
 
-    /// The same surface with every `stride`th sample in both directions, and searches that end at the best of them: for
+    /// The same surface with every `stride`th sample in both directions; its searches end at the best sample. For
     /// comparisons of many plans.
     pub fn coarse(&self, stride: usize) -> Self {
         let samples = self.thinned_places(stride).copied().collect();

@@ -147,8 +147,8 @@ impl OffsetSide {
     }
 }
 
-/// The hub with its allowance, about the slot, in the part frame: u along the rotor's axis from one face of the blank to the
-/// other, and by the allowance beyond them, v about it.
+/// The hub with its allowance around the slot, in the part frame. The parameter u runs along the rotor's axis, beyond
+/// both faces of the blank by the allowance; v runs around the axis.
 pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2]) -> Patch {
     let hub = blisk.hub.clone();
     let [low, high] = blisk.blank.faces_mm;

@@ -93,7 +93,7 @@ impl Face {
         Ok(face)
     }
 
-    /// Point at `(u, v)`; beyond the unit square that of its border.
+    /// Point at `(u, v)`; parameters outside the unit square are limited to it.
     pub fn point(&self, u: f64, v: f64) -> Point {
         let [u, v] = [self.u.basis::<1>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
         let sum = combined(&self.isolines(&u, &v, 0), &v.rows[0]);

@@ -18,7 +18,7 @@ const KNOT_STEPS: f64 = (1 << 30) as f64;
 /// Values of the functions that do not vanish at a parameter.
 pub type Weights = [f64; DEGREE_MAX + 1];
 
-/// Degree and knots of one direction of a surface, clamped at both ends.
+/// One direction of a spline surface: degree and knots, clamped at both ends.
 #[derive(Clone, Debug)]
 pub struct Spline {
     degree: usize,
@@ -45,7 +45,7 @@ impl Spline {
         Spline { degree: self.degree, knots }
     }
 
-    /// Spline from its other end.
+    /// The spline with its parameter reversed.
     pub fn reversed(&self) -> Self {
         Spline { degree: self.degree, knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect() }
     }

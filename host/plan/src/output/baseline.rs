@@ -148,7 +148,7 @@ impl FlankMilling {
 }
 
 impl SlotSize {
-    /// Size of the slot between its allowances: the nearest places of both sides, height by height.
+    /// Size of the slot inside its allowances, from the nearest points of both sides at each height.
     pub fn of(slot: &Slot, blisk: &Blisk, allowance_mm: f64) -> Self {
         let places = |face: &Face, v: f64| -> Vec<Point> {
             (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()

@@ -113,7 +113,8 @@ impl Sheet {
         self.line(&format!("N{number}{words}"));
     }
 
-    /// Writes a numbered block that moves: `motion` is G0 to G3, `feed` its mode and its F; only changes are written.
+    /// Writes a numbered block with a motion: `motion` is G0 to G3, `feed` is the feed mode and F. Codes that are in
+    /// force already are left out.
     pub fn motion(&mut self, motion: &'static str, words: &str, feed: Option<(&'static str, f64)>) {
         let (mut codes, mut tail) = (String::new(), String::new());
         if let Some((mode, value)) = feed {

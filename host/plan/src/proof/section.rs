@@ -60,7 +60,7 @@ impl Section {
         libm::hypot(across.max(0.0), up.max(0.0)) + across.max(up).min(0.0) - self.rounding_mm // (1)
     }
 
-    /// Gradient of the distance with radius and height: a unit vector; where there are several, one of them.
+    /// Gradient of the distance with respect to radius and height: a unit vector; if there are several, one of them.
     pub fn slope(&self, radius_mm: f64, height_mm: f64) -> [f64; 2] {
         let [(across, outward), (up, upward)] = self.beyond(radius_mm, height_mm);
         let length = libm::hypot(across.max(0.0), up.max(0.0));

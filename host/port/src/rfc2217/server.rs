@@ -82,7 +82,8 @@ pub struct Server {
 }
 
 impl Server {
-    /// Server for a client that has just connected; its port has the line's settings until it requests others.
+    /// Server for a client that has just connected; its port has the settings of the line until the client requests
+    /// others.
     pub fn new(line: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, .. } = *line;
         Server {

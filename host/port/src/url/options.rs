@@ -48,7 +48,7 @@ impl Options {
         Some(self.0.remove(at).1)
     }
 
-    /// Removes an option without a value; returns true if it was there.
+    /// Removes an option without a value; returns whether it was given.
     pub fn flag(&mut self, name: &str) -> Result<bool, UrlError> {
         match self.take(name).as_deref() {
             None => Ok(false),

@@ -94,7 +94,7 @@ impl<'a> CheckFindings<'a> {
         self.kinds.push(FindingKind { first: diagnostic, text, next: Vec::new(), count: 1 });
     }
 
-    /// Prints errors and warnings: those of one kind as one, with their first places.
+    /// Prints errors and warnings; findings of one kind are printed once, with their first places.
     pub fn print(&mut self) {
         let (out, err) = (std::io::stdout().is_terminal(), std::io::stderr().is_terminal());
         let mut kinds = std::mem::take(&mut self.kinds);

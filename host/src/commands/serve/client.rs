@@ -120,7 +120,8 @@ impl TcpClient {
         (idle > BEGIN_MAX).then(|| format!("no program begun in {} s, another client waits", idle.as_secs()))
     }
 
-    /// Passes written bytes to the control: plain bytes as they come, those of a server as its port sends them.
+    /// Passes the client's bytes to the control: plain bytes as they arrive, RFC 2217 data at the rate of the
+    /// client's port.
     pub fn feed(&mut self, serial: Option<&SerialSettings>, port: &mut DncPort) -> Result<(), Reason> {
         if let Some(serial) = serial {
             return self.feed_from_server(serial, port);

@@ -30,7 +30,7 @@ pub struct TraceFiles {
     format: TraceFormat,
 }
 
-/// Tables of a run that grow; state. Its first failure ends the writing.
+/// Tables of a run, written while it goes on; state. After a first failure nothing more is written.
 #[derive(Debug)]
 pub struct RunTables {
     samples: OpenTable,
@@ -51,7 +51,7 @@ struct OpenTable {
 }
 
 impl TraceFiles {
-    /// Files beside `path`, in the format that its suffix names.
+    /// Names of the files beside `path`, in the format of its suffix.
     ///
     /// # Errors
     /// The suffix names no format of this build.

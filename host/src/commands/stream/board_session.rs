@@ -199,7 +199,7 @@ fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
     )
 }
 
-/// Lines that a person types, as they come.
+/// Channel with the lines that a person types.
 pub fn typed_lines() -> Receiver<String> {
     let (lines, typed_lines) = channel();
     std::thread::spawn(move || {

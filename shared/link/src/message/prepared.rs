@@ -95,7 +95,7 @@ pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     emit(payload.get(..length).unwrap_or_default());
 }
 
-/// Checksum that ends a prepared program: of its header and its entries.
+/// Checksum over header and entries, with which a prepared program ends.
 pub fn seal(header_and_entries: &[u8]) -> [u8; CHECK_LEN] {
     checksum(header_and_entries).to_le_bytes()
 }
