@@ -43,7 +43,7 @@ pub(crate) struct MachineRatio {
     pub by: LimitedBy,
 }
 
-/// Conditions of a segment besides its geometry.
+/// Conditions of a segment besides its geometry: rule, engagement, spindle speed and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
     /// Cut rule whose law governs the segment.
@@ -133,7 +133,7 @@ impl ActiveSegment {
         self.envelope.reserve_ratio()
     }
 
-    /// End position.
+    /// End position of the segment.
     pub fn end(&self) -> &Pose {
         &self.end
     }

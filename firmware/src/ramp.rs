@@ -39,7 +39,7 @@ pub struct Ramp {
     step_percent: u32,
 }
 
-/// Ratio at the output before rounding; state.
+/// Override ratio at the output, before rounding; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     ratio: f32,
@@ -114,7 +114,7 @@ impl Ramp {
         }
     }
 
-    /// `max`, for targets without a law.
+    /// Largest ratio, for targets without a law.
     pub fn max_ratio(&self) -> f32 {
         self.max_ratio
     }

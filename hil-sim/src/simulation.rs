@@ -48,7 +48,7 @@ pub struct Simulation<D = InProcessController> {
     planned: VecDeque<PlannedConditions>,
 }
 
-/// Planned conditions of a move that cannot be planned by itself.
+/// Conditions of a move that only the plan knows, such as its engagement or its largest feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedConditions {
     /// Move in the workpiece's coordinates; its feed does not count.

@@ -64,7 +64,7 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// Edges of a tool. On a ring the inserts of both circles reach across its end.
+    /// Numbers of edges of a tool. On a ring, the inserts of both circles reach across its end.
     pub fn of(tool: &Tool) -> Self {
         let side = f64::from(tool.active_teeth());
         Edges { side, end: if matches!(tool, Tool::CupMill(_)) { 2.0 * side } else { side } }
@@ -112,7 +112,7 @@ pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min
 }
 
 impl AxialLaw {
-    /// Largest torque of a turn at a path per tooth. (2)
+    /// Largest torque of a turn, for a path per tooth in a section. (2)
     pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, inclination: Inclination) -> f64 {
         let Inclination { sine_ratio: sine, cosine_ratio: cosine } = inclination;
         let Edges { side: side_edges, end: end_edges } = self.edges;

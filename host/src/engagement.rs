@@ -163,7 +163,7 @@ impl EngagementMap {
         text
     }
 
-    /// Lookup before the first move.
+    /// Lookup that begins at the first move.
     pub fn lookup(&self) -> Lookup<'_> {
         Lookup { ahead: &self.moves }
     }

@@ -196,7 +196,7 @@ impl JobFile {
         JobFile::parse(path, &text)
     }
 
-    /// Settings without a job: the control executes programs as they are, on a 16i's usual line (9600 baud, 7E2,
+    /// Settings for running a program without a job: no governed moves, on a 16i's usual line (9600 baud, 7E2,
     /// XON/XOFF).
     pub fn plain(unit: LengthUnit) -> Self {
         let job = Job {

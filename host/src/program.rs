@@ -206,7 +206,7 @@ impl Program {
         self.places.as_ref().map_or(line, |places| places.line_in_file(line))
     }
 
-    /// Content of the program's file, if these are its blocks as executed.
+    /// Content of the program's own file, if this program consists of its executed blocks.
     pub fn file(&self) -> Vec<u8> {
         self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
     }

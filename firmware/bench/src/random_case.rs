@@ -90,7 +90,7 @@ impl RandomCase {
         RandomCase { job, filter: filter(random), rule, segment, table, route }
     }
 
-    /// The block under its law.
+    /// The block, prepared under its law.
     pub fn active(&self) -> ActiveSegment {
         let conditions = Conditions::of(&self.segment, Some(&self.rule), &self.job);
         match &self.table {

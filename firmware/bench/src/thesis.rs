@@ -26,7 +26,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use arcfeed_units::fmath;
 
-/// A floating-point number.
+/// A floating-point number: f32 or f64.
 pub trait Real:
     Copy
     + PartialOrd

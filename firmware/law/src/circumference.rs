@@ -36,8 +36,8 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// Quantities that determine the demand along an arc, for analyses of the arc as a whole.
-/// All lengths relative to the rotation centre A.
+/// Geometry that determines the circumference law's demand along an arc, for analyses of the whole arc. All lengths
+/// relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
     /// rho, mm.

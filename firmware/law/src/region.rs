@@ -15,7 +15,7 @@ use super::Place;
 /// Tolerance of a crossing at a corner, relative to the circle's radius, for f32 rounding.
 const CORNER_RATIO: f32 = 1e-5;
 
-/// Stock relative to the segment's origin; lengths in mm.
+/// Region of material relative to the segment's origin; lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Region {
     /// The intersection of half planes `normal . p <= offset`.

@@ -51,7 +51,7 @@ impl DriveState {
         }
     }
 
-    /// Notes the move in execution.
+    /// Records which move is in execution.
     pub fn begin(&mut self, segment: &Segment) {
         self.is_rapid = segment.path == Path::Rapid;
         self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();

@@ -11,7 +11,7 @@ use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::ReceivedBlock;
 
-/// Result of taking a block off the tape.
+/// Result of reading the next block from the tape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OpenedBlock {
     /// Text of the block.

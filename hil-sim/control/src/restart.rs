@@ -42,12 +42,12 @@ impl RestartList {
         }
     }
 
-    /// Feed in force before the block.
+    /// Feed in force before the block of the restart.
     pub fn feed(&self) -> Option<Nm> {
         self.modal.and_then(|modal| modal.feed)
     }
 
-    /// Modal G codes in force before the block.
+    /// Modal G codes in force before the block of the restart.
     pub fn codes(&self) -> Vec<String> {
         self.modal.as_ref().map(codes).unwrap_or_default()
     }

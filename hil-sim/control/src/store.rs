@@ -39,7 +39,7 @@ pub enum StoreState {
 }
 
 impl Store {
-    /// State after READ has been pressed.
+    /// Control after READ has been pressed.
     pub fn new(line: LineSettings) -> Self {
         Store { port: DncPort::on_line(line), blocks: Vec::new(), state: StoreState::Reading }
     }
@@ -59,7 +59,7 @@ impl Store {
         &self.blocks
     }
 
-    /// Simulates `dt` of the line.
+    /// Simulates the serial line for the time `dt`.
     pub fn step(&mut self, dt: Micros) {
         let fault = self.port.step(dt);
         match self.state {

@@ -63,12 +63,12 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// A tape on the line.
+    /// Reader for the frames of a line.
     pub fn new(settings: TapeSettings) -> Self {
         Tape { settings, code: settings.code, skips: settings.label_skip, has_begun: false, has_ended: false }
     }
 
-    /// A program in memory, which was checked when it was stored.
+    /// Reader for a program in memory, which was checked when it was stored.
     pub fn in_memory() -> Self {
         Tape::new(TapeSettings { code: Some(TapeCode::Ascii), label_skip: false, ..TapeSettings::default() })
     }

@@ -31,7 +31,7 @@ pub struct SlabSweep {
     margin_mm: f64,
 }
 
-/// Part of a row of rays that can lose material.
+/// Part of a row of rays that can lose material in a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Range of the rays across the row.

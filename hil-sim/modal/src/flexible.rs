@@ -110,7 +110,7 @@ struct View {
 }
 
 impl<B: Modal> Workpiece<B> {
-    /// A body without any view.
+    /// Workpiece before its first point is looked up.
     pub fn new(body: B) -> Self {
         Workpiece { body, views: Vec::new() }
     }

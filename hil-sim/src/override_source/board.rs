@@ -61,7 +61,7 @@ pub trait Wires {
     fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure>;
 }
 
-/// Devices at the far ends of the board's other lines.
+/// Devices at the other ends of a board's remaining lines.
 pub trait AttachedDevices {
     /// Bytes that the devices send in this period, as far as their lines' bit rates allow.
     fn send(&mut self, at: Micros, traffic: &mut Traffic);
@@ -101,7 +101,7 @@ pub enum BoardFailure {
     Tap(usize),
 }
 
-/// A board at the end of its lines.
+/// Feed board, real or emulated, at the other end of its lines.
 #[derive(Debug)]
 pub struct Board<W, A = ()> {
     wires: W,
@@ -178,7 +178,7 @@ impl<W: Wires, A: AttachedDevices> Board<W, A> {
         (self.wires, self.attached)
     }
 
-    /// Far ends of the lines.
+    /// The simulator's ends of the lines.
     pub fn wires(&self) -> &W {
         &self.wires
     }

@@ -77,7 +77,7 @@ pub struct LeftOut {
     last: u32,
 }
 
-/// A stock, with the record of what was removed from it.
+/// Stock that is cut during a run, with the record of what was removed.
 #[derive(Debug)]
 pub struct StockCutter {
     settings: StockCutterSettings,

@@ -56,7 +56,7 @@ pub struct LoadSettings {
     pub samples: ChatterSamples,
 }
 
-/// The tool's edges, with the loads so far.
+/// Meter of the cutting loads in a run: the tool's edges in the workpiece, with the loads so far.
 #[derive(Clone, Debug)]
 pub struct LoadMeter {
     settings: LoadSettings,

@@ -68,7 +68,7 @@ pub struct SectionedMove {
     pub joints: [Option<SectionJoint>; 2],
 }
 
-/// Engaged section where one descending move passes into another.
+/// Engaged section where one descending move continues in another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionJoint {
     /// Moment of the end's edges: the larger one of both moves. 0 if the position on the workpiece is not known.
@@ -94,7 +94,7 @@ pub(super) struct SectionMeter {
     apart_mm: f64,
 }
 
-/// Engaged section at one place of a move.
+/// Engaged section of the tool at one place of a descending move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSample {
     /// Path of the move up to the sample; grows from sample to sample.

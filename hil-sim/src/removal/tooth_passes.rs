@@ -42,7 +42,7 @@ pub struct PassStep {
     pub torque_n_m: f64,
 }
 
-/// Teeth of a tool with their passes; state.
+/// Tracker of the teeth's passes through the material; state.
 #[derive(Clone, Debug)]
 pub struct ToothPasses {
     sides: Vec<Edge>,

@@ -33,7 +33,7 @@ impl DamageMonitor {
     }
 }
 
-/// Kinds of damage with their numbers.
+/// Text that lists the kinds of damage with their numbers.
 pub fn in_words(counts: &Counts) -> String {
     let Counts { frame, overrun, parity, breaks, buffer_overrun } = *counts;
     let kinds = [

@@ -126,7 +126,7 @@ pub fn first_line(start: &Start) -> String {
     ))
 }
 
-/// Line of a record; `number` counts from 1.
+/// Text of a record; `number` counts from 1.
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),

@@ -74,7 +74,7 @@ impl Pace {
         Micros((last + self.reaction_ns).div_ceil(NS_PER_US))
     }
 
-    /// Most characters handed out ahead of the line.
+    /// Largest number of characters handed out ahead of the line.
     pub fn ahead(&self) -> usize {
         self.ahead
     }

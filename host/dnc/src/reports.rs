@@ -203,8 +203,7 @@ impl Reports {
         self.expected.get(self.next).map(|expected| expected.line)
     }
 
-    /// Least number of blocks of the transmission that the control has started, if it reads at most `read_ahead` blocks
-    /// ahead.
+    /// Least number of blocks that the control must have started, if it reads at most `read_ahead` blocks ahead.
     pub fn taken_up(&self, sent: &Transmission, read_ahead: usize) -> Option<usize> {
         let (_, index) = self.last?;
         Some(sent.blocks_before(index + 1).saturating_sub(read_ahead)).filter(|blocks| *blocks > 0)

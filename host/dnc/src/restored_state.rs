@@ -19,7 +19,7 @@ use super::transmission::Transmission;
 const DOWN_MAX: Nm = Nm(500_000_000);
 const DOWN_DEFAULT: Nm = Nm(100_000_000);
 
-/// Control that has read nothing yet: the state before a program, and before a restart.
+/// State of a control before it has read anything.
 #[derive(Clone, Debug)]
 pub struct PowerOn {
     /// Settings of the control.

@@ -14,7 +14,7 @@ const END_MARK: u8 = 0x1a;
 /// Starts of the lines of a report; programs with macro statements of their own are not sent.
 const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
-/// Conversion of text into the control's code.
+/// Conversion of program text into the characters on the line.
 #[derive(Clone, Copy, Debug)]
 pub struct Wire {
     /// Character in the control's code; `None` if the code does not have it.

@@ -48,7 +48,7 @@ pub struct AxisSearch<'s, V> {
 }
 
 impl<V: Fn(usize, Room, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
-    /// Best directions, not near to each other.
+    /// Best directions, at a minimum distance from each other.
     pub fn best(&self) -> Vec<Candidate> {
         // Every second place, as on a chessboard.
         let grid = || leans().step_by(2);

@@ -135,7 +135,8 @@ impl Step {
 }
 
 impl SlotPath {
-    /// End at which the tool leaves a level, from 0: 0 for D, 1 for E.
+    /// End of the slot at which the tool leaves a level, counted from 0: 0 for D (the turn about A), 1 for E (the
+    /// turn about B1).
     pub fn end_of(level: usize) -> usize {
         usize::from(level.is_multiple_of(2))
     }

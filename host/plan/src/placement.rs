@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
-/// Positions of the rotary axes for a slot.
+/// Positions of the machine's rotary axes for a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// A, the same for all slots.

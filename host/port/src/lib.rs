@@ -43,7 +43,7 @@ use std::time::SystemTime;
 use arcfeed_line_errors::Counts;
 use arcfeed_units::Micros;
 
-/// Report of a machine; empty over a plain DNC line.
+/// Report of the machine behind a port; empty over a plain DNC line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {
     /// The override in effect, %.

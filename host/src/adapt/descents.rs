@@ -38,7 +38,7 @@ pub struct Descending<'a> {
 }
 
 impl<'a> Descents<'a> {
-    /// The law before the first move; `None` without `[plunge]` in the job, or without a map.
+    /// Reader before the first move; `None` without `[plunge]` in the job, or without a map.
     pub fn of(plunge: Option<(Plunge, SpindleLimits)>, map: Option<&'a EngagementMap>) -> Option<Self> {
         let ((plunge, limits), map) = plunge.zip(map)?;
         let law = Law { plunge, limits, force: map.descents.force };

@@ -40,7 +40,7 @@ pub enum CenterPath {
     Corner(Box<CornerMove>),
 }
 
-/// Move of the tool centre along a contour.
+/// Move of the tool centre beside a contour, under cutter compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetMove {
     /// The move, in the coordinates of the path.
@@ -165,7 +165,7 @@ struct CorneredLine {
 }
 
 impl<'a> OffsetMoves<'a> {
-    /// Reader of these lines; `reader` is the control before the first.
+    /// Reader of these lines; `reader` is the control before the first line.
     pub fn new(reader: Reader, lines: impl Iterator<Item = &'a [u8]> + 'a) -> Self {
         OffsetMoves {
             lines: Box::new(lines),
@@ -183,7 +183,7 @@ impl<'a> OffsetMoves<'a> {
         }
     }
 
-    /// The path for the move of the next line.
+    /// The path of the tool centre for the move of the next line.
     pub fn take(&mut self) -> CenterPath {
         let is_open = |moves: &Self| {
             moves.corners.holds(moves.taken)

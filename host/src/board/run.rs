@@ -102,7 +102,7 @@ pub enum BoardError {
 }
 
 impl<'p> BoardRun<'p> {
-    /// A board before the first message.
+    /// Board run before its first message.
     ///
     /// # Errors
     /// Describes the fault, if the job does not suit a board.

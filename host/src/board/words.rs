@@ -97,7 +97,7 @@ pub const fn link_loss(loss: Loss) -> &'static str {
     }
 }
 
-/// Name of a setting on the command line, and its unit.
+/// Name of a board setting on the command line, and its unit.
 pub const fn setting(setting: SettingCode) -> (&'static str, &'static str) {
     match setting {
         SettingCode::PositionStale => ("position-stale", "us"),

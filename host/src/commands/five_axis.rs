@@ -16,7 +16,7 @@ use crate::post::finding::Entry;
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
 
-/// Placement of part and tool on the machine.
+/// Options for the placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PlacementArgs {
     /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm; under G43.4 beyond the work offset

@@ -21,7 +21,7 @@ use crate::job::{ControlKind, JobFile, questions};
 /// Difference between two diameters that are the same.
 const SAME_RATIO: f64 = 0.01;
 
-/// Values that a program does not contain.
+/// Options with values that a program does not contain, such as diameter and teeth.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Values for a program without a job file")]
 pub struct JobValues {
@@ -69,7 +69,7 @@ impl JobValues {
             || of_control.is_given()
     }
 
-    /// The values as answers, for a program whose unit at power-on is known or not.
+    /// The options as answers to the questions of a new job; `unit` is the program's unit at power-on, if known.
     pub fn answers(&self, unit: Option<LengthUnit>) -> Answers {
         Answers {
             diameters: self.tool.clone(),

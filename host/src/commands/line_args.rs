@@ -3,7 +3,7 @@
 use super::outcome::Failure;
 use crate::job::{JobFile, Parity};
 
-/// Settings of the line, with pyserial's names.
+/// Options with the settings of the serial line, with pyserial's names.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct LineArgs {
     /// Line rate, in place of the job's

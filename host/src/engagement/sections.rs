@@ -110,7 +110,7 @@ struct DescentTable {
 }
 
 impl MappedDescents {
-    /// Lookup before the first move.
+    /// Lookup that begins at the first move.
     pub fn lookup(&self) -> DescentLookup<'_> {
         DescentLookup { ahead: &self.moves }
     }

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use arcfeed_units::LengthUnit;
 
-/// Values for the job of a program.
+/// Given values for the job of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
     /// Diameters of tools.

@@ -101,7 +101,7 @@ pub fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
-/// The comment by which a tool with arcs keeps its feeds, and the option that includes the tool.
+/// Note on a tool with arcs that keeps its feeds because of a comment, and the option that includes the tool.
 pub fn exclusion(note: &ToolNote) -> String {
     let (line, text) = match &note.operation {
         Some(operation) if note.data.kind.is_none() => (operation.line, &operation.text),

@@ -75,7 +75,7 @@ pub struct Ended {
     pub missing: u64,
 }
 
-/// Servo period of the machine, in the machine's unit.
+/// Sample of the machine in one servo period, in the machine's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSample {
     /// Number of the period.

@@ -3,7 +3,7 @@
 use arcfeed_units::S_PER_MIN;
 use serde::Deserialize;
 
-/// Limits of one axis; of a rotary axis, degrees for mm.
+/// Drive limits of one axis; for a rotary axis, degrees in place of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Greatest speed, mm/s.

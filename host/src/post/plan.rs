@@ -41,7 +41,7 @@ pub struct AxisPlan {
 }
 
 impl AxisPlan {
-    /// Chooses the axis positions. A path with points out of reach has findings and no stops.
+    /// Chooses the axis positions for CL data. If points are out of reach, the result has findings and no positions.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<ToolPose> = cl.points.iter().map(|point| point.pose).collect();

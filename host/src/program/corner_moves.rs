@@ -17,7 +17,7 @@ pub struct CornerMove {
     pub inserted: Option<Segment>,
 }
 
-/// Moves of a program whose corners are inserted, block by block.
+/// Inserter of chamfers and rounded corners into a program's moves, block by block.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CornerMoves {
     held: Option<HeldMove>,

@@ -19,7 +19,7 @@ const SILENT_MAX: usize = 1_000;
 /// Most tools with comments.
 const NOTES_MAX: usize = 500;
 
-/// Data that comments have about a tool.
+/// Tool data from the comments about one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolNote {
     /// T number.

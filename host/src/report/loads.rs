@@ -36,7 +36,7 @@ pub struct LoadsFigures {
     pub left_out: Vec<LeftOutBlocks>,
 }
 
-/// Change of the tool's position against the workpiece from tooth to tooth.
+/// Vibration in a run: change of the tool's position against the workpiece from tooth to tooth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VibrationFigures {
     /// Largest change that counts as none.
@@ -135,7 +135,7 @@ impl LoadFigures {
         self.chip_max.into_iter().flatten().reduce(f64::max)
     }
 
-    /// Table cells: force, variation, thrust, torque, power, chip.
+    /// Cells of a table row: force, variation, thrust, torque, power, chip.
     pub fn cells(&self) -> [String; 6] {
         let percent = |ratio: f64| format!("{:.0}", 1e2 * ratio);
         [
@@ -215,7 +215,7 @@ impl fmt::Display for LoadsFigures {
 }
 
 impl VibrationFigures {
-    /// Text for a person.
+    /// Text about the vibration for a person.
     pub fn words(&self, unit: &str) -> String {
         let side = |metric: Option<f64>, unsteady: &[UnsteadyFigures]| {
             let changes = metric.map_or("too short to judge".into(), |metric| format!("up to {}", short(metric)));

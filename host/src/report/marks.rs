@@ -92,14 +92,14 @@ impl RangeFigures {
 }
 
 impl MarksFigures {
-    /// Text from the least to the largest mark.
+    /// Range of the marks as text, from the least to the largest.
     pub fn range(&self) -> String {
         format!("{} .. {}", signed(self.range.min), signed(self.range.max))
     }
 }
 
 impl LargestFigures {
-    /// Text with the deviation, the place and the block.
+    /// Text about the largest mark: deviation, place and block.
     pub fn words(&self) -> String {
         let LargestFigures { off, x, y, z, .. } = self;
         let block = self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"));

@@ -102,7 +102,7 @@ impl SpindleFigures {
         warnings
     }
 
-    /// Summary of one line.
+    /// Summary of the spindle's load in one line.
     pub fn words(&self) -> String {
         let kilowatts = |watts: f64| short(watts / 1e3);
         let limit = self.power.limit.map_or(String::new(), |limit| format!(", limit {}", kilowatts(limit)));

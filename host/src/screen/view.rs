@@ -216,7 +216,7 @@ impl View {
         Some(self.characters.saturating_sub(*end))
     }
 
-    /// The present note, or the warning.
+    /// The current note or warning.
     pub fn note(&self) -> Option<&str> {
         let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
         self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)

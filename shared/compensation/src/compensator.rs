@@ -47,7 +47,7 @@ pub struct ContourMove {
     pub offset: Nm,
 }
 
-/// A move of the tool centre.
+/// A move of the tool centre under cutter compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CenterMove {
     /// Move around a corner; it belongs to the programmed move that comes out next.
@@ -95,7 +95,7 @@ struct HeldMove {
 type Centers = heapless::Vec<Point, POINTS_MAX>;
 
 impl Compensator {
-    /// A compensator without an offset.
+    /// Compensator without an offset, before a contour.
     pub fn new(settings: CompensationSettings) -> Self {
         Compensator { settings, held: None, waiting: heapless::Vec::new(), blocks: 0, vector: NONE }
     }

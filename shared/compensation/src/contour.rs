@@ -100,7 +100,7 @@ impl ContourCommand {
     }
 }
 
-/// Offset of the tool centre in force: positive to the left of the path.
+/// Distance of the tool centre from the path that is in force: positive to the left.
 pub fn offset(modal: &Modal, tables: &Tables) -> Nm {
     let radius = tables.radius(modal.radius_offset);
     Nm(radius.0.saturating_mul(i64::from(side_sign(modal))))

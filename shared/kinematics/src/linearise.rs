@@ -29,7 +29,7 @@ pub struct Tolerance {
     pub axis_deg: f64,
 }
 
-/// A move that added points do not bring within the tolerance.
+/// Error: added points do not bring a move within the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearisationError {
     /// Index of the point at which the move ends.

@@ -57,7 +57,7 @@ pub enum ToolEnd {
     Other,
 }
 
-/// Limits of detection and repair.
+/// Limits for finding and repairing singularities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairLimits {
     /// Largest coherent gain: degrees of the first axis per degree of the tool. (1)
@@ -95,7 +95,7 @@ pub struct Singularity {
     pub outcome: RepairOutcome,
 }
 
-/// Result of a repair.
+/// Result of repairing the path at a singularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepairOutcome {
     /// The directions within the interval were changed.

@@ -28,7 +28,7 @@ pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
 /// Largest path across the tool's axis of a plunge, over that along it. (2)
 pub const PLUNGE_OFF_MAX: f64 = 1e-3;
 
-/// Result of matching a move with a job.
+/// Result of matching a move with the cut rules of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match<'r> {
     /// No cut rule matches it.

@@ -96,7 +96,7 @@ impl Tools {
         Tools { first: setup, more: Vec::new() }
     }
 
-    /// Appends a tool.
+    /// Appends a tool to the job.
     ///
     /// # Errors
     /// Returns the tool if there are already [`TOOLS_MAX`].
@@ -104,7 +104,7 @@ impl Tools {
         self.more.push(setup)
     }
 
-    /// The first tool.
+    /// The first tool of the job.
     pub const fn first(&self) -> &ToolSetup {
         &self.first
     }
@@ -216,7 +216,7 @@ pub enum LawKind {
     Programmed,
 }
 
-/// Way in which the target feed reaches the control.
+/// Feed mode of a job: how the wanted feed reaches the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedPolicy {
     /// Blocks are sent with the smallest feed that the law demands; the override raises it. If the override is lost,

@@ -184,7 +184,7 @@ pub fn is_short_keyword(letters: &[u8]) -> bool {
     SHORT.contains(&letters)
 }
 
-/// Head of a block: the part before its words.
+/// Head of a block, before its words: block-delete `/`, sequence number and program number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     /// Block-delete switch of a leading `/`.

@@ -111,7 +111,7 @@ impl File {
         }
     }
 
-    /// A line.
+    /// The line with this index.
     pub fn line(&self, index: u32) -> Option<&ProgramLine> {
         self.lines.get(usize::try_from(index).ok()?)
     }

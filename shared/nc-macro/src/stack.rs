@@ -9,7 +9,7 @@ use super::variables::Locals;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
-/// A line of a program.
+/// Place of a line: program and line number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.

@@ -16,7 +16,7 @@ use arcfeed_units::Nm;
 /// Magnification 1, in thousandths.
 pub const WHOLE: i32 = 1_000;
 
-/// G51 or G51.1 in force.
+/// Scaling (G51) or mirror image (G51.1) in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisScaling {
     /// 510 for G51, 511 for G51.1.
@@ -42,7 +42,7 @@ impl AxisScaling {
         }
     }
 
-    /// Scales a vector of the program.
+    /// Scales a vector of the program, such as I, J, K.
     pub fn vector(&self, axes: &mut [Nm; 3]) {
         AxisScaling { center: [Nm(0); 3], ..*self }.apply(axes);
     }

@@ -32,7 +32,7 @@ pub enum SpindleAction {
     Forward,
 }
 
-/// Description of the moves of one block; [`Series::actions`] expands it.
+/// Block that makes several moves, such as a canned cycle; [`Series::actions`] gives its single actions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
 pub enum Series {
@@ -110,7 +110,7 @@ impl Polar {
     }
 }
 
-/// Coordinates along the normal of the plane.
+/// Levels of a canned cycle along the normal of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     /// Level of the tool when the cycle was first called.
@@ -251,7 +251,7 @@ pub struct SeriesActions<'a> {
     cursor: SeriesCursor,
 }
 
-/// Progress in a series.
+/// Progress in the actions of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesCursor {
     at: Pose,

@@ -37,7 +37,7 @@ pub enum Decimals {
     Calculator,
 }
 
-/// Start-up and cancel of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
+/// Path at the start and the end of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartUp {
     /// The tool goes straight to, or leaves from, the normal of the contour's block.
@@ -47,7 +47,8 @@ pub enum StartUp {
     B,
 }
 
-/// Meaning of the radius of a D, which the program assumes: CAM systems name it the type of compensation.
+/// Meaning of the radius of a D that the program assumes: tool radius or wear (in CAM systems the type of
+/// compensation).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompensationType {
     /// Radius of the tool: the program has the contour of the part.

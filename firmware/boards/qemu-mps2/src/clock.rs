@@ -53,7 +53,7 @@ impl InstructionCounter {
     }
 }
 
-/// The timer, counting up.
+/// Value of the timer, counting up.
 #[inline(always)]
 pub fn steps() -> u32 {
     // SAFETY: reading the value has no effect on the timer.

@@ -18,13 +18,13 @@ pub struct Painted {
 }
 
 impl Painted {
-    /// Fills the free stack below the caller's frame.
+    /// Fills the free stack below the caller's frame with the pattern.
     #[inline(always)]
     pub fn below_here() -> Self {
         Painted::so_deep(DEPTH)
     }
 
-    /// Fills the free stack of a board with its link.
+    /// Fills the free stack of a board with its link with the pattern.
     #[inline(always)]
     pub fn far_below_here() -> Self {
         Painted::so_deep(DEPTH_OF_A_BOARD)

@@ -56,7 +56,7 @@ impl DelayNs for CycleDelay {
     }
 }
 
-/// Ready and heartbeat, beside the lines on the same port.
+/// Pins of the ready and heartbeat outputs, on the same port as the lines.
 #[derive(Debug)]
 pub struct StatusPins(());
 

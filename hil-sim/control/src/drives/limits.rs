@@ -44,7 +44,8 @@ pub struct DriveLimits {
     pub tolerance_deg: f64,
 }
 
-/// Curvature of a part of a path: largest magnitudes of the derivatives of each axis by the path's parameter.
+/// Curvature of a part of a path: largest magnitudes of the first three derivatives of each axis by the path's
+/// parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
     /// |q'|.

@@ -77,7 +77,7 @@ pub struct Outcome {
     pub force_n: f64,
 }
 
-/// A blade alone.
+/// Field of a blade alone, clamped at its foot.
 pub fn blade_alone(blade: &Blade, edge_mm: f64) -> Result<Field, Failure> {
     let body = Body::new(blade.mesh([12, 1, 16], 0.4)?, &TITANIUM_6AL_4V);
     let modes = body.modes(&Blade::foot(body.mesh()), MODES)?;

@@ -39,7 +39,7 @@ const SAME_SIDE_MIN: f64 = 0.5;
 /// Rays beyond the last one at which an edge neither meets material nor has any ahead.
 const APART_RAYS: f64 = 3.0;
 
-/// Position of an elementary edge in its layer.
+/// Elementary edge at a position in its layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeElement {
     /// Position of the tool's axis.

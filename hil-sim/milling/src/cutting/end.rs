@@ -106,7 +106,7 @@ impl EndEdge {
         lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
     }
 
-    /// Radius of the middle.
+    /// Radius of the middle of the edge.
     pub fn middle_mm(&self) -> f64 {
         (self.inner_mm + self.piece.radius_mm) / 2.0
     }

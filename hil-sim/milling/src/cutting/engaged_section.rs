@@ -31,7 +31,7 @@ struct EngagedEdge {
     moment_mm2: f64,
 }
 
-/// Engaged part of radial edges in evenly spaced directions.
+/// Section of a tool's end that is engaged in material, as parts of radial edges in evenly spaced directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedSection {
     by_direction: Vec<EngagedEdge>,

@@ -20,7 +20,7 @@ use arcfeed_dexel::workpiece::Stock;
 /// Margin above rounding errors.
 const MARGIN_MM: f64 = 1e-6;
 
-/// Rays along the two axes of the plane.
+/// Layer of a workpiece: rays along both axes of its plane, with the heights of the material on them.
 #[derive(Clone, Debug)]
 pub struct Layer {
     lowest_mm: [f64; 2],

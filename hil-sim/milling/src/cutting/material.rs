@@ -60,7 +60,7 @@ pub struct Linear {
     pub edge_n_per_mm: f64,
 }
 
-/// A model for all directions: tangential, radial, axial.
+/// Cutting force model for the tangential, radial and axial direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutting {
     /// Kienzle's model (1).

@@ -80,7 +80,7 @@ impl Sampling {
     }
 }
 
-/// Metric M_k; 0 if there is nothing to compare. (1)
+/// Metric M_k of the change from sample to sample, `lag` = k; 0 if there are too few samples. (1)
 pub fn metric_mm(samples_mm: &[Vector3<f64>], lag: usize) -> f64 {
     let later = samples_mm.get(lag..).unwrap_or(&[]);
     let sum_mm: f64 = later.iter().zip(samples_mm).map(|(after, before)| (after - before).norm()).sum();

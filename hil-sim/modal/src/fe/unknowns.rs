@@ -24,8 +24,8 @@ pub struct Unknowns {
     count: usize,
 }
 
-/// Numbers from 0 such that nodes of the same element have near numbers: each node has its leader's number, or none
-/// without a leader. Leaders lead themselves.
+/// Numbers the unknown nodes so that nodes of one element have near numbers. Each node gets the number of its leader,
+/// `None` without one; a leader leads itself.
 pub fn numbers(mesh: &TetMesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
     let mut neighbours = vec![Vec::new(); leaders.len()];
     for element in mesh.elements() {

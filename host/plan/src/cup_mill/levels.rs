@@ -52,7 +52,8 @@ impl Surroundings {
 }
 
 impl LevelContext<'_> {
-    /// Ends of the turns and the path, from the highest material `top_mm` down; the tool is lifted to `clear_mm`.
+    /// Computes the ends of the turns, and the path from the highest material at `top_mm` down; the tool is lifted to
+    /// `clear_mm`.
     ///
     /// # Errors
     /// The cup is not deep enough, or there are too many levels.

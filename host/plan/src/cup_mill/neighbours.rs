@@ -39,7 +39,7 @@ pub struct Neighbour {
     pub patch: Patch,
 }
 
-/// Both sides of the first blade with the allowance of each kind, part frame: the same for every direction of the tool.
+/// Both whole sides of the first blade, with the allowance of a blade at the slot and of another blade; part frame.
 #[derive(Debug)]
 pub struct WholeBlade {
     /// As a blade at the slot, and as another one.

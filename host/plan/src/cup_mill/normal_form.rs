@@ -25,7 +25,8 @@ use super::interior::InteriorPivot;
 use super::level::{Stop, StopSurface};
 use super::room::Room;
 
-/// Blade edges near which the ring turns: it turns about points of the pressure side's edge, A, and of the suction side, B1.
+/// Blade edges near which the ring turns: leading or trailing. The pivots are A on the pressure side's edge, and B1
+/// near the suction side's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartEdge {
     /// Leading edges, as in the source.

@@ -169,7 +169,8 @@ pub fn roof(blisk: &Blisk, about: [f64; 2]) -> Patch {
     })
 }
 
-/// First and last u between which no section's normal leaves that of its middle by more than 35 degrees.
+/// Range of u between the round edges: within it, the normal of no section turns by more than 35 degrees from that of
+/// the section's middle.
 pub fn edges(face: &Face) -> [f64; 2] {
     let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
     let bounds = (0..=SECTIONS).map(|j| {

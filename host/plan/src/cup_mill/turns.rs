@@ -54,7 +54,7 @@ const HUB_ROUNDS: i32 = 2;
 const TOUCH_MM: f64 = 1e-4;
 
 impl Surroundings {
-    /// Pressure and suction side as far as the ring passes beside them.
+    /// Pressure and suction side, shortened to the depth down to which the ring passes.
     pub fn upper(&self) -> [&OffsetSide; 2] {
         self.raised.as_ref().map_or([&self.pressure, &self.suction], |[pressure, suction]| [pressure, suction])
     }

@@ -22,7 +22,7 @@ use super::resampling::resampled;
 /// Least and most points of a side; within these the number in the file is kept.
 const POINTS: [usize; 2] = [41, 161];
 
-/// Rotor of a set of curve files.
+/// Rotor as read from a set of curve files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// Inner end of the gas path.

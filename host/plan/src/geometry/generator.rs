@@ -64,7 +64,7 @@ pub struct Rotor {
     pub hand: Hand,
 }
 
-/// Reason for which the numbers define no rotor.
+/// Reason why the numbers define no rotor.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RotorError {
     /// There are too few blades.

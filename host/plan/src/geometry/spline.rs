@@ -25,7 +25,7 @@ pub struct Spline {
     knots: Vec<f64>,
 }
 
-/// Basis functions that do not vanish at a parameter.
+/// Values of the basis functions that do not vanish at a parameter, with their derivatives.
 pub struct Basis<const ROWS: usize> {
     /// Control point of the first one.
     pub first: usize,

@@ -40,7 +40,7 @@ pub struct EdgeCurve {
     tangents: [Vector; 2],
 }
 
-/// Mesh with the normals of its corners.
+/// Triangle mesh with normals at its corners, from which the curved surface is estimated.
 pub struct SmoothMesh<'m> {
     mesh: &'m SurfaceMesh,
     /// Unit normals of the triangles.
@@ -127,7 +127,7 @@ impl<'m> SmoothMesh<'m> {
         self.mesh
     }
 
-    /// Curve behind an edge.
+    /// Estimated curve on the smooth surface for a mesh edge.
     pub fn curve(&self, [from, to]: EdgeKey) -> EdgeCurve {
         let ends = [self.mesh.points[from], self.mesh.points[to]];
         let way = ends[1] - ends[0];

@@ -47,7 +47,7 @@ pub struct ToolShape {
 }
 
 impl EndMillJob<'_> {
-    /// Text of the file.
+    /// Text of the job file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
             LengthUnit::Inch => "inch",

@@ -39,7 +39,7 @@ pub struct JobFile<'a> {
     pub machine: Option<Machine<'a>>,
 }
 
-/// Law that keeps the chip load.
+/// Feed law in a job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<'a> {
     /// Law of the source: the contact with one line. On its far side a ring may meet that line again; the law is slow
@@ -49,7 +49,7 @@ pub enum Law<'a> {
     EngagedArc(&'a [StockBound]),
 }
 
-/// Meshes in millimetres, relative to the job file.
+/// Workpiece of a job file: meshes in millimetres, by paths relative to the job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece<'a> {
     /// Blank.
@@ -76,7 +76,7 @@ pub const FIRST_WORDS: &str = "# The job of a planned program";
 const RAISE: f64 = 4.0;
 
 impl JobFile<'_> {
-    /// Text of the file.
+    /// Text of the job file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
             LengthUnit::Inch => "inch",

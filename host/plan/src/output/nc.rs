@@ -68,7 +68,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Feed of a purpose, mm/min.
+    /// Feed for a purpose, mm/min.
     pub fn of(&self, purpose: Purpose) -> f64 {
         let own = match purpose {
             Purpose::Approach | Purpose::Retract => self.approach_mm_per_min,

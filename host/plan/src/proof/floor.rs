@@ -78,7 +78,7 @@ impl Floor {
         floors_mm
     }
 
-    /// First level that removes a point.
+    /// First level of the path that removes a point.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
         let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
         self.passes.iter().find(takes).map(|pass| pass.level)

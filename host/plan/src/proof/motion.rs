@@ -54,7 +54,7 @@ impl Arc {
 }
 
 impl Motion {
-    /// Curve of a step. An arc back to its start has no length.
+    /// Motion of a step. An arc back to its start has no length.
     pub fn new(step: &Step) -> Self {
         let (from, to) = (Point::from(step.from), Point::from(step.to));
         let way = to - from;

@@ -86,7 +86,7 @@ struct BoundedPiece {
 }
 
 impl Search<'_> {
-    /// Least distance, to within `gap_mm`; a depth to within a fiftieth.
+    /// Least distance, exact to within `gap_mm`; if the tool is inside the body, the depth to within a fiftieth.
     pub fn least(&self, gap_mm: f64) -> LeastDistance {
         self.least_until(gap_mm, [f64::NEG_INFINITY, f64::INFINITY])
     }

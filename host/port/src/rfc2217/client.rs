@@ -143,7 +143,7 @@ pub struct Rfc2217Client {
 }
 
 impl Rfc2217Client {
-    /// Connection made at `now`.
+    /// Client whose connection was made at `now`.
     pub fn new(line: &RequestedLine, options: &Rfc2217Options, now: Micros) -> Self {
         let mut outgoing = Vec::new();
         for option in OPTIONS {

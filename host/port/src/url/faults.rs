@@ -30,7 +30,7 @@ pub struct FaultPlan {
     pub short: f64,
 }
 
-/// Faults in one direction: chances of each byte, from 0 to 1.
+/// Faults in one direction: probabilities for each byte, from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
     /// Loss of the byte.

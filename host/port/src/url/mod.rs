@@ -103,7 +103,7 @@ pub struct SpyOptions {
     pub all: bool,
 }
 
-/// Search among the ports of the system.
+/// Search for a port by its description (`hwgrep://`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hwgrep {
     /// Expression for name, description or hardware id, ignoring case.
@@ -114,7 +114,7 @@ pub struct Hwgrep {
     pub skip_busy: bool,
 }
 
-/// Invalid URL: the faulty part, and what to write.
+/// Error in a URL: the faulty part, and what to write instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{part}`: {message}")]
 pub struct UrlError {

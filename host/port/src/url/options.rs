@@ -10,12 +10,12 @@ const SECONDS_MAX: f64 = 3_600.0;
 pub struct Options(Vec<(String, String)>);
 
 impl Options {
-    /// Splits at the first `?`.
+    /// Splits a URL at its first `?` into address and options.
     pub fn split(text: &str) -> (&str, Options) {
         text.split_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
 
-    /// Splits at the last `?`.
+    /// Splits a URL at its last `?` into address and options.
     pub fn split_last(text: &str) -> (&str, Options) {
         text.rsplit_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }

@@ -196,7 +196,7 @@ impl TcpClient {
         self.receive(&mut buffer)
     }
 
-    /// Handles the requests of a server's client, and sends what is due.
+    /// Handles the RFC 2217 requests of a client, and sends what is due.
     pub fn exchange(&mut self, now: Micros) {
         let (mut buffer, mut taken) = ([0; 256], 0);
         while self.server.as_ref().is_some_and(|server| server.waiting() < HELD_MAX)

@@ -118,7 +118,7 @@ impl TcpLine {
         self.active.is_none() && !self.has_begun
     }
 
-    /// Passes written bytes to the control; `control_waits` for more characters, with nothing to execute.
+    /// Passes the client's bytes to the control; `control_waits` if the control needs more characters.
     pub fn feed(&mut self, port: &mut DncPort, control_waits: bool) {
         self.check_clients(control_waits);
         if let Some(client) = &mut self.active {

@@ -15,7 +15,7 @@ pub enum BlockPlace {
     Own(u32),
 }
 
-/// Place of each block of a run.
+/// For each block of a run, the corresponding block of the original program's run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlockPairs(Vec<BlockPlace>);
 

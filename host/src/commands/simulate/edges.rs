@@ -161,7 +161,8 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, Ed
     }
 }
 
-/// Tangential coefficients of a material of the catalogue, by its name in the job and the offset of that name.
+/// Looks up the tangential force coefficients of a material by its name in the job; `offset` is the place of the name
+/// in the file.
 ///
 /// # Errors
 /// The material is unknown.

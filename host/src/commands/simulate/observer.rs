@@ -74,7 +74,7 @@ impl RunObserver {
         tables.finish(simulation, self.cutter.as_ref(), self.loads.as_ref())
     }
 
-    /// Runs to the end.
+    /// Simulates the run to its end.
     ///
     /// # Errors
     /// The run never ends, the stock takes more memory than it may, or the tables cannot be written.

@@ -124,12 +124,12 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Cutter of the stock in a run.
+    /// Stock cutter for a run.
     pub fn cutter(&self) -> StockCutter {
         StockCutter::new(self.settings.clone())
     }
 
-    /// Finished part on the same rays.
+    /// Finished part on the same rays as the stock.
     ///
     /// # Errors
     /// The target's file contains no solid, or it needs too much memory.

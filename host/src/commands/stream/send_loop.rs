@@ -52,7 +52,7 @@ pub struct SendServices<'p> {
     pub board_session: BoardSession<'p>,
 }
 
-/// Reports of the control, if the job requests them.
+/// Check of the control's position reports, if the job requests them.
 #[derive(Default)]
 pub struct ReportMonitor {
     pub reports: Reports,

@@ -80,12 +80,12 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Simulation.
+    /// The simulation behind the port.
     pub fn simulation(&self) -> &Simulation<D> {
         &self.simulation
     }
 
-    /// Simulation, mutable.
+    /// The simulation behind the port, mutable.
     pub fn simulation_mut(&mut self) -> &mut Simulation<D> {
         &mut self.simulation
     }
@@ -102,7 +102,7 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Figures of the line.
+    /// Figures of the simulated line.
     pub fn link_figures(&self) -> LinkFigures {
         let counters = self.simulation.control().line_counters();
         let busy_s = counters.bytes as f64 * self.bits_per_char / self.line_bits_per_s;

@@ -86,7 +86,7 @@ impl PreparedHeader {
     }
 }
 
-/// Passes the bytes of an entry to `emit`.
+/// Passes the bytes of an entry of a prepared program to `emit`.
 pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     let mut payload = [0; PAYLOAD_MAX];
     let length = message.encode(&mut payload).unwrap_or_default();

@@ -47,7 +47,7 @@ pub struct PlanReport {
     pub outlines: Vec<Outline>,
 }
 
-/// Verdict on the use of the plan.
+/// Verdict on a plan: whether its program may be used, with the reasons.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanVerdict {
     /// The tool collides with nothing, and every question is answered.
@@ -69,7 +69,7 @@ pub struct Axis {
     pub slots: u32,
 }
 
-/// Reasons for the ends of the turns of a level.
+/// Reasons why the turns of a level end, as text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
     /// Reason for the end of the turn about A, at D.
@@ -78,7 +78,7 @@ pub struct Stops {
     pub interior: String,
 }
 
-/// Times of the path and of the baseline.
+/// Times of the planned path and of the baseline.
 #[derive(Clone, Debug)]
 pub struct Times {
     /// Time of one slot on the planned path.
