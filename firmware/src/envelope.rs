@@ -149,8 +149,8 @@ impl Envelope {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }
 
-    /// Ratio at a path from the segment's start at the commanded spindle speed, and the reason if the law has no
-    /// demand there.
+    /// Ratio after a distance travelled on the segment, at the commanded spindle speed; and the reason if the law has
+    /// no demand there.
     #[inline(always)]
     pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoDemand>) {
         let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);

@@ -80,7 +80,7 @@ impl Stock {
     /// `memory_max_bytes`.
     ///
     /// # Errors
-    /// The solid has no extent, the step is none, or the rays alone take more than the memory allowed.
+    /// The solid has no extent, the step is not positive, or the rays alone take more than the memory allowed.
     pub fn new(solid: &dyn Solid, step_mm: f64, memory_max_bytes: usize) -> Result<Self, StockError> {
         let [lowest_mm, highest_mm] = solid.bounds_mm();
         Stock::on(&Lattice::new(lowest_mm, highest_mm, step_mm)?, solid, memory_max_bytes)

@@ -189,7 +189,7 @@ impl EngagedTable {
         &self.knots
     }
 
-    /// A circle's engaged arc after this path; `None` where nothing is engaged.
+    /// Engaged arc of a circle after a distance travelled on the segment; `None` where nothing is engaged.
     pub fn arc_at(&self, travelled_mm: f32, edge: Edge) -> Option<EngagedSpan> {
         let next = self.knots.partition_point(|knot| knot.travelled.0 <= travelled_mm);
         let before = next.checked_sub(1).and_then(|index| self.knots.get(index));

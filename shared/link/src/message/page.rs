@@ -99,7 +99,7 @@ pub fn write(job: &Job, tapped: TappedLine) -> Result<Page, ParametersError> {
     if has_room { Ok(page) } else { Err(ParametersError::Large) }
 }
 
-/// Reads the job of a page through `staging`, and the properties of its line.
+/// Reads the job and the properties of the tapped line from a parameter page; `staging` checks and holds the job.
 ///
 /// # Errors
 /// See [`PageError`].
