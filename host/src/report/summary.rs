@@ -163,7 +163,7 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, all: &ChipLoadFig
     if rings.peek().is_none() {
         return Ok(());
     }
-    write!(f, "    thickest chip anywhere in the stock given, over its target (outer, inner circle):")?;
+    write!(f, "    thickest chip anywhere inside the stock line, over the target (outer, inner circle), by movement:")?;
     for movement in rings {
         let [outer, inner] =
             movement.thickest_ratio.map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")));
