@@ -204,7 +204,7 @@ fn macros_call_programs_of_the_library_and_print_to_the_sender() {
 }
 
 #[test]
-fn what_a_control_prints_is_in_the_report_of_the_sender() {
+fn text_printed_by_the_control_is_in_the_senders_report() {
     let scratch = Scratch::new("printed");
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");

@@ -230,7 +230,7 @@ fn a_file_that_is_not_there_is_named_and_the_exit_code_is_1() {
 }
 
 #[test]
-fn what_the_command_line_does_not_know_is_a_usage_error() {
+fn invalid_command_lines_are_usage_errors() {
     let job = &format!("{EXAMPLE}/job.toml");
     let wrong: [&[&str]; 6] = [
         &["check", CORPUS, "--strictly"],

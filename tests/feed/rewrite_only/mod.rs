@@ -247,7 +247,7 @@ fn pieces_keep_their_length_and_their_number() {
 }
 
 #[test]
-fn what_pieces_cannot_share_keeps_an_arc_whole_at_its_least_feed() {
+fn words_that_pieces_cannot_share_keep_an_arc_whole_at_its_least_feed() {
     let tables: Tables = [vec![[0.0, 0.05]], vec![[0.0, 0.05], [60.0, 0.1]]];
     for (block, why) in [
         ("G3X0Y0I-20.M8", Some("words")),
