@@ -43,7 +43,7 @@ pub(crate) struct MachineRatio {
     pub by: LimitedBy,
 }
 
-/// Conditions of a segment besides its geometry.
+/// Conditions of a segment besides its geometry: rule, engagement, spindle speed and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
     /// Cut rule whose law governs the segment.
@@ -128,12 +128,12 @@ impl ActiveSegment {
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
 
-    /// Required reduction of the ratio below 1 at the end of the segment.
+    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
     pub fn reserve_ratio(&self) -> f32 {
         self.envelope.reserve_ratio()
     }
 
-    /// End position.
+    /// End position of the segment.
     pub fn end(&self) -> &Pose {
         &self.end
     }

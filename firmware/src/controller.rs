@@ -6,7 +6,7 @@ use arcfeed_units::{MmPerMin, RevPerMin, Span};
 use crate::active::ActiveSegment;
 use crate::progress::{PositionFilter, Progress};
 
-/// Follows the position along segments; configuration.
+/// Follower of the position along segments; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     filter: PositionFilter,

@@ -46,7 +46,7 @@ const RATIO_MAX: f32 = 3.0;
 /// Tolerance of the rounding to a whole per cent.
 const PERCENT_TOLERANCE: f32 = 0.01;
 
-/// Ratio along a segment, prepared with it.
+/// Largest ratio along a segment from which the override can still fall in time; prepared once with the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
     /// Borders: before each cell and after the last one.
@@ -71,7 +71,7 @@ const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
 /// Code of a demand; the codes of refusals follow the order of [`NoDemand`], so that the compiler needs no conversion.
 const ANSWERED: u16 = 5;
 
-/// Inputs of an envelope.
+/// Sent feed and limits of a segment: inputs of an envelope besides the law.
 #[derive(Clone, Copy, Debug)]
 pub struct Sent {
     /// Sent feed.
@@ -144,13 +144,13 @@ impl Envelope {
         (self.at(0.0).0 * PERCENT + PERCENT_TOLERANCE) as u8
     }
 
-    /// Required reduction of the ratio below 1 at the end of the segment.
+    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
     pub fn reserve_ratio(&self) -> f32 {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }
 
-    /// Ratio at a path from the segment's start at the commanded spindle speed, and the reason if the law has no
-    /// demand there.
+    /// Ratio after a distance travelled on the segment, at the commanded spindle speed; and the reason if the law has
+    /// no demand there.
     #[inline(always)]
     pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoDemand>) {
         let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);

@@ -32,7 +32,7 @@ pub enum PositionFilter {
     AlphaBeta(AlphaBeta),
 }
 
-/// Gains of the filter.
+/// Gains of the alpha-beta filter for position and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaBeta {
     /// Fraction of the residual that corrects the position, 0 to 1.

@@ -25,7 +25,7 @@ impl FeedOverride {
     pub const PROGRAMMED: FeedOverride = FeedOverride { percent: 100 };
 }
 
-/// Validated bounds; configuration.
+/// Bounds, slew rates and step of the override, validated; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,
@@ -39,17 +39,17 @@ pub struct Ramp {
     step_percent: u32,
 }
 
-/// Ratio at the output before rounding; state.
+/// Override ratio at the output, before rounding; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     ratio: f32,
 }
 
-/// Bound that limits a wanted ratio.
+/// Bound of the override that limits a wanted ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
-    /// None.
+    /// No bound limits the ratio.
     Free,
     /// The ratio is below `min`: the chip exceeds its target.
     Floor,
@@ -59,7 +59,7 @@ pub enum Bound {
     NotANumber,
 }
 
-/// Reason why bounds are rejected.
+/// Reason why bounds of the override are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
@@ -72,7 +72,7 @@ pub enum LimitsError {
 }
 
 impl Ramp {
-    /// Checks the bounds.
+    /// Checks the bounds of the override.
     ///
     /// # Errors
     /// See [`LimitsError`].
@@ -114,7 +114,7 @@ impl Ramp {
         }
     }
 
-    /// `max`, for targets without a law.
+    /// Largest ratio, for targets without a law.
     pub fn max_ratio(&self) -> f32 {
         self.max_ratio
     }
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn wanted_ratios_beyond_the_bounds_end_there_and_what_is_no_number_is_100() {
+    fn ratios_are_limited_to_the_bounds_and_nan_becomes_100_percent() {
         let ramp = ramp(OverrideLimits::default());
         for (wanted, bounded) in [
             (f32::INFINITY, (2.0, Bound::Ceiling)),

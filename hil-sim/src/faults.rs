@@ -1,6 +1,6 @@
 //! Faults of the controller, for tests that the measurement must detect.
 
-/// Fault of the controller.
+/// Fault that a simulated controller is made to have, for tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ControllerFault {
     /// No fault.

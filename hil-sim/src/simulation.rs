@@ -27,7 +27,7 @@ use arcfeed_milling::cutting::meter::{ChipMeter, STEADY_RATIO};
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
 
-/// A simulated run; deterministic.
+/// Simulation of control, machine, override source and chip meter on one time base; deterministic.
 #[derive(Debug)]
 pub struct Simulation<D = InProcessController> {
     now: Micros,
@@ -48,7 +48,7 @@ pub struct Simulation<D = InProcessController> {
     planned: VecDeque<PlannedConditions>,
 }
 
-/// Planned conditions of a move that cannot be planned by itself.
+/// Conditions of a move that only the plan knows, such as its engagement or its largest feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedConditions {
     /// Move in the workpiece's coordinates; its feed does not count.
@@ -103,7 +103,7 @@ pub struct MoveOverride {
 }
 
 impl Simulation {
-    /// A control that reads from its DNC line, with the controller of the job.
+    /// Simulation of a control that reads from its DNC line, with the controller of the job.
     ///
     /// # Errors
     /// The bounds of the override are invalid.
@@ -111,7 +111,7 @@ impl Simulation {
         Ok(Simulation::new(Control::on_line(settings), job, InProcessController::new(job, fault, STEP.into())?))
     }
 
-    /// A control with the program in its memory, with the controller of the job.
+    /// Simulation of a control with the program in its memory, with the controller of the job.
     ///
     /// # Errors
     /// The bounds of the override are invalid.
@@ -130,7 +130,7 @@ impl Simulation {
 }
 
 impl<D: OverrideSource> Simulation<D> {
-    /// A control whose override comes from `source`.
+    /// Simulation of a control whose override comes from `source`.
     pub fn new(control: Control, job: &Job, source: D) -> Self {
         Simulation {
             now: Micros(0),
@@ -154,7 +154,8 @@ impl<D: OverrideSource> Simulation<D> {
         self.planned = moves.into_iter().collect();
     }
 
-    /// One step of everything: the control moves, the machine reports, the meter measures, the controller decides.
+    /// Simulates one period: the control moves the axes, the machine reports, the meter measures, the override source
+    /// decides.
     pub fn step(&mut self) {
         self.now = self.now.after(STEP);
         let before = self.control.moves_begun();
@@ -215,7 +216,7 @@ impl<D: OverrideSource> Simulation<D> {
         self.output
     }
 
-    /// The meter.
+    /// The chip meter.
     pub fn meter(&self) -> &ChipMeter {
         &self.meter
     }

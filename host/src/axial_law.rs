@@ -54,7 +54,7 @@ const HALVINGS: usize = 48;
 /// Reduction of the table's values, which are stored as f32.
 const F32_RATIO: f64 = 1.0 - 1e-6;
 
-/// Numbers of edges that pass a place in a turn.
+/// Numbers of cutting edges that pass a point in one turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges {
     /// z: on a side of the tool.
@@ -64,7 +64,7 @@ pub struct Edges {
 }
 
 impl Edges {
-    /// Edges of a tool. On a ring the inserts of both circles reach across its end.
+    /// Numbers of edges of a tool. On a ring, the inserts of both circles reach across its end.
     pub fn of(tool: &Tool) -> Self {
         let side = f64::from(tool.active_teeth());
         Edges { side, end: if matches!(tool, Tool::CupMill(_)) { 2.0 * side } else { side } }
@@ -90,7 +90,7 @@ impl Inclination {
     }
 }
 
-/// Limits of the law at a spindle speed.
+/// Plunge law for one tool at one spindle speed: limits of the feed along the tool's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialLaw {
     /// a: thickest chip.
@@ -112,7 +112,7 @@ pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min
 }
 
 impl AxialLaw {
-    /// Largest torque of a turn at a path per tooth. (2)
+    /// Largest torque of a turn, for a path per tooth in a section. (2)
     pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, inclination: Inclination) -> f64 {
         let Inclination { sine_ratio: sine, cosine_ratio: cosine } = inclination;
         let Edges { side: side_edges, end: end_edges } = self.edges;

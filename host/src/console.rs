@@ -17,14 +17,14 @@ pub fn print(line: Arguments<'_>) -> std::io::Result<()> {
     stdout.flush()
 }
 
-/// Prints a line on stderr. An error is ignored: there is no place left to report it.
+/// Prints a line on stderr; errors of stderr are ignored, because nothing is left to report them to.
 pub fn note(line: Arguments<'_>) {
     if !IS_QUIET.load(Ordering::Relaxed) {
         let _lost = writeln!(stderr().lock(), "{line}");
     }
 }
 
-/// Does a part of a command without its lines on stderr: another part has printed the same.
+/// Runs a part of a command without its lines on stderr, because another part has printed the same lines.
 pub fn without_notes<T>(part: impl FnOnce() -> T) -> T {
     IS_QUIET.store(true, Ordering::Relaxed);
     let result = part();

@@ -112,7 +112,7 @@ pub enum CenterConvention {
     Absolute,
 }
 
-/// Conventions that a job or an option sets, whatever the settings file says.
+/// Conventions that a job or an option sets in place of those of the settings file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conventions {
     /// Meaning of numbers without a decimal point.
@@ -139,7 +139,7 @@ impl From<CenterConvention> for ArcCenters {
 }
 
 impl Convention {
-    /// Name in files.
+    /// Name of the convention in job and settings files.
     pub const fn name(self) -> &'static str {
         match self {
             Convention::LeastIncrement => "least-increment",
@@ -169,7 +169,7 @@ struct Axes {
     C: f64,
 }
 
-/// Settings of a control.
+/// Settings and offset tables of a control, as loaded from a preset and a file.
 #[derive(Debug)]
 pub struct LoadedSettings {
     /// Settings.

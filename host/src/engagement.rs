@@ -35,7 +35,7 @@ pub struct EngagementMap {
     pub descents: MappedDescents,
 }
 
-/// Move of a map.
+/// Move of an engagement map, with its engaged arcs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedMove {
     /// Line of the program, counted from 1.
@@ -48,7 +48,7 @@ pub struct MappedMove {
     pub table: Option<EngagedTable>,
 }
 
-/// Looks moves up in the order of execution; state.
+/// Finds the moves of a program in a map, in the order of execution; state.
 #[derive(Clone, Debug)]
 pub struct Lookup<'m> {
     ahead: &'m [MappedMove],
@@ -106,7 +106,8 @@ fn linear(segment: &Segment) -> Vec<i64> {
 }
 
 impl EngagementMap {
-    /// Reads a map; `made_of` is the fingerprint that it must have.
+    /// Reads a map from its file. `made_of` is the fingerprint of the input from which the map must have been
+    /// computed.
     ///
     /// # Errors
     /// The file is no map, or a map of something else.
@@ -139,7 +140,7 @@ impl EngagementMap {
         Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()?, descents })
     }
 
-    /// Text of the map's file.
+    /// Text of the map's file; `made_of` is the fingerprint of the input from which the map was computed.
     pub fn text(&self, made_of: u64) -> String {
         let mut text = format!(
             "# Where the tool's circles are engaged along each move, by `arcfeed engage`: path, mm; outer circle from, to, inner circle from, to, degrees\n\
@@ -162,7 +163,7 @@ impl EngagementMap {
         text
     }
 
-    /// Lookup before the first move.
+    /// Lookup that begins at the first move.
     pub fn lookup(&self) -> Lookup<'_> {
         Lookup { ahead: &self.moves }
     }

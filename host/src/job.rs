@@ -116,7 +116,7 @@ pub struct JobFile {
     pub rule_scopes: Vec<RuleScope>,
 }
 
-/// Supported controls.
+/// Supported kinds of control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ControlKind {
     /// Series 16i.
@@ -196,7 +196,7 @@ impl JobFile {
         JobFile::parse(path, &text)
     }
 
-    /// Settings without a job: the control executes programs as they are, on a 16i's usual line (9600 baud, 7E2,
+    /// Settings for running a program without a job: no governed moves, on a 16i's usual line (9600 baud, 7E2,
     /// XON/XOFF).
     pub fn plain(unit: LengthUnit) -> Self {
         let job = Job {
@@ -250,7 +250,8 @@ impl JobFile {
         }
     }
 
-    /// Refuses a job whose rules have scopes, for `whom`, which knows only blocks.
+    /// Rejects a job with rules that are restricted to lines of the file or to a plane, for a recipient `whom` that
+    /// knows only blocks.
     ///
     /// # Errors
     /// Names the first such rule with its place and key; `path` is the job file.

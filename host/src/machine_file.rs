@@ -49,7 +49,7 @@ use crate::toml_values::{refuse_numbers, with_key};
 
 use drives::{DriveError, DriveValues, Drives, Loops, SpindleRamps, Tolerance};
 
-/// Machine with its name.
+/// Five-axis machine as described by a file or a preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineFile {
     /// Name in the file.

@@ -22,8 +22,8 @@ enum Target {
     File(PathBuf, Option<Metadata>),
 }
 
-/// File that takes its place only when it is finished: dropped before, it leaves nothing behind. Devices and FIFOs are
-/// written to directly.
+/// File that appears under its name only when it is finished; if it is dropped before, it leaves nothing behind.
+/// Devices and FIFOs are written to directly.
 #[derive(Debug)]
 pub struct PendingFile(Pending);
 
@@ -34,7 +34,7 @@ enum Pending {
     Beside(NamedTempFile, PathBuf, Option<Box<Metadata>>),
 }
 
-/// Rejects outputs that are one of the inputs, or one another, under any name.
+/// Rejects output files that are also input files, or that are the same file twice, under any name.
 ///
 /// # Errors
 /// Describes the first such output.
@@ -63,7 +63,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 impl PendingFile {
-    /// Empty file.
+    /// Empty file for this path.
     ///
     /// # Errors
     /// It cannot be written; the message gives the reason.
@@ -74,7 +74,7 @@ impl PendingFile {
         }))
     }
 
-    /// Puts the file in its place, in one step.
+    /// Gives the finished file its name, in one step.
     ///
     /// # Errors
     /// It cannot be written.
@@ -102,7 +102,7 @@ impl Write for PendingFile {
     }
 }
 
-/// As [`write_whole`], for a file that must not exist yet.
+/// Writes a file completely, or leaves everything unchanged; the file must not exist yet.
 ///
 /// # Errors
 /// The file exists ([`ErrorKind::AlreadyExists`]), or cannot be written.
@@ -129,12 +129,12 @@ pub fn create(path: &Path) -> Result<File> {
     }
 }
 
-/// The path leads to a regular file, without a link.
+/// Whether the path leads to a regular file, without a link.
 pub fn is_plain_file(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_file())
 }
 
-/// Adds the remedy to an error of writing.
+/// The error of a write with a remedy added.
 pub fn explained(error: Error, path: &Path) -> Error {
     let folder = parent(path);
     let what = match error.kind() {

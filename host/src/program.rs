@@ -73,7 +73,7 @@ pub use tool_comment::{CommentedKind, ToolComment};
 pub use tool_notes::{ToolNote, ToolNotes};
 pub use unit_survey::AssumedUnit;
 
-/// Program, read as a whole.
+/// Program, read as a whole, with its faults.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// Path of the file.
@@ -98,7 +98,7 @@ pub struct Program {
     run: Vec<MoveTrace>,
 }
 
-/// Line of a program; the default has no text and no meaning.
+/// Line of a program, with its meaning; the default has no text and no meaning.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramLine {
     /// Bytes without the line end.
@@ -139,7 +139,7 @@ impl ProgramLine {
         has_code.then(|| Diagnostic::of_line(1, &self.text, diagnostic::NO_LABEL))
     }
 
-    /// The control counts the line as a block: anything but `%` and an empty line.
+    /// Whether the control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == LineKind::ProgramMark);
         !self.text.is_empty() && !is_mark
@@ -175,7 +175,7 @@ impl Program {
         program
     }
 
-    /// Diagnostic for a first block that a control on a line takes for the label.
+    /// Diagnostic for a first block that a control on a line would skip as the label.
     pub fn missing_label(&self) -> Option<Diagnostic> {
         self.lines.first()?.missing_label()
     }
@@ -206,12 +206,12 @@ impl Program {
         self.places.as_ref().map_or(line, |places| places.line_in_file(line))
     }
 
-    /// Content of the program's file, if these are its blocks as executed.
+    /// Content of the program's own file, if this program consists of its executed blocks.
     pub fn file(&self) -> Vec<u8> {
         self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
     }
 
-    /// A control would stop somewhere in the program.
+    /// Whether a control would stop somewhere in the program.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }

@@ -63,12 +63,12 @@ pub fn refuse_numbers(text: &str) -> Result<(), (usize, String)> {
     refused.map_or(Ok(()), Err)
 }
 
-/// The number is finite and not larger than [`NUMBER_MAX`].
+/// Whether a number is finite and not larger than [`NUMBER_MAX`].
 pub fn is_possible(number: f64) -> bool {
     (-NUMBER_MAX..=NUMBER_MAX).contains(&number)
 }
 
-/// Complaint with the key that it is about, and the value there.
+/// Error message with the key and the value that it is about.
 pub fn with_key(text: &str, offset: usize, message: &str) -> String {
     let mut found = None;
     walk(text, &mut |key, key_offset, value| {

@@ -77,7 +77,7 @@ fn a_tick_is_many_times_cheaper_than_the_sources_own_loop() {
 }
 
 #[test]
-fn the_table_of_mathematics_in_the_docs_is_what_the_chip_does() {
+fn documented_costs_of_functions_agree_with_the_chip() {
     let docs = std::fs::read_to_string(arcfeed_tests::root().join("docs/real-time.md")).expect("the page is there");
     let table = run("math-cost").text();
     print!("{table}");

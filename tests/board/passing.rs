@@ -144,7 +144,7 @@ fn every_character_passes_from_within_the_receivers_interrupt_in_both_directions
 }
 
 #[test]
-fn what_the_main_loop_missed_passes_all_the_same_and_ends_the_adaptation() {
+fn characters_that_the_main_loop_misses_still_pass_but_end_the_adaptation() {
     let program: Vec<u8> = b"%\nO0001\n".iter().copied().chain(b"G1X1.Y2.F100.\n".repeat(FLOOD / 14)).collect();
     let (label, blocks) = program.split_at(8);
     let (begun, passed, lost, figures) = attempted(|tapped| {

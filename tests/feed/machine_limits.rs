@@ -104,7 +104,7 @@ fn a_block_without_a_law_keeps_its_hundred_per_cent() {
 }
 
 #[test]
-fn the_feed_reported_under_a_clamp_is_the_clamp_and_not_what_the_override_says() {
+fn reported_feed_under_an_arc_clamp_is_the_clamp() {
     let (mut file, program) = example();
     let block = governed(&file, &program).remove(0);
     file.job.policy = FeedPolicy::OverrideOnly;

@@ -160,7 +160,7 @@ fn feed_and_contact_obey_the_first_order_of_the_law() {
 }
 
 #[test]
-fn what_comes_out_is_what_was_reviewed() {
+fn adapted_program_equals_the_reviewed_file() {
     let golden = root().join(CASE).join("expected.txt");
     let text = render(&four_arcs());
     if std::env::var_os("UPDATE_GOLDEN").is_some() {

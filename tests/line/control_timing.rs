@@ -133,7 +133,7 @@ fn event<'e>(events: &'e [Event], what: &str) -> &'e Event {
 }
 
 #[test]
-fn what_happens_when_is_what_was_reviewed() {
+fn timing_of_events_equals_the_reviewed_file() {
     let golden = root().join(CASE).join("expected.txt");
     let text = render(&run());
     println!("{text}");
@@ -185,7 +185,7 @@ fn feed_hold_takes_v_over_a_and_the_rest_of_the_block_is_a_triangle() {
 }
 
 #[test]
-fn dwell_line_and_clamped_circle_take_what_they_must() {
+fn dwell_line_and_clamped_circle_take_their_computed_times() {
     let events = run();
     let from = |what: &str| at_ms(&events, what) - 1;
     assert_eq!(at_ms(&events, "N50") - at_ms(&events, "N40"), 100);

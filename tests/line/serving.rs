@@ -105,7 +105,7 @@ fn a_contour_is_offset_by_the_radius_of_the_settings_and_stops_where_the_tool_do
 }
 
 #[test]
-fn a_restart_in_a_cycle_says_what_it_does_not_send_and_drills_where_the_offsets_say() {
+fn restart_in_a_cycle_lists_omitted_functions_and_drills_at_the_offset_holes() {
     let scratch = Scratch::new("restart");
     let settings = scratch.write("machine.toml", "unit = 'mm'\n[work]\nG54 = { X = 100.0 }\n[length]\n1 = 50.0\n");
     let (server, mut line) = serve(&scratch, &["--settings", &settings, "--restart-at", "50"]);
@@ -204,7 +204,7 @@ fn macros_call_programs_of_the_library_and_print_to_the_sender() {
 }
 
 #[test]
-fn what_a_control_prints_is_in_the_report_of_the_sender() {
+fn text_printed_by_the_control_is_in_the_senders_report() {
     let scratch = Scratch::new("printed");
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");

@@ -181,7 +181,7 @@ fn a_sender_that_knows_nothing_of_arcfeed_gets_its_program_executed_as_it_is() {
 }
 
 #[test]
-fn ctrl_c_on_a_serial_line_says_how_far_it_came_and_asks_for_feed_hold() {
+fn ctrl_c_on_a_serial_line_reports_the_progress_and_asks_for_feed_hold() {
     let scratch = Scratch::new("ctrl-c");
     let program = adapted(&scratch);
     let (server, port) = serve(&scratch, "1", "9600");

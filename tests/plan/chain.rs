@@ -61,7 +61,7 @@ fn the_example_rotor_is_planned_checked_simulated_and_streamed() {
 }
 
 #[test]
-fn what_cannot_be_planned_is_said_and_nothing_is_written() {
+fn infeasible_plans_give_a_reason_and_write_nothing() {
     let scratch = Scratch::new("plan-refused");
     let text = std::fs::read_to_string(root().join(PART)).expect("the example");
     // One direction is enough here.

@@ -127,7 +127,7 @@ fn assert_map(map: &Map, exact_mm: impl Fn(f64, f64) -> f64) {
 }
 
 #[test]
-fn what_is_left_on_plane_walls_is_the_gap_and_the_corner_below() {
+fn material_left_on_plane_walls_is_the_gap_and_the_corner_below() {
     let left = left(&small_tool(2.0));
     // Above the corner the gap itself, below it the way to the corner's circle.
     let wall = |gap_mm: f64, v: f64| libm::hypot(gap_mm + 2.0, (52.0 - (40.0 + 20.0 * v)).max(0.0)) - 2.0;

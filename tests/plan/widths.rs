@@ -29,7 +29,7 @@ fn rotor() -> Rotor {
 }
 
 #[test]
-fn the_width_that_takes_most_is_that_of_a_sweep_and_a_wider_ring_takes_more_until_none_passes() {
+fn best_ring_width_agrees_with_a_sweep_and_removal_grows_until_the_ring_no_longer_passes() {
     let rotor = rotor();
     let [pressure, suction] = rotor.sections(SECTIONS, POINTS).expect("a rotor").faces().expect("its faces");
     let hub = Revolution { profile_mm: vec![[-14.0, 80.0], [14.0, 80.0]] };

@@ -165,7 +165,7 @@ fn a_program_as_cam_systems_write_them_gets_warnings_at_their_places_and_no_erro
 }
 
 #[test]
-fn strict_is_what_the_control_raises_and_it_raises_nothing_for_an_open_comment() {
+fn strict_reading_raises_the_alarms_of_the_control_but_none_for_an_open_comment() {
     let (code, report) = check(&[CORPUS, "--strict"]);
     assert_eq!((code, places(&report["errors"])), (Some(1), CORPUS_ALARMS.to_vec()));
     let stderr = text_of(&run(&["check", CORPUS, "--strict"]).stderr);
@@ -230,7 +230,7 @@ fn a_file_that_is_not_there_is_named_and_the_exit_code_is_1() {
 }
 
 #[test]
-fn what_the_command_line_does_not_know_is_a_usage_error() {
+fn invalid_command_lines_are_usage_errors() {
     let job = &format!("{EXAMPLE}/job.toml");
     let wrong: [&[&str]; 6] = [
         &["check", CORPUS, "--strictly"],

@@ -90,6 +90,6 @@ fn every_move_is_the_one_that_linuxcnc_makes() {
 }
 
 #[test]
-fn every_expression_is_worth_what_linuxcnc_makes_of_it() {
+fn expressions_have_the_values_of_linuxcnc() {
     assert_all_as_expected("macros-rs274", &read("macros-rs274"), OF_WORDS_MM);
 }

@@ -98,7 +98,7 @@ fn theirs(line: &str) -> (Option<u32>, Letters) {
 }
 
 #[test]
-fn on_what_both_have_another_parser_reads_the_same_words() {
+fn another_parser_reads_the_same_words_where_both_support_them() {
     let (mut rng, mut words) = (Rng::with_seed(43), 0);
     for _ in 0..4_000 {
         let mut line = format!("N{}", rng.u32(1..99_999));

@@ -140,7 +140,7 @@ fn small_letters_blanks_and_marks_of_editors_change_no_move() {
 }
 
 #[test]
-fn what_is_sent_has_the_moves_of_the_program_in_the_codes_own_characters() {
+fn sent_text_has_the_moves_of_the_program_in_characters_of_the_code() {
     let wire = Wire { encode: |byte| byte.is_ascii().then_some(byte), filters: true, tv_check: true };
     let mut sent_programs = 0;
     for row in rows().into_iter().filter(Row::is_plain) {

@@ -161,7 +161,7 @@ fn the_floor_of_the_law_is_named_where_it_decides() {
 }
 
 #[test]
-fn what_is_missing_is_named_with_its_option() {
+fn missing_values_are_named_with_their_option() {
     let scratch = Scratch::new("without-job-missing");
     let path = scratch.write("p.nc", "G90G94\nG0X0Y0\nG3X10.Y0I5.F100.\nM30\n");
     let (code, message) = refused(&["adapt", &path]);

@@ -5,7 +5,7 @@ use arcfeed_firmware::board::Board;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Input, Work};
 
-/// Inputs, segment in execution, and override.
+/// Board for measurements: given inputs, a given segment, and the override put out.
 #[derive(Clone, Debug)]
 pub struct BoardIo {
     /// The segment in execution and its count.

@@ -1,6 +1,6 @@
 //! Whole numbers from a seed: xorshift64*, the same on every machine.
 
-/// The generator; state.
+/// Generator of pseudo-random numbers; state.
 #[derive(Clone, Copy, Debug)]
 pub struct Random(u64);
 

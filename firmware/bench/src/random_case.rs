@@ -24,7 +24,7 @@ use crate::random::Random;
 /// One of this number of position samples is missing.
 const MISSING: u64 = 50;
 
-/// Source of a block's law.
+/// Law for the random cases of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawChoice {
     /// The job gives the law.
@@ -90,7 +90,7 @@ impl RandomCase {
         RandomCase { job, filter: filter(random), rule, segment, table, route }
     }
 
-    /// The block under its law.
+    /// The block, prepared under its law.
     pub fn active(&self) -> ActiveSegment {
         let conditions = Conditions::of(&self.segment, Some(&self.rule), &self.job);
         match &self.table {

@@ -26,7 +26,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use arcfeed_units::fmath;
 
-/// A floating-point number.
+/// A floating-point number: f32 or f64.
 pub trait Real:
     Copy
     + PartialOrd
@@ -57,12 +57,12 @@ pub trait Maths<T> {
     fn atan2(y: T, x: T) -> T;
 }
 
-/// All from `libm`.
+/// Implementation of [`Maths`] with all functions from `libm`.
 #[derive(Debug)]
 pub enum Libm {}
 
-/// Square root by the instruction of the chip, sine and cosine by a polynomial in single precision (4e-6 off within a right
-/// angle, which the equations do not leave), the rest from `libm`.
+/// Implementation of [`Maths`] for a chip with FPU: square root by an instruction, sine and cosine by a polynomial in
+/// single precision (4e-6 off within a right angle, which the equations do not leave), the rest from `libm`.
 #[derive(Debug)]
 pub enum Fpu {}
 
@@ -123,7 +123,7 @@ impl Maths<f32> for Fpu {
     }
 }
 
-/// Everything that the equations take, mm.
+/// Inputs of the equations, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Movement<T> {
     /// M and N, two points of the stock limit, in the frame at O.
@@ -147,7 +147,8 @@ pub struct Step<T> {
     pub turn: T,
 }
 
-/// One turn of the source's loop, equations (8) to (29): the step, and M and N in the frame that it leads to.
+/// One pass through the source's loop, equations (8) to (29): the step of a tooth, and the limits M and N in the
+/// frame after the step.
 pub fn tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let (step, next) = step::<T, M>(movement, line(movement.limits));
     let (cos, sin) = (M::cos(step.turn), M::sin(step.turn));
@@ -163,7 +164,7 @@ pub fn line<T: Real>([[x_m, y_m], [x_n, y_n]]: [[T; 2]; 2]) -> [T; 3] {
     [y_n - y_m, -(x_n - x_m), x_n * y_m - x_m * y_n] // (8) (9) (10)
 }
 
-/// Equations (11) to (26), and O'; NaN where there is no solution.
+/// Equations (11) to (26): the step and the next tool centre O'; NaN where there is no solution.
 pub fn step<T: Real, M: Maths<T>>(movement: &Movement<T>, line: [T; 3]) -> (Step<T>, [T; 2]) {
     let (x_b, y_b) = contact::<T, M>(movement, line);
     let theta = M::atan2(x_b, y_b);
@@ -209,8 +210,8 @@ fn next_center<T: Real, M: Maths<T>>(movement: &Movement<T>, x_c: T, y_c: T) -> 
     if nearer { (x, y) } else { (x_other, y_other) }
 }
 
-/// The same turn of the loop as a person writes it who counts instructions: one intersection where two are printed, coordinates
-/// in place of angles, no function but the root.
+/// Same result as [`tooth`] with fewer instructions: one intersection in place of two, coordinates in place of
+/// angles, no function but the square root.
 pub fn lean_tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let Movement { limits, edge_radius: r0, path_radius: rho, advance, feed_per_tooth } = *movement;
     let [a, b, c] = line(limits);

@@ -39,7 +39,7 @@ pub const LAWS: [(&str, LawChoice); 9] = [
 const SEED: u64 = 0x5eed_0fa2_cfee_d001;
 const TICKS_PER_BLOCK: u64 = 400;
 
-/// Result of a run: a hash, and counts of the ticks that it covers, by case.
+/// Result of a run: a hash, and numbers of ticks by case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Trace {
     /// FNV-1a of all outputs.
@@ -89,7 +89,8 @@ impl Display for Trace {
     }
 }
 
-/// Runs [`TICKS`] ticks under a law, twice: in surroundings where nothing ever happens, and in such where much does.
+/// Runs [`TICKS`] ticks under a law with two supervisors: one without any event, and one with random losses, signals
+/// and dial movements.
 pub fn run(choice: LawChoice) -> Trace {
     let mut random = Random::new(SEED);
     let mut hash = Fnv::default();

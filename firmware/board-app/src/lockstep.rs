@@ -30,7 +30,7 @@ pub enum BoardLine {
     Control,
 }
 
-/// The board's ends of its lines.
+/// Access to the serial lines of a board.
 pub trait BoardLines {
     /// Number of received bytes that wait.
     fn waiting(&self, line: BoardLine) -> usize;

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_goes_in_comes_out_in_order_and_what_has_no_room_comes_back() {
+    fn queue_keeps_the_order_and_returns_items_without_room() {
         let mut queue = Queue::<u8, 4>::new();
         let (mut producer, mut consumer) = split(&mut queue);
         for lap in 0..5 {

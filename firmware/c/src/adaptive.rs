@@ -40,7 +40,8 @@ const RAPID: i32 = 1;
 /// Motion types of feed moves.
 const FEEDS: core::ops::RangeInclusive<i32> = 2..=3;
 
-/// Combination with the control's own override; state.
+/// Combination of arcfeed's override with the control's own, for a control whose override input can only reduce the
+/// feed; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AdaptiveFeed {
     /// Dial requested last, %; `None` before the first request.

@@ -30,7 +30,7 @@ use crate::values::{
 /// Signals of [`BoardFault`]; all others are those of a machine line.
 const FAULTS: [BoardFault; 3] = [BoardFault::Watchdog, BoardFault::Parameters, BoardFault::Hardware];
 
-/// A controller; state. Its moves are in the slots behind it.
+/// Controller with its parameters; state. The moves are in the caller's memory behind it.
 pub struct Controller {
     supervisor: Supervisor,
     memory: Memory,

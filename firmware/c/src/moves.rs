@@ -31,7 +31,7 @@ pub struct LineMove {
 /// Room for moves.
 pub type Slots = [Option<LineMove>];
 
-/// The block in execution; state.
+/// The move in execution; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InWork {
     /// None.

@@ -149,7 +149,7 @@ pub struct ArcfeedOutput {
     pub is_followed: u8,
 }
 
-/// Inputs of the combination with a control whose override input only reduces.
+/// Inputs for a control whose override input can only reduce the feed.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub struct ArcfeedAdaptiveInput {
@@ -169,7 +169,7 @@ pub struct ArcfeedAdaptiveInput {
     pub motion_type: i32,
 }
 
-/// Outputs of the combination.
+/// Outputs for a control whose override input can only reduce the feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct ArcfeedAdaptiveOutput {

@@ -21,7 +21,8 @@ use arcfeed_units::{Mm, MmPerTooth, Nm};
 use super::step::{Cut, PreparedCut};
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// The law for one arc. All lengths relative to the rotation centre A.
+/// Circumference law prepared for one arc: keeps the feed per tooth on the cutting circle at its contact with the
+/// stock line. All lengths relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circumference {
     cut: PreparedCut,
@@ -35,8 +36,8 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// Quantities that determine the demand along an arc, for analyses of the arc as a whole.
-/// All lengths relative to the rotation centre A.
+/// Geometry that determines the circumference law's demand along an arc, for analyses of the whole arc. All lengths
+/// relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
     /// rho, mm.

@@ -20,7 +20,7 @@ use arcfeed_units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Limits of the law.
+/// Limits of the contour law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourLimits {
     /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).
@@ -29,7 +29,8 @@ pub struct ContourLimits {
     pub floor_ratio: f32,
 }
 
-/// The law for one segment, with the same demand everywhere on it.
+/// Contour law prepared for one segment: keeps the feed along the finished contour. Its demand is the same everywhere
+/// on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
     demand: Result<FeedDemand, NoDemand>,

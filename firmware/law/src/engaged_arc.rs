@@ -21,7 +21,7 @@ use super::region::{CircleAt, Region};
 use super::step::Cut;
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Protected edges of the ring.
+/// Edges of the ring whose chip must not exceed the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePolicy {
     /// Both: the thicker chip decides.
@@ -30,7 +30,7 @@ pub enum EdgePolicy {
     Only(Edge),
 }
 
-/// The ring and its path.
+/// Geometry of the ring and its path, for the engaged-arc law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// R: outer radius.
@@ -43,7 +43,7 @@ pub struct Ring {
     pub feed_per_tooth: MmPerTooth,
 }
 
-/// The law for one segment.
+/// Engaged-arc law prepared for one segment: limits the thickest chip on the whole engaged arc of the ring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedArc {
     cuts: [Option<Cut>; 2],
@@ -67,7 +67,7 @@ impl EngagedArc {
         EngagedArc { cuts, region, is_sound }
     }
 
-    /// Passes the paths of the knots of an engagement table, mm.
+    /// Passes the position of each knot of an engagement table to `take`: path from the start of the segment, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         if let Region::Engaged(table) = &self.region {
             table.knots().iter().for_each(|knot| take(knot.travelled.0));

@@ -39,7 +39,8 @@ pub enum PathShape {
     },
 }
 
-/// The law for one segment, with the same demand everywhere on it.
+/// Engagement law prepared for one segment of an end mill: keeps the largest chip thickness. Its demand is the same
+/// everywhere on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engagement {
     demand: Result<FeedDemand, NoDemand>,
@@ -130,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_light_cut_takes_more_feed_for_the_same_chip_and_a_slot_takes_the_chip_itself() {
+    fn light_cut_gets_more_feed_per_tooth_and_a_full_slot_exactly_the_chip() {
         assert!((feed(1.0, PathShape::Straight).unwrap() - 0.1 / 0.6).abs() < 1e-7);
         assert_eq!(feed(5.0, PathShape::Straight), Ok(0.1));
         assert_eq!(feed(10.0, PathShape::Straight), Ok(0.1));

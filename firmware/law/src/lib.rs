@@ -87,7 +87,7 @@ impl Place {
     }
 }
 
-/// Demand of a law.
+/// Answer of a law at a place: path of the centre per tooth, and the contact that decides it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedDemand {
@@ -121,7 +121,7 @@ pub enum NoDemand {
     BadInput,
 }
 
-/// Law of a segment.
+/// Law that governs a segment, prepared for it.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and one segment is active at a time")]
 pub enum SegmentLaw {
@@ -174,7 +174,8 @@ impl SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// Passes the paths at which a table of the law may bend or jump, mm.
+    /// Passes the positions at which a table of the law may bend or jump to `take`: paths from the start of the
+    /// segment, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         match self {
             SegmentLaw::Table(law) => law.knots_mm(take),

@@ -15,7 +15,7 @@ use super::Place;
 /// Tolerance of a crossing at a corner, relative to the circle's radius, for f32 rounding.
 const CORNER_RATIO: f32 = 1e-5;
 
-/// Stock relative to the segment's origin; lengths in mm.
+/// Region of material relative to the segment's origin; lengths in mm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Region {
     /// The intersection of half planes `normal . p <= offset`.
@@ -31,7 +31,7 @@ pub enum Region {
     Engaged(EngagedTable),
 }
 
-/// A cutting circle at a place.
+/// A cutting circle with the tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct CircleAt<'p> {
     /// Cutting edge.
@@ -42,7 +42,7 @@ pub struct CircleAt<'p> {
     pub place: &'p Place,
 }
 
-/// `normal . p <= offset_mm` is inside.
+/// Half plane of material: the points p with `normal . p <= offset_mm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     /// Unit normal, out of the material.

@@ -41,7 +41,7 @@ const SERIES_LIMIT: f32 = 1e-3;
 /// tau / 2 rho below which two terms of the arc tangent's series are exact to f32.
 const SMALL_STEP_RATIO: f32 = 0.01;
 
-/// Circles and chip: all inputs of the step per tooth except the contact.
+/// Geometry and target chip of a cut: all inputs of the step per tooth except the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
     /// rho, radius of the centre's path about A; infinite for a straight path.
@@ -133,7 +133,7 @@ impl PreparedCut {
         if self.closing_per_mm < 0.0 { -1 } else { 1 }
     }
 
-    /// a, by the root of (1) that does not cancel; NaN where the cut is none.
+    /// Target feed per tooth a, computed back from (1) by the root that loses no digits; NaN for an invalid cut.
     pub fn feed_per_tooth(&self, edge_radius: Mm) -> MmPerTooth {
         let Mm(r0) = edge_radius;
         let k = f32::from(self.edge_sign());

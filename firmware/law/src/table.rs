@@ -9,7 +9,7 @@ use heapless::Vec;
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// The law for one segment.
+/// Table law prepared for one segment: feed per tooth at knots along the path, linear between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     knots: Vec<Knot, TABLE_KNOTS_MAX>,
@@ -48,7 +48,7 @@ impl Table {
 }
 
 impl Table {
-    /// Passes the paths of the knots, mm.
+    /// Passes the position of each knot to `take`: path from the start of the segment, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         self.knots.iter().for_each(|(travelled, _)| take(travelled.0));
     }

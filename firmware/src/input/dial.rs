@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn it_never_reads_more_than_the_line_between_its_ends_and_at_most_a_step_and_the_backlash_less() {
+    fn dial_reads_at_most_the_straight_line_and_less_by_at_most_step_plus_backlash() {
         let mut knob = DialState::default();
         let up_and_down = (400..=3_700).chain((400..=3_700).rev());
         for reading in up_and_down {

@@ -23,7 +23,7 @@ pub struct Counter {
     counts: i32,
 }
 
-/// An impossible reading.
+/// Reading of an encoder that the axis cannot have made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderFault {
     /// The reading changed by more than the axis can move in a tick.

@@ -19,7 +19,7 @@ pub struct Tacho {
     longest_us: u32,
 }
 
-/// State of the pulse measurement.
+/// State of the measurement of tacho pulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
     /// No pulse for longer than the longest period.

@@ -43,6 +43,7 @@ impl Coupler {
     pub const NONE: Coupler = Coupler { take_ns: 0, let_go_ns: 0 };
 }
 
+/// Error of a pin that refuses to be written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refused;
 
@@ -52,12 +53,13 @@ impl Error for Refused {
     }
 }
 
+/// A pin of the bench.
 pub struct Pin<'b> {
     bench: &'b Bench,
     wire: u8,
 }
 
-/// Lines 0 to 7, written together.
+/// Lines 0 to 7 of the bench, written together.
 pub struct Port<'b>(&'b Bench);
 
 impl LinePort for Port<'_> {
@@ -90,14 +92,17 @@ impl DelayNs for &Bench {
 }
 
 impl Bench {
+    /// The pins of lines 0 to 7.
     pub fn pins(&self) -> [Pin<'_>; 8] {
         core::array::from_fn(|line| self.pin(line as u8))
     }
 
+    /// The pin of a wire.
     pub fn pin(&self, wire: u8) -> Pin<'_> {
         Pin { bench: self, wire }
     }
 
+    /// The port of lines 0 to 7.
     pub fn port(&self) -> Port<'_> {
         Port(self)
     }

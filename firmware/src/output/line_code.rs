@@ -15,7 +15,7 @@ pub const HIGHEST_PERCENT: u8 = 254;
 /// All lines low, which the control reads as 0 %.
 const ALL_LOW: u8 = 0xFF;
 
-/// Low lines: bit i for *FVi.
+/// State of the lines *FV0 to *FV7: bit i is set if *FVi is low.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineCode(u8);

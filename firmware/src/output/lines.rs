@@ -4,7 +4,7 @@ use embedded_hal::digital::{OutputPin, PinState};
 
 use super::line_code::{LINES, LineCode};
 
-/// A line that failed.
+/// Output line that failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OutputLine {

@@ -29,7 +29,7 @@ use super::lines::{LineError, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Eight lines without a register.
+/// Override output on eight separate pins, without a register.
 ///
 /// Pins of different types are passed as `&mut dyn OutputPin<Error = E>`.
 #[derive(Clone, Debug)]

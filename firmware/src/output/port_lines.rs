@@ -18,7 +18,7 @@ use super::line_code::LineCode;
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Eight pins that change together.
+/// Port of eight pins that change together.
 pub trait LinePort {
     /// Error of the hardware.
     type Error;
@@ -30,7 +30,7 @@ pub trait LinePort {
     fn write(&mut self, levels: u8) -> Result<(), Self::Error>;
 }
 
-/// Eight lines on one port.
+/// Override output on the eight pins of one port.
 #[derive(Clone, Debug)]
 pub struct PortLines<P, D = NoDelay> {
     port: P,

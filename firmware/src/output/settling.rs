@@ -2,7 +2,7 @@
 
 use embedded_hal::delay::DelayNs;
 
-/// Delay of the lines relative to the pins, and the delay source.
+/// Time that the lines need to follow the pins, and the delay source that waits for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settling<D> {
@@ -12,7 +12,7 @@ pub struct Settling<D> {
     pub settle_ns: u32,
 }
 
-/// No delay: the lines follow their pins at once.
+/// Delay source that never waits, for lines that follow their pins at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoDelay;

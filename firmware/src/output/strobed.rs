@@ -13,7 +13,7 @@ use super::lines::{LineError, OutputLine, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Eight data lines and a strobe.
+/// Override output on eight data lines and a strobe, for a register.
 #[derive(Clone, Debug)]
 pub struct Strobed<P, S, D = NoDelay> {
     lines: OutputLines<P>,

@@ -10,7 +10,7 @@ use super::signals::{Inhibit, Signals};
 /// The segment in execution and its count; `None` for none.
 pub type Work<'a> = Option<(u32, &'a ActiveSegment)>;
 
-/// All other inputs of the supervisor.
+/// Inputs of the supervisor at a tick, except the segment in execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
     /// Position, spindle speed and the time since the last tick.
@@ -34,7 +34,7 @@ pub struct Freshness {
     pub invalid_in_row: u8,
 }
 
-/// Lost source.
+/// Source of data whose loss the supervisor detects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
@@ -44,7 +44,7 @@ pub enum Source {
     Link,
 }
 
-/// A loss at the time of its detection.
+/// A lost source, at the time of its detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loss {
     /// Lost source.
@@ -53,7 +53,7 @@ pub struct Loss {
     pub keep: Span,
 }
 
-/// Quality of the samples.
+/// Quality of the data from a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     /// Recent and valid.

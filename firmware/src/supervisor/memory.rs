@@ -30,12 +30,12 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Idle, on a board that knows the override at its output.
+    /// Idle state of a board that knows the override at its output.
     pub fn with_override(feed_override: FeedOverride) -> Self {
         Memory { level: Level::at(feed_override), ..Memory::default() }
     }
 
-    /// Armed, without a segment and at 100 %: the start of a simulated run.
+    /// Armed state without a segment, at 100 %: the start of a simulated run.
     pub fn armed() -> Self {
         let mut memory = Memory {
             state: State::Armed,
@@ -56,7 +56,7 @@ impl Memory {
         &self.counters
     }
 
-    /// Level at the output, before rounding.
+    /// Override ratio at the output, before rounding to whole steps.
     pub fn level(&self) -> Level {
         self.level
     }

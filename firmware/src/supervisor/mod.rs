@@ -43,7 +43,7 @@ use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 use target::Target;
 
-/// The supervisor of one machine; configuration.
+/// Supervisor of one machine: decides whether the laws may have the override; configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
     controller: Controller,
@@ -51,7 +51,7 @@ pub struct Supervisor {
     settings: Settings,
 }
 
-/// Decision of a tick.
+/// Decision of a tick: override, reason and state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {

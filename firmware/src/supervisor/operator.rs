@@ -8,7 +8,7 @@ use arcfeed_units::PERCENT;
 /// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;
 
-/// State of the dial.
+/// Operator's override dial; state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorDial {
     percent: u8,
@@ -20,7 +20,7 @@ pub struct OperatorDial {
 /// Movement of the dial since the last tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DialTurn {
-    /// None, or up.
+    /// Not turned, or turned up.
     Kept,
     /// Down: the feed falls proportionally.
     Down {

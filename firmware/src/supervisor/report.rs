@@ -9,7 +9,7 @@ use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
 use super::state::{Disarm, Hold, State};
 
-/// Reason of the override.
+/// Reason for the override that is put out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
@@ -46,7 +46,7 @@ pub enum Reason {
     Disarmed(Disarm),
 }
 
-/// Limit of a demand.
+/// Limit that reduces a law's demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limit {
@@ -60,7 +60,7 @@ pub enum Limit {
     Ceiling,
 }
 
-/// Alarm level.
+/// Alarm level, for a lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
@@ -153,7 +153,7 @@ impl Alarm {
 }
 
 impl Counters {
-    /// Counts a tick by its reason.
+    /// Counts a tick under its reason.
     #[inline(always)]
     pub fn count(&mut self, reason: Reason) {
         let counter = match reason {

@@ -13,7 +13,7 @@ pub enum SegmentTracking {
     Unknown,
     /// No segment is in execution.
     Nothing,
-    /// In execution, but its beginning was missed.
+    /// A segment is in execution, but its beginning was missed.
     Unseen(u32),
     /// Begun, but without a fresh sample so far.
     Awaited(u32),
@@ -21,7 +21,7 @@ pub enum SegmentTracking {
     Followed(u32),
 }
 
-/// Change at a tick.
+/// Change of the segment in execution at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
     /// No change.

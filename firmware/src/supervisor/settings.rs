@@ -6,7 +6,7 @@ use crate::ramp::LimitsError;
 
 use super::input::{Freshness, Loss, Quality, Source};
 
-/// Times and thresholds; configuration.
+/// Times and thresholds of the supervisor; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Time-outs of the position.
@@ -25,7 +25,7 @@ pub struct Settings {
     pub take_over_drop_percent: u8,
 }
 
-/// Time-outs of a source.
+/// Time-outs of a source: stale, lost, and end of its last value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timeouts {
     /// Age at which a sample or frame is stale: the override does not change.
@@ -124,7 +124,7 @@ impl Settings {
         if is_lost { Quality::Lost } else { Quality::Stale }
     }
 
-    /// The loss; the position has priority. One of both must be lost.
+    /// The loss of position or link; if both are lost, that of the position. One of them must be lost.
     #[cold]
     pub fn loss(&self, position: &Freshness, link: &Freshness) -> Loss {
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));

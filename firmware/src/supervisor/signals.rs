@@ -1,6 +1,6 @@
 //! Binary signals in one word, one bit each; a single comparison detects that none is set.
 
-/// A set of signals.
+/// A set of signals: board faults, requests, and conditions of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals(u32);
 
@@ -71,12 +71,12 @@ impl Signals {
     /// Feed hold is active.
     pub const FEED_HOLD: Signals = Signals(1 << 6);
 
-    /// A fault of the board.
+    /// Signals with one fault of the board.
     pub const fn of_fault(fault: BoardFault) -> Self {
         Signals(1 << (8 + fault as u32))
     }
 
-    /// A pressed button or a command of the host; it acts once, also if held.
+    /// Signals with one request: a pressed button or a command of the host. A request acts once, also if held.
     pub const fn of_request(request: Request) -> Self {
         Signals(1 << (16 + request as u32))
     }

@@ -72,7 +72,7 @@ pub enum State {
     },
 }
 
-/// Cause of a hold.
+/// Cause of the holding state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hold {

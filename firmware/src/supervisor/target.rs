@@ -11,7 +11,7 @@ use arcfeed_law::NoDemand;
 use super::report::{Limit, Reason, excess_percent};
 use super::signals::Inhibit;
 
-/// Target ratio with its reason.
+/// Override ratio that is aimed at, with its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     /// Ratio of the target feed to the sent feed, with the operator's share.
@@ -32,7 +32,7 @@ struct Demand {
 }
 
 impl Target {
-    /// Target at a path from the segment's start, reduced to the operator's share.
+    /// Target after a distance travelled on the segment, reduced to the share that the operator's dial allows.
     #[inline(always)]
     pub fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin, ramp: &Ramp, share_ratio: f32) -> Self {
         let Demand { ratio: demanded_ratio, ipt_center, reason, machine } = Demand::at(travelled_mm, segment, spindle);

@@ -26,7 +26,7 @@ pub struct ReadBlock {
     pub contour: ContourCommand,
 }
 
-/// Action of a block.
+/// Action of a block: motion, dwell, stop and others.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A comment, a title, modal words: no time, and moves flow through it.
@@ -62,8 +62,8 @@ impl ReadBlock {
         ReadBlock { line, text, action, context: MoveContext::default(), contour: ContourCommand::default() }
     }
 
-    /// Whether it is a chamfer or rounded corner: it belongs to the block before it, whose F it has. Other moves around a corner
-    /// belong to the block behind it.
+    /// Whether the block is an inserted chamfer or rounded corner, which belongs to the block before it and has its
+    /// F. Other moves around a corner belong to the block behind it.
     pub fn is_inserted(&self) -> bool {
         matches!(self.action, Action::Corner(_)) && self.contour.corner.is_some()
     }

@@ -14,7 +14,7 @@ use super::action::MoveContext;
 use super::panel::Phase;
 use super::plain::along_z;
 
-/// Run of a block with several moves.
+/// Execution of a block with several moves, such as a canned cycle.
 #[derive(Debug)]
 pub struct CannedCycleRun {
     series: Box<Series>,
@@ -26,7 +26,7 @@ pub struct CannedCycleRun {
     taps: bool,
 }
 
-/// Next step of the run.
+/// Next step of a canned cycle or another block with several moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RunStep {
     /// Move in machine coordinates.
@@ -38,7 +38,7 @@ pub enum RunStep {
 }
 
 impl CannedCycleRun {
-    /// Run at the beginning of its block.
+    /// Execution at the beginning of its block.
     pub fn new(series: Box<Series>, context: MoveContext, sequence: Option<i64>) -> Self {
         let cursor = series.begin();
         CannedCycleRun {
@@ -56,7 +56,7 @@ impl CannedCycleRun {
         self.taps || self.context.is_tapping
     }
 
-    /// Next step of the run, from the axes' position `position`; `None` at its end.
+    /// Next step of the execution, from the axes' position `position`; `None` at its end.
     pub fn advance(&mut self, position: &Pose, in_single_block: bool) -> Option<RunStep> {
         loop {
             let mut ahead = self.cursor.clone();

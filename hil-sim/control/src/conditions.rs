@@ -29,7 +29,7 @@ impl Control {
         if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
     }
 
-    /// Blocks that an axis kept from their programmed speed.
+    /// Blocks that ran slower than programmed because an axis reached its limit.
     pub fn limited(&self) -> &[AxisLimited] {
         self.interpolator.limited()
     }

@@ -18,7 +18,7 @@ use super::action::{Action, MoveContext, ReadBlock};
 use super::corner_queue::CornerQueue;
 use super::settings::ControlSettings;
 
-/// Blocks that wait for the move of the tool centre.
+/// Blocks under cutter compensation (G41, G42) that wait until the path of the tool centre is known.
 #[derive(Debug)]
 pub struct ContourQueue {
     corners: CornerQueue,
@@ -86,7 +86,7 @@ impl ContourQueue {
         }
     }
 
-    /// Ends the contour where it is: no further block comes.
+    /// Ends the contour because no further block comes; returns the remaining blocks.
     pub fn end(&mut self) -> Vec<ReadBlock> {
         let mut ready: Vec<ReadBlock> = self.corners.end().into_iter().flat_map(|block| self.offset(block)).collect();
         ready.extend(self.end_contour());

@@ -10,14 +10,15 @@ use arcfeed_nc::segment::Segment;
 
 use super::action::{Action, ReadBlock};
 
-/// A move that waits, and the blocks without words behind it.
+/// Move before a chamfer or rounded corner (`,C`, `,R`), which waits for the move behind it, and the blocks without
+/// words between them.
 #[derive(Debug, Default)]
 pub struct CornerQueue {
     waiting: Vec<ReadBlock>,
 }
 
 impl CornerQueue {
-    /// Accepts the next block; returns the blocks that can go on.
+    /// Accepts the next block; returns the blocks that can be executed.
     pub fn pass(&mut self, block: ReadBlock) -> Vec<ReadBlock> {
         let Some((first, corner)) = self.first() else { return self.admit(block) };
         let (line, plane) = (block.line, block.contour.plane);
@@ -43,7 +44,7 @@ impl CornerQueue {
         }
     }
 
-    /// No further block comes: a move that waits has no corner.
+    /// Releases the waiting move without its corner, because no further block comes.
     pub fn end(&mut self) -> Vec<ReadBlock> {
         if self.waiting.is_empty() { Vec::new() } else { self.refuse(Alarm::NoMoveBehindCorner, None) }
     }

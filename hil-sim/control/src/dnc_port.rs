@@ -22,7 +22,7 @@ use super::line::{LineCounters, LineSettings};
 use super::punch::Punch;
 use super::tape::{ReceivedBlock, Tape};
 
-/// The port's state.
+/// The control's serial port, with the line and the buffer of received characters.
 #[derive(Debug)]
 pub struct DncPort {
     settings: Option<LineSettings>,
@@ -88,7 +88,7 @@ impl DncPort {
         }
     }
 
-    /// Accepts bytes that the host puts on the line; they arrive at line rate.
+    /// Accepts bytes that the host puts on the line; they arrive at the rate of the line.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
         let Some(settings) = self.settings else { return };
         if !matches!(self.flow, Flow::Closed) {
@@ -141,7 +141,7 @@ impl DncPort {
         }
     }
 
-    /// Whether the sender has sent DC1 since the last call, while the port read no program.
+    /// Whether the sender has sent DC1 since the last call while the port was not reading a program.
     pub fn take_request(&mut self) -> bool {
         std::mem::take(&mut self.is_requested)
     }

@@ -27,7 +27,7 @@ use super::action::{Action, ReadBlock};
 use super::path::to_pose;
 use super::settings::{ControlSettings, Switches};
 
-/// The drives' state.
+/// Drives of axes and spindle in a simulated control; state.
 #[derive(Debug)]
 pub struct DriveState {
     loops: Option<PositionLoops>,
@@ -51,7 +51,7 @@ impl DriveState {
         }
     }
 
-    /// Notes the move in execution.
+    /// Records which move is in execution.
     pub fn begin(&mut self, segment: &Segment) {
         self.is_rapid = segment.path == Path::Rapid;
         self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();

@@ -25,7 +25,7 @@ use super::restart::RestartList;
 use super::search::{Approach, Search, SearchResult, never};
 use super::settings::{ControlSettings, Switches};
 
-/// The program being read.
+/// Reader of the program: interprets macro statements, calls and plain blocks in the order of execution.
 #[derive(Debug)]
 pub struct Executive {
     reader: PlainReader,

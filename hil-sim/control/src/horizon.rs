@@ -21,7 +21,7 @@ pub const DONE: f64 = 1e-10;
 /// Periods at the present speed that a new horizon reaches beyond the needed distance.
 const SPARE_PERIODS: f64 = 24.0;
 
-/// The span that the axes are on, and those ahead.
+/// Part of the path that is planned: the span in which the axes are, and the spans ahead.
 #[derive(Clone, Debug)]
 pub struct Horizon {
     here: PathSpan,

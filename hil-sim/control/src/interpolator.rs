@@ -21,7 +21,7 @@ use super::prepared_move::{ActiveMove, Advance, MoveLimits, PreparedMove, Queued
 use super::settings::ControlSettings;
 use super::trapezoid::Trapezoid;
 
-/// The interpolator's state.
+/// Interpolator: moves the axes along the blocks read ahead; state.
 #[derive(Debug)]
 pub struct Interpolator {
     planner: SpeedPlanner,
@@ -36,7 +36,7 @@ pub struct Interpolator {
     limited: Vec<AxisLimited>,
 }
 
-/// A block whose programmed speed, with its override, one axis did not allow.
+/// A block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimited {
     /// Count of blocks executed up to and including it.
@@ -81,7 +81,7 @@ impl Interpolator {
         }
     }
 
-    /// Blocks read ahead.
+    /// Number of blocks read ahead.
     pub fn queued(&self) -> usize {
         self.queue.len()
     }
@@ -186,7 +186,7 @@ impl Interpolator {
         &self.axes
     }
 
-    /// Blocks that an axis kept from their programmed speed.
+    /// Blocks that ran slower than programmed because an axis reached its limit.
     pub fn limited(&self) -> &[AxisLimited] {
         &self.limited
     }

@@ -32,7 +32,7 @@ const BEND_MISS: f64 = 0.0088;
 /// Fraction of the tolerance for each.
 const SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Rounded corner.
+/// Rounding of the corner between two moves, within the corner tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Junction {
     /// Half width of the corner, along the path to each side.
@@ -42,7 +42,7 @@ pub struct Junction {
 }
 
 impl Junction {
-    /// The corner between two moves that flow into each other.
+    /// Rounded corner between two consecutive moves without a stop.
     pub fn new(before: &Travel, after: &Travel, drives: &DriveLimits) -> Self {
         let ([out, bent_out], [into, bent_into]) = (before.derivatives_at(1.0), after.derivatives_at(0.0));
         let first = difference(&into, &out);
@@ -62,7 +62,7 @@ impl Junction {
         Junction { half_mm: half, first, second }
     }
 
-    /// Term added to the moves at `way_mm` from the corner, negative before it. (1)
+    /// Displacement that the rounding adds to the moves at `way_mm` from the corner, negative before it. (1)
     pub fn rounding(&self, way_mm: f64) -> [f64; AXES] {
         let left = 1.0 - way_mm.abs() / self.half_mm;
         if !left.is_finite() || left <= 0.0 {

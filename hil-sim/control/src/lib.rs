@@ -107,7 +107,7 @@ pub struct AlarmRecord {
     pub fault: Fault,
 }
 
-/// The control's state.
+/// A simulated Fanuc-like control with its axes; state.
 #[derive(Debug)]
 pub struct Control {
     settings: ControlSettings,
@@ -290,7 +290,7 @@ impl Control {
         &self.executed
     }
 
-    /// Blocks read ahead.
+    /// Number of blocks read ahead.
     pub fn queued(&self) -> usize {
         self.interpolator.queued()
     }

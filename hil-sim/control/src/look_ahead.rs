@@ -14,7 +14,7 @@ use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
 use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 
-/// Present motion, under limits of all axes.
+/// Speed planner with acceleration and jerk limits of each axis; state: the present motion.
 #[derive(Clone, Debug)]
 pub struct LookAhead {
     /// Limits of the drives.

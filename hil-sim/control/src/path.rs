@@ -13,7 +13,7 @@ use crate::drives::limits::{AXES, Bend};
 
 const DEG: f64 = MICRODEG_PER_DEG as f64;
 
-/// A segment prepared for execution.
+/// A segment prepared for execution: position and derivatives along its path.
 #[derive(Clone, Debug)]
 pub struct Travel {
     /// The segment.
@@ -172,7 +172,7 @@ fn circular(start: Vector3<f64>, arc: &Arc, rise: f64) -> Shape {
     }
 }
 
-/// Pose in whole nanometres and microdegrees.
+/// Position of the axes in whole nanometres and microdegrees.
 pub fn to_pose(axes: &[f64; AXES]) -> Pose {
     let [x, y, z, a, b, c] = *axes;
     Pose {

@@ -19,7 +19,7 @@ pub struct PathSpan {
     pub wanted_mm_per_s: f64,
 }
 
-/// Calls `visit` for each span, from the one that the axes are on to a stop, until it returns false.
+/// Calls `visit` for each span, from that in which the axes are up to a stop, until `visit` returns false.
 pub fn walk(
     active: &ActiveMove,
     queue: &VecDeque<QueuedBlock>,

@@ -18,7 +18,7 @@ use super::action::{Action, MoveContext, ProgrammedPath};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
-/// A block that has been read.
+/// Result of reading a block without macro statements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plain {
     /// Action of the block.
@@ -29,7 +29,7 @@ pub struct Plain {
     pub contour: ContourCommand,
 }
 
-/// Reads blocks one after the other.
+/// Reader of blocks without macro statements, with the modal state.
 #[derive(Debug)]
 pub struct PlainReader {
     reader: Reader,
@@ -161,7 +161,7 @@ impl PlainReader {
     }
 }
 
-/// Pose with this Z, and zero in all other axes.
+/// Position with this Z, and zero in all other axes.
 pub fn along_z(length: Nm) -> Pose {
     Pose { linear: [Nm(0), Nm(0), length], ..Pose::ORIGIN }
 }

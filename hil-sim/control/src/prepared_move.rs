@@ -86,7 +86,7 @@ pub enum Advance {
 }
 
 impl PreparedMove {
-    /// A move that begins at rest; without drives nothing limits its speed.
+    /// Move that begins at rest. Without drives, no axis limits its speed.
     pub fn new(segment: Segment, limits: &MoveLimits<'_>) -> Self {
         let MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s } = *limits;
         let travel = Travel::new(segment);
@@ -99,7 +99,7 @@ impl PreparedMove {
         PreparedMove { travel, limits, entry: None, corner_mm_per_s: 0.0, speed_max_mm_per_s }
     }
 
-    /// Lets the move before flow into this one, if that is faster than a stop between them.
+    /// Joins the move to the one before without a stop between them, if that is faster.
     pub fn join(&mut self, before: &PreparedMove, drives: &DriveLimits) {
         // A path in degrees does not continue in millimetres.
         if before.travel.is_rotary() != self.travel.is_rotary() || self.travel.length_mm == 0.0 {
@@ -160,7 +160,7 @@ impl QueuedBlock {
     }
 }
 
-/// Moves behind the one in execution that flow into each other, each with its context.
+/// The moves behind the one in execution that follow without a stop, each with its context.
 pub fn flowing(queue: &VecDeque<QueuedBlock>) -> impl Iterator<Item = (&PreparedMove, &MoveContext)> {
     let blocks = queue.iter().take_while(|queued| queued.flows());
     blocks.filter_map(|queued| Some((queued.prepared.as_ref()?, &queued.block.context)))

@@ -12,7 +12,7 @@ use arcfeed_nc_macro::print::Output;
 
 use super::code::{DC1, DC2, DC3, DC4, TapeCode, with_even_parity};
 
-/// The output's state.
+/// Output of the control to the sender (POPEN, DPRNT, BPRNT, PCLOS); state.
 #[derive(Debug, Default)]
 pub struct Punch {
     queue: VecDeque<u8>,
@@ -36,7 +36,7 @@ impl Punch {
         !self.queue.is_empty() && !self.is_stopped
     }
 
-    /// POPEN.
+    /// Queues the characters that begin an output (POPEN).
     pub fn open(&mut self) {
         self.is_open = true;
         self.is_stopped = false;
@@ -49,7 +49,7 @@ impl Punch {
         self.queue.extend(frames);
     }
 
-    /// PCLOS.
+    /// Queues the characters that end an output (PCLOS).
     pub fn close(&mut self) {
         if std::mem::take(&mut self.is_open) {
             self.queue.push_back(with_even_parity(DC4));

@@ -11,7 +11,7 @@ use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::ReceivedBlock;
 
-/// Result of taking a block off the tape.
+/// Result of reading the next block from the tape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OpenedBlock {
     /// Text of the block.
@@ -77,7 +77,7 @@ impl BlockReader {
         }
     }
 
-    /// Takes a block off the tape; `None` for `%`, empty and deleted ones, which do nothing.
+    /// Reads the next block from the tape; `None` for `%`, empty and deleted blocks, which do nothing.
     pub fn open(&mut self, received: ReceivedBlock, switches: &Switches) -> Option<OpenedBlock> {
         self.line += 1;
         let (text, refused) = match received {

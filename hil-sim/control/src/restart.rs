@@ -10,7 +10,7 @@ use arcfeed_units::{LengthUnit, Nm};
 /// Largest number of M codes in the list; the last ones stay.
 const M_CODES: usize = 35;
 
-/// List of functions at a restart.
+/// Functions commanded before the block of a restart, which the control shows to the operator.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestartList {
     /// M codes in program order, the last ones; without stops and calls.
@@ -42,12 +42,12 @@ impl RestartList {
         }
     }
 
-    /// Feed in force before the block.
+    /// Feed in force before the block of the restart.
     pub fn feed(&self) -> Option<Nm> {
         self.modal.and_then(|modal| modal.feed)
     }
 
-    /// Modal G codes in force before the block.
+    /// Modal G codes in force before the block of the restart.
     pub fn codes(&self) -> Vec<String> {
         self.modal.as_ref().map(codes).unwrap_or_default()
     }

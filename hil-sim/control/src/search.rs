@@ -18,7 +18,7 @@ use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
 use super::tape::ReceivedBlock;
 
-/// Target of a search.
+/// Target of a block search: sequence search or restart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
     /// The block with this number, with the modal state as it is.
@@ -68,13 +68,13 @@ impl Search {
     }
 }
 
-/// Alarm for a missing number.
+/// Block that raises the alarm of a search whose sequence number does not exist.
 pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
     ReadBlock::new(line, Vec::new(), Action::Fault(fault))
 }
 
-/// Approach of the axes to the place where the program starts.
+/// Approach of the axes to the start position of a restart.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// Present position.
@@ -84,7 +84,7 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// Result of a restart at block N `wanted` for this block; the block before it ends at `start`.
+    /// Result of a restart at block N `wanted` when `block` is reached; the block before it ends at `start`.
     pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> SearchResult {
         if sequence_of(&block.text) == Some(wanted) {
             if block.contour.continues && block.contour.offset != Nm(0) {

@@ -13,7 +13,7 @@ use crate::drives::spindle::SpindleDrive;
 use super::dynamics::Dynamics;
 use super::line::LineSettings;
 
-/// Settings of the control.
+/// Settings of the simulated control and its machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlSettings {
     /// Settings for reading blocks, canned cycles and reference points.
@@ -61,7 +61,7 @@ pub struct Switches {
     pub override_cancel: bool,
 }
 
-/// Modelled controls.
+/// Models of control that can be simulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i.

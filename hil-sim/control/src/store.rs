@@ -17,7 +17,7 @@ use super::dnc_port::DncPort;
 use super::line::LineSettings;
 use super::tape::ReceivedBlock;
 
-/// A control in EDIT mode.
+/// Control in EDIT mode: receives a program into its memory, and punches it.
 #[derive(Debug)]
 pub struct Store {
     port: DncPort,
@@ -25,7 +25,7 @@ pub struct Store {
     state: StoreState,
 }
 
-/// State of the store.
+/// Progress of a program in memory: received, stored, punched, or rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreState {
     /// Receives a program.
@@ -39,17 +39,17 @@ pub enum StoreState {
 }
 
 impl Store {
-    /// State after READ has been pressed.
+    /// Control after READ has been pressed.
     pub fn new(line: LineSettings) -> Self {
         Store { port: DncPort::on_line(line), blocks: Vec::new(), state: StoreState::Reading }
     }
 
-    /// Serial line.
+    /// Serial port of the control.
     pub fn port(&mut self) -> &mut DncPort {
         &mut self.port
     }
 
-    /// State of the store.
+    /// Progress of storing the program in memory.
     pub fn state(&self) -> StoreState {
         self.state
     }
@@ -59,7 +59,7 @@ impl Store {
         &self.blocks
     }
 
-    /// Simulates `dt` of the line.
+    /// Simulates the serial line for the time `dt`.
     pub fn step(&mut self, dt: Micros) {
         let fault = self.port.step(dt);
         match self.state {

@@ -32,7 +32,7 @@ impl Default for TapeSettings {
     }
 }
 
-/// A block off the tape.
+/// Block received from the tape or the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReceivedBlock {
     /// Label, which the tape skips.
@@ -51,7 +51,7 @@ pub enum ReceivedBlock {
     },
 }
 
-/// State of reading.
+/// Reader of tape code: detects the code, and the label and the end of a program; state.
 #[derive(Debug)]
 pub struct Tape {
     settings: TapeSettings,
@@ -63,17 +63,17 @@ pub struct Tape {
 }
 
 impl Tape {
-    /// A tape on the line.
+    /// Reader for the frames of a line.
     pub fn new(settings: TapeSettings) -> Self {
         Tape { settings, code: settings.code, skips: settings.label_skip, has_begun: false, has_ended: false }
     }
 
-    /// A program in memory, which was checked when it was stored.
+    /// Reader for a program in memory, which was checked when it was stored.
     pub fn in_memory() -> Self {
         Tape::new(TapeSettings { code: Some(TapeCode::Ascii), label_skip: false, ..TapeSettings::default() })
     }
 
-    /// Notes a frame as it arrives; returns whether it ends a block.
+    /// Examines a frame as it arrives; returns whether it ends a block.
     pub fn watch(&mut self, frame: u8) -> bool {
         let Some(code) = self.code else {
             self.code = TapeCode::of_end_of_block(frame);

@@ -17,7 +17,7 @@ use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 /// does not decide it.
 const SURE_RATIO: f64 = 1.0 - 1e-6;
 
-/// Present speed, under limits along the path.
+/// Speed planner with a limit of the acceleration along the path; state: the present speed.
 #[derive(Clone, Debug)]
 pub struct Trapezoid {
     /// Limits along the path.

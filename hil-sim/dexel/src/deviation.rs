@@ -1,4 +1,4 @@
-//! Heights of a stock along an axis, and how far they are from another stock's on the same lattice.
+//! Heights of a stock along an axis, and their deviation from those of another stock on the same lattice.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ pub struct HeightMap {
     heights_mm: Vec<Option<f64>>,
 }
 
-/// A map in four numbers.
+/// Statistics of a height map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// Rays with a height.
@@ -28,7 +28,7 @@ pub struct Figures {
     pub rms_mm: f64,
 }
 
-/// Two maps of which each has its own columns and rows.
+/// Error of a comparison: the two maps have different columns or rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherLattice;
 
@@ -63,12 +63,12 @@ impl HeightMap {
         Ok(HeightMap { heights_mm, ..*self })
     }
 
-    /// Row by row.
+    /// All heights, row by row, mm.
     pub fn heights_mm(&self) -> &[Option<f64>] {
         &self.heights_mm
     }
 
-    /// Lowest, highest, mean square; none if no ray has a height.
+    /// Statistics of the heights; `None` if no ray has a height.
     pub fn figures(&self) -> Option<Figures> {
         let heights: Vec<f64> = self.heights_mm.iter().copied().flatten().collect();
         let squares: f64 = heights.iter().map(|height_mm| height_mm * height_mm).sum();

@@ -1,11 +1,11 @@
-//! One ray's material: sorted intervals that neither touch nor overlap.
+//! Material of one ray: sorted intervals that neither touch nor overlap.
 //!
-//! Nothing is rounded here: an end that a cut leaves is exactly an end of that cut, so the result does not depend on the
+//! Nothing is rounded: a new end of the material is exactly an end of the cut, so the result does not depend on the
 //! order of the cuts, not even in its last bit.
 
 use std::mem;
 
-/// A stretch of a ray, by the coordinate along it.
+/// Interval of a ray, by coordinates along the ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.
@@ -15,12 +15,12 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// From one coordinate to the other.
+    /// Interval from the lower coordinate to the higher one.
     pub fn new(from_mm: f64, to_mm: f64) -> Self {
         Interval { from_mm, to_mm }
     }
 
-    /// Between two coordinates, whichever is the lower.
+    /// Interval between two coordinates in any order.
     #[inline]
     pub fn between(one_mm: f64, other_mm: f64) -> Self {
         if one_mm < other_mm { Interval::new(one_mm, other_mm) } else { Interval::new(other_mm, one_mm) }
@@ -31,7 +31,7 @@ impl Interval {
         self.to_mm - self.from_mm
     }
 
-    /// Intersection of both intervals; an empty one ends before it begins.
+    /// Intersection of both intervals; if they do not overlap, the result ends before it begins.
     #[inline]
     pub fn common(&self, other: &Interval) -> Interval {
         // Comparisons, each an instruction: ends are numbers.
@@ -41,14 +41,14 @@ impl Interval {
         }
     }
 
-    /// Whether they have any length in common, if both have any length.
+    /// Whether two intervals overlap by more than a point.
     #[inline]
     pub fn meets(&self, other: &Interval) -> bool {
         self.from_mm < other.to_mm && other.from_mm < self.to_mm
     }
 }
 
-/// No stretch: it ends before it begins.
+/// Empty interval, which ends before it begins.
 pub const NOWHERE: Interval = Interval { from_mm: f64::INFINITY, to_mm: f64::NEG_INFINITY };
 
 /// Effect of a cut on a ray.
@@ -60,20 +60,20 @@ pub struct Taken {
     pub heap_bytes: isize,
 }
 
-/// The material along one ray. Most rays pass through one piece, which then needs no memory of its own.
+/// The material along one ray, as intervals. A single interval, the usual case, needs no heap memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Dexel {
-    /// None.
+    /// No material.
     #[default]
     Empty,
-    /// One piece.
+    /// One interval.
     One(Interval),
-    /// Two or more.
+    /// Two or more intervals.
     Many(Vec<Interval>),
 }
 
 impl Taken {
-    /// Adds what another cut does.
+    /// Adds the effect of another cut.
     #[inline]
     pub fn add(&mut self, other: &Taken) {
         self.length_mm += other.length_mm;
@@ -82,7 +82,7 @@ impl Taken {
 }
 
 impl Dexel {
-    /// The material of these pieces, sorted and apart.
+    /// Dexel with these intervals, which must be sorted and apart; empty ones are dropped.
     pub fn new(mut pieces: Vec<Interval>) -> Self {
         pieces.retain(|piece| piece.length_mm() > 0.0);
         match pieces.as_slice() {
@@ -92,7 +92,7 @@ impl Dexel {
         }
     }
 
-    /// The pieces, in order.
+    /// The intervals, in order.
     pub fn intervals(&self) -> &[Interval] {
         match self {
             Dexel::Empty => &[],
@@ -101,7 +101,7 @@ impl Dexel {
         }
     }
 
-    /// From the first piece's beginning to the last one's end.
+    /// Interval from the beginning of the first interval to the end of the last one.
     #[inline]
     pub fn extent(&self) -> Option<Interval> {
         if let Dexel::One(one) = self {
@@ -111,7 +111,7 @@ impl Dexel {
         Some(Interval { from_mm: pieces.first()?.from_mm, to_mm: pieces.last()?.to_mm })
     }
 
-    /// Length of all pieces.
+    /// Total length of the material.
     pub fn length_mm(&self) -> f64 {
         self.intervals().iter().map(Interval::length_mm).sum()
     }
@@ -121,12 +121,12 @@ impl Dexel {
         self.intervals().iter().any(|piece| piece.from_mm <= at_mm && at_mm < piece.to_mm)
     }
 
-    /// The pieces that are partly in a stretch, in order.
+    /// The intervals that overlap a range of the ray, in order.
     pub fn met(&self, stretch: &Interval) -> impl DoubleEndedIterator<Item = &Interval> {
         self.intervals().iter().filter(|piece| piece.meets(stretch))
     }
 
-    /// Whether there is material in a stretch.
+    /// Whether there is material in a range of the ray.
     #[inline]
     pub fn meets(&self, stretch: &Interval) -> bool {
         match self {
@@ -144,12 +144,12 @@ impl Dexel {
         }
     }
 
-    /// Takes the material of `cut` away; returns the length that was there.
+    /// Removes the material inside `cut`; returns the removed length.
     pub fn subtract(&mut self, cut: Interval) -> f64 {
         self.take(cut).length_mm
     }
 
-    /// Takes the material of `cut` away.
+    /// Removes the material inside `cut`; returns the effect on the ray.
     #[inline]
     pub fn take(&mut self, cut: Interval) -> Taken {
         match self {

@@ -8,10 +8,10 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use super::mesh::{Mesh, MeshError};
 
-/// Why a file is no solid.
+/// Reason why a file contains no valid solid.
 #[derive(Debug)]
 pub enum FileError {
-    /// It cannot be read, or is no STL.
+    /// The file cannot be read, or is no STL file.
     Read(io::Error),
     /// The triangles do not enclose a volume.
     Mesh(MeshError),

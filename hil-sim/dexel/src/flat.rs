@@ -1,15 +1,16 @@
-//! A slab whose axis is one of the lattice's, on a way that rises or falls: what it can reach, seen along the axis.
+//! Bounds of the sweep of a slab whose axis is a lattice axis, on a path that rises or falls, projected along the axis.
 //!
-//! The outside sweeps the discs about all places of its way, the hole leaves out what is in it all the way:
+//! The outside sweeps a disc along the path. The hole spares the points that stay inside it during the whole move:
 //!
 //! ```text
 //! reached: distance to the way <= R, and distance to one of its ends >= r        (1)
 //! ```
 //!
-//! The way is straight, so the farthest place of it is one of its ends. Along a line in the plane the reached is what lies
-//! between the first and the last place of (1)'s left part, less the stretch that both ends' holes have in common.
-//! It is asked with a margin to tell which rays need not be asked more: three axes cut mostly air. Of rays along the axis only those between the outside and
-//! the hole of both ends are asked, between the slab's ends. On a way that does not rise (1) is all there is to know: [`level`](super::level).
+//! The path is straight, so its farthest point is one of its ends. On a line in the plane, the swept points lie between
+//! the first and the last point with the left part of (1), without the interval that the holes at both ends have in
+//! common. The bounds are computed with a margin, to leave out rays that cannot lose material: most rays near a move of
+//! three axes are already cut. Of the rays along the axis, only those between the outside and the common hole are
+//! examined, between the ends of the slab. On a path that does not rise, (1) is exact: [`level`](super::level).
 //!
 //! Source: own derivation.
 
@@ -17,7 +18,7 @@ use super::dexel::{Dexel, Interval};
 use super::section::Sweep;
 use super::tool::Slab;
 
-/// A slab on its way, in the plane across the axis.
+/// Straight sweep of a slab whose axis is a lattice axis, projected along that axis.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabSweep {
     axis: usize,
@@ -30,7 +31,7 @@ pub struct SlabSweep {
     margin_mm: f64,
 }
 
-/// Part of a row of rays that can lose material.
+/// Part of a row of rays that can lose material in a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// Range of the rays across the row.
@@ -42,7 +43,7 @@ pub struct Row {
 }
 
 impl SlabSweep {
-    /// Prepares a slab, widened by a margin; `None` if its axis is not one of the lattice's.
+    /// Prepares the sweep of a slab, widened by a margin; `None` if its axis is not one of the lattice's.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
@@ -57,8 +58,8 @@ impl SlabSweep {
         Some(SlabSweep { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
     }
 
-    /// Narrows a row of rays along `ray_axis`, as far as the box meets it, to the part that the slab can meet. `None` if no
-    /// ray can lose anything.
+    /// Narrows a row of rays along `ray_axis` from the bounding box of the sweep to the part that the slab can cut.
+    /// `None` if no ray can lose material.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
         if ray_axis != self.axis {
             return Some(row);
@@ -71,7 +72,7 @@ impl SlabSweep {
         Some(Row { across, hollow, along: self.heights })
     }
 
-    /// Whether a ray through a point can lose any of its material.
+    /// Whether a ray through a point can lose material.
     pub fn may_cut(&self, ray_axis: usize, point_mm: &[f64; 3], dexel: &Dexel) -> bool {
         if ray_axis == self.axis {
             return self.reaches(point_mm, self.outer_mm, self.hole_mm);
@@ -161,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_is_reached_within_the_radius_of_the_way_and_not_in_the_hole_of_both_ends() {
+    fn swept_area_is_the_disc_along_the_path_minus_the_common_hole() {
         let (mill, ring) = (flat(None), flat(Some([4.9, 4.9])));
         let points = [[3.0, 4.0], [0.0, 6.2], [0.0, 6.3], [-5.1, 0.0], [-4.9, 0.0], [9.9, 11.0], [9.1, 12.0]];
         for [x, y] in points {

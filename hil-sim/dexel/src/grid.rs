@@ -14,7 +14,7 @@ use super::lattice::Lattice;
 use super::level::Losses;
 use super::sweep::{Pass, Reach, RowCut};
 
-/// The rays along one axis.
+/// All rays along one axis.
 #[derive(Clone, Debug)]
 pub struct Grid {
     axis: usize,
@@ -86,12 +86,12 @@ impl Grid {
         rows.sum::<f64>() * self.lattice.area_mm2()
     }
 
-    /// Bytes of the rays and of what they have allocated.
+    /// Memory of the rays, with their heap memory.
     pub fn memory_bytes(&self) -> usize {
         self.dexels.capacity() * size_of::<Dexel>() + self.heap_bytes
     }
 
-    /// Takes what the passes sweep; returns its volume, mm3.
+    /// Removes the material that the passes sweep; returns its volume, mm3.
     pub fn cut(&mut self, passes: &[Pass<'_>]) -> f64 {
         let (axis, lattice) = (self.axis, self.lattice);
         let [width, _] = lattice.size(axis);

@@ -11,7 +11,7 @@ const CELLS_MAX: f64 = 65_536.0;
 /// Part of a cell that a box may be over a whole number of cells: rounding, no material.
 const OVERHANG_RATIO: f64 = 1e-9;
 
-/// Cubic cells in a box.
+/// Lattice of cubic cells in a box: rays pass through the centres of the cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     lowest_mm: [f64; 3],
@@ -19,7 +19,7 @@ pub struct Lattice {
     cells: [usize; 3],
 }
 
-/// Why there is no such lattice.
+/// Reason why a lattice cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LatticeError {
     /// The step is not a positive number.
@@ -51,7 +51,8 @@ impl fmt::Display for LatticeError {
 impl std::error::Error for LatticeError {}
 
 impl Lattice {
-    /// Cells with edges of `step_mm` from the lowest corner to the highest or, where that is no whole number of them, beyond.
+    /// Cells with edges of `step_mm` from the lowest corner to the highest; the last cells reach beyond the box if
+    /// `step_mm` does not divide it.
     ///
     /// # Errors
     /// The step is not positive, or the box is empty or has more than 65 536 cells along an axis.

@@ -27,7 +27,7 @@ use super::section::Sweep;
 /// Intervals that a ray loses, at most two; an unused one ends before it begins.
 pub type Losses = [Interval; 2];
 
-/// Part of a tool in a straight move square to its own axis.
+/// Monotone part of a tool in a straight move perpendicular to its axis, which is a lattice axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Level<'a> {
     part: &'a MonotonePart,
@@ -49,7 +49,7 @@ struct Band {
     per_y: f64,
 }
 
-/// A row of rays along the axis.
+/// A row of rays along the tool's axis.
 #[derive(Clone, Debug)]
 pub struct AxialRow<'a> {
     level: &'a Level<'a>,
@@ -61,14 +61,14 @@ pub struct AxialRow<'a> {
     per_way: [f64; 2],
 }
 
-/// A row of rays across the axis, at one height.
+/// A row of rays across the tool's axis, all at one height.
 #[derive(Clone, Debug)]
 pub struct LayerRow {
     band: Band,
     radii: Option<Radii>,
 }
 
-/// A row of rays across the axis, one above the other.
+/// A row of rays across the tool's axis, one above the other.
 #[derive(Clone, Debug)]
 pub struct UprightRow<'a> {
     level: &'a Level<'a>,
@@ -80,7 +80,8 @@ pub struct UprightRow<'a> {
 }
 
 impl<'a> Level<'a> {
-    /// Prepares a part on a way; `None` if the axis is not one of the lattice's or the way is not perpendicular to it.
+    /// Prepares a part for a move; `None` if its axis is not one of the lattice's or the move is not perpendicular to
+    /// it.
     pub fn new(part: &'a MonotonePart, sweep: &Sweep) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_level = sweep.from_mm[axis] == sweep.to_mm[axis];
@@ -88,7 +89,7 @@ impl<'a> Level<'a> {
         is_level.then_some(Level { part, axis, tip_mm: sweep.from_mm[axis], sign: sweep.axis[axis], ends_mm })
     }
 
-    /// The lattice's axis that is the tool's.
+    /// Index of the lattice axis that is parallel to the tool's axis.
     pub fn axis(&self) -> usize {
         self.axis
     }

@@ -50,7 +50,7 @@ pub struct Mesh {
     triangles: Vec<[usize; 3]>,
 }
 
-/// Why triangles enclose nothing.
+/// Reason why triangles do not enclose a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshError {
     /// There are none.
@@ -88,7 +88,7 @@ impl fmt::Display for MeshError {
 impl std::error::Error for MeshError {}
 
 impl Mesh {
-    /// From triangles by the numbers of their corners; those without area because two corners are one are left out.
+    /// Mesh of triangles given by the indices of their corners; triangles with two equal corners are left out.
     ///
     /// # Errors
     /// They do not enclose a volume. A number beyond the corners counts as a corner that is no point.
@@ -114,7 +114,7 @@ impl Mesh {
         if mesh.volume_mm3() > 0.0 { Ok(mesh) } else { Err(MeshError::InsideOut) }
     }
 
-    /// From triangles by their corners; corners at the same place are one.
+    /// Mesh of triangles given by their corners; corners at the same place are merged.
     ///
     /// # Errors
     /// As [`Mesh::new`].
@@ -133,12 +133,12 @@ impl Mesh {
         Mesh::new(vertices_mm, triangles)
     }
 
-    /// Corners of the triangles.
+    /// Vertices of the mesh.
     pub fn vertices_mm(&self) -> &[Vector] {
         &self.vertices_mm
     }
 
-    /// Triangles, by the numbers of their corners.
+    /// Triangles, each by the indices of its vertices.
     pub fn triangles(&self) -> &[[usize; 3]] {
         &self.triangles
     }

@@ -29,7 +29,7 @@ struct Piece {
     slope: f64,
 }
 
-/// A wall, in the direction in which its measure grows.
+/// Radius of the outside or the hole over the height, ordered by increasing radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
     pieces: Vec<Piece>,
@@ -40,7 +40,7 @@ pub struct Wall {
     cells_per_mm: f64,
 }
 
-/// Neighbouring slabs with monotone walls.
+/// Consecutive slabs of a tool whose outside and hole each only widen or only narrow with the height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotonePart {
     slabs: Vec<Slab>,
@@ -48,7 +48,7 @@ pub struct MonotonePart {
     inner: Option<Wall>,
 }
 
-/// Radii at one height.
+/// Radii of a tool part at one height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
     /// Radius of the outside.
@@ -102,7 +102,7 @@ impl Wall {
 }
 
 impl MonotonePart {
-    /// The parts that slabs are made of, from bottom to top.
+    /// Divides slabs into monotone parts, from bottom to top.
     pub fn all(slabs: &[Slab]) -> Vec<Self> {
         let mut parts = Vec::new();
         let mut first = 0;
@@ -127,30 +127,31 @@ impl MonotonePart {
         [end(self.slabs.first(), 0), end(self.slabs.last(), 1)]
     }
 
-    /// The largest radius of the outside, and the smallest one of the hole.
+    /// Largest radius of the outside, and smallest radius of the hole.
     pub fn extreme_radii(&self) -> Radii {
         let outer_mm = self.outer.pieces.last().map_or(0.0, |piece| piece.to_mm);
         Radii { outer_mm, inner_mm: self.inner.as_ref().and_then(|wall| wall.pieces.last()).map(|piece| -piece.to_mm) }
     }
 
-    /// Whether it has a hole.
+    /// Whether the part has a hole.
     pub fn is_hollow(&self) -> bool {
         self.inner.is_some()
     }
 
-    /// The heights at which the outside is as wide as a distance. (1)
+    /// Heights at which the outside's radius is at least a distance. (1)
     #[inline]
     pub fn wide(&self, distance_mm: f64) -> Option<Interval> {
         self.outer.stretch(distance_mm)
     }
 
-    /// The heights at which the hole, if there is one, is as narrow as a distance. (2)
+    /// Heights at which the hole's radius is at most a distance; `None` without a hole. (2)
     #[inline]
     pub fn narrow(&self, distance_mm: f64) -> Option<Interval> {
         self.inner.as_ref()?.stretch(-distance_mm)
     }
 
-    /// Radii at a height; none beyond its ends. The search begins at a slab, `near`.
+    /// Radii at a height; `None` above and below the part. The search begins at the slab with the index `near`, and
+    /// updates it.
     #[inline]
     pub fn radii(&self, height_mm: f64, near: &mut usize) -> Option<Radii> {
         let slabs = self.slabs.as_slice();
@@ -171,7 +172,7 @@ impl MonotonePart {
         Some(Radii { outer_mm: at(slab.outer_mm), inner_mm: slab.inner_mm.map(at) })
     }
 
-    /// The heights of a slab, if its walls are upright.
+    /// Heights of a slab with cylindrical walls; `None` for another slab.
     pub fn same_radii(&self, slab: usize) -> Option<Interval> {
         let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
         let slab = self.slabs.get(slab)?;

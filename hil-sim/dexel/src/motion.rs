@@ -29,36 +29,36 @@ const SWEEPS_MAX: f64 = 1e6;
 pub struct Pose {
     /// The tip.
     pub tip_mm: Vector,
-    /// From the tip to the holder; a direction of any length.
+    /// Direction from the tip to the holder, of any length.
     pub axis: Vector,
 }
 
-/// Move of a tool.
+/// Move of a tool in space: straight or along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
     /// The tip goes straight, the axis turns evenly along the shorter way.
     Straight {
-        /// At the start.
+        /// Pose at the start.
         from: Pose,
-        /// At the end.
+        /// Pose at the end.
         to: Pose,
     },
     /// The tip turns about a line, and rises along it; the axis stays.
     Turn {
-        /// At the start.
+        /// Pose at the start.
         from: Pose,
         /// A point of the line.
         center_mm: Vector,
         /// Direction of the line.
         normal: Vector,
-        /// By the right-hand rule about the normal.
+        /// Angle of the arc, by the right-hand rule about the normal.
         angle_rad: f64,
         /// Along the normal, over the whole angle; 0 for an arc.
         rise_mm: f64,
     },
 }
 
-/// Why a move cannot be swept.
+/// Reason why a move cannot be swept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveError {
     /// An axis or normal without a direction.
@@ -90,7 +90,7 @@ impl fmt::Display for MoveError {
 impl std::error::Error for MoveError {}
 
 impl Move {
-    /// The sweeps, in order.
+    /// Straight sweeps that replace the move within the tolerance, in order.
     ///
     /// # Errors
     /// A direction or position is none, or the tolerance takes more than a million sweeps.

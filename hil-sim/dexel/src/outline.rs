@@ -4,8 +4,8 @@
 //! area = sum over pieces of a x b / 2        (1)
 //! ```
 //!
-//! A corner lies below the plane or not, the end of a piece right of a line or not: neighbours agree, so what is closed stays closed even where plane or line
-//! meet a corner.
+//! A vertex counts either as below the plane or as above it, and the end of an edge either as right of a line or as left of
+//! it. Neighbouring triangles and edges agree on this, so closed polygons stay closed even if plane or line meet a vertex.
 //!
 //! Source: (1) Green's theorem.
 
@@ -15,7 +15,7 @@ use super::mesh::{Mesh, wound};
 /// A place in the plane, or a direction.
 pub type Point2 = [f64; 2];
 
-/// The polygons, in pieces with the solid on their left.
+/// Section of a closed mesh by a plane: closed polygons, as edges with the solid on their left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     pieces: Vec<[Point2; 2]>,
@@ -30,7 +30,7 @@ fn difference([a, b]: Point2, [c, d]: Point2) -> Point2 {
 }
 
 impl Outline {
-    /// In the plane of two different axes, at a coordinate along the third.
+    /// Section of a mesh by the plane of two different axes, at a coordinate along the third.
     pub fn of(mesh: &Mesh, axes: [usize; 2], at_mm: f64) -> Self {
         let is_mirrored = (axes[0] + 1) % 3 != axes[1];
         let pieces = mesh.triangles().iter().filter_map(|triangle| {
@@ -45,7 +45,8 @@ impl Outline {
         self.pieces.iter().map(|[a, b]| cross(*a, *b) / 2.0).sum()
     }
 
-    /// The least and the greatest coordinate along a direction from a place; none where the plane misses the solid.
+    /// Least and greatest coordinate of the outline along a direction, from a point; `None` where the plane misses
+    /// the solid.
     pub fn extent_mm(&self, from_mm: Point2, along: Point2) -> Option<[f64; 2]> {
         let at = self.pieces.iter().map(|[end, _]| dot(difference(*end, from_mm), along));
         at.fold(None, |extent, at| {
@@ -54,7 +55,7 @@ impl Outline {
         })
     }
 
-    /// The solid on the line through a place, by the coordinate from there along a direction of length 1.
+    /// Material on the line through a point, by the coordinate from that point along a direction of length 1.
     pub fn on_line(&self, through_mm: Point2, along: Point2) -> Dexel {
         let mut crossings: Vec<(usize, f64, i32)> = Vec::new();
         for ends in &self.pieces {

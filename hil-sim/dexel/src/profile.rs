@@ -1,12 +1,12 @@
-//! The outline of a solid of revolution: lines and arcs in the plane of radius and height, from bottom to top.
+//! Profile of a solid of revolution: lines and arcs in the plane of radius and height, from bottom to top.
 //!
-//! An arc becomes chords with their ends on it; an angle a of radius r leaves
+//! An arc is replaced by chords with their ends on the arc. For a chord over the angle a, on the radius r, the distance
 //!
 //! ```text
 //! r (1 - cos(a/2)) <= tolerance        (1)
 //! ```
 //!
-//! between chord and arc, so a convex outline loses at most the tolerance and gains nothing.
+//! lies between chord and arc, so a convex profile loses at most the tolerance and gains nothing.
 //!
 //! Source: (1) the sagitta of a chord.
 
@@ -18,7 +18,7 @@ const CHORDS_MAX: f64 = 4_096.0;
 /// Largest distance of an arc's end from the circle through its start, as a fraction of the radius.
 const ROUND_RATIO: f64 = 1e-9;
 
-/// A point of an outline.
+/// A vertex of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
     /// Distance from the axis.
@@ -27,10 +27,10 @@ pub struct Knot {
     pub height_mm: f64,
 }
 
-/// Why an outline is none.
+/// Reason why a profile is invalid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProfileError {
-    /// It goes down, or to the other side of the axis, or nowhere that is a number.
+    /// The next point is lower, on the other side of the axis, or not a finite number.
     Point(Knot),
     /// The ends of an arc are not on one circle about its centre, or it is more than half of one.
     Arc {
@@ -79,7 +79,7 @@ impl fmt::Display for ProfileError {
 
 impl std::error::Error for ProfileError {}
 
-/// An outline from bottom to top.
+/// Outline of a solid of revolution, from bottom to top, in the plane of radius and height.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     knots: Vec<Knot>,
@@ -87,7 +87,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Begins at a point; arcs will keep the tolerance.
+    /// Begins a profile at a point; arcs become chords within the tolerance.
     ///
     /// # Errors
     /// The point is no point beside the axis, or the tolerance is not positive.
@@ -100,7 +100,7 @@ impl Profile {
         profile.with(first)
     }
 
-    /// Goes on straight.
+    /// Continues the profile by a straight line.
     ///
     /// # Errors
     /// That would lead down or across the axis.
@@ -108,7 +108,7 @@ impl Profile {
         self.with(Knot { radius_mm, height_mm })
     }
 
-    /// Goes on along the shorter arc about a centre. (1)
+    /// Continues the profile by the shorter arc about a centre. (1)
     ///
     /// # Errors
     /// There is no such arc, it leads down or across the axis, or it takes too many chords.
@@ -138,12 +138,12 @@ impl Profile {
         self.with(to)
     }
 
-    /// Points of the outline, from bottom to top.
+    /// Vertices of the profile, from bottom to top.
     pub fn knots(&self) -> &[Knot] {
         &self.knots
     }
 
-    /// The heights of its ends.
+    /// Heights of the profile's first and last point.
     ///
     /// # Errors
     /// It has no height.
@@ -154,7 +154,7 @@ impl Profile {
         }
     }
 
-    /// The radii just above one height and just below another one; between them there must be no knot.
+    /// Radii just above one height and just below another; there must be no vertex between them.
     pub fn radii_between(&self, low_mm: f64, high_mm: f64) -> Option<[f64; 2]> {
         let piece = self.knots.windows(2).find(|w| w[0].height_mm <= low_mm && w[1].height_mm >= high_mm)?;
         let [a, b] = [piece[0], piece[1]];

@@ -7,12 +7,12 @@
 //!
 //! Source: (1) the usual solution without cancellation; it also gives the one root of a straight line.
 
-/// a, b and c of a x^2 + 2 b x + c.
+/// Quadratic function a x^2 + 2 b x + c, by its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadratic(pub [f64; 3]);
 
 impl Quadratic {
-    /// f(x)
+    /// Value at x.
     #[inline]
     pub fn at(&self, x_ratio: f64) -> f64 {
         let Quadratic([a, b, c]) = self;
@@ -28,7 +28,7 @@ impl Quadratic {
         if x < y { [x, y] } else { [y, x] }
     }
 
-    /// The part of a range where it is not positive, if that is known to be one piece.
+    /// Part of a range where the function is not positive; `None` unless that is certainly a single interval.
     pub fn not_positive_within(&self, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
         let Quadratic([a, b, c]) = self;
         let has_roots = b * b - a * c > 0.0;

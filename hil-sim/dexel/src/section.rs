@@ -1,18 +1,18 @@
 //! Exact intervals that a moving slab of a tool removes from a ray.
 //!
 //! A point of the ray is o + u d. The slab's reference point is at f + s v, s from 0 to 1. With w = o - f, the tool's axis a, and
-//! the parts of all vectors square to it marked by ', the ray's point is in the slab at s where
+//! the parts of all vectors perpendicular to it marked by ', the ray's point is in the slab at s where
 //!
 //! ```text
 //! z = w.a + u d.a - s v.a            z0 <= z <= z1,  0 <= s <= 1            (1)
 //! |w' + u d' - s v'|^2 - r(z)^2 <= 0 for the outside's r, >= 0 for the hole's      (2)
 //! ```
 //!
-//! In the plane of s and u (1) is a parallelogram and (2) a conic. The answer, all u with an s, begins and ends where the
-//! outside's conic is extreme in u, where a conic crosses an edge of the parallelogram, or at its corners. Between two of
-//! these places it is the same everywhere, so it is asked for in the middle. For each u the s of the outside are one piece,
-//! as a cone's slab is convex, and so are those of the hole: the ray's point is reached unless the hole has both ends of
-//! that piece.
+//! In the plane of s and u, (1) is a parallelogram and (2) a conic. The swept points are all u for which there is an s.
+//! Their intervals begin and end where the outside's conic is extreme in u, where a conic crosses an edge of the
+//! parallelogram, or at a corner of it. Between two neighbouring candidates all points are swept or none, so one test in
+//! the middle is enough. For each u the values of s inside the outside form one interval, because a conical slab is
+//! convex, and so do those inside the hole: the point is swept unless the hole contains both ends of the first interval.
 //!
 //! Source: own derivation.
 
@@ -29,19 +29,19 @@ const SAME_MM: f64 = 1e-11;
 /// Most places there can be: the outside's 2 extremes, 8 crossings of each conic with the edges, 4 corners.
 const PLACES_MAX: usize = 22;
 
-/// A straight move of the tool's tip under a fixed axis.
+/// A straight move of the tool's tip with a fixed tool axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
     /// Tip position at the start.
     pub from_mm: Vector,
     /// Tip position at the end.
     pub to_mm: Vector,
-    /// From the tip to the holder; a unit vector.
+    /// Unit vector from the tip to the holder.
     pub axis: Vector,
 }
 
 impl Sweep {
-    /// v
+    /// Displacement of the tip, v.
     pub fn motion_mm(&self) -> Vector {
         [0, 1, 2].map(|axis| self.to_mm[axis] - self.from_mm[axis])
     }
@@ -66,7 +66,7 @@ struct Cone {
 #[derive(Clone, Copy, Debug)]
 struct Conic([f64; 6]);
 
-/// A slab on its way, as the rays of one direction see it.
+/// Intersection of a moving slab with rays of one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
     ray_axis: usize,
@@ -87,7 +87,7 @@ struct Places {
 }
 
 impl Section {
-    /// A slab of the tool on a way, for rays along an axis.
+    /// Prepares a slab on a sweep, for rays along an axis.
     pub fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
         let motion_mm = sweep.motion_mm();
         let rise = [sweep.axis[ray_axis], dot(motion_mm, sweep.axis)];
@@ -110,8 +110,8 @@ impl Section {
         }
     }
 
-    /// Takes from the ray through `point_mm`, whose coordinate along the ray does not matter, what the slab sweeps; all of
-    /// that must be known to lie `within` a stretch of the ray.
+    /// Passes each interval of the ray through `point_mm` that the slab sweeps to `take`; the coordinate of
+    /// `point_mm` along the ray is ignored. All intervals must be known to lie in `within`.
     pub fn for_each_span(&self, mut point_mm: Vector, within: &Interval, mut take: impl FnMut(Interval)) {
         let origin_mm = self.sweep.from_mm[self.ray_axis];
         point_mm[self.ray_axis] = origin_mm;

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-/// Between two heights: outside and inside are straight.
+/// Part of a solid of revolution between two heights, with straight walls outside and in its hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slab {
     /// The heights above the tip, the lower first.
@@ -20,7 +20,7 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// (1)
+    /// Volume. (1)
     pub fn volume_mm3(&self) -> f64 {
         let squares = |[a, b]: [f64; 2]| a * a + a * b + b * b;
         let height_mm = self.heights_mm[1] - self.heights_mm[0];

@@ -1,4 +1,4 @@
-//! Initial shapes of a stock, and what a tool has left of one.
+//! Initial shapes of a stock, and the shape that a tool has left.
 
 use std::fmt::Debug;
 
@@ -16,7 +16,7 @@ use super::tool::Tool;
 /// Gaps between the slabs of a solid of revolution that are rounding.
 const GAP_MM: f64 = 1e-9;
 
-/// A solid that rays can be sent through.
+/// A solid that can be intersected with rays.
 pub trait Solid: Debug + Send + Sync {
     /// The lowest and the highest corner of a box around it.
     fn bounds_mm(&self) -> [Vector; 2];
@@ -25,13 +25,13 @@ pub trait Solid: Debug + Send + Sync {
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid;
 }
 
-/// A solid before its first cut, which can be had in any frame.
+/// A solid before its first cut, which can also be described in another frame.
 pub trait InitialSolid: Solid {
     /// The solid in another frame.
     fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid>;
 }
 
-/// A solid less what a tool has swept.
+/// A solid without the material that a tool has swept.
 #[derive(Debug)]
 pub struct Machined<'a> {
     /// The solid.
@@ -54,7 +54,7 @@ impl Solid for Machined<'_> {
     }
 }
 
-/// A block, its edges along the axes.
+/// A block with its edges along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// The lowest corner.
@@ -79,7 +79,7 @@ impl Solid for Block {
     }
 }
 
-/// A solid of revolution somewhere: a round bar, a tube, a turned blank.
+/// A solid of revolution in any position: a round bar, a tube, a turned blank.
 #[derive(Clone, Debug)]
 pub struct Revolved {
     tool: Tool,
@@ -87,7 +87,7 @@ pub struct Revolved {
 }
 
 impl Revolved {
-    /// The tool, standing still: its tip is the bottom. `None` if the pose's axis is no direction.
+    /// The solid of `tool`, at rest, with the bottom at the pose's tip. `None` if the pose's axis has no direction.
     pub fn new(tool: Tool, pose: &Pose) -> Option<Self> {
         let axis = arcfeed_kinematics::vector::unit(pose.axis)?;
         Some(Revolved { tool, standing: Sweep { from_mm: pose.tip_mm, to_mm: pose.tip_mm, axis } })

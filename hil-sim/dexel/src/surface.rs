@@ -37,7 +37,7 @@ struct Crossing {
     leaves: bool,
 }
 
-/// The surface of what is left.
+/// Surface of the remaining stock.
 ///
 /// # Errors
 /// No node has material.

@@ -25,7 +25,7 @@ const MARGIN_MM: f64 = 1e-7;
 /// Below this a ray counts as lying in a plane, or along an axis.
 const STEEP_RATIO: f64 = 1e-3;
 
-/// Part of a tool on its way, for the rays of one direction, with its box.
+/// Part of a tool on one sweep, prepared for rays of one direction, with its bounding box.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass<'a> {
     ray_axis: usize,
@@ -60,7 +60,7 @@ struct SlabShape {
     heights_mm: [f64; 2],
 }
 
-/// Material that the rays of a row lose, by column.
+/// Material that the rays of one row lose, in the form that fits the direction of the row.
 #[derive(Clone, Debug)]
 pub enum RowCut<'a> {
     /// Along the axis of a tool on a level.
@@ -73,7 +73,7 @@ pub enum RowCut<'a> {
     Rays(&'a Pass<'a>),
 }
 
-/// The rays of one row that a pass can meet, and where on them.
+/// Rays of one row that a pass can meet, and the range of each that it can meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// Columns of the row, in two parts with a hollow between them.
@@ -83,18 +83,19 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// All columns of the row that it can meet.
+    /// All columns of the row that the pass can meet.
     pub fn columns(&self) -> impl Iterator<Item = usize> {
         self.parts().into_iter().flatten()
     }
 
-    /// These columns, in order; parts may be empty.
+    /// The same columns as two ranges, in order; a range may be empty.
     pub fn parts(&self) -> [Range<usize>; 2] {
         self.columns.clone()
     }
 }
 
-/// All parts of a tool on all ways, for rays along an axis: as many slabs at a time as can be cut at once.
+/// Passes of all parts of a tool over all sweeps, for rays along an axis. Slabs that can be cut together share a
+/// pass.
 pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass<'a>> {
     let mut passes = Vec::with_capacity(sweeps.len() * tool.slabs().len());
     for sweep in sweeps {
@@ -130,7 +131,7 @@ fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> 
 }
 
 impl Pass<'_> {
-    /// Lowest and highest corner of the box around the tool part before it moves.
+    /// Lowest and highest corner of the bounding box at the start of the sweep.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
     }
@@ -204,7 +205,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Whether a ray is so near that it may lose any of its material.
+    /// Whether a ray is near enough to lose material.
     pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
         match &self.shape {
             // The loss itself is as fast to compute as this test.
@@ -216,7 +217,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Takes its sweep from a ray of a row; returns the length that was there.
+    /// Removes the swept material from a ray of a row; returns the removed length.
     pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
         let Shape::Slab(shape) = &self.shape else {
             return self.losses(&ray_point_mm).into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
@@ -231,7 +232,7 @@ impl Pass<'_> {
         removed_mm
     }
 
-    /// The pieces of the ray that it sweeps.
+    /// Intervals of the ray that the pass sweeps.
     pub fn spans(&self, ray_point_mm: Vector) -> Vec<Interval> {
         let Shape::Slab(shape) = &self.shape else {
             return self.losses(&ray_point_mm).into_iter().flatten().filter(|loss| loss.length_mm() > 0.0).collect();

@@ -7,7 +7,7 @@ use super::profile::{Knot, Profile, ProfileError};
 
 pub use super::slab::Slab;
 
-/// A solid of revolution.
+/// A tool as a solid of revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
     slabs: Vec<Slab>,
@@ -17,7 +17,7 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// From its outside and, for a ring, its inside.
+    /// Tool with this outside and, for a ring, this inside.
     ///
     /// # Errors
     /// The outlines do not belong together.
@@ -55,7 +55,7 @@ impl Tool {
         Tool::new(&edge(radius_mm, 0.0, height_mm, 1.0)?, None)
     }
 
-    /// A ball end mill, its ball kept within the tolerance.
+    /// A ball end mill, whose ball is approximated within the tolerance.
     ///
     /// # Errors
     /// The ball is higher than the tool.
@@ -82,27 +82,27 @@ impl Tool {
         Tool::new(&outside, Some(&inside))
     }
 
-    /// From bottom to top.
+    /// Slabs of the tool, from bottom to top.
     pub fn slabs(&self) -> &[Slab] {
         &self.slabs
     }
 
-    /// The slabs, as many at a time as have monotone walls.
+    /// Monotone parts of the tool, from bottom to top.
     pub fn parts(&self) -> &[MonotonePart] {
         &self.parts
     }
 
-    /// The height halfway up.
+    /// Half the height of the tool, measured from the tip.
     pub fn middle_mm(&self) -> f64 {
         self.middle_mm
     }
 
-    /// The distance from the point of the axis halfway up within which all of it lies.
+    /// Radius of the sphere around the axis point at half height that contains the whole tool.
     pub fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
 
-    /// Volume of the slabs: arcs count as their chords.
+    /// Volume of the slabs, with chords in place of arcs.
     pub fn volume_mm3(&self) -> f64 {
         self.slabs.iter().map(Slab::volume_mm3).sum()
     }

@@ -13,7 +13,7 @@ use super::tool::Tool;
 /// Sweeps prepared at a time: bounds what a long list of them takes.
 const SWEEPS_AT_A_TIME: usize = 1_024;
 
-/// A workpiece.
+/// A workpiece as rays along x, y and z (tri-dexel).
 #[derive(Clone, Debug)]
 pub struct Stock {
     lattice: Lattice,
@@ -28,14 +28,14 @@ pub struct Volume {
     pub by_axis: [f64; 3],
 }
 
-/// Why there is no stock, or none any more.
+/// Reason why a stock cannot be built or cut further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StockError {
-    /// It has no rays.
+    /// The lattice of rays is invalid.
     Lattice(LatticeError),
-    /// It takes more memory than it may.
+    /// The stock takes more memory than allowed.
     Memory {
-        /// Memory that the stock takes.
+        /// Memory that the stock would take.
         needed_bytes: usize,
         /// Memory that the stock may take.
         allowed_bytes: usize,
@@ -63,12 +63,12 @@ impl From<LatticeError> for StockError {
 }
 
 impl Volume {
-    /// The mean of the three.
+    /// Mean of the three volumes.
     pub fn mean_mm3(&self) -> f64 {
         self.by_axis.iter().sum::<f64>() / 3.0
     }
 
-    /// The largest less the smallest: how far the grids disagree.
+    /// Difference between the largest and the smallest of the three volumes: a measure of their error.
     pub fn spread_mm3(&self) -> f64 {
         let [a, b, c] = self.by_axis;
         a.max(b).max(c) - a.min(b).min(c)
@@ -76,16 +76,17 @@ impl Volume {
 }
 
 impl Stock {
-    /// A solid, by rays `step_mm` apart in the box around it, that will never take more than the memory allowed.
+    /// Stock of a solid, with rays `step_mm` apart in the box around it, which never takes more than
+    /// `memory_max_bytes`.
     ///
     /// # Errors
-    /// The solid has no extent, the step is none, or the rays alone take more than the memory allowed.
+    /// The solid has no extent, the step is not positive, or the rays alone take more than the memory allowed.
     pub fn new(solid: &dyn Solid, step_mm: f64, memory_max_bytes: usize) -> Result<Self, StockError> {
         let [lowest_mm, highest_mm] = solid.bounds_mm();
         Stock::on(&Lattice::new(lowest_mm, highest_mm, step_mm)?, solid, memory_max_bytes)
     }
 
-    /// A solid on rays that are there already, so that two stocks can be compared.
+    /// Stock of a solid on the rays of an existing lattice, so that two stocks can be compared.
     ///
     /// # Errors
     /// The rays take more than the memory allowed.
@@ -108,10 +109,10 @@ impl Stock {
         &self.grids
     }
 
-    /// Takes away what the tool sweeps; answers how much that was.
+    /// Removes the material that the tool sweeps; returns its volume.
     ///
     /// # Errors
-    /// The pieces that are left take more than the memory allowed; what was swept is gone all the same.
+    /// The remaining intervals take more memory than allowed; the swept material is removed nevertheless.
     pub fn cut(&mut self, tool: &Tool, sweeps: &[Sweep]) -> Result<Volume, StockError> {
         let mut removed = Volume { by_axis: [0.0; 3] };
         for sweeps in sweeps.chunks(SWEEPS_AT_A_TIME) {

@@ -32,7 +32,7 @@ const NARROW_RATIO: f64 = 0.01;
 /// Upper bound of the change of a displacement in a step.
 const MARGIN_MM: f64 = 0.1;
 
-/// A tool in its workpiece.
+/// Milling process: cutter, workpiece, cutting force and vibration, step by step.
 #[derive(Clone, Debug)]
 pub struct Process {
     engagement: EdgeEngagement,
@@ -53,7 +53,7 @@ struct EdgeDisplacements {
     bent_mm: Vec<Vector3<f64>>,
 }
 
-/// Result of a step.
+/// Result of a step of the process: chips, loads and displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessStep {
     /// Loads on the tool at the end of the step.
@@ -100,7 +100,7 @@ impl Process {
         &self.chips_mm
     }
 
-    /// Takes the edges out of the material; the tool is at rest when they return.
+    /// Takes the edges out of the material; when they enter again, the tool does not vibrate.
     pub fn lift(&mut self) {
         self.engagement.lift();
         self.vibration.rest();
@@ -141,8 +141,8 @@ impl Process {
         self.moment(&step, found, removed_mm3)
     }
 
-    /// The same as [`Process::step`], but each edge that may have a chip has the workpiece's displacement at its own
-    /// position. The workpiece's modes come first.
+    /// Moves to the next position as [`Process::step`], on a flexible workpiece: each edge that may have a chip has
+    /// the workpiece's displacement at its own position. The workpiece's modes come first.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, pose: &ToolPose, workpiece: &mut Workpiece<B>) -> ProcessStep {
         let mut at = self.engagement.poses(pose);
         self.edge_displacements.update(&self.engagement, &mut at, &self.vibration, workpiece);

@@ -49,7 +49,7 @@ const KRYLOV: usize = 30;
 /// Part of an eigenvalue's absolute value below which its imaginary part is rounding.
 const REAL_RATIO: f64 = 1e-4;
 
-/// Milling with straight teeth, linear in the displacement.
+/// Linear model of milling with straight teeth, for stability limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearMilling {
     /// Modes between tool and workpiece, in a frame with x along the feed and y to its left; Z is ignored.
@@ -62,7 +62,7 @@ pub struct LinearMilling {
     pub engaged_rad: [f64; 2],
 }
 
-/// Kind of chatter beyond a limit.
+/// Kind of chatter beyond a stability limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChatterKind {
     /// The vibration has a frequency of its own.
@@ -71,7 +71,7 @@ pub enum ChatterKind {
     Flip,
 }
 
-/// Smallest depth that is not stable.
+/// Smallest axial depth at which the cut is not stable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthLimit {
     /// Axial depth.
@@ -104,7 +104,7 @@ struct ToothMap<'a> {
 }
 
 impl LinearMilling {
-    /// Angles of a tooth in a cut of this part of the diameter, at a side of the tool.
+    /// Engaged angles of a tooth, for a radial immersion as a fraction of the diameter, in up or down milling.
     pub fn engaged_rad(immersion_ratio: f64, is_up: bool) -> [f64; 2] {
         let edge_rad = libm::acos(1.0 - 2.0 * immersion_ratio.clamp(0.0, 1.0));
         if is_up { [0.0, edge_rad] } else { [PI - edge_rad, PI] }

@@ -19,7 +19,7 @@ use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
 use crate::fe::modal_point::ModalPoint;
 
-/// A body whose modes are known at each of its points, and around it.
+/// Body whose mode shapes are known at each of its points, and around it.
 pub trait Modal {
     /// Angular frequencies, rad/s.
     fn omega_rad_per_s(&self) -> &[f64];
@@ -110,7 +110,7 @@ struct View {
 }
 
 impl<B: Modal> Workpiece<B> {
-    /// A body without any view.
+    /// Workpiece before its first point is looked up.
     pub fn new(body: B) -> Self {
         Workpiece { body, views: Vec::new() }
     }

@@ -27,7 +27,7 @@ use arcfeed_control::signals::FeedOverrideLines;
 /// Length of a frame with a setpoint on the line.
 const SETPOINT_BYTES: usize = OVERHEAD + 18;
 
-/// The lines of a board.
+/// Serial line of a board, by what is at its other end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
     /// Line to the host.
@@ -40,7 +40,7 @@ pub enum Wire {
     Control,
 }
 
-/// The far ends of a board's lines.
+/// The simulator's ends of a board's serial lines.
 pub trait Wires {
     /// Sends bytes.
     ///
@@ -61,7 +61,7 @@ pub trait Wires {
     fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure>;
 }
 
-/// Devices at the far ends of the board's other lines.
+/// Devices at the other ends of a board's remaining lines.
 pub trait AttachedDevices {
     /// Bytes that the devices send in this period, as far as their lines' bit rates allow.
     fn send(&mut self, at: Micros, traffic: &mut Traffic);
@@ -75,7 +75,7 @@ impl AttachedDevices for () {
     fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
 }
 
-/// Bytes to the board.
+/// Bytes on their way to the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Bytes from the host.
@@ -101,7 +101,7 @@ pub enum BoardFailure {
     Tap(usize),
 }
 
-/// A board at the end of its lines.
+/// Feed board, real or emulated, at the other end of its lines.
 #[derive(Debug)]
 pub struct Board<W, A = ()> {
     wires: W,
@@ -127,7 +127,7 @@ struct Counts {
 }
 
 impl<W: Wires, A: AttachedDevices> Board<W, A> {
-    /// A board with something attached to its other lines.
+    /// Board with a device attached to its other lines.
     pub fn new(wires: W, attached: A, mode: ModeCode) -> Self {
         Board {
             wires,
@@ -178,7 +178,7 @@ impl<W: Wires, A: AttachedDevices> Board<W, A> {
         (self.wires, self.attached)
     }
 
-    /// Far ends of the lines.
+    /// The simulator's ends of the lines.
     pub fn wires(&self) -> &W {
         &self.wires
     }

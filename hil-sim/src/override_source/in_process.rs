@@ -12,7 +12,7 @@ use super::board::{BoardFailure, Wire, Wires};
 /// Number of lines of a board.
 const LINES: usize = 4;
 
-/// A board application in this process, and its byte queues.
+/// Board application that runs in this process, with its byte queues.
 pub struct InProcess<'q, const N: usize> {
     main_loop: MainLoop<'q, N>,
     task: ControlTask<'q>,

@@ -54,7 +54,7 @@ pub struct MoveStart<'a> {
     pub end_percent: u8,
 }
 
-/// Decision behind an override.
+/// Reason and state behind an override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decision {
     /// State of the supervisor.

@@ -30,7 +30,7 @@ pub struct ChatterResult {
     pub verdict: Verdict,
 }
 
-/// Samples of a run.
+/// Tool positions of a run, sampled once per tooth, by which chatter is detected.
 #[derive(Clone, Debug)]
 pub struct ChatterSamples {
     sampling: Sampling,
@@ -43,7 +43,7 @@ pub struct ChatterSamples {
 }
 
 impl ChatterSamples {
-    /// No samples yet; the number of samples per turn, and the change of position that counts as none.
+    /// Empty samples; `per_turn` samples per turn, and `floor_mm`, the change of position that counts as none.
     pub fn new(per_turn: usize, floor_mm: f64) -> Self {
         let sampling = Sampling { teeth: per_turn, tooth_hz: 0.0, floor_mm };
         ChatterSamples { sampling, window: Vec::new(), windows: 0, block: None, blocks: Vec::new() }
@@ -54,7 +54,7 @@ impl ChatterSamples {
         self.sampling.teeth
     }
 
-    /// Change of position that counts as none.
+    /// Largest change of position that counts as no change.
     pub fn floor_mm(&self) -> f64 {
         self.sampling.floor_mm
     }

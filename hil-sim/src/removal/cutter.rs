@@ -19,7 +19,7 @@ use super::trail::{AxisSample, BlockRef, PathSection, Trail};
 /// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
-/// Stock, tools and tolerance.
+/// Settings of a stock cutter: stock, tools and tolerance.
 #[derive(Clone, Debug)]
 pub struct StockCutterSettings {
     /// Workpiece, in the program's coordinates.
@@ -77,7 +77,7 @@ pub struct LeftOut {
     last: u32,
 }
 
-/// A stock, with the record of what was removed from it.
+/// Stock that is cut during a run, with the record of what was removed.
 #[derive(Debug)]
 pub struct StockCutter {
     settings: StockCutterSettings,

@@ -40,7 +40,7 @@ const TURN_DEG: f64 = 360.0;
 /// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
-/// Settings of the meter.
+/// Settings of the engagement meter.
 #[derive(Clone, Debug)]
 pub struct EngagementSettings {
     /// The workpiece, in the program's coordinates; layers along Z.
@@ -80,7 +80,7 @@ pub struct EngagedSample {
     pub intervals_deg: [Option<[f64; 2]>; 2],
 }
 
-/// The tool in the layers, with the samples so far; state.
+/// Meter of the tool's engagement: the tool in the layers of the workpiece, with the samples so far; state.
 #[derive(Clone, Debug)]
 pub struct EngagementMeter {
     settings: EngagementSettings,

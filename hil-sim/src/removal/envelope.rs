@@ -28,7 +28,7 @@ const TOGETHER: usize = 64;
 /// Margin of a bound.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Solid of revolution of a true tool's edges.
+/// Solid of revolution that the edges of a tool without runout sweep.
 #[derive(Clone, Debug)]
 pub struct CuttingSolid {
     /// Slices from the tip upwards, each as high as a layer; one more than the evaluated height, for a tip inside a

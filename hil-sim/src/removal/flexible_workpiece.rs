@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::flexible::Workpiece;
 
-/// The body with its modes.
+/// Flexible workpiece: the body with its modes.
 #[derive(Clone, Debug)]
 pub struct FlexibleWorkpiece {
     workpiece: Workpiece<Arc<Field>>,

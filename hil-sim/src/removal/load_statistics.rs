@@ -45,7 +45,7 @@ pub struct Level {
     integral: f64,
 }
 
-/// Statistics of the thickest chips of passes.
+/// Statistics of the thickest chips of several tooth passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Passes {
     /// Number of passes.
@@ -76,7 +76,7 @@ pub struct LoadStatistics {
     variation_sum: f64,
 }
 
-/// Statistics of the present turn of the spindle.
+/// Load statistics of the current turn of the spindle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurnStatistics {
     steps: usize,

@@ -56,7 +56,7 @@ pub struct LoadSettings {
     pub samples: ChatterSamples,
 }
 
-/// The tool's edges, with the loads so far.
+/// Meter of the cutting loads in a run: the tool's edges in the workpiece, with the loads so far.
 #[derive(Clone, Debug)]
 pub struct LoadMeter {
     settings: LoadSettings,
@@ -179,7 +179,7 @@ impl LoadMeter {
         self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
-    /// Change of position that chatter detection counts as none.
+    /// Largest change of position that chatter detection counts as no change.
     pub fn floor_mm(&self) -> f64 {
         self.settings.samples.floor_mm()
     }

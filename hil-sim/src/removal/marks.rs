@@ -35,7 +35,7 @@ pub struct WallMark {
     pub block: BlockRef,
 }
 
-/// Marks at all ends of rays on walls, for a tool of this shape on this path.
+/// Marks that a tool of this shape leaves on the walls along its path, at all ends of rays.
 pub fn marks(blank: &Layers, left: &Layers, tip_path: &TipPath, turned: &CuttingSolid) -> Vec<WallMark> {
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {

@@ -10,7 +10,7 @@ use arcfeed_control::drives::limits::AXES;
 
 use super::trail::{BlockRef, PathSection, at_tip};
 
-/// Last period of the run; state.
+/// Observer of a run, period by period; state: the last period.
 #[derive(Clone, Debug, Default)]
 pub struct Periods {
     axes: Option<[f64; AXES]>,
@@ -18,7 +18,7 @@ pub struct Periods {
     last: Option<(BlockRef, MoveContext, Segment)>,
 }
 
-/// One period of the run.
+/// One simulation period of a run, with its path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
     /// Path of the period, one chord.

@@ -75,7 +75,7 @@ impl ToolChord {
     }
 }
 
-/// Position of the workpiece.
+/// Position of the workpiece on the machine, as far as it is known.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WorkpiecePlacement {
     origin_mm: Option<Vector>,
@@ -88,7 +88,7 @@ impl WorkpiecePlacement {
         self.origin_mm.is_some()
     }
 
-    /// Takes the workpiece's position from the first cut.
+    /// Determines the workpiece's position from the first cut.
     pub fn locate(&mut self, cut: &PathSection) {
         let context = &cut.context;
         let origin = context.origin.linear.map(Nm::to_mm);

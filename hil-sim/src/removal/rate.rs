@@ -39,7 +39,7 @@ pub struct RateWindow {
     cut: Micros,
 }
 
-/// Sum over several pieces.
+/// Removed volume and largest removal rate of several path sections together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RemovedVolume {
     /// Volume that the rays along x, y, z measure, mm3.
@@ -94,7 +94,7 @@ impl RemovedVolume {
     }
 }
 
-/// Windows over pieces in the order of time, one after the other.
+/// Divides the path sections, in the order of time, into consecutive windows.
 pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<RateWindow> {
     let mut windows: Vec<RateWindow> = Vec::new();
     for piece in pieces {

@@ -35,7 +35,7 @@ use super::trail::BlockRef;
 /// Path between two descending moves within which the second meets the chip of the first: more than any tooth goes.
 const JOINED_MM: f64 = 2.0;
 
-/// Settings of the sections.
+/// Settings for computing engaged sections of descending moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSettings {
     /// Edges of the tool's end, and those of a side of it.
@@ -48,16 +48,16 @@ pub struct SectionSettings {
     pub has_ramps: bool,
 }
 
-/// Numbers of edges that pass a place in one turn.
+/// Numbers of edges that pass a point in one turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeCounts {
-    /// On the end.
+    /// Number of edges on the end.
     pub end: usize,
-    /// On each side, the outer and the inner one.
+    /// Number of edges on each side, the outer and the inner one.
     pub side: usize,
 }
 
-/// A descending move with its sections.
+/// A descending move with its engaged sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionedMove {
     /// The move in the workpiece's coordinates.
@@ -68,7 +68,7 @@ pub struct SectionedMove {
     pub joints: [Option<SectionJoint>; 2],
 }
 
-/// Engaged section where one descending move passes into another.
+/// Engaged section where one descending move continues in another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionJoint {
     /// Moment of the end's edges: the larger one of both moves. 0 if the position on the workpiece is not known.
@@ -94,7 +94,7 @@ pub(super) struct SectionMeter {
     apart_mm: f64,
 }
 
-/// Engaged section at one place of a move.
+/// Engaged section of the tool at one place of a descending move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSample {
     /// Path of the move up to the sample; grows from sample to sample.
@@ -157,8 +157,8 @@ impl SectionMeter {
         self.descent == Some(block.count)
     }
 
-    /// Takes a sample on the last descending move, unless the one before is nearer than `apart_mm`. The first sample of a
-    /// move is that of its joint, too.
+    /// Takes a sample on the last descending move, unless the previous sample is nearer than `apart_mm`. The first
+    /// sample of a move also counts for the joint with the move before.
     pub fn sample(&mut self, tool: &ToolAt<'_>, at_mm: f64, apart_mm: f64) {
         let [before @ .., moved] = &mut self.moves[..] else { return };
         if moved.samples.last().is_some_and(|last| at_mm < last.at_mm + apart_mm) {

@@ -74,7 +74,7 @@ impl TiltedLayers {
         pairs.into_iter().all(|(axis, other)| length(difference(*axis, other)) <= SAME_RATIO)
     }
 
-    /// Layers square to the tool, as it has left them so far.
+    /// Layers perpendicular to the tool, with the material that remains so far.
     ///
     /// # Errors
     /// There are too many layers or rays.

@@ -17,7 +17,7 @@ use super::trail::BlockRef;
 /// Tolerance t: far less than any mark of interest.
 const OFF_MAX_MM: f64 = 1e-6;
 
-/// Straight part of the path.
+/// Straight part of the tip's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipSegment {
     /// Block of the segment.
@@ -28,7 +28,7 @@ pub struct TipSegment {
     pub to_mm: Vector,
 }
 
-/// The path so far.
+/// Path of the tool's tip so far.
 #[derive(Clone, Debug, Default)]
 pub struct TipPath {
     segments: Vec<TipSegment>,

@@ -27,7 +27,7 @@ pub struct ToothPass {
     pub tip_mm: Vector,
 }
 
-/// Step of the tool.
+/// Step of the tool, in which teeth may end their passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassStep {
     /// Block that the step counts for.
@@ -42,7 +42,7 @@ pub struct PassStep {
     pub torque_n_m: f64,
 }
 
-/// Teeth of a tool with their passes; state.
+/// Tracker of the teeth's passes through the material; state.
 #[derive(Clone, Debug)]
 pub struct ToothPasses {
     sides: Vec<Edge>,
@@ -101,7 +101,7 @@ impl ToothPasses {
         &self.ended
     }
 
-    /// Takes the teeth out of the material: unfinished passes do not count.
+    /// Takes the teeth out of the material; unfinished passes do not count.
     pub fn lift(&mut self) {
         self.open.fill(None);
     }

@@ -84,7 +84,7 @@ pub struct PathSection {
     pub positions: Vec<AxisPosition>,
 }
 
-/// Builder of the path's sections.
+/// Divides the path of the axes into sections: one block, as chords, up to a quarter of a second.
 #[derive(Clone, Debug)]
 pub struct Trail {
     tolerance_mm: f64,

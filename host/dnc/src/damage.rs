@@ -6,7 +6,7 @@ use arcfeed_units::Micros;
 /// Time between two looks at the counters.
 const PERIOD: Micros = Micros::from_ms(200);
 
-/// Counters at the last check.
+/// Watch on the system's counts of damaged characters, for warnings.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DamageMonitor {
     seen: Counts,
@@ -33,7 +33,7 @@ impl DamageMonitor {
     }
 }
 
-/// Kinds of damage with their numbers.
+/// Text that lists the kinds of damage with their numbers.
 pub fn in_words(counts: &Counts) -> String {
     let Counts { frame, overrun, parity, breaks, buffer_overrun } = *counts;
     let kinds = [

@@ -2,7 +2,7 @@
 
 use super::sender::{Sender, State};
 
-/// State at the last check.
+/// Detector of changes in a transmission, as messages for a person; state: the last check.
 #[derive(Debug)]
 pub struct Events {
     /// Lines that a control counts as blocks.
@@ -16,7 +16,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// Starts with the sender's present state.
+    /// Begins with the sender's present state.
     pub fn new(sender: &Sender) -> Self {
         Events {
             blocks: sender.transmission().block_lines(),

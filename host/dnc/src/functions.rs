@@ -2,7 +2,7 @@
 
 use arcfeed_nc::block::Block;
 
-/// Functions in force.
+/// Spindle and coolant functions in force at a place of a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Functions {
     /// M3, M4 or M5.
@@ -18,7 +18,7 @@ pub struct Functions {
 }
 
 impl Functions {
-    /// Applies a block.
+    /// Applies the words of a block.
     pub fn take(&mut self, block: &Block) {
         let of = |letter: u8| block.words.iter().filter(move |word| word.letter == letter);
         self.prepared = of(b'T').next_back().map(|word| word.number.scaled(1)).or(self.prepared);
@@ -37,7 +37,7 @@ impl Functions {
         }
     }
 
-    /// Words that switch spindle and coolant on again, at this speed.
+    /// Words that switch spindle and coolant on again, with this speed.
     pub fn words(&self, speed: Option<i64>) -> Vec<String> {
         let mut blocks = Vec::new();
         let speed = speed.map(|speed| format!("S{speed}")).unwrap_or_default();

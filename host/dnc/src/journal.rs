@@ -21,7 +21,7 @@ const NAME: &str = "arcfeed-journal 2";
 /// First words of a journal of any release.
 const ANY_NAME: &str = "0 arcfeed-journal ";
 
-/// Input of a transmission.
+/// First record of a journal: the input of the transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     /// Fingerprint of the program's file.
@@ -42,7 +42,7 @@ pub struct Start {
     pub restart_blocks: usize,
 }
 
-/// Record after the first.
+/// Record of a journal after the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
     /// Characters are out; no more than `until` will be out before the next record.
@@ -68,7 +68,7 @@ pub enum Record {
     },
 }
 
-/// Reason for which a sender ended.
+/// Reason why a sender ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EndReason {
     /// All characters are out.
@@ -96,7 +96,7 @@ pub struct History {
     pub torn: usize,
 }
 
-/// Reason for which a journal cannot be used.
+/// Reason why a journal cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum JournalError {
     /// The file does not begin as a journal.
@@ -133,7 +133,7 @@ pub fn first_line(start: &Start) -> String {
     ))
 }
 
-/// Line of a record; `number` counts from 1.
+/// Text of a record; `number` counts from 1.
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
@@ -150,7 +150,7 @@ fn seal(text: &str) -> String {
     line
 }
 
-/// The file begins as a journal of any version, or is empty.
+/// Whether a file begins as a journal of any version, or is empty.
 pub fn is_journal(bytes: &[u8]) -> bool {
     let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
     first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with(ANY_NAME)))

@@ -5,10 +5,10 @@ use arcfeed_units::Micros;
 
 use super::sender::{CHUNK, Sender, State};
 
-/// The line is gone, or accepts nothing.
+/// Failure of the line: it is gone, or accepts no characters.
 #[derive(Debug, thiserror::Error)]
 pub enum LineError {
-    /// It is gone.
+    /// The line is gone.
     #[error(transparent)]
     Port(#[from] PortError),
     /// The line has accepted nothing for this long.
@@ -19,7 +19,7 @@ pub enum LineError {
     Stuck(Micros),
 }
 
-/// Buffer of at most one chunk.
+/// Buffer of at most one chunk between sender and line.
 #[derive(Debug)]
 pub struct Outbox {
     held: [u8; CHUNK],
@@ -80,7 +80,7 @@ impl Outbox {
         self.len
     }
 
-    /// The line has accepted all characters.
+    /// Whether the line has accepted all characters.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

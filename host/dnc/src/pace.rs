@@ -20,7 +20,7 @@ const AHEAD_MIN: u64 = 4;
 const LATE: Micros = Micros(US_PER_MS);
 const NS_PER_US: u64 = 1_000;
 
-/// Arrival times of the last characters.
+/// Pacing of a line, so that at most ten characters arrive after a DC3; state: arrival times of the last characters.
 #[derive(Clone, Debug)]
 pub struct Pace {
     char_ns: u64,
@@ -31,7 +31,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Pace of a line of this rate, whose DC3 is acted on after at most `reaction`; `None` without XON/XOFF.
+    /// Pace of a line of this rate, on which the sender stops at most `reaction` after a DC3 arrives; `None` without
+    /// XON/XOFF.
     pub fn new(bits_per_char: u32, baudrate: u32, reaction: Option<Micros>) -> Self {
         let char_ns = (u64::from(bits_per_char) * US_PER_S * NS_PER_US).div_ceil(u64::from(baudrate).max(1));
         let late = (LATE.0 * NS_PER_US).div_ceil(char_ns) + 1;
@@ -73,12 +74,12 @@ impl Pace {
         Micros((last + self.reaction_ns).div_ceil(NS_PER_US))
     }
 
-    /// Most characters handed out ahead of the line.
+    /// Largest number of characters handed out ahead of the line.
     pub fn ahead(&self) -> usize {
         self.ahead
     }
 
-    /// Usable fraction of the line's rate: `w c / (r + c)`, 1 at most.
+    /// Fraction of the line's rate that the pace allows: `w c / (r + c)`, 1 at most.
     pub fn share(&self) -> f64 {
         let window = AFTER_DC3_MAX as f64 * self.char_ns as f64;
         (window / (self.reaction_ns + self.char_ns) as f64).min(1.0)

@@ -10,7 +10,7 @@ const DC4: u8 = 0x14;
 /// Replacement for a character that the code does not have.
 pub const DAMAGED: u8 = 0xFF;
 
-/// Received text, in ASCII.
+/// Program that a control sends back from its memory, in ASCII.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     decode: [u8; 256],
@@ -18,7 +18,7 @@ pub struct ReadBack {
     is_over: bool,
 }
 
-/// First difference.
+/// First difference between the program read back and the program sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Line of the program's file; of the block before, if the control has more blocks.
@@ -32,7 +32,7 @@ pub struct Difference {
 }
 
 impl ReadBack {
-    /// Empty text, of a control whose code is given by `encode`.
+    /// No text yet, from a control whose code is given by `encode`.
     pub fn new(encode: fn(u8) -> Option<u8>) -> Self {
         let mut decode = [DAMAGED; 256];
         for byte in 0..0x80_u8 {
@@ -64,7 +64,7 @@ impl ReadBack {
         self.is_over
     }
 
-    /// A block has come.
+    /// Whether a block has come.
     pub fn has_begun(&self) -> bool {
         self.blocks().next().is_some()
     }
@@ -80,7 +80,7 @@ impl ReadBack {
         lines.filter(|line| !line.starts_with(b"%") && !bare(line).is_empty())
     }
 
-    /// Number of equal blocks, or the first difference.
+    /// Compares the text with what was sent: number of equal blocks, or the first difference.
     ///
     /// # Errors
     /// The first difference.

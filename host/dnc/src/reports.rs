@@ -44,7 +44,7 @@ struct Expected {
     tolerance: f64,
 }
 
-/// Finding of a report.
+/// Finding about a position report of the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReportFinding {
     /// The control does not execute the program that was sent.
@@ -53,7 +53,7 @@ pub enum ReportFinding {
     Doubtful(String),
 }
 
-/// Reports of a transmission, expected and received.
+/// Position reports that a control prints during a transmission (`[dnc] report_every`): expected and received ones.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
     expected: Vec<Expected>,
@@ -124,8 +124,8 @@ impl Reports {
         self.expected.push(Expected { line, index, values, tolerance });
     }
 
-    /// Reports of a transmission that begins with `own_lines` lines of its own and continues where line `from` of this
-    /// one stands: earlier reports do not come again.
+    /// Reports of a restarted transmission: it begins with `own_lines` added lines and continues at line `from` of
+    /// this one. Earlier reports are no longer expected.
     #[must_use]
     pub fn resumed(mut self, from: usize, own_lines: usize) -> Self {
         self.expected.retain(|expected| expected.index >= from);
@@ -188,7 +188,7 @@ impl Reports {
         })
     }
 
-    /// Number of reports that were requested, and that have come as expected.
+    /// Numbers of requested reports, and of those that have arrived as expected.
     pub fn counts(&self) -> (usize, usize) {
         (self.expected.len(), self.heard)
     }
@@ -198,19 +198,18 @@ impl Reports {
         self.last.map(|(line, _)| line)
     }
 
-    /// Line of the next report that is to come.
+    /// Line of the next expected report.
     pub fn awaited(&self) -> Option<usize> {
         self.expected.get(self.next).map(|expected| expected.line)
     }
 
-    /// Least number of blocks of the transmission that the control has started, if it reads at most `read_ahead` blocks
-    /// ahead.
+    /// Least number of blocks that the control must have started, if it reads at most `read_ahead` blocks ahead.
     pub fn taken_up(&self, sent: &Transmission, read_ahead: usize) -> Option<usize> {
         let (_, index) = self.last?;
         Some(sent.blocks_before(index + 1).saturating_sub(read_ahead)).filter(|blocks| *blocks > 0)
     }
 
-    /// Other text that the control has printed.
+    /// Text other than reports that the control has printed.
     pub fn printed(&self) -> Vec<u8> {
         [self.printed.as_slice(), self.line.as_slice()].concat()
     }

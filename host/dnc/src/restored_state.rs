@@ -19,7 +19,7 @@ use super::transmission::Transmission;
 const DOWN_MAX: Nm = Nm(500_000_000);
 const DOWN_DEFAULT: Nm = Nm(100_000_000);
 
-/// Control that has read nothing yet: the state before a program, and before a restart.
+/// State of a control before it has read anything.
 #[derive(Clone, Debug)]
 pub struct PowerOn {
     /// Settings of the control.
@@ -36,7 +36,7 @@ impl PowerOn {
     }
 }
 
-/// State before a block.
+/// State of the control before a block: all that a restart must restore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateBefore {
     /// The control's modal state.
@@ -344,7 +344,7 @@ mod tests {
                         G93\nG1X5.F30.\nG94G54G49G52X1.Y0Z0\nG2X6.I1.F8.\nG91G0Y1.\nX1.";
 
     #[test]
-    fn every_line_of_a_rich_program_can_be_taken_up_or_says_why_not() {
+    fn restart_at_every_line_of_a_rich_program_works_or_gives_a_reason() {
         let (mut restored, mut refused) = (0, Vec::new());
         for index in 2..=RICH.lines().count() + 1 {
             // The self-check in `blocks` compares every group.

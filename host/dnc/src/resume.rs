@@ -42,7 +42,7 @@ pub struct RestartPlan {
     pub index: usize,
 }
 
-/// Cutting blocks, by their lines.
+/// Range of cutting blocks, by their lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CutRange {
     /// Number of blocks.
@@ -118,7 +118,7 @@ impl RestartPlan {
         })
     }
 
-    /// Text of the blocks that come first.
+    /// Text of the blocks that are sent before the rest of the program.
     pub fn preamble(&self) -> String {
         self.blocks.iter().map(|block| format!("{block}\n")).collect()
     }

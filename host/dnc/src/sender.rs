@@ -25,7 +25,7 @@ const ABORT_MAX: Micros = Micros::from_ms(2_000);
 /// Most characters of the control's text that are kept.
 const HEARD_MAX: usize = 4_096;
 
-/// Settings of the line.
+/// Settings of the line that matter to a sender.
 #[derive(Clone, Debug)]
 pub struct LineUse {
     /// Times at which characters may go out.
@@ -40,7 +40,7 @@ pub struct LineUse {
     pub xoff_timeout: Option<Micros>,
 }
 
-/// Transmission in progress.
+/// Sender of a program to a control (DNC), without I/O: obeys XON/XOFF and paces the characters.
 #[derive(Debug)]
 pub struct Sender {
     transmission: Transmission,
@@ -59,7 +59,7 @@ pub struct Sender {
     counters: Counters,
 }
 
-/// Recipient that must have a part of the program before it is sent.
+/// Recipient that must have its part of the program before the sender continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gate {
     /// The journal on disk.
@@ -103,7 +103,7 @@ pub enum State {
     Failed(FailureReason),
 }
 
-/// Reason of the failure.
+/// Reason why a transmission failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureReason {
     /// No DC1 in this time.
@@ -124,7 +124,7 @@ pub struct Counters {
 }
 
 impl Sender {
-    /// Sender that may hand out everything at once (see [`Sender::permit`]).
+    /// Sender without gates, which may send everything at once (see [`Sender::permit`]).
     pub fn new(transmission: Transmission, line: LineUse) -> Self {
         Sender {
             flow: if line.xonxoff { Flow::Silent } else { Flow::Go },
@@ -187,7 +187,7 @@ impl Sender {
         (self.flow, self.since) = (flow, now);
     }
 
-    /// Puts the next characters into `out`; returns their number.
+    /// Writes the next characters to send into `out`; returns their number.
     pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8; CHUNK]) -> usize {
         self.start_if_asked(now);
         self.check_timeouts(now);
@@ -227,7 +227,7 @@ impl Sender {
         };
     }
 
-    /// Time of its next action, unless the control sends something before.
+    /// Time of the sender's next action, unless the control sends something before.
     pub fn poll_at(&self) -> Option<Micros> {
         if self.over.is_some() {
             return None;
@@ -256,7 +256,7 @@ impl Sender {
         }
     }
 
-    /// Ends with the block under way, or in it if the control accepts no more for two seconds.
+    /// Ends after the current block, or within it if the control accepts nothing more for two seconds.
     pub fn abort(&mut self, now: Micros) {
         if !matches!(self.intent, Intent::Abort { .. }) {
             self.intent = Intent::Abort { since: now };
@@ -264,12 +264,12 @@ impl Sender {
         self.check_timeouts(now);
     }
 
-    /// Hands out nothing from this offset on until the same gate is opened further.
+    /// Sends nothing from this offset on until the same gate permits more.
     pub fn permit(&mut self, gate: Gate, until: usize) {
         self.permitted[gate as usize] = until;
     }
 
-    /// The sender waits for a gate.
+    /// Whether the sender waits for a gate.
     pub fn wants_permit(&self, gate: Gate) -> bool {
         self.over.is_none() && self.sent >= self.permitted[gate as usize]
     }
@@ -290,7 +290,7 @@ impl Sender {
         }
     }
 
-    /// The control accepts characters, by its last DC1 or DC3; `None` before its first DC1.
+    /// Whether the control accepts characters, by its last DC1 or DC3; `None` before its first DC1.
     pub fn is_taken(&self) -> Option<bool> {
         match self.flow {
             Flow::Silent => None,
@@ -319,7 +319,7 @@ impl Sender {
         self.transmission.blocks_before(self.line())
     }
 
-    /// Part of the block under way that is out.
+    /// Part already sent of a block that is not complete yet.
     pub fn half_block(&self) -> Option<&[u8]> {
         let half = &self.transmission.text()[self.transmission.start_of(self.line())..self.sent];
         (!half.is_empty()).then_some(half)

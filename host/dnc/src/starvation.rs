@@ -4,7 +4,7 @@
 //! It begins when it has arrived and the block before is done. A control brakes for the end of the last block it has: a
 //! block whose successor has not arrived when it begins ends at rest, and takes longer for that.
 
-/// Block of a transmission.
+/// Length and execution time of a block, for the prediction of waits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockLoad {
     /// Characters, including the end of block.
@@ -16,15 +16,15 @@ pub struct BlockLoad {
 }
 
 impl BlockLoad {
-    /// Move of a length at a speed, with an acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v is not
-    /// reached, `2 sqrt(s/a)`.
+    /// Load of a move with this length, speed and acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v
+    /// is not reached, `2 sqrt(s/a)`.
     pub fn of_move(characters: usize, way_mm: f64, speed_mm_per_s: f64, acceleration_mm_per_s2: f64) -> Self {
         let (s, v, a) = (way_mm, speed_mm_per_s, acceleration_mm_per_s2);
         let alone_s = if s * a < v * v { 2.0 * libm::sqrt(s / a) } else { s / v + v / a };
         BlockLoad { characters, time_s: s / v, alone_s }
     }
 
-    /// Dwell, or a block without motion.
+    /// Load of a dwell or of a block without motion.
     pub fn of_time(characters: usize, time_s: f64) -> Self {
         BlockLoad { characters, time_s, alone_s: time_s }
     }

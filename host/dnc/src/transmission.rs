@@ -14,7 +14,7 @@ const END_MARK: u8 = 0x1a;
 /// Starts of the lines of a report; programs with macro statements of their own are not sent.
 const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
-/// Conversion of text into the control's code.
+/// Conversion of program text into the characters on the line.
 #[derive(Clone, Copy, Debug)]
 pub struct Wire {
     /// Character in the control's code; `None` if the code does not have it.
@@ -25,7 +25,7 @@ pub struct Wire {
     pub tv_check: bool,
 }
 
-/// Transmission of a program, complete or from some line on.
+/// Program as it is sent over the line, complete or from some line on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Transmission {
     text: Vec<u8>,
@@ -34,7 +34,7 @@ pub struct Transmission {
     changes: Changes,
 }
 
-/// Lines that are sent otherwise than written, each kind with the first line of the program's file, counted from 1.
+/// Differences between the text sent and the program's file, each kind with its first line, counted from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
     /// Lines with small letters in code, sent as capitals.
@@ -47,7 +47,7 @@ pub struct Changes {
     pub has_mark: bool,
 }
 
-/// Number of lines with a change, and the first of them.
+/// Number of lines with one kind of change, and the first of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Change {
     /// Number of lines.
@@ -85,7 +85,7 @@ impl Change {
     }
 }
 
-/// Line of a transmission.
+/// Line of a transmission, with its line in the program's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentLine {
     /// Offset of the end in the text and in the frames, its end of block included.
@@ -152,8 +152,8 @@ impl Transmission {
         Ok(sent)
     }
 
-    /// This transmission with lines of ours behind some of its own: index and text, in order; they count as of that
-    /// line.
+    /// This transmission with lines of ours added behind some of its own: index and text, in order. An added line
+    /// counts as part of the line before it.
     ///
     /// # Errors
     /// The control's code lacks a character of ours.
@@ -172,7 +172,7 @@ impl Transmission {
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
 
-    /// The line belongs to a report of the control, which the interpreter of plain blocks cannot read.
+    /// Whether the line belongs to a report of the control, which the interpreter of plain blocks cannot read.
     pub fn is_of_report(&self, index: usize) -> bool {
         let text = self.line_text(index).unwrap_or_default();
         REPORT.iter().any(|begin| text.starts_with(begin.as_bytes()))
@@ -297,7 +297,7 @@ impl Transmission {
         self.text.get(self.start_of(index)..line.end)
     }
 
-    /// A control counts the line as a block: all but `%` and empty lines.
+    /// Whether a control counts the line as a block: all but `%` and empty lines.
     pub fn is_block(&self, index: usize) -> bool {
         let text = self.line_text(index).unwrap_or_default().trim_ascii();
         !text.is_empty() && !text.starts_with(b"%")

@@ -10,7 +10,7 @@ use crate::cup_mill::room::{DirectionGrid, LEAN_MAX_RAD, LEAN_STEP_RAD, Room, le
 use crate::cup_mill::side::RAISES;
 use crate::cutter::CupMill;
 
-/// Direction and its value.
+/// Direction of the tool, and the value of its plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Prepared slot, by the edges from which the path starts.
@@ -37,7 +37,7 @@ const APART_STEPS: f64 = 1.5;
 const AROUND: [[f64; 2]; 8] =
     [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
 
-/// Search over all directions and edges.
+/// Search for the best direction of the tool, over all directions and both start edges.
 pub struct AxisSearch<'s, V> {
     /// Slot from both edges.
     pub prepared: &'s [PreparedSlot; 2],
@@ -48,7 +48,7 @@ pub struct AxisSearch<'s, V> {
 }
 
 impl<V: Fn(usize, Room, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
-    /// Best directions, not near to each other.
+    /// Best directions, at a minimum distance from each other.
     pub fn best(&self) -> Vec<Candidate> {
         // Every second place, as on a chessboard.
         let grid = || leans().step_by(2);

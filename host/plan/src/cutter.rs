@@ -36,7 +36,7 @@ pub struct CupMill {
     pub active_teeth: u16,
 }
 
-/// Part of the tool.
+/// Part of the tool, for which clearances are computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ToolPart {
     /// Ring: the wall with its inserts.

@@ -21,7 +21,7 @@ use crate::proof::removal::{Stock, slot_share_ratio};
 use crate::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use crate::vector::Point;
 
-/// Slot to be planned.
+/// Slot to be planned, with cutter and requirements.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
@@ -31,7 +31,7 @@ pub struct Problem<'p> {
     prepared: [PreparedSlot; 2],
 }
 
-/// Plan and its value.
+/// Plan of a slot, and the fraction of the slot that it removes.
 #[derive(Clone, Debug)]
 pub struct ValuedPlan {
     /// Plan.
@@ -64,13 +64,13 @@ impl<'p> Problem<'p> {
         Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
     }
 
-    /// The same with fixtures, as boxes that turn with the part: opposite corners, part frame.
+    /// The problem with fixtures, as boxes that turn with the part: opposite corners, part frame.
     #[must_use]
     pub fn with_fixture(self, fixture: &'p [[Point; 2]]) -> Self {
         Problem { fixture, ..self }
     }
 
-    /// Plan that removes most among those that `admits` accepts.
+    /// Plan that removes most, among those that `admits` accepts.
     ///
     /// # Errors
     /// See [`Problem::ranked`].
@@ -78,7 +78,7 @@ impl<'p> Problem<'p> {
         self.ranked(admits).map(|mut ranked| ranked.swap_remove(0))
     }
 
-    /// Plans that `admits` accepts, those that remove most first, at least one.
+    /// Plans that `admits` accepts, sorted by the removed fraction, the largest first; at least one.
     ///
     /// # Errors
     /// Reason for the roomiest axis, if there is no plan: the least missing width.
@@ -103,7 +103,8 @@ impl<'p> Problem<'p> {
         }
     }
 
-    /// Plan of the highest rank whose proof holds, or else the first one, with its proof; there is one plan if the axis is given.
+    /// Best plan whose proof holds, with the proof; if none holds, the best plan with its proof. If the axis is
+    /// given, there is only one plan.
     ///
     /// # Errors
     /// There is no plan.

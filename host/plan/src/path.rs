@@ -16,7 +16,7 @@ use crate::vector::Flat;
 /// An arc that ends this little before its start has no length.
 const SWEEP_NOISE_RAD: f64 = 1e-9;
 
-/// Path of a slot.
+/// Path of the tool through a slot, level by level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotPath {
     /// A, on the outer circle at the base position: the same on all levels.
@@ -33,7 +33,7 @@ pub struct SlotPath {
     pub clear_mm: f64,
 }
 
-/// Level.
+/// One level of a slot's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     /// Height, mm.
@@ -44,22 +44,22 @@ pub struct Level {
     pub interior_end: Flat,
 }
 
-/// Purpose of a piece of the path.
+/// Purpose of a piece of the path, such as a movement of the ring or a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Purpose {
-    /// Down to the first level, at the base position.
+    /// Line down to the first level, at the base position.
     Approach,
-    /// About B1 towards the base position, cutting with the outer circle.
+    /// Turn about B1 towards the base position; the outer circle cuts.
     Movement1,
-    /// About A away from it, outer circle.
+    /// Turn about A away from the base position; the outer circle cuts.
     Movement2,
-    /// About A towards it, inner circle.
+    /// Turn about A towards the base position; the inner circle cuts.
     Movement3,
-    /// About B1 away from it, inner circle.
+    /// Turn about B1 away from the base position; the inner circle cuts.
     Movement4,
-    /// From one level to the next.
+    /// Line from one level to the next.
     Link,
-    /// Up, at the base position.
+    /// Line up, at the base position.
     Retract,
 }
 
@@ -79,7 +79,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// `count` places from the start to the end, evenly along the step.
+    /// `count` evenly spaced points from the start to the end of the step.
     pub fn places(&self, count: u32) -> Vec<[f64; 3]> {
         let share = |k: u32| f64::from(k) / f64::from(count.max(2) - 1);
         let along =
@@ -135,7 +135,8 @@ impl Step {
 }
 
 impl SlotPath {
-    /// End at which the tool leaves a level, from 0: 0 for D, 1 for E.
+    /// End of the slot at which the tool leaves a level, counted from 0: 0 for D (the turn about A), 1 for E (the
+    /// turn about B1).
     pub fn end_of(level: usize) -> usize {
         usize::from(level.is_multiple_of(2))
     }

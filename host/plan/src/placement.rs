@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
-/// Positions of the rotary axes for a slot.
+/// Positions of the machine's rotary axes for a slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// A, the same for all slots.
@@ -139,7 +139,8 @@ fn crossing(machine: &Machine) -> Result<[f64; 3], PlacementError> {
     if apart_mm > SAME_MM { Err(PlacementError::NoCrossing { apart_mm }) } else { Ok((one.0 + one.1 * along).into()) }
 }
 
-/// Machine of the published test as far as it is needed here, with unlimited axes: for parts that name none.
+/// Machine with two rotary tables and unlimited axes, for parts that name no machine; the rotary axes are those of
+/// the published test.
 ///
 /// # Errors
 /// Never for these numbers.

@@ -8,7 +8,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::cup_mill::infeasibility::Infeasible;
 use crate::cutter::CupMill;
 
-/// Ring, and its result.
+/// Ring that was tried, and the result of its plan.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Middle between outer and inner radius, mm.
@@ -31,7 +31,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 const MIDDLES: [f64; 4] = [0.8, 0.9, 1.1, 1.2];
 
 impl Trial {
-    /// Removed fraction, or below all of them.
+    /// Removed fraction, for comparison; a ring without a plan is below all others.
     pub fn worth(&self) -> f64 {
         self.share_ratio.as_ref().map_or(-1.0, |share| *share)
     }

@@ -9,7 +9,7 @@
 
 use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
 
-/// Place and value of a minimum.
+/// Place and value of a minimum of a function of two variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum {
     /// Place.
@@ -23,7 +23,7 @@ const FINEST: f64 = 1e-6;
 /// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
-/// Least value near `start`, within `ranges`; the first stencil is `spacing` wide.
+/// Local minimum of a function of two variables near `start`, within `ranges`; the first steps are `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
     let around = |best: Minimum, stencil: &mut [Minimum]| {
         for k in 0..stencil.len() {

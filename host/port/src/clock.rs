@@ -10,7 +10,7 @@ const DAYS_PER_ERA: u64 = 146_097;
 /// Days from 0000-03-01 to 1970-01-01.
 const DAYS_TO_EPOCH: u64 = 719_468;
 
-/// Clock that starts when it is made.
+/// Clock that starts at zero when it is created.
 #[derive(Clone, Copy, Debug)]
 pub struct WallClock {
     since: Instant,

@@ -21,7 +21,7 @@ const BURST: (u64, u64) = (2, 16);
 /// Most bytes passed on at once.
 const AT_ONCE: usize = 64;
 
-/// Corrupted port.
+/// Port that loses and corrupts characters on purpose, for tests of a sender.
 pub struct Fault<'p> {
     inner: Box<dyn Port + 'p>,
     plan: FaultPlan,
@@ -102,7 +102,7 @@ impl Lane {
 }
 
 impl<'p> Fault<'p> {
-    /// Corrupts the data of a port.
+    /// Corrupts the data of a port according to a plan.
     pub fn new(inner: Box<dyn Port + 'p>, plan: &FaultPlan) -> Self {
         let mut seeds = Random(plan.seed);
         let mut part = || Random(seeds.next());

@@ -43,7 +43,7 @@ use std::time::SystemTime;
 use arcfeed_line_errors::Counts;
 use arcfeed_units::Micros;
 
-/// Report of a machine; empty over a plain DNC line.
+/// Report of the machine behind a port; empty over a plain DNC line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {
     /// The override in effect, %.
@@ -54,7 +54,7 @@ pub struct Machine {
     pub alarm: Option<String>,
 }
 
-/// Line to a control.
+/// Byte line to a control: a serial port, a socket, or a simulated one.
 pub trait Port {
     /// Time since the port was opened.
     fn now(&self) -> Micros;
@@ -160,7 +160,7 @@ impl<P: Port> Port for Rc<RefCell<P>> {
     }
 }
 
-/// Failure of the line.
+/// Failure of a port, with a message for a person.
 #[derive(Debug, thiserror::Error)]
 #[error("{name}: {source}")]
 pub struct PortError {

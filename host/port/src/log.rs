@@ -16,7 +16,7 @@ pub enum Level {
     Error,
 }
 
-/// Prints messages from a level on.
+/// Log that prints messages from a level on.
 #[derive(Clone, Copy, Debug)]
 pub struct Log {
     name: &'static str,
@@ -50,7 +50,7 @@ impl Log {
     }
 }
 
-/// Prints a line on stderr. An error is ignored: there is no place left to report it.
+/// Prints a line on stderr; errors of stderr are ignored, because nothing is left to report them to.
 pub fn note(line: Arguments<'_>) {
     let _lost = writeln!(stderr().lock(), "{line}");
 }

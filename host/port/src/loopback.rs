@@ -12,7 +12,7 @@ use super::{Port, PortError};
 /// Capacity in bytes, that of pyserial.
 pub const CAPACITY: usize = 4_096;
 
-/// Queue with a port's two ends.
+/// Port that receives what it sends (`loop://`).
 #[derive(Debug)]
 pub struct Loopback {
     held: VecDeque<u8>,
@@ -20,7 +20,7 @@ pub struct Loopback {
 }
 
 impl Loopback {
-    /// Empty queue.
+    /// Port with an empty queue.
     pub fn open(logging: Option<Level>) -> Self {
         Log::new("loop", logging).say(Level::Debug, format_args!("enabled logging"));
         Loopback { held: VecDeque::with_capacity(CAPACITY), clock: WallClock::start() }

@@ -21,7 +21,7 @@ pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, P
     open_with(url, settings, |path| File::create(path))
 }
 
-/// As [`open`], with files of spies created by `create`.
+/// Opens the port as [`open`] does, with files of spies created by `create`.
 ///
 /// # Errors
 /// As [`open`].

@@ -12,7 +12,7 @@ const USB: Micros = Micros::from_ms(4);
 /// Network in working order.
 const NETWORK: Micros = Micros::from_ms(10);
 
-/// Assumed reaction time at this port.
+/// Assumed time from the arrival of a DC3 at this port until the sender stops.
 pub fn reaction(url: &PortUrl) -> Micros {
     match &url.base {
         Base::Sim | Base::LinuxCnc | Base::Loop(_) => Micros(0),

@@ -2,7 +2,7 @@
 
 use arcfeed_units::Micros;
 
-/// Settings of a line.
+/// Settings of a serial line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SerialSettings {
     /// Bits per second.
@@ -24,7 +24,7 @@ pub struct SerialSettings {
     pub exclusive: bool,
 }
 
-/// Parity of the line.
+/// Parity of a serial line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// No parity bit (N).

@@ -10,14 +10,14 @@ use super::tcp::Tcp;
 use super::url::Address;
 use super::{Port, PortError};
 
-/// Open connection.
+/// Open TCP connection to a port server with plain bytes (`socket://`).
 pub struct Socket {
     tcp: Tcp,
     clock: WallClock,
 }
 
 impl Socket {
-    /// Connects.
+    /// Connects to the server.
     ///
     /// # Errors
     /// No server listens there.

@@ -13,7 +13,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// connection, and throw away what the server has not read yet.
 const LINGER: Duration = Duration::from_millis(300);
 
-/// Open connection.
+/// Open TCP connection that never blocks.
 pub struct Tcp {
     stream: TcpStream,
     name: String,

@@ -19,19 +19,20 @@ pub const CELLS: usize = 256;
 /// Sweep of an arc, radians, below which f32 has too few directions in a cell to tell a demand that rises from its own rounding.
 const SWEEP_MIN_RAD: f64 = 0.005;
 
-/// Cells of a move, in order.
+/// Cells of a move in which a law is evaluated, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AskedCells {
     runs: Vec<Range<usize>>,
 }
 
 impl AskedCells {
-    /// Every cell.
+    /// Every cell of the move.
     pub fn all() -> Self {
         AskedCells::from_run(0..CELLS)
     }
 
-    /// The cells that decide, with the law's knots as paths from the start of the move, mm.
+    /// The cells that contain the least and the largest demand, with the law's knots as paths from the start of the
+    /// move, mm.
     pub fn deciding(law: &SegmentLaw, places: &MovePlaces, knots_mm: &[f64]) -> Self {
         if law.is_uniform() {
             return AskedCells::from_run(0..1);
@@ -71,7 +72,7 @@ impl AskedCells {
         AskedCells { runs: once(run).collect() }
     }
 
-    /// Cells, as runs of neighbours.
+    /// The cells, as ranges of neighbouring cells.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }

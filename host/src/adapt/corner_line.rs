@@ -46,7 +46,7 @@ pub struct CornerLine<'a> {
     pub least_mm: f64,
 }
 
-/// A line in two blocks.
+/// A line written as two blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoBlocks {
     /// Texts, without line ends.
@@ -56,8 +56,8 @@ pub struct TwoBlocks {
 }
 
 impl CornerLine<'_> {
-    /// Writes both blocks, the first with the programmed feed; `rewriter` knows the control's F, and is as before where the
-    /// line stays whole.
+    /// Writes both blocks, the first with the programmed feed. `rewriter` knows the F in force on the control; it
+    /// does not change if the line stays whole.
     ///
     /// # Errors
     /// Why it stays whole.
@@ -127,7 +127,7 @@ impl CornerLine<'_> {
     }
 }
 
-/// Whether the law of a rule looks at a move without the path before it, so that it governs moves beside corners.
+/// Whether the law of a rule evaluates each move by itself, so that it also governs moves beside corners.
 pub fn governs_corners(job: &Job, rule: usize) -> bool {
     job.rules.get(rule).is_some_and(|rule| {
         let setup = job.tool_of(rule);

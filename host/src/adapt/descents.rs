@@ -13,7 +13,7 @@ use crate::engagement::EngagementMap;
 use crate::engagement::sections::{DescentLookup, MappedDescent, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
 
-/// Plunge law of a job with the sections of its moves; state.
+/// Reader of the descending moves of a program, each with the plunge law and its sections; state.
 #[derive(Clone, Debug)]
 pub struct Descents<'a> {
     law: Law,
@@ -38,7 +38,7 @@ pub struct Descending<'a> {
 }
 
 impl<'a> Descents<'a> {
-    /// The law before the first move; `None` without `[plunge]` in the job, or without a map.
+    /// Reader before the first move; `None` without `[plunge]` in the job, or without a map.
     pub fn of(plunge: Option<(Plunge, SpindleLimits)>, map: Option<&'a EngagementMap>) -> Option<Self> {
         let ((plunge, limits), map) = plunge.zip(map)?;
         let law = Law { plunge, limits, force: map.descents.force };

@@ -10,8 +10,8 @@ use arcfeed_nc::segment::Segment;
 use super::planned_block::PlannedBlock;
 use crate::program::Program;
 
-/// Sets the largest override at the end of each block. Moves that are not among the blocks, as those of canned cycles, begin with
-/// 100 % at most, and so does what comes behind the last one.
+/// Sets the largest override at the end of each block: that with which the next move can begin. Before the moves of
+/// canned cycles and at the end of the program, it is 100 % at most.
 pub fn set_ends(blocks: &mut [PlannedBlock], program: &Program, job: &Job) {
     let programmed = FeedOverride::PROGRAMMED.percent;
     let mut behind: Option<(usize, u8)> = None;

@@ -4,7 +4,7 @@ use arcfeed_nc_macro::code::MacroCode;
 
 use super::rewrite::Edit;
 
-/// The change that puts an F word into a line: in place of its last one, or behind its last word.
+/// Edit that puts an F word into a line: in place of its last F word, or else behind its last word.
 pub fn put_feed(text: &[u8], word: &str) -> Edit {
     let bytes = code_of(text);
     let end = bytes.last().map_or(text.len(), |(_, offset)| offset + 1);

@@ -12,7 +12,7 @@ use crate::program::ExecutedPlaces;
 /// Governed blocks that may keep their feed because it would leak, one by one.
 const LEAKS_MAX: usize = 64;
 
-/// Further input beside program and job.
+/// Input of the feed plan besides program and job: machine, engagement map, plunge law, scopes of rules.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
     /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
@@ -30,7 +30,7 @@ pub struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    /// All that the files of a job state.
+    /// All further input that the files of a job give.
     pub fn of(file: &'a JobFile) -> Self {
         let drives = file.machine.as_ref().and_then(|named| named.drives.as_ref());
         Known {
@@ -45,11 +45,11 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Lines that keep their feed because it would leak into others.
+/// Lines that keep their programmed feed, because another feed would stay in force for other lines.
 #[derive(Clone, Debug, Default)]
 pub struct KeptLines {
     one_by_one: BTreeSet<usize>,
-    /// So many leaks: every block after the first of them keeps its feed.
+    /// First line from which all blocks keep their feed, if there were too many leaks.
     all_from: Option<usize>,
 }
 
@@ -59,7 +59,7 @@ impl KeptLines {
         self.all_from.is_some_and(|first| line >= first) || self.one_by_one.contains(&line)
     }
 
-    /// And the line whose feed leaks, if there is one.
+    /// Adds the line from which a feed would leak, if there is one.
     pub fn with(mut self, line: Option<usize>) -> Self {
         match line {
             Some(line) if self.one_by_one.len() < LEAKS_MAX => drop(self.one_by_one.insert(line)),

@@ -15,7 +15,7 @@ use arcfeed_units::{MmPerMin, Nm};
 use crate::post::walk::rotary_deg;
 use crate::program::ProgramLine;
 
-/// The fastest feed on a move.
+/// Fastest feed that the machine and the control allow on a move, and the cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveLimit {
     /// Along the path, as its F counts.
@@ -27,7 +27,7 @@ pub struct MoveLimit {
 }
 
 impl MoveLimit {
-    /// That of a line's move, `segment` being it; `None` where nothing limits it.
+    /// Limit of a line's move `segment`; `None` if nothing limits the move.
     pub fn of(line: &ProgramLine, segment: &Segment, job: &Job, machine: Option<&Machine>) -> Option<Self> {
         match machine.and_then(|machine| of_tip(line, machine)) {
             Some(limit) => Some(limit),
@@ -41,7 +41,7 @@ impl MoveLimit {
 }
 
 impl MoveLimit {
-    /// The lower of a limit and the job's ceiling, if there is one.
+    /// The lower one of a limit, if there is one, and the job's ceiling.
     pub fn under(limit: Option<Self>, ceiling_mm_per_min: f64) -> Option<Self> {
         let ceiling = MoveLimit { feed_mm_per_min: ceiling_mm_per_min, by: LimitedBy::Ceiling, axis: None };
         let is_lower = ceiling_mm_per_min < limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min);

@@ -8,8 +8,8 @@ use super::rewrite::Leak;
 use super::writer::{PlannedLine, Writer};
 use crate::program::{ProgramLine, Source, may_have_contours};
 
-/// The same plan line by line, for a program of any length: nothing is kept of a line that is done. The override at the end of each
-/// move, for which the moves behind it count, is not set.
+/// Feed plan of a program of any length, line by line in constant memory. Unlike [`super::adapt`], it does not set
+/// the override at the end of each move, which depends on later moves.
 pub struct LinePlan<'a> {
     source: &'a Source,
     job: &'a Job,
@@ -20,7 +20,8 @@ pub struct LinePlan<'a> {
 }
 
 impl<'a> LinePlan<'a> {
-    /// For a program without errors; `may_leak` says whether a feed could leak into one of its lines.
+    /// Plan of a program without errors; `may_leak` says whether a feed could stay in force for a line that needs
+    /// another one.
     pub fn new(source: &'a Source, may_leak: bool, job: &'a Job, known: Known<'a>) -> Self {
         let known = Known { places: source.places.as_deref(), ..known };
         let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
@@ -34,7 +35,7 @@ impl<'a> LinePlan<'a> {
         plan
     }
 
-    /// Gives out every line, first as it is and then as it is sent.
+    /// Passes every line to `each`, as it is and as it is sent.
     ///
     /// # Errors
     /// None, as long as [`may_leak`](super::rewrite::may_leak) knows every line into which a feed can leak.

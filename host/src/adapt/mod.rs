@@ -63,7 +63,7 @@ use rewrite::Leak;
 pub use writer::PlannedLine;
 use writer::Writer;
 
-/// Adapted program.
+/// Adapted program: the planned blocks, and the text that is sent.
 #[derive(Clone, Debug)]
 pub struct Adapted {
     /// Every block with a move, in order.

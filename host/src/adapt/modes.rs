@@ -4,7 +4,7 @@ use arcfeed_units::LengthUnit;
 
 use crate::program::ProgramLine;
 
-/// The modes that words are written in.
+/// Modal states that determine how words must be written: unit, absolute or incremental, feed mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modes {
     /// G20, G21.
@@ -18,12 +18,12 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// At power-on.
+    /// Modes at power-on.
     pub const fn at_power_on(unit: LengthUnit) -> Self {
         Modes { unit, absolute: true, per_minute: true, taps: false }
     }
 
-    /// In force after a line's G words.
+    /// Modes after the G words of a line.
     #[must_use]
     pub fn after(self, line: &ProgramLine) -> Self {
         let Some(meaning) = &line.meaning else { return self };

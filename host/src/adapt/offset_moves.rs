@@ -40,7 +40,7 @@ pub enum CenterPath {
     Corner(Box<CornerMove>),
 }
 
-/// Move of the tool centre along a contour.
+/// Move of the tool centre beside a contour, under cutter compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetMove {
     /// The move, in the coordinates of the path.
@@ -62,7 +62,7 @@ pub struct InsertedMove {
     pub place: ContourPlace,
 }
 
-/// Conditions of a move along a contour that its segment does not show.
+/// Conditions of a move under cutter compensation that its segment does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPlace {
     /// Side of the contour on which the tool runs, on an arc.
@@ -78,7 +78,7 @@ pub struct ContourPlace {
 }
 
 impl OffsetMove {
-    /// Part of the programmed line beside which the tool centre runs: both are parallel.
+    /// Part of the programmed line that is parallel to the path of the tool centre.
     pub fn beside_contour(&self) -> Segment {
         let [from, to] = [self.programmed.start, self.programmed.end].map(|pose| pose.linear.map(Nm::to_mm));
         let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
@@ -94,8 +94,8 @@ impl OffsetMove {
 }
 
 impl ContourPlace {
-    /// Whether the radius of D fits a tool: it is the tool's within a quarter, or wear of at most a quarter of it. Another one
-    /// betrays a D of another tool, or the other meaning.
+    /// Whether the radius of D belongs to this tool: it is the tool's radius within a quarter, or a wear of at most a
+    /// quarter of it. Otherwise D is that of another tool, or the radius has the other meaning.
     pub fn fits(&self, tool_radius: Nm) -> bool {
         let expected = match self.of_program {
             CompensationType::Control => tool_radius.0,
@@ -104,7 +104,7 @@ impl ContourPlace {
         4 * (self.radius.0.abs() - expected).abs() <= tool_radius.0
     }
 
-    /// Why the law of a rule does not govern a move here although its path is known.
+    /// Reason why the law of a rule does not govern this move although its path is known.
     pub fn fault(&self, job: &Job, rule: usize) -> Option<PlanReason> {
         let rule = job.rules.get(rule)?;
         let setup = job.tool_of(rule);
@@ -165,7 +165,7 @@ struct CorneredLine {
 }
 
 impl<'a> OffsetMoves<'a> {
-    /// Reader of these lines; `reader` is the control before the first.
+    /// Reader of these lines; `reader` is the control before the first line.
     pub fn new(reader: Reader, lines: impl Iterator<Item = &'a [u8]> + 'a) -> Self {
         OffsetMoves {
             lines: Box::new(lines),
@@ -183,7 +183,7 @@ impl<'a> OffsetMoves<'a> {
         }
     }
 
-    /// The path for the move of the next line.
+    /// The path of the tool centre for the move of the next line.
     pub fn take(&mut self) -> CenterPath {
         let is_open = |moves: &Self| {
             moves.corners.holds(moves.taken)

@@ -15,7 +15,7 @@ use arcfeed_units::PERCENT;
 
 use super::profile::Profile;
 
-/// A stretch of a move with one feed.
+/// Part of a move with one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// End of the piece, as a fraction (0 to 1) of the move; 1 for the last one.
@@ -24,7 +24,8 @@ pub struct Piece {
     pub path_mm_per_tooth: f64,
 }
 
-/// Cuts a move of `length_mm`, whose law was asked in all of its cells; `most_ratio` bounds every feed, over the least one. `None` if the law has no finite demand.
+/// Divides a move of `length_mm` into pieces; the law must have been evaluated in all of its cells. `most_ratio` is
+/// the largest allowed feed over the least one. `None` if the law has no finite demand.
 pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ratio: f64) -> Option<Vec<Piece>> {
     let least = profile.least()?;
     let step = 1.0 + f64::from(settings.step_percent) / f64::from(PERCENT);
@@ -48,7 +49,7 @@ pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ra
     Some(pieces)
 }
 
-/// Joins a piece with the one behind it.
+/// Joins the piece with the index `before` with the one behind it.
 pub fn join(pieces: &mut Vec<Piece>, before: usize) {
     let first = pieces.remove(before);
     pieces[before].path_mm_per_tooth = pieces[before].path_mm_per_tooth.min(first.path_mm_per_tooth);

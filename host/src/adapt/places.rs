@@ -4,7 +4,7 @@ use arcfeed_law::Place;
 use arcfeed_nc::segment::{ArcAngles, Segment};
 use arcfeed_units::Nm;
 
-/// A move, prepared for many places on it.
+/// Positions of the tool along a move, at which laws are evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct MovePlaces {
     feed_length_mm: f64,
@@ -41,13 +41,13 @@ impl MovePlaces {
         MovePlaces { feed_length_mm: segment.feed_length_mm(), shape }
     }
 
-    /// Length along which F counts, mm.
+    /// Length along which the control measures F, mm.
     pub fn feed_length_mm(&self) -> f64 {
         self.feed_length_mm
     }
 
-    /// The sense of an arc, +1 counter-clockwise and -1 clockwise, the angle of its start and that of its sweep, radians; of a
-    /// line none.
+    /// Sense of an arc (+1 counter-clockwise, -1 clockwise), its start angle and its sweep, radians; `None` for a
+    /// line.
     pub fn turn(&self) -> Option<[f64; 3]> {
         match &self.shape {
             Shape::Arc { angles, turn, .. } => {
@@ -57,8 +57,7 @@ impl MovePlaces {
         }
     }
 
-    /// The places at the borders of the cells from `first` to `last`, of so many equal ones on the move: on an arc each
-    /// direction is the one before, turned by one step.
+    /// Positions at the borders of the cells from `first` to `last`, if the move is divided into `cells` equal cells.
     pub fn evenly(&self, [first, last]: [usize; 2], cells: usize) -> impl Iterator<Item = Place> {
         let ratio = move |border: usize| border as f64 / cells as f64;
         let (mut direction, step) = match &self.shape {
@@ -72,7 +71,7 @@ impl MovePlaces {
         })
     }
 
-    /// The place at `ratio` (0 to 1) of the move.
+    /// Position at `ratio` (0 to 1) of the move.
     pub fn at(&self, ratio: f64) -> Place {
         let direction = match &self.shape {
             Shape::Arc { angles, .. } => angles.direction_at(ratio),

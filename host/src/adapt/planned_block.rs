@@ -28,7 +28,7 @@ use crate::program::{Diagnostic, FeedKept, ProgramLine};
 /// Why a descending move under G93 keeps its feed.
 const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a feed per minute";
 
-/// One block with a move.
+/// A block with a move: the law's demand, the feed that is sent, and the reason.
 #[derive(Clone, Debug)]
 pub struct PlannedBlock {
     /// Line in the program, counted from 1.
@@ -54,7 +54,7 @@ pub struct PlannedBlock {
     pub demand: Option<DemandRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
-    /// Why.
+    /// Reason for this feed.
     pub reason: PlanReason,
     /// Pieces of the move, if the law governs it without an override.
     pub pieces: Vec<SentPiece>,
@@ -64,7 +64,7 @@ pub struct PlannedBlock {
     pub chip_error: Option<ChipError>,
     /// F words in its text as sent.
     pub f_words: usize,
-    /// Why no law can look at it by itself.
+    /// Reason why no law can evaluate the move by itself.
     pub under: Option<NotModelled>,
     /// The fastest feed that machine, control and, where a law governs it, the job's ceiling allow; nothing for rapids.
     pub limit: Option<MoveLimit>,
@@ -77,7 +77,7 @@ pub struct PlannedBlock {
 }
 
 impl PlannedBlock {
-    /// A move with its own feed, for which no rule has been looked for.
+    /// A move with its programmed feed, before a rule is looked up.
     pub fn new(line: usize, segment: Segment) -> Self {
         let mut block = PlannedBlock {
             line,
@@ -121,13 +121,14 @@ impl PlannedBlock {
         if has_corner && is_outside { Segment { path: Path::Line, ..self.segment } } else { self.segment }
     }
 
-    /// Feed that a law has set on its move, or on the corner behind it.
+    /// Feed that a law has set on the move, or on the corner behind it.
     pub fn governed_feed(&self) -> Option<Nm> {
         let is_governed = self.demand.is_some() || self.reason == PlanReason::Corner;
         self.sent.filter(|_| is_governed)
     }
 
-    /// Adds the chamfer or rounded corner behind it. Both have one F: the least that both may have.
+    /// Adds the chamfer or rounded corner that the control inserts behind the move. Both share one F: the lower of
+    /// both feeds.
     pub fn insert(&mut self, mut inserted: PlannedBlock) {
         let least = [self.sent, inserted.sent].into_iter().flatten().min();
         if least < self.sent {
@@ -166,13 +167,14 @@ impl PlannedBlock {
         setup.target_of(self.programmed()?, self.spindle?).filter(|_| setup.follows_program)
     }
 
-    /// The fastest feed on it; infinite where nothing limits it.
+    /// Fastest feed that machine and control allow; infinite if nothing limits the move.
     pub fn limit_mm_per_min(&self) -> f64 {
         self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
     }
 
-    /// Whether the contour law slows down an arc that is shorter than the axes' way to brake to that feed. The chip is
-    /// never thicker than the centre's feed per tooth, and the feed per tooth at the contour counts over several teeth.
+    /// Whether the contour law slows down an arc that is shorter than the braking distance of the axes. Such an arc
+    /// keeps its programmed feed: the chip is never thicker than the centre's feed per tooth, and the feed per tooth
+    /// at the contour is a mean over several teeth.
     pub fn is_too_short_to_slow_down(&self, job: &Job, accelerations_mm_per_s2: &[f64; 3]) -> bool {
         let law = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule).law);
         let (Some(LawKind::Contour { .. }), Some(arc), Some(sent), Some(programmed)) =
@@ -186,7 +188,8 @@ impl PlannedBlock {
         sent < programmed && self.segment.length_mm() < (from * from - to * to) / (2.0 * acceleration_mm_per_s2)
     }
 
-    /// A warning of its line, where a law of the job is for it and it keeps its own feed all the same.
+    /// Warning for a move that keeps its programmed feed although a rule of the job selects it; `None` for other
+    /// moves.
     pub fn left_alone(&self, line: &ProgramLine) -> Option<Diagnostic> {
         if self.rule.is_none() && !self.is_descent {
             return None;
@@ -199,7 +202,7 @@ impl PlannedBlock {
         Some(Diagnostic::of_feed_kept(self.line, line, why))
     }
 
-    /// As written in tables and JSON.
+    /// Name of the kind of move in tables and JSON.
     pub fn kind(&self) -> &'static str {
         match self.segment.path {
             Path::Rapid => "rapid",
@@ -213,8 +216,8 @@ impl PlannedBlock {
 /// Raise of a target that is the programmed F: the law counts in f32, and a factor of one must not round F down.
 const F32_MARGIN: f64 = 3e-7;
 
-/// Sets the feed of a move that descends along the tool's axis by the table of the plunge law, and the reason for that.
-/// Returns the answers of the law in all cells.
+/// Sets the feed of a descending move, with its reason, by the table of the plunge law. Returns the law's answers in
+/// all cells.
 pub fn govern_descent(
     block: &mut PlannedBlock,
     table: &Table,
@@ -228,8 +231,8 @@ pub fn govern_descent(
     plan_feed(block, &profile, job, (spindle, teeth_per_min, unit)).map(|_| profile)
 }
 
-/// Asks the law of the block's rule along its move, and sets its feed and the reason for that. Returns the answers in all
-/// cells where the move may be cut into pieces.
+/// Evaluates the law of the block's rule along its move, and sets the block's feed and reason. Returns the answers in
+/// all cells if the move may be divided into pieces.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let rule = block.cut_rule(job)?;
     let setup = job.tool_of(&rule);

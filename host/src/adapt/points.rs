@@ -28,7 +28,7 @@ const TRIES: usize = 512;
 /// Widest piece of an arc given by R, radians: near half a turn R says little about where the centre is.
 const BY_RADIUS_MAX_RAD: f64 = 2.0;
 
-/// The positions that a control can be given.
+/// Grid of the positions that NC words can express.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Least increment, nm.
@@ -37,7 +37,7 @@ pub struct Grid {
     pub origin: [Nm; 3],
 }
 
-/// A piece with its end.
+/// A piece of a move with its end point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// Feed of the piece, and its end on the arc.
@@ -46,15 +46,15 @@ pub struct Part {
     pub end: Pose,
 }
 
-/// Axis of a line along one axis.
+/// Axis along which a line runs; `None` if it runs along several.
 pub fn axis_of(segment: &Segment) -> Option<usize> {
     let moves = |axis: &usize| segment.start.linear[*axis] != segment.end.linear[*axis];
     let mut axes = (0..3).filter(moves);
     axes.next().filter(|_| axes.next().is_none() && segment.path == Path::Line)
 }
 
-/// Finds the ends of the pieces of a line along an axis, on the grid and exactly on the line: each end lies in the faster one
-/// of its two pieces. A piece without a point of its own is joined with the next.
+/// Finds end points for the pieces of a line along an axis, exactly on the line and on the grid. Each end is moved
+/// into the faster one of its two pieces. A piece without a grid point is joined with the next one.
 pub fn divide_line(segment: &Segment, axis: usize, grid: Grid, mut pieces: Vec<Piece>) -> Option<Vec<Part>> {
     let (from, to) = (segment.start.linear[axis].0, segment.end.linear[axis].0);
     let (mut parts, mut index, mut last) = (Vec::new(), 0, from);
@@ -87,7 +87,7 @@ struct Found {
     off_nm: f64,
 }
 
-/// Data for dividing an arc.
+/// Division of an arc into pieces whose end points NC words can express.
 #[derive(Clone, Copy, Debug)]
 pub struct Divider<'a> {
     segment: &'a Segment,
@@ -97,18 +97,18 @@ pub struct Divider<'a> {
 }
 
 impl<'a> Divider<'a> {
-    /// For an arc on whose pieces none may be shorter than `least_mm`.
+    /// Division of an arc into pieces of at least `least_mm`.
     pub fn new(segment: &'a Segment, arc: &'a Arc, grid: Grid, least_mm: f64) -> Self {
         Divider { segment, arc, grid, least_mm }
     }
 
-    /// Length by which a piece must exceed the least, mm, so that both its ends can be moved a little.
+    /// Length by which a piece must exceed the shortest length, mm, so that both of its ends can be moved a little.
     pub fn allowance_mm(&self) -> f64 {
         0.5 * self.window_mm()
     }
 
-    /// Finds the ends of the pieces; where there is no point for one, its neighbours are joined. `None` if a piece of an
-    /// arc given by R stays too wide.
+    /// Finds end points for the pieces; two pieces without a point between them are joined. `None` if a piece of an
+    /// arc given by R stays too long for R.
     pub fn divide(&self, mut pieces: Vec<Piece>, by_radius: bool) -> Option<Vec<Part>> {
         if by_radius {
             pieces = self.narrowed(&pieces);

@@ -23,11 +23,11 @@ pub enum Answer {
     Demand(FeedDemand),
     /// No feed is too high there.
     Anything,
-    /// It has no demand.
+    /// The law has no demand there.
     Nothing,
 }
 
-/// The answers of a law along a move, in the cells where it was asked.
+/// Answers of a law along a move, in the cells in which it was evaluated.
 #[derive(Clone, Debug)]
 pub struct Profile {
     /// At the ends of the cells and at knots, in order; places counted in cells from the start.
@@ -58,8 +58,8 @@ struct Quarters {
 type Point = (f64, f64);
 
 impl Profile {
-    /// Asks the law in these cells; also at its knots, given as paths from the start of the move, mm, in rising order. The
-    /// answer of a uniform law is that of one cell, which is the whole move.
+    /// Evaluates the law in these cells and at its knots, which are paths from the start of the move, mm, in rising
+    /// order. A uniform law is evaluated once, for one cell that is the whole move.
     pub fn ask(law: &impl FeedLaw, places: &MovePlaces, knots_mm: &[f64], cells: &AskedCells) -> Self {
         let asked = Asked { law, places };
         if law.is_uniform() {
@@ -122,13 +122,13 @@ impl Profile {
         }
     }
 
-    /// Whether one answer stands for the whole move.
+    /// Whether one answer is valid for the whole move.
     pub fn is_uniform(&self) -> bool {
         self.bounds.len() == 1
     }
 
-    /// The path per tooth demanded at `ratio` of the move, straight between two answers; `None` where one of them is no
-    /// finite demand.
+    /// Demanded path per tooth at `ratio` of the move, linear between two answers; `None` if one of them is no finite
+    /// demand.
     pub fn demand_at(&self, ratio: f64) -> Option<f64> {
         let point = ratio * CELLS as f64;
         let after = self.answers.partition_point(|(at, _)| *at < point);
@@ -143,7 +143,7 @@ impl Profile {
         Some(demand).filter(|demand| demand.is_finite())
     }
 
-    /// A path per tooth that no point of the move undercuts; `None` where the law has no finite demand.
+    /// Lower bound of the demanded path per tooth on the whole move; `None` if the law has no finite demand.
     pub fn least(&self) -> Option<f64> {
         self.bounds.iter().copied().reduce(f64::min).filter(|least| least.is_finite())
     }

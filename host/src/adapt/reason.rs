@@ -1,6 +1,6 @@
 //! Why each block has the feed that it has.
 
-/// Why a block is sent with the feed it is sent with.
+/// Reason for the feed with which a block is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanReason {
     /// The law governs it.
@@ -47,9 +47,9 @@ pub enum PlanReason {
     NeedsRewriting,
     /// A cut rule speaks of it, but the law has no demand anywhere on it.
     NoDemand,
-    /// It descends, but the plunge law has no feed that keeps the limits of the spindle.
+    /// The move descends, but the plunge law has no feed that keeps the limits of the spindle.
     Overload,
-    /// It descends, but the engagement map has no sections of it.
+    /// The move descends, but the engagement map has no sections of it.
     Unmapped,
     /// No cut rule speaks of it.
     NoRule,
@@ -62,7 +62,7 @@ pub enum PlanReason {
 }
 
 impl PlanReason {
-    /// As written in tables and JSON.
+    /// Name of the reason in tables and JSON.
     pub const fn label(self) -> &'static str {
         match self {
             PlanReason::Law => "law",
@@ -96,7 +96,8 @@ impl PlanReason {
         }
     }
 
-    /// Why a move that a cut rule matches keeps its feed, where a person should know.
+    /// Explanation for a person why a move keeps its feed although a cut rule selects it; `None` if no explanation is
+    /// needed.
     pub const fn keeps_feed(self) -> Option<&'static str> {
         match self {
             PlanReason::Axial => Some("it moves along the tool's axis, and the law describes motion across it"),

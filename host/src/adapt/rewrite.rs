@@ -18,7 +18,7 @@ const fn feed_decimals(unit: LengthUnit) -> u32 {
     }
 }
 
-/// A change to a line's text.
+/// Change of a line's text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
     /// Offset of the bytes that go.
@@ -30,13 +30,13 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Another word in place of one.
+    /// Replacement of a word.
     pub fn replacing(word: &Word, new: String) -> Self {
         Edit { at: usize::from(word.column) - 1, len: usize::from(word.len), new }
     }
 }
 
-/// A text with its changes, which must not overlap.
+/// The text after these edits, which must not overlap.
 pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     let mut edits: Vec<&Edit> = edits.iter().collect();
     // An insertion before a word comes before a replacement of that word.
@@ -51,7 +51,7 @@ pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     changed
 }
 
-/// The F that the control has after what was written so far.
+/// Writer of F words; state: the F that is in force on the control after the text written so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FeedRewriter {
     in_force: ModalFeed,
@@ -101,19 +101,20 @@ impl Required {
     }
 }
 
-/// A governed F would stay in force for a line that must have another one, or for one that a block-delete switch may change.
+/// Error: a feed set by a law would stay in force for a line that needs another feed, or that a block-delete switch
+/// may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Leak;
 
-/// Whether a governed feed can leak into a line at all: only where a block-delete switch may change it, or where the program
-/// has stated no feed.
+/// Whether a feed set by a law can stay in force for this line: a block-delete switch may change the line, or the
+/// program has not stated a feed.
 pub fn may_leak(line: &ProgramLine) -> bool {
     line.skipping.is_some() || line.meaning.as_ref().is_some_and(InterpretedLine::lacks_feed)
 }
 
 impl FeedRewriter {
-    /// Edits that send the line with `governed` as its feed, or with its own. Lines that a block-delete switch may change stay
-    /// as they are, and find the program's own F in force.
+    /// Edit after which the line is sent with the feed `governed`, or with its programmed one. Lines that a
+    /// block-delete switch may change are not edited, and get the programmed F.
     ///
     /// # Errors
     /// A feed that a law has set before would leak into this line. Nothing has changed then.
@@ -159,14 +160,14 @@ impl FeedRewriter {
         Ok(edit.map(|(_, edit)| edit))
     }
 
-    /// The F of a block that is added behind the line; nothing where the control has it already.
+    /// F word for a block that is added behind the line; empty if the same F is in force.
     pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
         let had = std::mem::replace(&mut self.in_force, ModalFeed { feed: Some(feed), is_governed: true });
         if had.feed == Some(feed) { String::new() } else { feed_word(feed, unit) }
     }
 }
 
-/// The largest feed an F word can express that does not exceed `feed`.
+/// Largest feed not above `feed_mm_per_min` that an F word can express.
 pub fn round_down(feed_mm_per_min: f64, unit: LengthUnit) -> Nm {
     let step_nm = unit.nm() / 10_i64.pow(feed_decimals(unit));
     Nm(Nm::from_mm(feed_mm_per_min).0.div_euclid(step_nm) * step_nm)
@@ -241,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn a_governed_feed_may_not_be_in_force_where_a_switch_may_skip_a_move_or_a_feed() {
+    fn governed_feed_does_not_leak_into_blocks_that_block_delete_may_change() {
         let leaks = |program: &str| std::panic::catch_unwind(|| rewrite(program, 41.2)).is_err();
         for skipped in ["/G1X2.", "/F9.", "/G21", "/G95", "/S9", "G1X2./F9.", "/2G1X2.\n/3G1X2."] {
             assert!(leaks(&format!("G1X0F25.\nG2X1.I.5\n{skipped}\nX3.\n")), "{skipped}");

@@ -20,7 +20,7 @@ const OFFSETS: [u8; 3] = *b"IJK";
 const G_WORDS: [i64; 26] =
     [1, 2, 3, 17, 18, 19, 20, 21, 40, 49, 54, 55, 56, 57, 58, 59, 61, 64, 80, 90, 91, 94, 98, 99, 15, 69];
 
-/// Least increment, nm.
+/// Least increment of an axis word in this unit, nm.
 pub const fn increment_nm(unit: LengthUnit) -> i64 {
     match unit {
         LengthUnit::Inch => unit.nm() / 10_000,
@@ -28,7 +28,7 @@ pub const fn increment_nm(unit: LengthUnit) -> i64 {
     }
 }
 
-/// Spelling of a block.
+/// Style in which a block of the program is written, for the pieces that replace the block.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling<'a> {
     text: &'a [u8],
@@ -37,7 +37,7 @@ pub struct Spelling<'a> {
     shape: WrittenShape,
 }
 
-/// Move that is written in pieces.
+/// Shape of a move that is written in pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrittenShape {
     /// An arc, or a line before a corner, in this plane.
@@ -47,7 +47,7 @@ pub enum WrittenShape {
 }
 
 impl<'a> Spelling<'a> {
-    /// The spelling of a move's block; `None` if it has words that pieces cannot share.
+    /// Style of a move's block; `None` if it has words that pieces cannot share.
     pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, shape: WrittenShape) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code)),
@@ -57,7 +57,8 @@ impl<'a> Spelling<'a> {
         is_plain.then_some(Spelling { text, block, modes, shape })
     }
 
-    /// The spelling of a line's block with a chamfer or rounded corner; `None` if it has words that two blocks cannot share.
+    /// Style of the block of a line with a chamfer or rounded corner; `None` if it has words that two blocks cannot
+    /// share.
     pub fn of_line(text: &'a [u8], block: &'a Block, modes: Modes, plane: Plane) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code) && code != 2 && code != 3),
@@ -94,7 +95,7 @@ impl<'a> Spelling<'a> {
         self.axes(false).filter_map(move |axis| Some((axis, block.word(AXES[axis])?)))
     }
 
-    /// Reports whether the block gives the centre of the arc by R.
+    /// Whether the block gives the centre of the arc by R.
     pub fn is_by_radius(&self) -> bool {
         self.block.word(b'R').is_some()
     }
@@ -120,7 +121,7 @@ impl<'a> Spelling<'a> {
         Some(edits)
     }
 
-    /// A piece behind the first, but for its F; `None` if a number cannot be written.
+    /// Text of a later piece, without F; `None` if a number cannot be written.
     pub fn later(&self, start: &Pose, end: &Pose, arc: Option<&Arc>, rises: bool) -> Option<String> {
         let mut text = match self.block.delete {
             Some(1) => "/".to_owned(),

@@ -24,7 +24,7 @@ use crate::program::ProgramLine;
 /// Largest distance of a piece's centre from the arc's, nm: R and two points on the arc give it no better.
 const CENTER_MAX_NM: i64 = 20_000;
 
-/// Why a move that a law wants in pieces stays whole.
+/// Reason why a move stays whole although the law asks for pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
     /// A line that is no plunge is not cut into pieces.
@@ -40,7 +40,7 @@ pub enum Whole {
 }
 
 impl Whole {
-    /// As written in tables and JSON.
+    /// Name of the reason in tables and JSON.
     pub const fn label(self) -> &'static str {
         match self {
             Whole::Line => "line",
@@ -52,7 +52,7 @@ impl Whole {
     }
 }
 
-/// A stretch of a move with one F.
+/// Part of a move with one F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SentPiece {
     /// End of the piece, as a fraction (0 to 1) of the move.
@@ -61,7 +61,7 @@ pub struct SentPiece {
     pub feed: Nm,
 }
 
-/// Chip at F over the chip wanted, less one: at the points where the law demands, as far as the chip grows with the feed.
+/// Relative error of the chip in a divided move: chip at the sent F over the wanted chip, minus one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipError {
     /// Least.
@@ -72,7 +72,7 @@ pub struct ChipError {
     pub max: f64,
 }
 
-/// A move, as sent.
+/// A governed move as it is sent: one block or several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
     /// Pieces of the move; at least one.
@@ -83,7 +83,7 @@ pub struct Split {
     pub whole: Option<Whole>,
 }
 
-/// A governed move and its surroundings.
+/// A governed move with everything that is needed to write its blocks.
 #[derive(Debug)]
 pub struct Governed<'a> {
     /// Line of the move.
@@ -107,7 +107,8 @@ pub struct Governed<'a> {
 }
 
 impl Governed<'_> {
-    /// Writes the move; `rewriter` knows the control's F. `None` if the law has no finite demand.
+    /// Writes the blocks of the move; `rewriter` knows the F in force on the control. `None` if the law has no finite
+    /// demand.
     pub fn split(&self, settings: &PieceSettings, rewriter: &mut FeedRewriter) -> Option<Split> {
         let least = self.feed(self.profile.least()?);
         let mut after = *rewriter;

@@ -44,9 +44,10 @@ const CHIP_MAX_RATIO: f64 = 0.1;
 /// From and to, radians.
 pub type AngleRange = [f64; 2];
 
-/// Hands the directions from the rotation centre in which the demand can begin, end, turn or jump to `take`, as angles from the
-/// first axis of the plane. Between neighbouring ones, knots and the segment's ends it only rises, only falls, or is refused.
-/// Returns `false` where they are not known.
+/// Passes the turning points of the demand along an arc to `take`: directions from the rotation centre, as ranges of
+/// angles from the plane's first axis, where the demand can begin, end, turn or jump. Between two neighbouring ones,
+/// knots or ends, the demand only rises, only falls, or is refused. Returns false if the turning points of this law
+/// are not known.
 pub fn each(law: &SegmentLaw, take: &mut dyn FnMut(AngleRange)) -> bool {
     match law {
         SegmentLaw::Circumference(law) => each_of(&law.geometry(), take),

@@ -11,8 +11,8 @@ use crate::job::JobFile;
 use crate::job::rule_scope;
 use crate::program::{CornerMoves, ExecutedPlaces, ProgramLine};
 
-/// Warnings `file:line:column: warning: ...`: rules behind one that takes all of their moves, and with a program, given as its
-/// path and what its moves meet, those that none of its moves meets.
+/// Warnings `file:line:column: warning: ...` for cut rules that never apply: rules whose moves an earlier rule takes,
+/// and rules that no move of the program (its path, and the use of the rules) matches.
 pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) -> Vec<String> {
     let met = program.map(|(program, used)| (program.display(), &used.met));
     let why = |index: usize| {
@@ -45,9 +45,9 @@ pub fn unused_rules(path: &Path, file: &JobFile, program: Option<(&Path, &RuleUs
 enum Met {
     /// No move fits it.
     Never,
-    /// Those that fit it fit an earlier rule too.
+    /// All moves that match the rule also match an earlier rule.
     Behind,
-    /// It is the first that fits one.
+    /// A move matches the rule and no earlier one.
     First,
 }
 
@@ -62,12 +62,12 @@ pub struct RuleUse {
 }
 
 impl RuleUse {
-    /// Before the first line of a program whose lines have these places.
+    /// Use before the first line. `places` are the places of the program's lines in its file.
     pub fn new(job: &Job, places: Option<Arc<ExecutedPlaces>>) -> Self {
         RuleUse { met: vec![Met::Never; job.rules.len()], lines: 0, places, corners: CornerMoves::default() }
     }
 
-    /// The next line, with its tool's place among the job's.
+    /// Adds the moves of the next line; `tool` is the index of the line's tool in the job.
     pub fn add(&mut self, line: &ProgramLine, file: &JobFile, tool: Option<usize>) {
         self.lines += 1;
         let corners = line.meaning.as_ref().map(|meaning| self.corners.pass(0, meaning)).unwrap_or_default();

@@ -55,7 +55,7 @@ struct Executions {
     is_literal: bool,
 }
 
-/// A program with its feeds written back.
+/// A program with macro statements, with the adapted feeds written into its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenProgram {
     /// Text of the file.
@@ -64,8 +64,8 @@ pub struct WrittenProgram {
     pub line_ends: Vec<usize>,
 }
 
-/// The program's file with the feeds of its adapted blocks. `source` are its blocks as executed, `text` is what they are
-/// as adapted, with the end of each line.
+/// Writes the feeds of the adapted blocks into the program's own text. `source` are the blocks as executed; `text` is
+/// their adapted text, with the end of each line.
 ///
 /// # Errors
 /// Lines that cannot get one feed, or a program that would not execute the same blocks: in words, each with its place.
@@ -108,7 +108,7 @@ impl From<&Adapted> for WrittenProgram {
 }
 
 impl WrittenProgram {
-    /// Text that each line of the original file has become, with its line end.
+    /// New text of each line of the original file, with its line end.
     pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
         let begins = std::iter::once(0).chain(self.line_ends.iter().copied());
         begins.zip(&self.line_ends).map(|(begin, end)| &self.text[begin..*end])

@@ -29,7 +29,7 @@ use crate::program::{CornerMove, ExecutedPlaces, ProgramLine};
 /// Acceleration of a fast machining centre, for jobs without the drives of their machine.
 const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
 
-/// A line as it is sent.
+/// A line as it is sent, with the plan of its move.
 #[derive(Clone, Debug)]
 pub struct PlannedLine {
     /// Move of the line.
@@ -65,7 +65,7 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// At the beginning of a program; `line_end` is that of its first line.
+    /// Planner at the beginning of a program; `line_end` is the line end of its first line.
     pub fn new(control: &Reader, line_end: &'a [u8], job: &'a Job, known: Known<'a>, kept: &'a KeptLines) -> Self {
         let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
         Writer {

@@ -73,7 +73,7 @@ impl<'p> BoardLine<'p> {
         Ok(BoardLine { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
     }
 
-    /// Receives what has come and sends what is due.
+    /// Receives the messages that have arrived, and sends those that are due.
     ///
     /// # Errors
     /// The port is gone.
@@ -97,7 +97,7 @@ impl<'p> BoardLine<'p> {
         self.send_due()
     }
 
-    /// Sends what is due.
+    /// Sends the frames that are due.
     ///
     /// # Errors
     /// The port is gone.
@@ -144,12 +144,12 @@ impl<'p> BoardLine<'p> {
         self.send_due()
     }
 
-    /// The link.
+    /// The link to the board.
     pub fn link(&self) -> &Link {
         &self.link
     }
 
-    /// Both ends have found each other.
+    /// Whether both ends have found each other.
     pub fn is_up(&self) -> bool {
         self.link.state() == LinkState::Up
     }

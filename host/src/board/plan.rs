@@ -25,7 +25,7 @@ use crate::dnc::restored_state::PowerOn;
 use crate::dnc::transmission::Transmission;
 use crate::program::{ExecutedPlaces, Program, ProgramLine};
 
-/// Messages of the moves of a transmission.
+/// Messages for a board: the moves of a transmission, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardPlan {
     /// Messages: each move behind its engaged arcs.
@@ -36,7 +36,7 @@ pub struct BoardPlan {
     lines: Vec<usize>,
 }
 
-/// Bounds of a move beside its text.
+/// Bounds of a move that its NC text does not show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveBounds {
     /// Largest feed of a governed move that the job allows, per minute.
@@ -63,7 +63,7 @@ impl MoveBounds {
     }
 }
 
-/// Messages of a planned move with the feed that it is sent with: its engaged arcs, then the move.
+/// Messages of a planned move with its sent feed: its engaged arcs, then the move.
 ///
 /// # Errors
 /// Numbers out of range.
@@ -127,7 +127,7 @@ impl<'a> MoveRule<'a> {
     }
 }
 
-/// Move that cannot be sent to a board.
+/// Error: a move cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PlanError {
     /// Line of the program's file, counted from 1; 0 for a line that arcfeed added.

@@ -8,7 +8,7 @@ const PROGRAMMED_PERCENT: u8 = 100;
 /// Longest time between two reports that a board's settings allow.
 const REPORT_MAX: Micros = Micros::from_ms(1_000);
 
-/// Observer of the override.
+/// Observer of a board's override while it rises after arming.
 #[derive(Clone, Copy, Debug)]
 pub struct Rise {
     /// Time in which a rising override changes by two steps.
@@ -18,7 +18,7 @@ pub struct Rise {
 }
 
 impl Rise {
-    /// No report yet, of a board with these limits.
+    /// Observer before the first report, of a board with these limits.
     pub fn new(limits: &OverrideLimits) -> Self {
         let step_s = f64::from(limits.step_percent) / f64::from(limits.slew_up_percent_per_s);
         Rise { two_steps: Micros((2.0 * step_s * US_PER_S as f64) as u64), last: None }
@@ -31,7 +31,8 @@ impl Rise {
         }
     }
 
-    /// The override is 100 % or more, or has not changed for two steps: the operator's dial, or the move to come, holds it.
+    /// Whether the override is 100 % or more, or has not changed for two steps because the operator's dial or the
+    /// next move limits it.
     pub fn has_ended(&self, now: Micros) -> bool {
         let is_still = |since: Micros| now.since(since) > self.two_steps.after(REPORT_MAX);
         self.last.is_some_and(|(percent, since)| percent >= PROGRAMMED_PERCENT || is_still(since))

@@ -33,7 +33,7 @@ const SET: u32 = 1;
 /// Longest time for closing the link.
 const GOODBYE_MAX: Micros = Micros::from_ms(500);
 
-/// Board that takes part in a run.
+/// Feed board that takes part in a run.
 pub struct BoardRun<'p> {
     line: BoardLine<'p>,
     stage: Stage,
@@ -54,7 +54,7 @@ pub struct BoardRun<'p> {
     standstill: Standstill,
 }
 
-/// Progress of the start-up.
+/// Progress of a board's start-up, from the link to armed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The board has not answered yet.
@@ -77,7 +77,7 @@ pub enum Outage {
     },
 }
 
-/// Reason for which a run with a board is over.
+/// Reason why a run with a board has ended.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
     /// Fault of the port.
@@ -102,7 +102,7 @@ pub enum BoardError {
 }
 
 impl<'p> BoardRun<'p> {
-    /// A board before the first message.
+    /// Board run before its first message.
     ///
     /// # Errors
     /// Describes the fault, if the job does not suit a board.
@@ -213,13 +213,13 @@ impl<'p> BoardRun<'p> {
         self.plan.permitted(delivered, sending)
     }
 
-    /// The board has seen all moves done.
+    /// Whether the board has seen the end of all moves.
     pub fn is_done(&self) -> bool {
         self.executed_before.is_some() && self.done() >= self.plan.moves()
     }
 
     /// Line of the move whose end the board waits for, if the board stands still while the control, which has started
-    /// `blocks` blocks, continues; once for each standstill.
+    /// `blocks` blocks, continues; reported once for each standstill.
     pub fn standstill_line(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
         let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
         let stands = self.standstill.check(now, done, by_control);
@@ -240,12 +240,13 @@ impl<'p> BoardRun<'p> {
         self.refusal.take().map(|refused| words::refusal(refused.why))
     }
 
-    /// Parameters are in force and the laws may have the override.
+    /// Whether parameters are in force and the laws may have the override.
     pub fn is_armed(&self) -> bool {
         self.stage == Stage::Ready && self.report.is_some_and(|report| words::is_engaged(report.state))
     }
 
-    /// It is armed, and its override, which begins at 0 % after power-on, rises no more: the first block has its full feed.
+    /// Whether the board is armed and its override, which begins at 0 % after power-on, no longer rises: then the
+    /// first block gets its full feed.
     pub fn is_ready(&self) -> bool {
         self.is_armed() && self.rise.has_ended(self.line.now())
     }

@@ -9,7 +9,7 @@ use arcfeed_units::Micros;
 /// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
-/// Count of the board compared with that of the control; state.
+/// Detector of a board that no longer sees the moves of the control; state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Standstill {
     /// Moves done, as the board saw it.
@@ -20,8 +20,8 @@ pub struct Standstill {
 }
 
 impl Standstill {
-    /// Compares the number of moves that the board has seen done with the least number that the control has done. True
-    /// once for each standstill.
+    /// Compares the number of moves whose end the board has seen with the least number that the control has done.
+    /// Returns true once for each standstill.
     pub fn check(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };
@@ -58,7 +58,7 @@ mod tests {
     }
 
     #[test]
-    fn a_count_that_stands_still_is_reported_once_and_again_when_it_stood_still_anew() {
+    fn standstill_is_reported_once_for_each_time() {
         let stands = [(3, 4); 20];
         assert_eq!(reported(&stands), [6]);
         assert_eq!(reported(&[&stands[..], &[(4, 4)], &[(4, 9); 20]].concat()), [6, 27]);

@@ -5,7 +5,7 @@ use arcfeed_link::link::{LinkState, Loss, Refusal};
 use arcfeed_link::message::SCHEMA_HASH;
 use arcfeed_link::message::codes::{RefusalCode, ResetCode, SettingCode, StateCode};
 
-/// State of the supervisor.
+/// Name of a state of the supervisor, for a person.
 pub const fn state(state: StateCode) -> &'static str {
     match state {
         StateCode::Idle => "idle",
@@ -19,7 +19,7 @@ pub const fn state(state: StateCode) -> &'static str {
     }
 }
 
-/// The laws have the override in this state, or will have it as soon as a segment begins.
+/// Whether the laws have the override in this state, or will have it as soon as a segment begins.
 pub const fn is_engaged(state: StateCode) -> bool {
     matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
 }
@@ -44,7 +44,7 @@ pub const fn reset(reset: ResetCode) -> &'static str {
     }
 }
 
-/// Reason for a refusal.
+/// Reason why arming was refused, for a person.
 pub const fn refusal(why: RefusalCode) -> &'static str {
     match why {
         RefusalCode::Message => "unknown message",
@@ -64,7 +64,7 @@ pub const fn refusal(why: RefusalCode) -> &'static str {
     }
 }
 
-/// State of the link.
+/// State of the link to a board, for a person.
 pub fn link(state: LinkState) -> String {
     match state {
         LinkState::Up => "up".into(),
@@ -85,7 +85,7 @@ pub fn link(state: LinkState) -> String {
     }
 }
 
-/// Reason for which the link is over.
+/// Reason for the end of a link.
 pub const fn link_loss(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",
@@ -97,7 +97,7 @@ pub const fn link_loss(loss: Loss) -> &'static str {
     }
 }
 
-/// Name of a setting on the command line, and its unit.
+/// Name of a board setting on the command line, and its unit.
 pub const fn setting(setting: SettingCode) -> (&'static str, &'static str) {
     match setting {
         SettingCode::PositionStale => ("position-stale", "us"),

@@ -310,7 +310,7 @@ fn feed_unit(unit: LengthUnit) -> &'static str {
     }
 }
 
-/// Rotation, as in job files.
+/// Value of `rotation` in job files for these moves.
 pub fn rotation_word(moves: Moves) -> Option<&'static str> {
     match moves {
         Moves::Rotations(RotationCircle::Interior, _) => Some("interior"),
@@ -319,7 +319,7 @@ pub fn rotation_word(moves: Moves) -> Option<&'static str> {
     }
 }
 
-/// Direction, as in job files.
+/// Value of `direction` in job files for this sense.
 pub fn direction_word(turn: Turn) -> &'static str {
     match turn {
         Turn::Cw => "cw",
@@ -327,7 +327,7 @@ pub fn direction_word(turn: Turn) -> &'static str {
     }
 }
 
-/// Side, as in job files.
+/// Value of `side` in job files for this work.
 pub fn side_word(work: &Work) -> &'static str {
     match work {
         Work::Ring(Edge::Outer, _) => "outer",

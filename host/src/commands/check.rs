@@ -63,7 +63,7 @@ pub struct Check {
     json: bool,
 }
 
-/// Counts of a program.
+/// Counts of a program's lines, blocks and moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Lines of the file.

@@ -10,7 +10,7 @@ use super::outcome::Failure;
 use crate::control::{self, Convention, Conventions, LoadedSettings};
 use crate::job::{ControlKind, JobFile};
 
-/// Control, settings file, decimals and unit.
+/// Options that describe the control: preset, settings file, decimals and unit.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct ControlArgs {
     /// Control, in place of the job's: fanuc-16i, fanuc-0i, fanuc-31i; for a program without a job a 16i
@@ -27,7 +27,7 @@ pub struct ControlArgs {
     pub units: Option<LengthUnit>,
 }
 
-/// Control that reads a program.
+/// Control with which a program is read: settings, offsets and conventions.
 pub struct ControlReading {
     /// Control.
     pub control: ControlKind,
@@ -53,7 +53,7 @@ impl ControlArgs {
         self.control.is_some() || self.settings.is_some() || self.decimals.is_some() || self.units.is_some()
     }
 
-    /// The control with its settings and offsets, as the options say, otherwise the job.
+    /// The control that reads a program: as the options say, otherwise as the job says.
     ///
     /// # Errors
     /// The settings file is at fault.

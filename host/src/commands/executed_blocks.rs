@@ -9,7 +9,8 @@ use crate::console::note;
 use crate::job::JobFile;
 use crate::program::{ExecutedPlaces, Program, Source};
 
-/// Checks that the blocks as executed can stand for the program; reports output that they do not make.
+/// Checks that the executed blocks can stand for a program with macro statements; reports the program's output, which
+/// the blocks do not produce.
 ///
 /// # Errors
 /// The program makes the control ignore feed hold or override, which no plain block does.
@@ -33,8 +34,8 @@ pub fn check_expanded(path: &Path, places: Option<&ExecutedPlaces>) -> Result<()
     Ok(())
 }
 
-/// The adapted program for a control's memory: the feeds written back into its macros, or where that is impossible its
-/// blocks as executed.
+/// Adapted program for a control's memory: the program's own macros with the feeds written into them or, where that
+/// is impossible, the blocks as executed.
 ///
 /// # Errors
 /// See [`check_expanded`].

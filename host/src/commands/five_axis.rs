@@ -16,7 +16,7 @@ use crate::post::finding::Entry;
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::{Severity, read_bounded};
 
-/// Placement of part and tool on the machine.
+/// Options for the placement of part and tool on the machine.
 #[derive(Clone, Debug, clap::Args)]
 pub struct PlacementArgs {
     /// The part's zero point in the machine frame with all axes at zero, X,Y,Z in mm; under G43.4 beyond the work offset
@@ -57,7 +57,7 @@ impl From<BranchWord> for Branch {
     }
 }
 
-/// Three coordinates.
+/// Three coordinates of a command-line option.
 #[derive(Clone, Copy, Debug)]
 pub struct Point([f64; 3]);
 
@@ -95,7 +95,7 @@ pub fn load_machine(path: &Path) -> Result<MachineFile, Failure> {
     MachineFile::named(path).map_err(Failure::Input)
 }
 
-/// Loads CL data.
+/// Loads CL data from a file.
 ///
 /// # Errors
 /// They cannot be read.
@@ -104,7 +104,7 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
     Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
 }
 
-/// Path with its findings, to be reported.
+/// Path on a five-axis machine with its findings, to be reported.
 #[derive(Clone, Copy, Debug)]
 pub struct PathReport<'a> {
     /// The file of the CL data or the program.
@@ -193,7 +193,7 @@ pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
     repair.then(|| ball.unwrap_or(ToolEnd::Other))
 }
 
-/// The file's name is one of CL data.
+/// Whether a file's name is that of CL data.
 pub fn is_cl(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))

@@ -13,7 +13,7 @@ use crate::linuxcnc::dialect::{Translation, translate};
 use crate::linuxcnc::prepared::prepare;
 use crate::program::Source;
 
-/// Control with a dialect of its own.
+/// Control other than Fanuc for which a program can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum TargetControl {
     /// LinuxCNC

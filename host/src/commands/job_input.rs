@@ -24,7 +24,7 @@ use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 /// Lines that a warning names beside the first.
 const KEPT_LINES: usize = 3;
 
-/// A job file, or a program with the values that a job would add to it.
+/// Input of a command: a job file, or a program with the values that a job would add.
 #[derive(Clone, Debug, clap::Args)]
 pub struct JobInput {
     /// The job file (.toml); or an NC program, for end mills: tools from its comments or from the options below
@@ -50,7 +50,8 @@ impl JobInput {
         Ok((file, program))
     }
 
-    /// The same with the program's text alone, and whether a feed could leak into one of its lines.
+    /// Loads job and program, keeping only the program's text; also says whether a feed set by a law could stay in
+    /// force for a line that needs another one.
     ///
     /// # Errors
     /// Every error of the program, one per line; a fault of the map; options beside a job file; a missing option.
@@ -69,7 +70,8 @@ impl JobInput {
     }
 }
 
-/// Loads a job and its program's text.
+/// Loads a job and the text of its program; also says whether a feed set by a law could stay in force for a line that
+/// needs another one.
 ///
 /// # Errors
 /// Every error of the program, one per line; a fault of the map.
@@ -155,12 +157,13 @@ struct KeptReason {
 }
 
 impl KeptMoves {
-    /// None so far, of a program with these places.
+    /// Empty list, for a program whose lines have these places in its file.
     pub fn new(places: Option<Arc<ExecutedPlaces>>) -> Self {
         KeptMoves { places, ..KeptMoves::default() }
     }
 
-    /// Adds a block if it is one of these moves; of the executions of a line the first.
+    /// Adds a block if it keeps its programmed feed although a cut rule matches it; of the executions of a line, the
+    /// first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
         let corner = block.inserted.as_ref().and_then(|inserted| inserted.demand);
@@ -193,7 +196,7 @@ impl KeptMoves {
         }
     }
 
-    /// Says on stderr why no move is governed, if none is, and what to change.
+    /// Explains on stderr why no move is governed, if none is, and what to change.
     pub fn explain(&self, program: &Path, file: &JobFile) {
         if self.governed > 0 || file.job.tools.first().law == LawKind::Programmed && file.job.tools.len() == 1 {
             return;
@@ -234,7 +237,7 @@ impl KeptMoves {
     }
 }
 
-/// Moves that are not in the map although their rule takes the engaged arcs from it.
+/// Moves whose rule takes the engagement from the map but that the map does not contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnknownMoves {
     first_line: usize,
@@ -242,7 +245,7 @@ pub struct UnknownMoves {
 }
 
 impl UnknownMoves {
-    /// Counts a block if it is one of these moves.
+    /// Counts a block if the map does not contain it.
     pub fn add(&mut self, block: &PlannedBlock, file: &JobFile) {
         let rule = block.rule.and_then(|rule| file.job.rules.get(rule));
         if block.along.is_none() && block.under.is_none() && rule.is_some_and(CutRule::expects_engagement_per_move) {

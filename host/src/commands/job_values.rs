@@ -21,7 +21,7 @@ use crate::job::{ControlKind, JobFile, questions};
 /// Difference between two diameters that are the same.
 const SAME_RATIO: f64 = 0.01;
 
-/// Values that a program does not contain.
+/// Options with values that a program does not contain, such as diameter and teeth.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Values for a program without a job file")]
 pub struct JobValues {
@@ -56,7 +56,7 @@ pub struct JobValues {
 }
 
 impl JobValues {
-    /// Whether one of them is given.
+    /// Whether any of the values is given.
     pub fn is_any(&self) -> bool {
         let JobValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling, library, of_control } = self;
         let is_listed = !tool.is_empty() || !teeth.is_empty() || !feed_per_tooth.is_empty();
@@ -69,7 +69,7 @@ impl JobValues {
             || of_control.is_given()
     }
 
-    /// The values as answers, for a program whose unit at power-on is known or not.
+    /// The options as answers to the questions of a new job; `unit` is the program's unit at power-on, if known.
     pub fn answers(&self, unit: Option<LengthUnit>) -> Answers {
         Answers {
             diameters: self.tool.clone(),
@@ -90,7 +90,8 @@ impl JobValues {
         keys
     }
 
-    /// The job of a program: the one that `arcfeed init` proposes with these values, without its open tools.
+    /// Job for a program without a job file: the one that `arcfeed init` proposes with these values, without the
+    /// tools that have open questions.
     ///
     /// # Errors
     /// The program cannot be read, or a value is missing: with the option that gives it.

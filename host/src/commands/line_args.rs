@@ -3,7 +3,7 @@
 use super::outcome::Failure;
 use crate::job::{JobFile, Parity};
 
-/// Settings of the line, with pyserial's names.
+/// Options with the settings of the serial line, with pyserial's names.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct LineArgs {
     /// Line rate, in place of the job's
@@ -33,13 +33,13 @@ fn parity(letter: &str) -> Result<Parity, &'static str> {
 }
 
 impl LineArgs {
-    /// Whether any of them is given.
+    /// Whether any of the options is given.
     pub fn is_any(&self) -> bool {
         let LineArgs { baudrate, bytesize, parity, stopbits, rtscts } = self;
         baudrate.is_some() || bytesize.is_some() || parity.is_some() || stopbits.is_some() || *rtscts
     }
 
-    /// Replaces the job's settings by those given.
+    /// Replaces settings of the job by the given options.
     ///
     /// # Errors
     /// A parity bit beside a code that the sender makes.

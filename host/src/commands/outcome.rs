@@ -24,7 +24,7 @@ use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
 
-/// Reason for which a command failed.
+/// Reason why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The program or the job is at fault: exit code 1.
@@ -113,7 +113,7 @@ pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
     output::write_whole(path, text).map_err(|error| file_failure(path, &error))
 }
 
-/// Rejects outputs that are files which the command reads, or one another.
+/// Rejects output files that the command also reads, or that are the same file twice.
 ///
 /// # Errors
 /// Describes the first such output.
@@ -122,7 +122,7 @@ pub fn refuse_inputs(outputs: &[Option<&Path>], inputs: &[PathBuf]) -> Result<()
     output::refuse_inputs(&outputs, inputs).map_err(Failure::Input)
 }
 
-/// Loads a job and its program, both without errors, without the engagement map that the job may name.
+/// Loads a job and its program, but not the engagement map that the job may name; fails if the program has errors.
 ///
 /// # Errors
 /// Every error of the program, one per line; a program too long to be kept as a whole.
@@ -132,7 +132,8 @@ pub fn load_unmapped(job: &Path) -> Result<(JobFile, Program), Failure> {
     Ok((file, program))
 }
 
-/// As [`load_unmapped`] with the program's text alone, and whether a feed could leak into one of its lines.
+/// Loads a job and the text of its program; also says whether a feed set by a law could stay in force for a line that
+/// needs another one.
 ///
 /// # Errors
 /// Every error of the program, one per line.
@@ -140,7 +141,8 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
     read_source(job, JobFile::load(job)?)
 }
 
-/// The same for a job that has been read from the file `job`.
+/// Reads the text of the program of a job that has been read from the file `job`; the result is that of
+/// [`load_source`].
 ///
 /// # Errors
 /// See [`load_source`].
@@ -219,7 +221,7 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag that Ctrl-C (or a request to terminate) sets: one for the process.
+/// Flag of the process that Ctrl-C, or a request to terminate, sets.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     static WATCH: Once = Once::new();

@@ -87,7 +87,7 @@ use run_tables::TraceFiles;
 use setup::Setup;
 use spindle_load::SpindleLoad;
 
-/// Run a job on the simulated machine, before and after, as fast as possible
+/// Run a job on the simulated machine, once as programmed and once adapted, as fast as possible
 #[derive(Debug, clap::Args)]
 pub struct Simulate {
     /// Print one JSON object (docs/json.md)
@@ -120,7 +120,7 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Simulation that only writes its report.
+    /// Simulation of which only the report is written.
     pub fn report_of(input: JobInput, report: PathBuf) -> Self {
         let (surface, assertions, junit) = (None, Vec::new(), None);
         Simulate {

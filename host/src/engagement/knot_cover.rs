@@ -20,7 +20,7 @@ const TURN_DEG: f64 = 360.0;
 /// Half the resolution of a table's arc ends.
 const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
-/// Sample of intervals at a position.
+/// Engaged intervals at one position of a move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
     /// Position; increases from sample to sample.
@@ -92,7 +92,7 @@ fn dilated<const N: usize>(samples: &[Sample<N>]) -> Vec<Sample<N>> {
     (0..samples.len()).map(at).collect()
 }
 
-/// Smallest interval that contains both.
+/// Smallest interval that contains both intervals.
 pub fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
     [a.min(c), b.max(d)]
 }

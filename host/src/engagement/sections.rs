@@ -44,7 +44,8 @@ impl TangentialForce {
     }
 }
 
-/// Engaged section where one descending move passes into another: the first tooth cuts what both have left.
+/// Engaged section where one descending move passes into another: there the first tooth cuts the material that both
+/// moves have left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedJoint {
     /// Moment of the end's edges.
@@ -57,7 +58,7 @@ pub struct MappedJoint {
     pub cosine_ratio: f64,
 }
 
-/// A descending move of a map.
+/// A descending move of a map, with its sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedDescent {
     /// Line of the program, counted from 1.
@@ -81,7 +82,7 @@ pub struct MappedDescents {
     pub moves: Vec<MappedDescent>,
 }
 
-/// Looks descending moves up in the order of execution; state.
+/// Finds the descending moves of a program in a map, in the order of execution; state.
 #[derive(Clone, Debug)]
 pub struct DescentLookup<'m> {
     ahead: &'m [MappedDescent],
@@ -109,7 +110,7 @@ struct DescentTable {
 }
 
 impl MappedDescents {
-    /// Lookup before the first move.
+    /// Lookup that begins at the first move.
     pub fn lookup(&self) -> DescentLookup<'_> {
         DescentLookup { ahead: &self.moves }
     }

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use arcfeed_units::LengthUnit;
 
-/// Values for the job of a program.
+/// Given values for the job of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
     /// Diameters of tools.
@@ -26,7 +26,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers for a tool: those that name it before those for every tool.
+    /// Value for a tool: one given for this tool, otherwise one given for every tool.
     pub fn of<T: Clone>(values: &[ForTool<T>], tool: Option<i64>) -> Option<T> {
         let named = values.iter().find(|value| value.tool.is_some() && value.tool == tool);
         named.or(values.iter().find(|value| value.tool.is_none())).map(|value| value.value.clone())
@@ -79,7 +79,7 @@ pub struct Length {
 }
 
 impl Length {
-    /// In TOML.
+    /// The length in TOML.
     pub fn to_toml(&self) -> String {
         match self.unit {
             None => format!("{:?}", self.number),
@@ -87,7 +87,7 @@ impl Length {
         }
     }
 
-    /// In millimetres; `unit` applies if the length names none.
+    /// The length in millimetres; `unit` applies if the length names none.
     pub fn to_mm(&self, unit: LengthUnit) -> f64 {
         self.number * self.unit.unwrap_or(unit).mm()
     }

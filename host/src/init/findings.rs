@@ -7,7 +7,7 @@ use super::groups::Group;
 use super::proposal::{LikelyTool, Proposal, ProposedTool};
 use super::survey::Survey;
 
-/// Input of the job file.
+/// Input for a new job file: what the program shows, and the given values.
 #[derive(Clone, Copy, Debug)]
 pub struct Findings<'a> {
     /// Path of the program in the job file.
@@ -31,7 +31,7 @@ impl Findings<'_> {
         unit.or(self.answers.units).or(*likely_unit).unwrap_or(LengthUnit::Inch)
     }
 
-    /// The programmed F is the tool's target feed.
+    /// Whether the tool's target feed is the programmed F.
     pub fn follows_program(&self, tool: &ProposedTool) -> bool {
         // Without rules nothing is governed, and nothing has to be answered.
         let has_own = !tool.cuts.is_empty() && Answers::of(&self.answers.feeds_per_tooth, tool.number).is_some();
@@ -53,7 +53,7 @@ impl Findings<'_> {
 }
 
 impl ProposedTool {
-    /// A cup mill.
+    /// Whether the tool is a cup mill.
     pub fn is_cup_mill(&self) -> bool {
         matches!(self.kind, LikelyTool::CupMill { .. })
     }

@@ -35,7 +35,7 @@ pub struct Group {
     pub sweep_rad: [f64; 2],
 }
 
-/// Groups of arcs, those of one tool and plane together, by radius and sense.
+/// Groups of arcs, sorted by tool and plane, then by radius and sense.
 pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     let mut sorted: Vec<&FoundArc> = arcs.iter().collect();
     let key = |arc: &FoundArc| (arc.tool, arc.plane.axes());
@@ -55,7 +55,7 @@ pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     by_turn.filter(|arcs| !arcs.is_empty()).map(|arcs| Group::of(&arcs)).collect()
 }
 
-/// Both radii are the same for a cut rule.
+/// Whether a cut rule cannot distinguish two radii.
 pub fn same_radius(a_mm: f64, b_mm: f64) -> bool {
     libm::fabs(a_mm - b_mm) <= RADIUS_MATCH_RATIO * a_mm.min(b_mm)
 }

@@ -44,7 +44,7 @@ const SIDE_FORMS: &str = "
 # n = [140, 200] (first and last N), z = [-5.0, -5.0] (lowest and highest Z at the arc's start).
 ";
 
-/// Text of the job file.
+/// Text of a new job file.
 pub fn job(findings: &Findings<'_>) -> String {
     let Findings { program, survey, groups, proposal, answers, control } = *findings;
     let unit = findings.unit();

@@ -22,7 +22,7 @@ const RING_RATIO: std::ops::RangeInclusive<f64> = 0.5..=0.99;
 /// Least outer radius of a ring, mm.
 const OUTER_MIN_MM: f64 = 20.0;
 
-/// Proposed start of a job.
+/// Proposed tools and cut rules of a new job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
     /// Tools, in order of their numbers.
@@ -33,7 +33,7 @@ pub struct Proposal {
     pub excluded: Vec<ToolNote>,
 }
 
-/// Tool with its rules.
+/// Proposed tool with its cut rules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedTool {
     /// T number, where the program names tools.
@@ -46,7 +46,7 @@ pub struct ProposedTool {
     pub note: Option<ToolNote>,
 }
 
-/// A tool.
+/// Kind of tool that an arc pattern suggests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LikelyTool {
     /// Cup mill with its two radii, mm.
@@ -60,7 +60,7 @@ pub enum LikelyTool {
     EndMill,
 }
 
-/// A cut rule.
+/// Proposed cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedCut {
     /// Moves and where the tool cuts.
@@ -71,7 +71,7 @@ pub struct ProposedCut {
     pub groups: Vec<usize>,
 }
 
-/// Movement of a rule.
+/// Kind of movement to which a proposed rule applies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Movement {
     /// A ring about a point on one of its circles, and the circle that cuts in the published order of movements.

@@ -18,7 +18,7 @@ use crate::program::{
 /// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
 const SMOOTH_COSINE: f64 = 0.9994;
 
-/// Result of the survey.
+/// Result of surveying a program: unit, speeds, tools and arcs.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Unit of the first G20 or G21; `None` if the program leaves it to the control.
@@ -46,7 +46,7 @@ pub struct Survey {
     pub mirrored: Option<usize>,
 }
 
-/// Cutting moves of a tool.
+/// Cutting speeds and feeds of a tool in a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurveyedTool {
     /// T number; `None` before the first.
@@ -57,7 +57,7 @@ pub struct SurveyedTool {
     pub feed_max: Option<Nm>,
 }
 
-/// An arc.
+/// An arc of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundArc {
     /// Line, counted from 1.
@@ -213,8 +213,8 @@ impl Survey {
         }
     }
 
-    /// Checks that no arc is fed faster where the program mirrors an axis: an arc that runs outside by its direction may run
-    /// inside there.
+    /// Checks that outside arcs are not to be fed faster if the program mirrors an axis: there, an arc that looks
+    /// like an outside arc may run inside.
     ///
     /// # Errors
     /// The place, and what to do.

@@ -7,7 +7,7 @@ use super::findings::Findings;
 use super::proposal::{LikelyTool, ProposedTool};
 use super::wording::{length, lengths};
 
-/// Lines of `[tool]`.
+/// Lines of the `[tool]` table of a new job file.
 pub fn tool(tool: &ProposedTool, findings: &Findings<'_>) -> String {
     let (unit, answers) = (findings.unit(), findings.answers);
     if tool.cuts.is_empty() {
@@ -54,7 +54,7 @@ pub fn tool(tool: &ProposedTool, findings: &Findings<'_>) -> String {
     text
 }
 
-/// Lines of `[spindle]`.
+/// Lines of the `[spindle]` table of a new job file.
 pub fn spindle(tool: &ProposedTool, findings: &Findings<'_>) -> String {
     let speeds = findings.survey.use_of(tool.number).map_or(&findings.survey.speeds, |used| &used.speeds);
     match (speeds.as_slice(), findings.answers.rev_per_min) {
@@ -77,7 +77,7 @@ pub fn spindle(tool: &ProposedTool, findings: &Findings<'_>) -> String {
     }
 }
 
-/// Lines of `[law]`.
+/// Lines of the `[law]` table of a new job file.
 pub fn law(tool: &ProposedTool, findings: &Findings<'_>) -> String {
     let unit = findings.unit();
     let example = if unit == LengthUnit::Inch { "feed_per_tooth = 0.004" } else { "feed_per_tooth = 0.1" };

@@ -20,7 +20,7 @@ pub fn length(mm: f64, unit: LengthUnit) -> String {
     if text == "-0.0" { "0.0".into() } else { text }
 }
 
-/// List of lengths, or their range.
+/// Lengths as a list, or as a range if there are many.
 pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     let one = |value: &Nm| length(value.to_mm(), unit);
     match values {
@@ -32,7 +32,7 @@ pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     }
 }
 
-/// List of a few words; more are given as the first, the last and their number.
+/// List of words for a message; a long list is shortened to the first, the last and their number.
 pub fn some(words: &[String]) -> String {
     match words {
         [first, .., last] if words.len() > NAMED_MAX => format!("{first} to {last} ({} values)", words.len()),
@@ -40,7 +40,7 @@ pub fn some(words: &[String]) -> String {
     }
 }
 
-/// Sense, as in job files.
+/// Sense of an arc, as `direction` in job files.
 pub const fn direction(turn: Turn) -> &'static str {
     match turn {
         Turn::Ccw => "ccw",
@@ -48,7 +48,7 @@ pub const fn direction(turn: Turn) -> &'static str {
     }
 }
 
-/// Plane, as in programs.
+/// Plane of an arc, as its G code.
 pub const fn plane(plane: Plane) -> &'static str {
     match plane {
         Plane::Xy => "G17",
@@ -101,7 +101,7 @@ pub fn quoted(text: &str) -> String {
     quoted + "\""
 }
 
-/// The comment by which a tool with arcs keeps its feeds, and the option that includes the tool.
+/// Note on a tool with arcs that keeps its feeds because of a comment, and the option that includes the tool.
 pub fn exclusion(note: &ToolNote) -> String {
     let (line, text) = match &note.operation {
         Some(operation) if note.data.kind.is_none() => (operation.line, &operation.text),

@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::quantity::Quantity;
 
+/// `[[cut]]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutTable {
@@ -22,6 +23,7 @@ pub struct CutTable {
     pub plane: Option<Spanned<PlaneWord>>,
 }
 
+/// Values of `rotation` in `[[cut]]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RotationWord {
@@ -29,6 +31,7 @@ pub enum RotationWord {
     Exterior,
 }
 
+/// Values of `moves` in `[[cut]]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MovesWord {
@@ -36,6 +39,7 @@ pub enum MovesWord {
     Lines,
 }
 
+/// Values of `direction` in `[[cut]]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DirectionWord {
@@ -43,6 +47,7 @@ pub enum DirectionWord {
     Ccw,
 }
 
+/// Values of `plane` in `[[cut]]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub enum PlaneWord {
     G17,
@@ -50,6 +55,7 @@ pub enum PlaneWord {
     G19,
 }
 
+/// Values of `side` in `[[cut]]`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SideWord {
@@ -60,6 +66,7 @@ pub enum SideWord {
     Slot,
 }
 
+/// `stock` of `[[cut]]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StockTable {

@@ -86,7 +86,7 @@ pub struct Mode {
     pub offset: usize,
 }
 
-/// Source of the force coefficients.
+/// Force coefficients of a job: a material of the catalogue, or values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coefficients {
     /// Coefficients of a material, by its name.

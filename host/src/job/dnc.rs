@@ -14,7 +14,7 @@ const REACTION_MAX_S: f64 = 10.0;
 /// Assumed look-ahead of a control in blocks, unless the job sets it: the largest value in docs/control.md.
 const READ_AHEAD: usize = 200;
 
-/// Reading mode of the control, and time-outs of the sender.
+/// Settings of the DNC sender: reading mode of the control, and time-outs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DncSettings {
     /// Code of the characters if the sender makes it. `None`: the line's parity bit makes ISO of ASCII, or no parity is
@@ -59,7 +59,7 @@ impl Default for DncSettings {
     }
 }
 
-/// Checks the table.
+/// Checks the `[dnc]` table of a job.
 pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, Complaint> {
     let code = match &given.code {
         None => None,

@@ -70,7 +70,7 @@ fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, 
     Err(at(value, &format!("{name} must lie between {least} and {RATIO_MAX_PERCENT} %")))
 }
 
-/// Upper limit of every governed feed.
+/// Reads the upper limit of all governed feeds from a job.
 pub fn ceiling(
     table: &JobTable,
     unit: LengthUnit,
@@ -99,7 +99,7 @@ pub fn ceiling(
     Ok(FeedCeiling { max_feed: max_feed.map(|feed| MmPerMin(feed as f32)), max_raise_ratio })
 }
 
-/// Bounds of the override.
+/// Checks the bounds of the override in a job.
 pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
     let limits = OverrideLimits {
         min_percent: *given.min.as_ref(),

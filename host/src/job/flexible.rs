@@ -70,7 +70,7 @@ pub struct Flexible {
     pub offset: usize,
 }
 
-/// Undeformed shape.
+/// Undeformed shape of a flexible workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A block, its edges along the axes.
@@ -91,7 +91,7 @@ pub enum Shape {
     },
 }
 
-/// Elastic properties.
+/// Elastic properties of a flexible workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Elastic {
     /// Material of the table of materials, by its name.

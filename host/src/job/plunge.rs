@@ -18,7 +18,8 @@ pub struct Plunge {
     pub has_ramps: bool,
 }
 
-/// Checks the `[plunge]` table of a job with these limits of the spindle; a `[law]` of this name needs it.
+/// Checks the `[plunge]` table of a job against the limits of its spindle; `[law] kind = "plunge"` requires this
+/// table.
 pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Option<Plunge>, Complaint> {
     let Some(entry) = &table.plunge else {
         let tools = table.tool.0.iter();

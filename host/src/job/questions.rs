@@ -11,7 +11,7 @@ use crate::toml_values::walk;
 /// Placeholder of a missing answer.
 pub const OPEN: &str = "?";
 
-/// Open question.
+/// Open question in a job file: a value `"?"`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Question {
     /// Key of the value: `tool.active_teeth`, `cut.2.stock` (rules counted from 1).

@@ -26,7 +26,7 @@ impl RuleScope {
         in_lines && self.plane.is_none_or(|plane| segment.arc().is_some_and(|arc| arc.plane == plane))
     }
 
-    /// Whether it admits every move that `other` admits.
+    /// Whether this scope admits every move that `other` admits.
     pub fn covers(&self, other: &RuleScope) -> bool {
         let covers_lines = match (self.lines, other.lines) {
             (None, _) => true,
@@ -36,7 +36,7 @@ impl RuleScope {
         covers_lines && (self.plane.is_none() || self.plane == other.plane)
     }
 
-    /// Key of the job file that restricts it, if one does.
+    /// Key of the job file that restricts the scope, if there is one.
     pub fn key(&self) -> Option<&'static str> {
         match self {
             RuleScope { lines: Some(_), .. } => Some("lines"),

@@ -15,7 +15,7 @@ use super::{Complaint, RuleContext, at, length_mm, tables};
 /// Largest sequence number: eight digits.
 const SEQUENCE_MAX: i64 = 99_999_999;
 
-/// Engagement map that the rules and the plunge law name: one for all.
+/// Engagement map that the rules and the plunge law of a job name; all must name the same.
 pub fn map(job: &JobTable) -> Result<Option<&Spanned<String>>, Complaint> {
     let of_rules = tables(job).filter_map(|(_, cut)| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
     let mut named = of_rules.chain(job.plunge.as_ref().map(|plunge| &plunge.as_ref().map));

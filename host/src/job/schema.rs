@@ -15,6 +15,7 @@ pub use super::cutting::CuttingTable;
 pub use super::flexible::FlexibleTable;
 pub use super::quantity::{Quantity, TargetFeed};
 
+/// A whole job file as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JobTable {
@@ -42,6 +43,7 @@ pub struct JobTable {
     pub dnc: DncTable,
 }
 
+/// `[plunge]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlungeTable {
@@ -50,6 +52,7 @@ pub struct PlungeTable {
     pub ramps: Option<bool>,
 }
 
+/// Values of `units`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UnitWord {
@@ -94,6 +97,7 @@ impl<'de> Visitor<'de> for ToolTablesVisitor {
     }
 }
 
+/// `[tool]`, or one `[[tool]]`, as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolTable {
@@ -113,6 +117,7 @@ pub struct ToolTable {
     pub cut: Vec<Spanned<CutTable>>,
 }
 
+/// `[workpiece]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorkpieceTable {
@@ -127,6 +132,7 @@ pub struct WorkpieceTable {
     pub flexible: Option<Spanned<FlexibleTable>>,
 }
 
+/// `block` of `[workpiece]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlockTable {
@@ -134,6 +140,7 @@ pub struct BlockTable {
     pub to: [Quantity; 3],
 }
 
+/// `round` of `[workpiece]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundTable {
@@ -143,6 +150,7 @@ pub struct RoundTable {
     pub bore: Option<Spanned<Quantity>>,
 }
 
+/// `[spindle]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpindleTable {
@@ -152,6 +160,7 @@ pub struct SpindleTable {
     pub max_torque: Option<Spanned<String>>,
 }
 
+/// `[limits]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsTable {
@@ -159,6 +168,7 @@ pub struct LimitsTable {
     pub max_raise: Option<Spanned<f64>>,
 }
 
+/// `[law]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LawTable {
@@ -169,6 +179,7 @@ pub struct LawTable {
     pub floor: Option<Spanned<f32>>,
 }
 
+/// `[override]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OverrideTable {
@@ -202,6 +213,7 @@ impl Default for OverrideTable {
     }
 }
 
+/// `[control]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControlTable {
@@ -231,6 +243,7 @@ fn fanuc_16i() -> Spanned<String> {
     unplaced("fanuc-16i".into())
 }
 
+/// `arc_clamp` of `[control]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArcClampTable {
@@ -239,6 +252,7 @@ pub struct ArcClampTable {
     pub floor: Option<Spanned<Quantity>>,
 }
 
+/// `[machine]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JobMachineTable {
@@ -248,6 +262,7 @@ pub struct JobMachineTable {
     pub max_feed: MaxFeedTable,
 }
 
+/// `max_feed` of `[machine]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaxFeedTable {
@@ -259,6 +274,7 @@ pub struct MaxFeedTable {
     pub c: Option<Spanned<f64>>,
 }
 
+/// `[serial]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SerialTable {
@@ -275,6 +291,7 @@ pub struct SerialTable {
     pub exclusive: Option<bool>,
 }
 
+/// `[dnc]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DncTable {

@@ -6,7 +6,7 @@ use super::schema::JobTable;
 use super::{Complaint, at};
 use crate::unit_value::{POWER, TORQUE, with_unit};
 
-/// Largest loads of the spindle, as far as the job names them.
+/// Largest power and torque of the spindle, if the job names them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpindleLimits {
     /// Power, W.

@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::{Complaint, at};
 
-/// Mesh in a file.
+/// STL file that a job names, with its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StlFile {
     /// Path of the file.

@@ -40,7 +40,7 @@ fn build(table: &ToolTable, unit: LengthUnit, follows_program: bool) -> Result<T
     }
 }
 
-/// Tool with its number, spindle and law; `[spindle]` and `[law]` of the job apply to a tool that has none of its own.
+/// Builds a tool with its number, spindle and law; the job's `[spindle]` and `[law]` apply to a tool without its own.
 pub fn setup(table: &ToolTable, job: &JobTable) -> Result<ToolSetup, Complaint> {
     let unit = job.units.into();
     let missing = |name: &str, keys: &str| {

@@ -45,7 +45,7 @@ pub struct Workpiece {
     pub offset: usize,
 }
 
-/// Stock that no job describes: a block.
+/// Stock that is assumed for a program without a job file: a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AssumedStock {
     /// Source of its size.
@@ -72,7 +72,7 @@ pub enum StockSource {
     Extents,
 }
 
-/// Shape of the stock.
+/// Shape of the stock before the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Blank {
     /// A block, its edges along the axes.
@@ -97,7 +97,7 @@ pub enum Blank {
     Stl(StlFile),
 }
 
-/// Cutting body of a tool, apart from its radii.
+/// Shape of a tool's cutting part besides its radii: corner and height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Corner radius: of an insert on both sides, of a mill's end. A ball-end mill has its own radius here.

@@ -28,7 +28,7 @@ const EXTENDED: u16 = 6;
 /// Refused word: its column, and the remedy.
 pub type RefusedWord = (u16, &'static str);
 
-/// Path control with the tolerance at corners; without merging of moves, so that each move keeps its line.
+/// LinuxCNC's G64 block with the tolerance at corners. Moves are not merged, so that each move keeps its line.
 pub fn path_control(unit: LengthUnit) -> String {
     let [mm, inch] = PATH_TOLERANCE;
     format!("G64 P{} Q0", if unit == LengthUnit::Mm { mm } else { inch })
@@ -45,7 +45,7 @@ pub struct LinuxCncState {
     pub is_tapping: bool,
 }
 
-/// Block of a Fanuc, and what to change in it.
+/// Fanuc block with the changes that translate it to LinuxCNC.
 pub struct BlockEditor<'a> {
     line: &'a InterpretedLine,
     /// State of the control behind the block.
@@ -92,7 +92,7 @@ impl<'a> BlockEditor<'a> {
         Ok(editor)
     }
 
-    /// Checks that the component follows the block, if it has the feed.
+    /// Checks that LinuxCNC's component can follow the block, if the component drives the feed.
     ///
     /// # Errors
     /// The word that it does not follow.

@@ -32,16 +32,16 @@ pub enum CodeGroup {
     Path,
 }
 
-/// Rule for a G code.
+/// Rule for translating a G code to LinuxCNC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GRule {
-    /// The same on LinuxCNC.
+    /// The code is the same on LinuxCNC.
     Keep(CodeGroup),
-    /// Without an effect there, with the words P and Q of its block.
+    /// The code has no effect on LinuxCNC; it is left out with the words P and Q of its block.
     Drop,
-    /// Without an effect there if the block has no axis words.
+    /// The code has no effect on LinuxCNC if the block has no axis words.
     DropAlone,
-    /// Refused, with the remedy.
+    /// The code is refused, with this remedy.
     Refuse(&'static str),
 }
 

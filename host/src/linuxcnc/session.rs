@@ -19,7 +19,7 @@ const START: Duration = Duration::from_secs(10);
 const NO_LINUXCNC: &str = "no Python here has LinuxCNC's module `linuxcnc`; run this on the machine's computer, in a terminal \
                            where the command `linuxcnc` works";
 
-/// Message of the machine's side.
+/// Message of the script that controls LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SessionEvent {
@@ -40,7 +40,7 @@ pub enum SessionEvent {
     Sample(MachineSample),
 }
 
-/// Machine with the program open.
+/// Message: the machine has opened the program.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ready {
     /// Prepared moves in force in the component.
@@ -53,7 +53,7 @@ pub struct Ready {
     pub mm_per_unit: f64,
 }
 
-/// State of the run.
+/// Message: state of a run on LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Status {
     /// Line of the program in execution.
@@ -66,7 +66,7 @@ pub struct Status {
     pub armed: bool,
 }
 
-/// End of the run.
+/// Message: a run on LinuxCNC has ended.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ended {
     /// The machine is still on.
@@ -75,7 +75,7 @@ pub struct Ended {
     pub missing: u64,
 }
 
-/// Servo period of the machine, in the machine's unit.
+/// Sample of the machine in one servo period, in the machine's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSample {
     /// Number of the period.
@@ -106,7 +106,7 @@ impl MachineSample {
     }
 }
 
-/// Session: the conversation with the script.
+/// Conversation with the script that controls LinuxCNC.
 pub struct Session {
     script: Child,
     commands: Option<ChildStdin>,

@@ -3,7 +3,7 @@
 use arcfeed_units::S_PER_MIN;
 use serde::Deserialize;
 
-/// Limits of one axis; of a rotary axis, degrees for mm.
+/// Drive limits of one axis; for a rotary axis, degrees in place of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Greatest speed, mm/s.
@@ -37,7 +37,7 @@ pub struct Tolerance {
     pub rotary_deg: f64,
 }
 
-/// Position loops, alike in all axes.
+/// Position loops of a machine file, equal for all axes.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Loops {
@@ -52,7 +52,7 @@ pub struct Loops {
     pub in_position_mm: f64,
 }
 
-/// The spindle's drive.
+/// Spindle drive of a machine file.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct SpindleRamps {
@@ -79,7 +79,7 @@ fn arrival() -> f64 {
 }
 
 impl Loops {
-    /// The values are in range.
+    /// Whether the values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.gain_per_s, self.in_position_mm].into_iter().all(|value| value > 0.0 && value.is_finite());
         positive && (0.0..=1.0).contains(&self.feed_forward_ratio)
@@ -87,7 +87,7 @@ impl Loops {
 }
 
 impl SpindleRamps {
-    /// The values are in range.
+    /// Whether the values are in range.
     pub fn are_possible(&self) -> bool {
         let positive = [self.run_up_rev_per_min_s, self.run_down_rev_per_min_s, self.arrival_ratio];
         positive.into_iter().all(|value| value > 0.0 && value.is_finite())
@@ -141,7 +141,7 @@ impl Drives {
         Ok(Some(Drives { linear, rotary: [drive(3)?, drive(4)?], tolerance }))
     }
 
-    /// Replaces the speeds by those that the machine has now: a job may have changed them.
+    /// The drives with other maximum speeds, which a job may have changed.
     #[must_use]
     pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
         for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {

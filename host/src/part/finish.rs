@@ -59,7 +59,7 @@ pub struct FinishPart {
     pub output: Output,
 }
 
-/// Speed and feeds.
+/// Spindle speed and feeds of finishing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishFeeds {
     /// Spindle speed.

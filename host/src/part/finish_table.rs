@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use crate::job::Quantity;
 
+/// `[finish]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FinishTable {
@@ -43,6 +44,7 @@ pub struct FinishTable {
     pub approach_feed: Option<Spanned<Quantity>>,
 }
 
+/// Values of `spacing` in `[finish]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpacingWord {
@@ -51,6 +53,7 @@ pub enum SpacingWord {
     IsoStepover,
 }
 
+/// Values of `course` in `[finish]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum CourseWord {
@@ -60,6 +63,7 @@ pub enum CourseWord {
     Suction,
 }
 
+/// Values of `milling` in `[finish]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum MillingWord {
@@ -68,6 +72,7 @@ pub enum MillingWord {
     Conventional,
 }
 
+/// Values of `interpolate` in `[finish]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum InterpolateWord {

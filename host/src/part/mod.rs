@@ -85,7 +85,7 @@ pub enum MachineSource {
     Preset(String),
 }
 
-/// Speed and feeds.
+/// Spindle speed and feeds of a part file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feeds {
     /// Spindle speed.
@@ -98,7 +98,7 @@ pub struct Feeds {
     pub axial_mm_per_min: Option<f64>,
 }
 
-/// Settings of the NC program.
+/// Settings of a part file for the NC program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// G20 or G21.
@@ -113,7 +113,7 @@ pub struct Output {
     pub dprnt: bool,
 }
 
-/// Flank milling with a ball-end mill.
+/// Settings of a part file for the comparison with flank milling by a ball-end mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaselineSettings {
     /// Diameter of the ball.

@@ -6,6 +6,7 @@ use toml::Spanned;
 use super::finish_table::FinishTable;
 use crate::job::{Quantity, UnitWord};
 
+/// A whole part file as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartTable {
@@ -26,6 +27,7 @@ pub struct PartTable {
     pub baseline: Option<BaselineTable>,
 }
 
+/// `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryTable {
@@ -36,6 +38,7 @@ pub struct GeometryTable {
     pub step: Option<Spanned<StepTable>>,
 }
 
+/// `generate` of `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GenerateTable {
@@ -53,6 +56,7 @@ pub struct GenerateTable {
     pub hand: HandWord,
 }
 
+/// Values of `hand` in `generate`.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HandWord {
@@ -61,6 +65,7 @@ pub enum HandWord {
     Left,
 }
 
+/// `curves` of `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CurvesTable {
@@ -73,6 +78,7 @@ pub struct CurvesTable {
     pub units: Option<PointUnit>,
 }
 
+/// `sections` of `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectionsTable {
@@ -85,6 +91,7 @@ pub struct SectionsTable {
     pub hub_radius: Option<Spanned<Quantity>>,
 }
 
+/// `stl` of `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StlTable {
@@ -99,6 +106,7 @@ pub struct StlTable {
     pub tip_radius: Option<Spanned<Quantity>>,
 }
 
+/// `step` of `[geometry]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepTable {
@@ -116,6 +124,7 @@ pub struct StepTable {
     pub tip_radius: Option<Spanned<Quantity>>,
 }
 
+/// Values of `axis` in `[geometry]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RotorWord {
@@ -135,6 +144,7 @@ pub enum PointUnit {
     Inch,
 }
 
+/// `[blank]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlankTable {
@@ -143,6 +153,7 @@ pub struct BlankTable {
     pub to: Spanned<Quantity>,
 }
 
+/// `[cutter]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CutterTable {
@@ -156,6 +167,7 @@ pub struct CutterTable {
     pub holder: Vec<Spanned<[Quantity; 2]>>,
 }
 
+/// `[plunge]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartPlungeTable {
@@ -179,6 +191,7 @@ pub struct PartPlungeTable {
     pub approach_feed: Option<Spanned<Quantity>>,
 }
 
+/// Values of `fit` in `[plunge]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum FitWord {
@@ -187,6 +200,7 @@ pub enum FitWord {
     Area,
 }
 
+/// `[roughing]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoughingTable {
@@ -204,6 +218,7 @@ pub struct RoughingTable {
     pub axial_feed: Option<Spanned<Quantity>>,
 }
 
+/// Values of `law` in `[roughing]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawWord {
@@ -212,6 +227,7 @@ pub enum LawWord {
     EngagedArc,
 }
 
+/// Values of `axis` in `[roughing]`.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisWord {
@@ -221,6 +237,7 @@ pub enum AxisWord {
     Roomiest,
 }
 
+/// `[[fixture]]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FixtureTable {
@@ -228,6 +245,7 @@ pub struct FixtureTable {
     pub to: [Quantity; 3],
 }
 
+/// `[machine]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartMachineTable {
@@ -235,6 +253,7 @@ pub struct PartMachineTable {
     pub preset: Option<Spanned<String>>,
 }
 
+/// `[output]` as serde reads it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputTable {
@@ -245,6 +264,7 @@ pub struct OutputTable {
     pub dprnt: Option<bool>,
 }
 
+/// `[baseline]` as serde reads it.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BaselineTable {

@@ -17,7 +17,7 @@ const RAYS: u32 = 24;
 /// Least half width of the chart, sine of the angle from the pole.
 const HALF_MIN: f64 = 0.01;
 
-/// Picture as SVG.
+/// Chart of the first rotary axis over the directions of the tool, with a path's tool axes, as SVG.
 pub fn chart(machine: &Machine, axes: &[Vector]) -> String {
     let first = machine.rotary()[0].direction;
     let (right, up) = across(first);

@@ -17,7 +17,7 @@ const REFUSED: [&str; 5] = ["CIRCLE", "GODLTA", "CYCLE", "MOVARC", "COPY"];
 /// Tolerance of the length of i, j, k: beyond it they are no direction.
 const UNIT_SLACK: f64 = 0.01;
 
-/// CL data.
+/// CL data: the tool path of a CAM system, before it is adapted to a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cl {
     /// `PARTNO`.
@@ -28,7 +28,7 @@ pub struct Cl {
     pub passed_over: usize,
 }
 
-/// CL point.
+/// Point of CL data: tool tip, tool axis and feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClPoint {
     /// Line of the file, counted from 1.

@@ -31,7 +31,7 @@ struct State {
     feed: Option<f64>,
 }
 
-/// A program gives the tool's direction by I, J, K (G43.5).
+/// Whether a program gives the tool's direction by I, J, K (G43.5).
 pub fn is_by_direction(bytes: &[u8]) -> bool {
     let is_code = |token: Token<'_>| matches!(token, Token::Word(word) if word.letter == b'G' && word.number.as_tenths() == Some(435));
     let mut words = Lines::new(bytes).flat_map(|line| Words::tolerant(line.text, true)).flatten();

@@ -17,7 +17,7 @@ const PERCENT: f64 = 100.0;
 /// Last digit shown of a position.
 const SHOWN: f64 = 1e-3;
 
-/// Finding about a point.
+/// Finding about a point of a path on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the CL data or the program, counted from 1.
@@ -26,7 +26,7 @@ pub struct Finding {
     pub what: FindingKind,
 }
 
-/// Kind of a finding.
+/// Kind of a finding about a path on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FindingKind {
     /// No axis positions reach the direction, here and at the following points.
@@ -107,7 +107,7 @@ impl Finding {
         }
     }
 
-    /// Entry for `--json`.
+    /// The finding as an entry of `--json`.
     pub fn entry(&self) -> Entry {
         let kind = match &self.what {
             FindingKind::Unreachable { .. } | FindingKind::NoAxis(_) => "unreachable",

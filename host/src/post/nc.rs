@@ -27,7 +27,7 @@ const INVERSE_TIME_DECIMALS: usize = 3;
 /// Most decimals of a coordinate.
 const DECIMALS_MAX: usize = 6;
 
-/// Settings for writing a program.
+/// Settings for writing an NC program: machine name, mode, tolerance, tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style<'a> {
     /// Name of the machine.
@@ -40,7 +40,7 @@ pub struct Style<'a> {
     pub start: Option<ToolStart>,
 }
 
-/// Tool and spindle of a whole program.
+/// Tool and spindle words at the start of a whole program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolStart {
     /// O number.
@@ -53,7 +53,7 @@ pub struct ToolStart {
     pub coolant: bool,
 }
 
-/// The program, and its number of points.
+/// Writes the NC program; returns it with its number of points.
 ///
 /// # Errors
 /// A move cannot be made straight, or the branch changes where the program cannot leave the part.

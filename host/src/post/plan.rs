@@ -12,7 +12,7 @@ use arcfeed_kinematics::vector::{difference, length};
 use super::cl::Cl;
 use super::finding::{Finding, FindingKind};
 
-/// Input for choosing the axis positions.
+/// Input of an axis plan: machine, placement, limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
     /// The machine.
@@ -29,7 +29,7 @@ pub struct Task {
     pub retract_mm: f64,
 }
 
-/// Path on the machine.
+/// Path as positions of the machine's axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisPlan {
     /// Axis positions of each point.
@@ -41,7 +41,7 @@ pub struct AxisPlan {
 }
 
 impl AxisPlan {
-    /// Chooses the axis positions. A path with points out of reach has findings and no stops.
+    /// Chooses the axis positions for CL data. If points are out of reach, the result has findings and no positions.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<ToolPose> = cl.points.iter().map(|point| point.pose).collect();
@@ -143,7 +143,7 @@ impl AxisPlan {
     }
 }
 
-/// Axis positions of a pose.
+/// Positions of all axes for a tool pose and given rotary axes.
 pub fn stop(task: &Task, pose: &ToolPose, rotary_deg: [f64; 2]) -> PathPoint {
     let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
     PathPoint { pose: *pose, axes: Axes { linear_mm, rotary_deg } }

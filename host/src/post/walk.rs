@@ -17,7 +17,7 @@ use crate::program::{MoveTrace, Program};
 /// Least number of steps on a curved path.
 const STEPS_MIN: f64 = 8.0;
 
-/// Move of the program.
+/// Move of a program on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// Move of the control.
@@ -56,7 +56,7 @@ impl Move {
         Move { made, is_continuous: false, setup, rotary_deg }
     }
 
-    /// The move is a cutting move.
+    /// Whether the move is a cutting move.
     pub fn is_cut(&self) -> bool {
         self.made.segment.path != Path::Rapid
     }
@@ -73,14 +73,14 @@ impl Move {
         [from[0] + part * turned[0], from[1] + part * turned[1]]
     }
 
-    /// Move of the tip, if it is a straight one under G43.4.
+    /// The move as a straight move of the tip under G43.4; `None` for other moves.
     pub fn of_tip(&self) -> Option<TipMove> {
         let is_straight = self.made.follows_tip && self.made.segment.path == Path::Line;
         let tip_mm = [self.made.segment.start, self.made.segment.end].map(|pose| pose.linear.map(Nm::to_mm));
         is_straight.then_some(TipMove { tip_mm, rotary_deg: self.rotary_deg })
     }
 
-    /// Axis positions: at both ends, and on a curved path a degree or less apart.
+    /// Axis positions along the move: at both ends, and on a curved path at steps of one degree at most.
     pub fn places(&self, machine: &Machine) -> Vec<Axes> {
         let turned = self.turned_deg();
         let bend_deg = match &self.made.segment.path {

@@ -83,7 +83,7 @@ const COMMENT: &str = "a comment is written in ( ) on a Fanuc";
 const FAR_SYSTEM: &str = "a 16i and a 0i have G54.1 P1 to P48, a 31i P1 to P300 (--control fanuc-31i)";
 const CAPITALS: &str = "write capitals";
 
-/// The remedy for a fault at its place in a line, if it is known better than by the fault alone.
+/// Remedy for a fault that depends on the text of the line; `None` if the fault's own remedy is the best.
 pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
     let Cause::Alarm(alarm) = fault.cause else {
         return is_in(fault, NotModelled::Macro).then(|| foreign_text(text)).flatten();

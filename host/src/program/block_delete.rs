@@ -9,7 +9,7 @@ use memchr::memchr;
 
 use super::ProgramLine;
 
-/// Line that a block-delete switch may change.
+/// Effect of the block-delete switches on a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockDeleteEffect {
     /// The switch affects only functions such as M8: no move and no F, and the control is in the same state after the
@@ -28,8 +28,8 @@ pub(super) struct BlockDeleteReader {
 }
 
 impl BlockDeleteReader {
-    /// Starts the second reading at a line that may have a `/`, and ends it where both readings agree; `before` is the
-    /// control before that line.
+    /// Starts the second reading at a line that may have a `/`, and ends it as soon as both readings agree; `before`
+    /// is the control before that line.
     pub fn fork(&mut self, text: &[u8], before: &Reader) {
         if !self.is_mixed && self.reader.as_ref().is_some_and(|reader| reader.has_same_state(before)) {
             self.reader = None;
@@ -41,7 +41,8 @@ impl BlockDeleteReader {
         }
     }
 
-    /// Reads the same line; `of` is the first reading of it, and `after` the control after that.
+    /// Reads a line a second time, with the switches the other way; `of` is the first reading of it, and `after` the
+    /// control after that.
     pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<BlockDeleteEffect> {
         let reader = self.reader.as_mut()?;
         let understood = reader.read(text).ok();

@@ -30,7 +30,7 @@ const PLANE_TINY: &str = "no X or Y of the program has a decimal point, and as l
 const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
                         0.1 in; read whole units with `--decimals calculator`";
 
-/// Words with and without decimal points, line by line, for a control that counts words without one in least increments.
+/// Survey of words with and without decimal points, for a control that counts words without one in least increments.
 #[derive(Debug)]
 pub struct DecimalSurvey {
     unit: LengthUnit,
@@ -57,7 +57,7 @@ struct PlainWord {
 }
 
 impl DecimalSurvey {
-    /// No line so far.
+    /// Survey before the first line, for these settings.
     pub fn new(settings: &Settings) -> Self {
         DecimalSurvey {
             unit: settings.unit,
@@ -185,8 +185,8 @@ fn median(powers: &[usize; 64]) -> Option<usize> {
     })
 }
 
-/// Advice for a program with arcs that do not close: a convention with which more of them do, if there is one. The program is
-/// read again with it.
+/// Advice for a program with arcs that do not close: a convention with which more of them close, if there is one. The
+/// program is read again to find it.
 pub fn fitting_convention(source: &Source) -> Option<String> {
     let settings = source.settings;
     let open_arcs = |settings: Settings| {
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_without_a_point_among_words_with_one_is_found_by_its_size() {
+    fn missing_decimal_point_is_found_by_the_size_of_the_word() {
         let text = "G90\nG0X0.Y0.Z5.\nG1Z-2.F100\nX100\nY50.5\nX20.25Y3\nG4X1000\nG2X0Y0I10\nX10000\nM30\n";
         assert_eq!(warned(text), [(4, 1), (6, 7)]);
     }

@@ -8,7 +8,7 @@ use arcfeed_nc::modal::{Corner, Plane};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::Segment;
 
-/// Move beside a chamfer or rounded corner, in the coordinates of the path.
+/// Move beside a chamfer or rounded corner, in path coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerMove {
     /// The move, without the parts that corners take away.
@@ -17,7 +17,7 @@ pub struct CornerMove {
     pub inserted: Option<Segment>,
 }
 
-/// Moves of a program whose corners are inserted, block by block.
+/// Inserter of chamfers and rounded corners into a program's moves, block by block.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CornerMoves {
     held: Option<HeldMove>,
@@ -34,7 +34,7 @@ struct HeldMove {
 }
 
 impl CornerMoves {
-    /// Whether the move of this line waits for the one behind its corner.
+    /// Whether the move of this line waits for the move behind its corner.
     pub fn holds(&self, line: usize) -> bool {
         self.held.is_some_and(|held| held.line == line)
     }

@@ -47,7 +47,7 @@ pub enum Severity {
     Warning,
 }
 
-/// Reason for which a move keeps its programmed feed although a law of the job is for it.
+/// Reason why a move keeps its programmed feed although a law should govern it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedKept {
     /// A function in force there that no law covers.

@@ -9,7 +9,7 @@ use super::Diagnostic;
 use super::library::Folder;
 use super::run_faults::{file_of, in_main};
 
-/// Places of the lines of an expanded program.
+/// Place in the program's files of each block as executed.
 #[derive(Clone, Debug, Default)]
 pub struct ExecutedPlaces {
     /// Content of the program's file.
@@ -40,12 +40,12 @@ impl ExecutedPlaces {
         self.lines.len()
     }
 
-    /// There are no lines.
+    /// Whether there are no lines.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
 
-    /// Adds a line that is not in the file.
+    /// Adds a line that arcfeed has added and that is in no file.
     pub fn add_own(&mut self) {
         self.lines.push(None);
     }
@@ -89,7 +89,7 @@ impl ExecutedPlaces {
         calls.iter().rev().map(|call| format!(", called from {}", self.place_name(*call))).collect()
     }
 
-    /// A diagnostic of a line, at its place in the main program's file.
+    /// Converts a diagnostic of a line to its place in the main program's file.
     #[must_use]
     pub fn in_file(&self, found: Diagnostic) -> Diagnostic {
         let line = self.line_in_file(found.line);

@@ -20,7 +20,8 @@ use super::source::{LINES_MAX, Source};
 use super::{Diagnostic, ExecutedPlaces, Expansion, Program, RunBounds, Severity};
 
 impl Source {
-    /// The blocks of this program as executed; of a program without macro statements and calls the program itself.
+    /// The blocks of this program as executed, without macro statements and calls; a program without those is
+    /// returned as it is.
     ///
     /// # Errors
     /// Faults of the run; a value from outside the program; more than 500 000 blocks.
@@ -52,8 +53,8 @@ impl Source {
 }
 
 impl Program {
-    /// Reads the blocks of a program as executed on a control with these settings; a program that cannot be executed as it
-    /// stands, with the faults of its run.
+    /// Reads the blocks of a program as executed on a control with these settings. If the program cannot be executed,
+    /// the result is the program as it stands, with the faults of its run.
     pub fn executed(path: &Path, bytes: &[u8], (settings, tables): (Settings, Tables), library: Option<&Path>) -> Self {
         let parsed = Program::parse_with(path, bytes, settings, tables);
         let Some(_) = parsed.macro_line else { return parsed };

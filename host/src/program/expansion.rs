@@ -34,7 +34,7 @@ const RESTARTS: &str = "it would start the program again with the last feed in f
 /// Interpreted time of a slice of statements.
 const SLICE: Micros = Micros::from_ms(1);
 
-/// Bounds of a program's run.
+/// Bounds of the run of a program with macro statements.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBounds {
     /// Most blocks in all, and most statements between two moves.
@@ -69,7 +69,7 @@ impl RunBounds {
     }
 }
 
-/// Settings for interpreting a program.
+/// Settings for interpreting a program with macro statements.
 #[derive(Clone, Debug)]
 pub struct Expansion<'a> {
     /// Settings of the control.
@@ -86,7 +86,7 @@ pub struct Expansion<'a> {
     pub outside: OutsideValues,
 }
 
-/// Action of an interpreted program.
+/// Step of an interpreted program: block, message, output, or change of the ignored functions.
 pub enum ExecutedStep<'a> {
     /// A block, with its meaning unless it has a fault, and the control after it.
     Block(&'a PlainBlock, Option<&'a InterpretedLine>, &'a Reader),
@@ -98,7 +98,7 @@ pub enum ExecutedStep<'a> {
     Ignored(Ignored),
 }
 
-/// Result of a run.
+/// Result of interpreting a program to its end.
 pub struct RunEnd {
     /// Faults in the order found.
     pub found: Vec<Diagnostic>,

@@ -11,7 +11,7 @@ use super::block_delete::BlockDeleteReader;
 use super::diagnostic::{START_UNKNOWN, is_blank};
 use super::{Diagnostic, ProgramLine};
 
-/// State of the control after the lines read so far.
+/// Reader of a program, line by line, with the state of the control.
 pub struct LineReader {
     reader: Reader,
     reading: Reading,
@@ -23,7 +23,7 @@ pub struct LineReader {
     has_trailer: bool,
 }
 
-/// The program with capitals in its code, as it is sent to a control.
+/// The program with capital letters in its code, as it is sent to a control.
 pub fn in_capitals(program: &[u8]) -> Vec<u8> {
     let mut capitals = Vec::with_capacity(program.len());
     for RawLine { text, ending } in Lines::new(program) {
@@ -63,7 +63,7 @@ impl LineReader {
         }
     }
 
-    /// The control.
+    /// The control after the lines read so far.
     pub fn control(&self) -> &Reader {
         &self.reader
     }

@@ -8,7 +8,7 @@ use arcfeed_units::Nm;
 
 use super::{Program, ProgramLine};
 
-/// One move.
+/// One executed move, with its line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveTrace {
     /// Line in the main program's file, counted from 1.

@@ -26,7 +26,7 @@ const WARNED_MAX: usize = 1_000;
 const STOPPED: &str = "this move cuts while the spindle stands still: no M3 or M4 with an S starts it before, or M5 or M6 has stopped it; write \
                        S and M3 before the cut";
 
-/// Figures of a program's path.
+/// Summary of a program's tool path: extents, times and tools.
 #[derive(Clone, Debug)]
 pub struct PathSummary {
     /// Unit of the program: the first that it states, otherwise that at power-on.
@@ -52,7 +52,7 @@ pub struct PathSummary {
     has_unread_lines: bool,
 }
 
-/// Work of one tool.
+/// Use of one tool in a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolUse {
     /// T number; `None` for a tool that the program does not name.
@@ -89,7 +89,7 @@ struct ToolComments {
 }
 
 impl PathSummary {
-    /// No line so far; `unit` at power-on.
+    /// Summary before the first line; `unit` applies at power-on.
     pub fn new(unit: LengthUnit) -> Self {
         PathSummary {
             unit,
@@ -203,7 +203,7 @@ impl PathSummary {
         lines.map(|(line, raw)| (Diagnostic::of_line(line, raw.text, STOPPED), raw.text)).collect()
     }
 
-    /// Comment about a tool: one with its data, otherwise the one at its tool change.
+    /// Comment about a tool: preferably one with its data, otherwise the comment at its tool change.
     pub fn comment_of<'s>(&'s self, tool: &'s ToolUse) -> &'s str {
         let described = tool.number.and_then(|number| self.comments.notes.text_of(number));
         described.unwrap_or(&tool.comment)
@@ -259,7 +259,7 @@ impl PathSummary {
         self.extents[axis] = Some([low.min(value), high.max(value)]);
     }
 
-    /// Tools that move.
+    /// Tools that make moves.
     pub fn tools_in_use(&self) -> impl Iterator<Item = &ToolUse> {
         self.tools.iter().filter(|tool| tool.cutting_mm > 0.0 || tool.rapid_mm > 0.0 || tool.cutting_s > 0.0)
     }

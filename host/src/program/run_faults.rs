@@ -16,7 +16,7 @@ use super::library::Folder;
 /// Most places for which faults are reported.
 const FAULTS_MAX: usize = 200;
 
-/// Faults found so far.
+/// Collector of the faults found while a program is interpreted, each with its place.
 pub struct RunFaults<'a> {
     /// Lines of the main program's file.
     pub texts: Vec<&'a [u8]>,
@@ -29,7 +29,7 @@ pub struct RunFaults<'a> {
 }
 
 impl<'a> RunFaults<'a> {
-    /// No faults yet, in a control with these settings.
+    /// Collector without faults, for a control with these settings; `texts` are the files of the program.
     pub fn new(texts: Vec<&'a [u8]>, folder: Option<&'a Folder>, settings: &Settings) -> Self {
         let (contours, reported) = (ContourCheck::new(settings), BTreeSet::new());
         RunFaults { texts, folder, list: Vec::new(), contours, reported }
@@ -103,7 +103,7 @@ impl<'a> RunFaults<'a> {
     }
 }
 
-/// Line in the main program's file; for a place in the library that of the call that led to it.
+/// Line of the main program's file for a place: for a place in the library, the line of the call that led there.
 pub fn in_main(place: SourceLine, calls: &[SourceLine]) -> SourceLine {
     let call = || calls.iter().rev().find(|call| call.library.is_none()).copied().unwrap_or_default();
     if place.library.is_none() { place } else { call() }

@@ -22,7 +22,7 @@ pub const BYTES_MAX: u64 = 80 << 20;
 /// Most lines of a program that is kept as a whole, with some 2.3 kB per line.
 pub const LINES_MAX: usize = 500_000;
 
-/// Program as text.
+/// NC program as text, with the settings of the control that reads it.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Path of the file.
@@ -39,7 +39,7 @@ pub struct Source {
     pub places: Option<Arc<ExecutedPlaces>>,
 }
 
-/// Lines of a program, each in the memory of the one before.
+/// Reader of the lines of a program, which keeps one line at a time.
 pub struct SourceLines<'a> {
     rest: Lines<'a>,
     reader: LineReader,
@@ -49,12 +49,12 @@ pub struct SourceLines<'a> {
 }
 
 impl SourceLines<'_> {
-    /// The next line, if there is one more.
+    /// Reads and returns the next line, if there is one more.
     pub fn next_line(&mut self) -> Option<&ProgramLine> {
         self.read_next().then_some(&self.line)
     }
 
-    /// Reads the next line, if there is one more: see [`SourceLines::line`].
+    /// Reads the next line; returns whether there was one. [`SourceLines::line`] returns the line.
     pub fn read_line(&mut self) -> bool {
         self.read_next()
     }
@@ -176,7 +176,7 @@ impl Source {
         summary
     }
 
-    /// A diagnostic of a line, at its place in the file.
+    /// Converts a diagnostic of a line to its place in the file.
     #[must_use]
     pub fn in_file(&self, found: Diagnostic) -> Diagnostic {
         match &self.places {

@@ -9,7 +9,7 @@ use super::{MoveCounts, ProgramLine};
 /// Most tools in the list: one more than one is enough to ask which tool is meant.
 const TOOLS_MAX: usize = 100;
 
-/// Counts of a program.
+/// Counts of the contents of a program.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramSummary {
     /// Lines of the file.

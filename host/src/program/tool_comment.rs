@@ -14,7 +14,7 @@ const DIAMETERS_MM: std::ops::RangeInclusive<f64> = 0.05..=250.0;
 /// Most teeth.
 const TEETH_MAX: f64 = 40.0;
 
-/// Tool data of a comment.
+/// Tool data that a comment of a program states.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolComment {
     /// T number.
@@ -146,7 +146,7 @@ impl ToolComment {
         self.has_size() || self.kind.is_some()
     }
 
-    /// Whether there is a dimension or a count of the tool.
+    /// Whether the comment has a dimension of the tool or a number of teeth.
     pub fn has_size(&self) -> bool {
         self.diameter_mm.is_some() || self.corner_radius_mm.is_some() || self.teeth.is_some()
     }

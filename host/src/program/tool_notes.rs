@@ -19,7 +19,7 @@ const SILENT_MAX: usize = 1_000;
 /// Most tools with comments.
 const NOTES_MAX: usize = 500;
 
-/// Data that comments have about a tool.
+/// Tool data from the comments about one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolNote {
     /// T number.
@@ -44,7 +44,7 @@ pub struct Operation {
     pub text: String,
 }
 
-/// Comments read so far.
+/// Collector of the comments about tools in a program.
 #[derive(Clone, Debug)]
 pub struct ToolNotes {
     unit: LengthUnit,
@@ -64,7 +64,7 @@ pub struct ToolNotes {
 }
 
 impl ToolNotes {
-    /// For a program in this unit.
+    /// Empty notes, for a program in this unit.
     pub fn new(unit: LengthUnit) -> Self {
         let (notes, contradicted) = (Vec::new(), Vec::new());
         ToolNotes {

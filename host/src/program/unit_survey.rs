@@ -22,7 +22,7 @@ pub struct AssumedUnit {
 }
 
 impl AssumedUnit {
-    /// For the text of a program; `None` if it states its unit or has no length.
+    /// Unit assumed by the text of a program; `None` if it states its unit or has no length.
     pub fn of(program: &[u8]) -> Option<Self> {
         let mut survey = UnitSurvey::default();
         for (index, line) in Lines::new(program).enumerate() {
@@ -40,7 +40,7 @@ impl AssumedUnit {
         Lines::new(program).nth(self.place[0] - 1).map_or(&b""[..], |line| line.text)
     }
 
-    /// Warning that names the unit and the reason for it; without evidence in the text it is the unit at power-on.
+    /// Warning with the unit and the reason for it; if the text has no evidence, the unit is that at power-on.
     pub fn warning(&self) -> Diagnostic {
         let unit = if self.likely == Some(LengthUnit::Mm) { "millimetres" } else { "inches" };
         let [line, column, end_column] = self.place;

@@ -42,7 +42,7 @@ pub struct LeftOutSamples {
     pub no_contact: u64,
 }
 
-/// All moves that the cut rules of one tool match.
+/// Chip load of all moves that the cut rules of one tool match.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ToolFigures {
     /// T number, if the job or the program gives one.
@@ -53,7 +53,7 @@ pub struct ToolFigures {
     pub baseline_chip_load: Option<ChipLoadFigures>,
 }
 
-/// Samples of several moves together.
+/// Chip samples of several moves together.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ChipSamples {
     /// Steady samples.

@@ -12,7 +12,7 @@ use super::material::MaterialFigures;
 use super::spindle::SpindleFigures;
 use crate::dnc::reports::Reports;
 
-/// Run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
+/// Report of a run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct RunReport {
     /// Unit of lengths: `in` or `mm`.
@@ -76,7 +76,7 @@ pub struct RestartFigures {
     pub g: Vec<String>,
 }
 
-/// Alarm of the control.
+/// Alarm that stopped the control, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmFigures {
     /// Line of the program as sent.
@@ -111,7 +111,7 @@ impl fmt::Display for AlarmFigures {
     }
 }
 
-/// Block whose feed, with its override, one axis did not allow.
+/// Block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisLimitFigures {
     /// Blocks executed, up to and including this one.
@@ -139,7 +139,7 @@ impl fmt::Display for AxisLimitFigures {
     }
 }
 
-/// Values of the override.
+/// Least and largest override, and the number of its changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OverrideFigures {
     /// Least, %.
@@ -161,7 +161,7 @@ impl OverrideFigures {
     }
 }
 
-/// All arcs that one cut rule matches.
+/// Figures of all arcs that one cut rule matches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovementFigures {
     /// Rule, counted from 1 in the order of the job file.
@@ -209,7 +209,7 @@ impl ReportFigures {
     }
 }
 
-/// Serial line during a run.
+/// Figures of the serial line during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkFigures {
     /// Characters that went over it.
@@ -228,7 +228,7 @@ pub struct LinkFigures {
     pub line_errors: Option<LineErrorFigures>,
 }
 
-/// Counts of the operating system since the port was opened.
+/// Damaged characters, counted by the operating system since the port was opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LineErrorFigures {
     /// Characters without stop bits.

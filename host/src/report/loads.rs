@@ -8,7 +8,7 @@ use super::marks::MarksFigures;
 use super::material::{LeftOutBlocks, short};
 use crate::plural::counted;
 
-/// Loads of a run.
+/// Cutting loads of a run: forces, torque, power and chips.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadsFigures {
     #[serde(skip)]
@@ -36,7 +36,7 @@ pub struct LoadsFigures {
     pub left_out: Vec<LeftOutBlocks>,
 }
 
-/// Change of the tool's position against the workpiece from tooth to tooth.
+/// Vibration in a run: change of the tool's position against the workpiece from tooth to tooth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VibrationFigures {
     /// Largest change that counts as none.
@@ -55,7 +55,7 @@ pub struct VibrationFigures {
     pub baseline_unstable: Vec<UnstableFigures>,
 }
 
-/// Block with vibration.
+/// A block in which the tool vibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnstableFigures {
     /// Blocks executed, up to and including this one.
@@ -70,7 +70,7 @@ pub struct UnstableFigures {
     pub metric: f64,
 }
 
-/// Loads over a time.
+/// Cutting loads over a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadFigures {
     /// Time in which an edge had a chip.
@@ -103,7 +103,7 @@ pub struct LoadFigures {
     pub end_chip_max: Option<f64>,
 }
 
-/// All blocks of a cut rule.
+/// Cutting loads of all blocks under one cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadRuleFigures {
     /// Rule, counted from 1; null for blocks without one.
@@ -114,7 +114,7 @@ pub struct LoadRuleFigures {
     pub baseline: LoadFigures,
 }
 
-/// Block.
+/// Cutting loads of one block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadBlockFigures {
     /// Blocks executed, up to and including this one.
@@ -135,7 +135,7 @@ impl LoadFigures {
         self.chip_max.into_iter().flatten().reduce(f64::max)
     }
 
-    /// Table cells: force, variation, thrust, torque, power, chip.
+    /// Cells of a table row: force, variation, thrust, torque, power, chip.
     pub fn cells(&self) -> [String; 6] {
         let percent = |ratio: f64| format!("{:.0}", 1e2 * ratio);
         [
@@ -164,7 +164,7 @@ impl LoadsFigures {
         rows
     }
 
-    /// Range of the marks on walls and place of the largest; `None` without walls.
+    /// Range of the marks on walls and place of the largest, as text for a person; `None` without walls.
     pub fn marks_words(&self) -> Option<String> {
         let side = |marks: &Option<MarksFigures>| marks.as_ref().map_or("no walls".into(), MarksFigures::range);
         let MarksFigures { largest, .. } = self.marks.as_ref()?;
@@ -215,7 +215,7 @@ impl fmt::Display for LoadsFigures {
 }
 
 impl VibrationFigures {
-    /// Text for a person.
+    /// Text about the vibration for a person.
     pub fn words(&self, unit: &str) -> String {
         let side = |metric: Option<f64>, unstable: &[UnstableFigures]| {
             let changes = metric.map_or("too short to judge".into(), |metric| format!("up to {}", short(metric)));

@@ -21,7 +21,7 @@ pub struct MarksFigures {
     pub blocks: Vec<BlockMarksFigures>,
 }
 
-/// Range of the marks on some walls.
+/// Least and largest mark on some walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RangeFigures {
     /// Number of ray ends on them.
@@ -34,7 +34,7 @@ pub struct RangeFigures {
     pub rms: f64,
 }
 
-/// Mark with the largest amount.
+/// Largest mark, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestFigures {
     /// Deviation of the wall.
@@ -53,7 +53,7 @@ pub struct LargestFigures {
     pub rule: Option<usize>,
 }
 
-/// Marks of a layer.
+/// Marks on the walls of one layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LayerFigures {
     /// Z of the middle of the layer.
@@ -63,7 +63,7 @@ pub struct LayerFigures {
     pub range: RangeFigures,
 }
 
-/// Marks of a block.
+/// Marks that one block left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockMarksFigures {
     /// Blocks executed, up to and including this one.
@@ -92,14 +92,14 @@ impl RangeFigures {
 }
 
 impl MarksFigures {
-    /// Text from the least to the largest mark.
+    /// Range of the marks as text, from the least to the largest.
     pub fn range(&self) -> String {
         format!("{} .. {}", signed(self.range.min), signed(self.range.max))
     }
 }
 
 impl LargestFigures {
-    /// Text with the deviation, the place and the block.
+    /// Text about the largest mark: deviation, place and block.
     pub fn words(&self) -> String {
         let LargestFigures { distance, x, y, z, .. } = self;
         let block = self.n.map_or_else(|| format!("block {}", self.block), |n| format!("N{n}"));
@@ -107,7 +107,7 @@ impl LargestFigures {
     }
 }
 
-/// Number with its sign.
+/// A number with its sign.
 pub fn signed(distance: f64) -> String {
     match distance {
         distance if distance.abs() < NONE => "0".into(),

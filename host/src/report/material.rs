@@ -14,7 +14,7 @@ const MM3_PER_CM3: f64 = 1e3;
 /// Most blocks with material removed at rapid in the text.
 const SHOWN: usize = 10;
 
-/// Unit in which a shop gives volumes.
+/// Unit of volumes in reports: cubic inches or cubic centimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeUnit {
     /// `in3` or `cm3`.
@@ -24,7 +24,7 @@ pub struct VolumeUnit {
     mm3: f64,
 }
 
-/// Workpiece of a run.
+/// Removed material of a run, and its stock.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialFigures {
     /// Stock of a program without a job file.
@@ -49,7 +49,7 @@ pub struct MaterialFigures {
     pub rays: usize,
     /// Memory of the stock at the end.
     pub memory_bytes: usize,
-    /// The spread over the volume before the run.
+    /// Memory of the stock at the end over the volume of the stock before the run.
     pub bytes_per_mm3: f64,
     /// Material of each cut rule; the last entry has the blocks without a rule.
     pub rules: Vec<RuleFigures>,
@@ -61,7 +61,7 @@ pub struct MaterialFigures {
     pub deviation: Option<DeviationFigures>,
 }
 
-/// Removed material.
+/// Removed volume and removal rate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RemovalFigures {
     /// Volume: the mean of the three families of rays.
@@ -76,7 +76,7 @@ pub struct RemovalFigures {
     pub rate_max: f64,
 }
 
-/// All blocks of a cut rule.
+/// Removed material of all blocks under one cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RuleFigures {
     /// Rule, counted from 1; null for blocks without one.
@@ -87,7 +87,7 @@ pub struct RuleFigures {
     pub baseline: RemovalFigures,
 }
 
-/// Block.
+/// Removed material of one block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockFigures {
     /// Blocks executed, up to and including this one.
@@ -117,7 +117,7 @@ pub struct LeftOutBlocks {
     pub first_n: Option<i64>,
 }
 
-/// Heights above the finished part, negative below.
+/// Deviation from the finished part: heights above it, negative below.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeviationFigures {
     /// Least.
@@ -185,7 +185,7 @@ impl MaterialFigures {
 }
 
 impl LeftOutBlocks {
-    /// Cause in words.
+    /// Cause in words for a person.
     pub fn words(&self) -> &'static str {
         match self.cause {
             "turning" => "rotary axes turn without G43.4: the path of the tool on the part is unknown",

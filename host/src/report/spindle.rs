@@ -8,7 +8,7 @@ use crate::plural::counted;
 /// Most blocks that a warning names.
 const SHOWN: usize = 5;
 
-/// Load of the spindle.
+/// Load of the spindle in a run, against its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleFigures {
     /// `cutting`: simulated forces; `estimate`: removal rate times specific cutting force.
@@ -21,7 +21,7 @@ pub struct SpindleFigures {
     pub torque: Option<SpindleLoadFigures>,
 }
 
-/// Power or torque of a run.
+/// Largest power or torque of a run, against the limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleLoadFigures {
     /// Limit in the job, if there is one.
@@ -102,7 +102,7 @@ impl SpindleFigures {
         warnings
     }
 
-    /// Summary of one line.
+    /// Summary of the spindle's load in one line.
     pub fn words(&self) -> String {
         let kilowatts = |watts: f64| short(watts / 1e3);
         let limit = self.power.limit.map_or(String::new(), |limit| format!(", limit {}", kilowatts(limit)));

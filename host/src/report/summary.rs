@@ -15,7 +15,7 @@ const SHOWN: usize = 10;
 const SPINDLE_OVERRIDE: &str = "  spindle override: not known here. Without a tacho at a feed board the chip is its target times 100 % over that override, at \
      50 % twice its target: keep it at 100 %";
 
-/// Summary as text of several complete lines.
+/// Summary of a run for a person, as text of several complete lines.
 #[derive(Debug)]
 pub struct RunSummary<'a> {
     /// Name of the run, for the headline.
@@ -163,7 +163,7 @@ fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, all: &ChipLoadFig
     if rings.peek().is_none() {
         return Ok(());
     }
-    write!(f, "    thickest chip anywhere in the stock given, over its target (outer, inner circle):")?;
+    write!(f, "    thickest chip anywhere inside the stock line, over the target (outer, inner circle), by movement:")?;
     for movement in rings {
         let [outer, inner] =
             movement.thickest_ratio.map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.2}")));

@@ -4,7 +4,7 @@ use std::io;
 
 use super::view::{Command, View};
 
-/// Screen that cannot exist.
+/// Stand-in for the screen in a build without it; cannot be created.
 #[derive(Debug)]
 pub enum Screen {}
 

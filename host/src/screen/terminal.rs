@@ -63,7 +63,7 @@ impl Screen {
         }
     }
 
-    /// Command of the operator, each once.
+    /// Returns the operator's next command; each command once.
     pub fn command(&self) -> Option<Command> {
         self.commands.try_recv().ok()
     }

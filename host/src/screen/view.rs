@@ -14,7 +14,7 @@ const STRIP_MAX: usize = 200;
 /// Display time of each note, s.
 const NOTE_S: f64 = 6.0;
 
-/// Content of the screen.
+/// Content of the terminal screen of `stream --tui`.
 #[derive(Clone, Debug)]
 pub struct View {
     /// Names of the program and the destination.
@@ -57,7 +57,7 @@ pub struct View {
     chars_per_s: f64,
 }
 
-/// Program text, prepared once.
+/// Program text for the screen, prepared once.
 #[derive(Debug)]
 pub struct Listing {
     /// Line of the program's file (0: ours) and text.
@@ -69,7 +69,7 @@ pub struct Listing {
     left_s: Vec<f64>,
 }
 
-/// Command of the operator.
+/// Command of the operator on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Pause the transmission.
@@ -80,7 +80,7 @@ pub enum Command {
     Abort,
 }
 
-/// Key, by its meaning.
+/// Key pressed by the operator, by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Press {
     /// Space, h.
@@ -210,13 +210,13 @@ impl View {
         self.executed.unwrap_or(self.sent)
     }
 
-    /// Characters sent of blocks that the control has not started, if it reports that.
+    /// Number of characters sent of blocks that the control has not started, if the control reports its progress.
     pub fn at_control(&self) -> Option<usize> {
         let end = self.program.ends.get(self.executed?)?;
         Some(self.characters.saturating_sub(*end))
     }
 
-    /// The present note, or the warning.
+    /// The current note or warning.
     pub fn note(&self) -> Option<&str> {
         let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
         self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)

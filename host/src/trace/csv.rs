@@ -7,7 +7,7 @@ use std::path::Path;
 use super::table::{Cell, Table};
 use crate::output::PendingFile;
 
-/// CSV file that grows.
+/// CSV file that is written row by row.
 #[derive(Debug)]
 pub struct CsvFile(BufWriter<PendingFile>);
 
@@ -43,7 +43,7 @@ impl CsvFile {
         self.0.write_all(b"\n")
     }
 
-    /// Puts the file in its place.
+    /// Gives the finished file its name.
     ///
     /// # Errors
     /// It cannot be written.

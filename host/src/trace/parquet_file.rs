@@ -25,7 +25,7 @@ const GROUP_ROWS: usize = 1 << 16;
 /// Key of the schema in the file's metadata.
 const METADATA_KEY: &str = "arcfeed";
 
-/// Parquet file that grows.
+/// Parquet file that is written row by row.
 #[derive(Debug)]
 pub struct ParquetFile {
     writer: SerializedFileWriter<PendingFile>,
@@ -51,7 +51,7 @@ enum Values {
 }
 
 impl ParquetFile {
-    /// File without rows.
+    /// New file without rows.
     ///
     /// # Errors
     /// It cannot be written.
@@ -85,7 +85,7 @@ impl ParquetFile {
         if self.rows == GROUP_ROWS { self.flush() } else { Ok(()) }
     }
 
-    /// Writes the rest, and puts the file in its place.
+    /// Writes the rest, and gives the finished file its name.
     ///
     /// # Errors
     /// It cannot be written.

@@ -32,7 +32,7 @@ pub struct TableColumn {
     pub about: &'static str,
 }
 
-/// Table.
+/// Table of a trace: name, meaning and columns.
 #[derive(Debug)]
 pub struct Table {
     /// Name in the metadata.
@@ -43,7 +43,7 @@ pub struct Table {
     pub columns: &'static [TableColumn],
 }
 
-/// Value of a row in a column.
+/// Value in a cell of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
     /// No value.

@@ -8,7 +8,7 @@ use super::csv::CsvFile;
 use super::parquet_file::ParquetFile;
 use super::table::{Cell, Table};
 
-/// Format of a table's file.
+/// Format of a trace file: CSV or Parquet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TraceFormat {
     /// Comma-separated values.
@@ -50,7 +50,7 @@ impl TraceFormat {
 }
 
 impl TableFile {
-    /// File without rows.
+    /// New file without rows.
     ///
     /// # Errors
     /// It cannot be written.
@@ -74,7 +74,7 @@ impl TableFile {
         }
     }
 
-    /// Writes the rest, and puts the file in its place.
+    /// Writes the rest, and gives the finished file its name.
     ///
     /// # Errors
     /// The file cannot be written.

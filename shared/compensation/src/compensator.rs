@@ -47,7 +47,7 @@ pub struct ContourMove {
     pub offset: Nm,
 }
 
-/// A move of the tool centre.
+/// A move of the tool centre under cutter compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CenterMove {
     /// Move around a corner; it belongs to the programmed move that comes out next.
@@ -59,7 +59,7 @@ pub enum CenterMove {
 /// Moves of the tool centre, in order.
 pub type CenterMoves = heapless::Vec<CenterMove, MOVES_MAX>;
 
-/// Fault in a contour.
+/// Fault in a contour under cutter compensation: an alarm of the control, or a case that is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationFault {
     /// Fault of the held move: it and what follows it cannot be executed.
@@ -68,7 +68,7 @@ pub enum CompensationFault {
     Given(Fault),
 }
 
-/// Compensator of a contour.
+/// Cutter compensation (G41, G42) of a contour, move by move: computes the path of the tool centre.
 #[derive(Clone, Debug)]
 pub struct Compensator {
     settings: CompensationSettings,
@@ -95,17 +95,17 @@ struct HeldMove {
 type Centers = heapless::Vec<Point, POINTS_MAX>;
 
 impl Compensator {
-    /// A compensator without an offset.
+    /// Compensator without an offset, before a contour.
     pub fn new(settings: CompensationSettings) -> Self {
         Compensator { settings, held: None, waiting: heapless::Vec::new(), blocks: 0, vector: NONE }
     }
 
-    /// Whether the tool is beside the contour, or on its way there.
+    /// Whether the tool is beside the contour, or moves to it or away from it.
     pub fn is_active(&self) -> bool {
         self.held.is_some() || self.vector != NONE
     }
 
-    /// Move that waits for the next one.
+    /// Move that waits for the next move, because its end depends on it.
     pub fn held(&self) -> Option<&ContourMove> {
         self.held.as_ref().map(|held| &held.programmed)
     }

@@ -17,7 +17,7 @@ use arcfeed_units::Nm;
 use crate::compensator::{CenterMoves, CompensationFault, Compensator, ContourMove};
 use crate::vector::in_plane;
 
-/// Compensation commanded by a block.
+/// Cutter compensation that a block commands, and its effect on the contour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContourCommand {
     /// Plane of compensation.
@@ -100,7 +100,7 @@ impl ContourCommand {
     }
 }
 
-/// Offset of the tool centre in force: positive to the left of the path.
+/// Distance of the tool centre from the path that is in force: positive to the left.
 pub fn offset(modal: &Modal, tables: &Tables) -> Nm {
     let radius = tables.radius(modal.radius_offset);
     Nm(radius.0.saturating_mul(i64::from(side_sign(modal))))

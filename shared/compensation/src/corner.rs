@@ -66,7 +66,7 @@ pub fn corner(before: &Branch, behind: &Branch, offset_mm: f64) -> Option<Corner
     Some(points)
 }
 
-/// A corner of one point.
+/// Corner whose offset paths meet in a single point.
 pub fn one(point: Vector) -> CornerPoints {
     let mut points = CornerPoints::new();
     add(&mut points, point);

@@ -6,7 +6,7 @@ use arcfeed_units::Nm;
 
 use crate::vector::{Point, Vector, between, in_plane, length, scaled, to_left, unit};
 
-/// A move in the plane.
+/// A move in the plane of the compensation.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     pub from: Point,
@@ -15,7 +15,7 @@ pub struct Element {
     pub arc: Option<ArcElement>,
 }
 
-/// An arc in the plane.
+/// Arc of an [`Element`].
 #[derive(Clone, Copy, Debug)]
 pub struct ArcElement {
     pub center: Point,
@@ -25,7 +25,7 @@ pub struct ArcElement {
     pub sweep_rad: f64,
 }
 
-/// Path at one of its ends.
+/// The path as it leaves or reaches a corner: direction and, for an arc, its offset circle.
 #[derive(Clone, Copy, Debug)]
 pub struct Branch {
     /// Direction of motion, length 1.
@@ -42,7 +42,7 @@ pub struct Circle {
 }
 
 impl Element {
-    /// The move in the plane; `None` if it does not travel there.
+    /// The move in the plane; `None` if it does not move there.
     pub fn of(segment: &Segment, plane: Plane) -> Option<Self> {
         let (from, to) = (in_plane(&segment.start, plane), in_plane(&segment.end, plane));
         let arc = match &segment.path {
@@ -54,12 +54,12 @@ impl Element {
         (arc.is_some() || from != to).then_some(Element { from, to, arc })
     }
 
-    /// Path at the start; `offset_mm` positive to the left.
+    /// Direction and offset circle of the path at the start of the move; `offset_mm` is positive to the left.
     pub fn start(&self, offset_mm: f64) -> Branch {
         self.branch(self.from, offset_mm)
     }
 
-    /// Path at the end.
+    /// Direction and offset circle of the path at the end of the move; `offset_mm` is positive to the left.
     pub fn end(&self, offset_mm: f64) -> Branch {
         self.branch(self.to, offset_mm)
     }
@@ -73,7 +73,7 @@ impl Element {
         Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - f64::from(arc.sign) * offset_mm }) }
     }
 
-    /// Radius of the arc at its smaller end, and of its offset path there; `None` for a line.
+    /// Smaller end radius of the arc, and radius of its offset path there; `None` for a line.
     pub fn radii_mm(&self, offset_mm: f64) -> Option<(f64, f64)> {
         let arc = self.arc.as_ref()?;
         let [start, end] = [self.from, self.to].map(|point| length(between(point, arc.center)));

@@ -23,7 +23,7 @@ use crate::vector::{Point, Vector, at, between, cross, dot, length, minus, plus,
 /// Angle between the moves below which nothing is inserted.
 const TANGENT_RAD: f64 = core::f64::consts::PI / 180.0;
 
-/// A corner between two moves.
+/// Chamfer or rounded corner (`,C`, `,R`) that the control inserts between two moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsertedCorner {
     /// First move, up to the corner.
@@ -35,7 +35,7 @@ pub struct InsertedCorner {
 }
 
 impl InsertedCorner {
-    /// Inserts a corner between two moves that meet at its point.
+    /// Inserts a corner between two consecutive moves.
     ///
     /// # Errors
     /// PS0055 if the first move is too short for the corner or no such corner exists, PS0051 if the second is too short.

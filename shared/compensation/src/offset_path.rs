@@ -51,7 +51,7 @@ pub fn around_corner(segment: &Segment, plane: Plane, from: Point, to: Point) ->
     straight(&Segment { end: segment.start, ..*segment }, plane, from, to)
 }
 
-/// The move with a vector of offset added in the plane.
+/// The programmed move, shifted by an offset vector in the plane.
 pub fn beside(segment: &Segment, plane: Plane, by: Point) -> Segment {
     let shifted = |pose: Pose| with_point(pose, plane, add(in_plane(&pose, plane), by));
     Segment { start: shifted(segment.start), end: shifted(segment.end), ..*segment }

@@ -8,22 +8,27 @@ pub type Vector = [f64; 2];
 /// Point in the plane.
 pub type Point = [Nm; 2];
 
+/// Sum of two vectors.
 pub fn plus([ax, ay]: Vector, [bx, by]: Vector) -> Vector {
     [ax + bx, ay + by]
 }
 
+/// Difference of two vectors.
 pub fn minus([ax, ay]: Vector, [bx, by]: Vector) -> Vector {
     [ax - bx, ay - by]
 }
 
+/// The vector times a number.
 pub fn scaled([x, y]: Vector, by_ratio: f64) -> Vector {
     [x * by_ratio, y * by_ratio]
 }
 
+/// Scalar product.
 pub fn dot([ax, ay]: Vector, [bx, by]: Vector) -> f64 {
     ax * bx + ay * by
 }
 
+/// Cross product: positive if the second vector lies to the left of the first.
 pub fn cross([ax, ay]: Vector, [bx, by]: Vector) -> f64 {
     ax * by - ay * bx
 }
@@ -33,6 +38,7 @@ pub fn to_left([x, y]: Vector) -> Vector {
     [-y, x]
 }
 
+/// Length of a vector.
 pub fn length([x, y]: Vector) -> f64 {
     libm::hypot(x, y)
 }
@@ -43,10 +49,12 @@ pub fn unit(vector: Vector) -> Vector {
     if length > 0.0 { scaled(vector, 1.0 / length) } else { vector }
 }
 
+/// Sum of two points, nm.
 pub fn add([ax, ay]: Point, [bx, by]: Point) -> Point {
     [Nm(ax.0.saturating_add(bx.0)), Nm(ay.0.saturating_add(by.0))]
 }
 
+/// Difference of two points, nm.
 pub fn subtract([ax, ay]: Point, [bx, by]: Point) -> Point {
     [Nm(ax.0.saturating_sub(bx.0)), Nm(ay.0.saturating_sub(by.0))]
 }

@@ -26,16 +26,17 @@ const SAME_DEG: f64 = 1e-3;
 pub enum Transition {
     /// The tool axis keeps to its arc.
     Smooth,
-    /// It would keep to its arc with added points.
+    /// The tool axis would keep to its arc with added points.
     Coarse {
-        /// Largest angle from the arc without them.
+        /// Largest angle from the arc without these points.
         departure_deg: f64,
     },
     /// A branch change, or a rotation back by whole turns.
     Change(BranchChange),
 }
 
-/// A branch change.
+/// Change between the two solutions of the rotary axes for the tool's direction: the axes turn by large angles while
+/// the tool barely moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchChange {
     /// Index of the point at which the move ends.
@@ -56,13 +57,13 @@ pub struct BranchChange {
 pub struct BranchChangeMoves {
     /// After the retraction along the tool axis, out of the part.
     pub retract: Axes,
-    /// At the upper end of Z if its range is known, otherwise the retracted position.
+    /// Position at the upper end of Z if its range is known, otherwise the retracted position.
     pub clear: Axes,
     /// After the move of the rotary axes alone.
     pub reorient: Axes,
     /// Above the point of return.
     pub above: Axes,
-    /// At the point of return, after the approach along the tool axis.
+    /// Point of return, after the approach along the tool axis.
     pub back: Axes,
 }
 

@@ -37,7 +37,7 @@ pub struct UnreachablePoint {
     pub why: Unreachable,
 }
 
-/// Start of a path.
+/// Condition at the start of a path: positions of the rotary axes, or the branch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathStart {
     /// Positions of the rotary axes before the first point; the travel from them counts.
@@ -51,7 +51,7 @@ pub struct PathStart {
 pub enum Branch {
     /// The second axis stands beyond its position at the pole.
     Positive,
-    /// It stands before that position.
+    /// The second axis stands before that position.
     Negative,
 }
 

@@ -24,7 +24,7 @@ pub struct ToolPose {
     pub axis: Vector,
 }
 
-/// Positions of all axes.
+/// Positions of all five axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     /// X, Y, Z: the gauge point of the spindle in the machine frame.
@@ -33,7 +33,7 @@ pub struct Axes {
     pub rotary_deg: [f64; 2],
 }
 
-/// Set-up of part and tool.
+/// Placement of the part on the machine, and tool length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
     /// The part's zero point in the machine frame, all axes at zero.
@@ -43,20 +43,20 @@ pub struct Setup {
 }
 
 impl Machine {
-    /// The pose at these positions. (2), (3)
+    /// The tool's pose in the part's frame for these positions of the axes. (2), (3)
     pub fn forward(&self, axes: &Axes, setup: &Setup) -> ToolPose {
         let held = sum(axes.linear_mm, self.held(axes.rotary_deg, setup));
         let on_table = self.through(Carries::Part, axes.rotary_deg, held);
         ToolPose { tip_mm: difference(on_table, setup.part_zero_mm), axis: self.axis_at(axes.rotary_deg) }
     }
 
-    /// The tool axis at these positions. (3)
+    /// The tool axis in the part's frame for these positions of the rotary axes. (3)
     pub fn axis_at(&self, rotary_deg: [f64; 2]) -> Vector {
         let [first, second] = self.rotary();
         turned(turned(self.tool(), second.direction, rotary_deg[1]), first.direction, rotary_deg[0])
     }
 
-    /// X, Y, Z for a tip at these positions of the rotary axes. (4)
+    /// Positions of X, Y, Z for a tip, at these positions of the rotary axes. (4)
     pub fn linear_for(&self, tip_mm: Vector, rotary_deg: [f64; 2], setup: &Setup) -> Vector {
         let [first, second] = self.rotary();
         let mut point = sum(tip_mm, setup.part_zero_mm);

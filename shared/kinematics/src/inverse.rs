@@ -159,7 +159,8 @@ impl Machine {
         linear.chain(rotary.map(|(axis, _)| AxisName::Rotary(axis.letter)))
     }
 
-    /// Position of the first axis for a direction that leaves it free: `near_deg`, limited to its range.
+    /// Position of the first axis for a direction along that axis, where any position is right: `near_deg`, limited
+    /// to the range.
     pub fn free_first(&self, near_deg: f64) -> f64 {
         let [first, _] = self.rotary();
         first.range_deg.map_or(near_deg, |[least, greatest]| near_deg.clamp(least, greatest))

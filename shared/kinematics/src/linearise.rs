@@ -20,7 +20,7 @@ use super::vector::{along_arc, scaled, sum};
 /// Maximum number of halvings of one move: 4096 points.
 const HALVINGS: u32 = 12;
 
-/// Tolerance of a path.
+/// Tolerance of a linearised path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
     /// Distance of the tip from its line.
@@ -29,7 +29,7 @@ pub struct Tolerance {
     pub axis_deg: f64,
 }
 
-/// A move that added points do not bring within the tolerance.
+/// Error: added points do not bring a move within the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearisationError {
     /// Index of the point at which the move ends.

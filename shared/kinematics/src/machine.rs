@@ -35,7 +35,7 @@ pub enum AxisName {
     Rotary(Letter),
 }
 
-/// Object that a rotary axis turns.
+/// Object that a rotary axis turns: part or tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carries {
     /// The part: an axis of the table.
@@ -44,7 +44,7 @@ pub enum Carries {
     Tool,
 }
 
-/// A rotary axis.
+/// A rotary axis of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotaryAxis {
     /// Address of the axis in the program.
@@ -65,7 +65,7 @@ pub struct RotaryAxis {
     pub speed_deg_per_min: Option<f64>,
 }
 
-/// A linear axis.
+/// A linear axis of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearAxis {
     /// Smallest and largest position of the gauge point.
@@ -76,7 +76,7 @@ pub struct LinearAxis {
     pub speed_mm_per_min: Option<f64>,
 }
 
-/// A five-axis machine.
+/// Kinematics of a five-axis machine: two rotary axes, three linear axes, and their limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     rotary: [RotaryAxis; 2],
@@ -143,7 +143,7 @@ impl Machine {
         &self.rotary
     }
 
-    /// X, Y, Z.
+    /// The linear axes X, Y, Z.
     pub fn linear(&self) -> &[LinearAxis; 3] {
         &self.linear
     }

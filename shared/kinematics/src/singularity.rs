@@ -57,7 +57,7 @@ pub enum ToolEnd {
     Other,
 }
 
-/// Limits of detection and repair.
+/// Limits for finding and repairing singularities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairLimits {
     /// Largest coherent gain: degrees of the first axis per degree of the tool. (1)
@@ -76,7 +76,7 @@ impl Default for RepairLimits {
     }
 }
 
-/// An interval of incoherent movement.
+/// Interval of a path beside a pole in which the rotary axes turn fast or back and forth (incoherent movement).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
     /// Index of the last coherent point before it.
@@ -95,7 +95,7 @@ pub struct Singularity {
     pub outcome: RepairOutcome,
 }
 
-/// Result of a repair.
+/// Result of repairing the path at a singularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepairOutcome {
     /// The directions within the interval were changed.
@@ -107,12 +107,12 @@ pub enum RepairOutcome {
 }
 
 impl Singularity {
-    /// The first axis turns back, and does not only turn fast. (2)
+    /// Whether the first axis turns back in the interval, instead of only turning fast. (2)
     pub fn is_incoherent(&self) -> bool {
         self.reversal_deg > TURN_MIN_DEG
     }
 
-    /// The movement is incoherent, or nearer to the pole than the axes are precise.
+    /// Whether the movement is incoherent, or nearer to the pole than the axes can resolve.
     pub fn is_fault(&self) -> bool {
         self.is_incoherent() || self.from_pole_deg < PRECISION_DEG
     }

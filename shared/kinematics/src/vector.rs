@@ -10,25 +10,25 @@
 /// A point or a direction.
 pub type Vector = [f64; 3];
 
-/// v.w
+/// Scalar product, v.w.
 #[inline]
 pub fn dot(v: Vector, w: Vector) -> f64 {
     v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
 }
 
-/// v x w
+/// Vector product, v x w.
 #[inline]
 pub fn cross(v: Vector, w: Vector) -> Vector {
     [v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]]
 }
 
-/// v + w
+/// Sum, v + w.
 #[inline]
 pub fn sum(v: Vector, w: Vector) -> Vector {
     [v[0] + w[0], v[1] + w[1], v[2] + w[2]]
 }
 
-/// v - w
+/// Difference, v - w.
 #[inline]
 pub fn difference(v: Vector, w: Vector) -> Vector {
     [v[0] - w[0], v[1] - w[1], v[2] - w[2]]
@@ -40,6 +40,7 @@ pub fn scaled(v: Vector, by_ratio: f64) -> Vector {
     v.map(|component| component * by_ratio)
 }
 
+/// Length, |v|.
 /// |v|
 #[inline]
 pub fn length(v: Vector) -> f64 {

@@ -41,7 +41,7 @@ struct Bounds {
     width: u32,
 }
 
-/// Estimate of the peer's clock.
+/// Estimate of the relation between the peer's clock and ours.
 #[derive(Clone, Copy, Debug)]
 pub struct PeerClock {
     drift_max_ppm: u32,

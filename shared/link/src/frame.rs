@@ -97,7 +97,7 @@ pub struct Frame<'a> {
 }
 
 impl Header {
-    /// Header of a message without a link.
+    /// Header of a message on a line without a link.
     pub const fn plain(kind: u8, seq: u16, t_us: u32) -> Self {
         Header { class: FrameClass::Plain, is_busy: false, kind, seq, ack: 0, t_us }
     }
@@ -118,7 +118,7 @@ impl FrameClass {
     }
 }
 
-/// CRC-32C.
+/// CRC-32C of some bytes.
 pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }

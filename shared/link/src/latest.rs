@@ -7,7 +7,7 @@ use super::frame::PAYLOAD_MAX;
 use super::state::SendError;
 use arcfeed_units::{Micros, Span, US_PER_MS};
 
-/// Slot of a kind: a value that waits to be sent, or one that was sent.
+/// Latest value of one kind, waiting to be sent or sent already.
 #[derive(Clone, Debug)]
 pub struct Offer {
     /// Kind or payload of the message.
@@ -19,7 +19,7 @@ pub struct Offer {
     turn: Option<u32>,
 }
 
-/// Sender's side: one slot for each kind.
+/// Sender's side of latest-wins messages: one slot for each kind.
 #[derive(Clone, Debug)]
 pub struct Offers<const KINDS: usize> {
     places: Vec<Offer, KINDS>,
@@ -33,7 +33,7 @@ impl<const KINDS: usize> Default for Offers<KINDS> {
 }
 
 impl<const KINDS: usize> Offers<KINDS> {
-    /// No values.
+    /// Empty slots.
     pub const fn new() -> Self {
         Offers { places: Vec::new(), turns: 0 }
     }
@@ -95,7 +95,7 @@ fn milliseconds_left(now: Micros, expires: Micros) -> u16 {
     u16::try_from(expires.since(now).0 / US_PER_MS).unwrap_or(u16::MAX)
 }
 
-/// Receiver's side: sequence number of the newest value.
+/// Receiver's side of latest-wins messages: sequence number of the newest value.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Newest {
     seq: Option<u16>,

@@ -6,7 +6,7 @@ use arcfeed_units::{Micros, Span, US_PER_S};
 
 const NS_PER_US: u64 = 1_000;
 
-/// Pacing state of a line.
+/// Pacing of a line: bytes are passed on no faster than the line sends them.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     ns_per_byte: u64,
@@ -26,7 +26,7 @@ impl Pace {
         Micros(self.free_at_ns.div_ceil(NS_PER_US).saturating_sub(u64::from(self.ahead.0)))
     }
 
-    /// Registers sent bytes.
+    /// Registers that this number of bytes is sent now.
     pub fn sent(&mut self, now: Micros, bytes: usize) {
         let from = self.free_at_ns.max(now.0.saturating_mul(NS_PER_US));
         self.free_at_ns = from.saturating_add(self.ns_per_byte.saturating_mul(bytes as u64));

@@ -6,7 +6,7 @@ use super::frame::{FrameClass, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};
 use super::message::Message;
 use arcfeed_units::Micros;
 
-/// One end of a line without a link.
+/// One end of a line that carries messages in frames, without sessions and acknowledgements.
 #[derive(Debug, Default)]
 pub struct PlainLine {
     deframer: Deframer,
@@ -15,7 +15,7 @@ pub struct PlainLine {
 }
 
 impl PlainLine {
-    /// An end before the first byte.
+    /// End of a line before its first byte.
     pub const fn new() -> Self {
         PlainLine { deframer: Deframer::new(), sent: 0, invalid: 0 }
     }

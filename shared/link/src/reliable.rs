@@ -27,15 +27,15 @@ pub struct Outgoing {
 /// Result of an acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acked {
-    /// Nothing new.
+    /// The acknowledgement is a repetition.
     Nothing,
     /// Messages were acknowledged; with a round trip if it is unambiguous.
     Some(Option<Span>),
-    /// It acknowledges messages that were never sent.
+    /// The peer acknowledges messages that were never sent.
     Impossible,
 }
 
-/// Sender's side.
+/// Sender's side of reliable messages: those that the peer has not acknowledged.
 #[derive(Clone, Debug)]
 pub struct Outbox<const WINDOW: usize> {
     messages: Deque<Outgoing, WINDOW>,
@@ -58,7 +58,7 @@ impl<const WINDOW: usize> Default for Outbox<WINDOW> {
 }
 
 impl<const WINDOW: usize> Outbox<WINDOW> {
-    /// No messages.
+    /// Empty outbox.
     pub const fn new() -> Self {
         Outbox {
             messages: Deque::new(),
@@ -72,7 +72,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         }
     }
 
-    /// Adds a message.
+    /// Adds a message to be sent.
     ///
     /// # Errors
     /// The queue is full, or the payload is too long.
@@ -160,7 +160,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.peer_is_busy = is_busy;
     }
 
-    /// Last busy flag of the peer.
+    /// Whether the peer was busy according to its last frame.
     pub const fn is_peer_busy(&self) -> bool {
         self.peer_is_busy
     }
@@ -206,7 +206,7 @@ pub enum Arrival {
     Gap,
 }
 
-/// Receiver's side.
+/// Receiver's side of reliable messages: sequence number of the next expected one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inbox {
     expected: u16,

@@ -15,7 +15,7 @@
 
 use arcfeed_units::Span;
 
-/// Estimate of the round trip.
+/// Estimate of the round trip, for the retransmission time-out.
 #[derive(Clone, Copy, Debug)]
 pub struct Rto {
     floor: Span,

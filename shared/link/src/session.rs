@@ -28,7 +28,7 @@ pub struct Echo {
     pub held_us: u32,
 }
 
-/// Hello: identification of an end.
+/// Hello message: identification of an end of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hello {
@@ -58,14 +58,14 @@ pub struct Peer {
 }
 
 impl Echo {
-    /// Encodes into bytes.
+    /// Encodes the echo as bytes.
     pub fn encode(&self) -> [u8; ECHO_LEN] {
         let [t0, t1, t2, t3] = self.t_us.to_le_bytes();
         let [h0, h1, h2, h3] = self.held_us.to_le_bytes();
         [t0, t1, t2, t3, h0, h1, h2, h3]
     }
 
-    /// Decodes from bytes.
+    /// Decodes an echo from bytes.
     pub fn decode(bytes: &[u8; ECHO_LEN]) -> Self {
         let [t0, t1, t2, t3, h0, h1, h2, h3] = *bytes;
         Echo { t_us: u32::from_le_bytes([t0, t1, t2, t3]), held_us: u32::from_le_bytes([h0, h1, h2, h3]) }
@@ -81,7 +81,7 @@ impl Hello {
         Hello { role, schema, session, peer_session, heartbeat_ms, echo }
     }
 
-    /// Encodes into bytes.
+    /// Encodes the hello as bytes.
     pub fn encode(&self) -> [u8; HELLO_LEN] {
         let [s0, s1, s2, s3] = self.schema.to_le_bytes();
         let [m0, m1, m2, m3] = self.session.to_le_bytes();

@@ -32,7 +32,7 @@ impl Role {
     }
 }
 
-/// Times and limits of one end.
+/// Times and limits of one end of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkSettings {
     /// Role of this end.

@@ -16,7 +16,7 @@ pub const RULES_MAX: usize = 16;
 /// Largest relative difference of an arc's radius from the ring's.
 pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 
-/// One `[[cut]]`.
+/// Cut rule, one `[[cut]]` of a job: the moves to which a law applies, and the stock that they cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
     /// Index of its tool in the job.
@@ -92,7 +92,8 @@ impl CutRule {
         in_sequence && in_level && self.moves.include(segment, tool)
     }
 
-    /// The rule for a move that runs on this side of its contour; an end mill in a slot stays in it.
+    /// The rule with this side of the contour, for a move that runs there; an end mill in a slot keeps the side
+    /// `slot`.
     #[must_use]
     pub fn on_side(&self, side: ContourSide) -> Self {
         let mut rule = self.clone();
@@ -104,7 +105,7 @@ impl CutRule {
         rule
     }
 
-    /// Whether the engagement is given with each of its moves.
+    /// Whether the rule expects the engagement with each move, in place of a fixed stock.
     pub const fn expects_engagement_per_move(&self) -> bool {
         matches!(self.work, Work::Ring(_, Stock::PerMove))
     }

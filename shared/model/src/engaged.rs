@@ -87,12 +87,12 @@ impl EngagedInterval {
         (to_deg - from_deg <= TURN_DEG).then_some(interval)
     }
 
-    /// From and to, degrees, after rounding.
+    /// Both ends of the arc, degrees, after rounding.
     pub fn degrees(self) -> [f64; 2] {
         [self.from, self.to].map(|units| f64::from(units) / UNITS_PER_DEGREE)
     }
 
-    /// From and to, 1/90 degree.
+    /// Both ends of the arc, 1/90 degree.
     pub fn units(self) -> [i16; 2] {
         [self.from, self.to]
     }
@@ -113,7 +113,7 @@ impl EngagedInterval {
 }
 
 impl EngagedSpan {
-    /// From and to, degrees.
+    /// Both ends of the arc, degrees.
     pub fn degrees(&self) -> [f32; 2] {
         [self.from, self.to].map(|units| units / UNITS_PER_DEGREE as f32)
     }
@@ -189,7 +189,7 @@ impl EngagedTable {
         &self.knots
     }
 
-    /// A circle's engaged arc after this path; `None` where nothing is engaged.
+    /// Engaged arc of a circle after a distance travelled on the segment; `None` where nothing is engaged.
     pub fn arc_at(&self, travelled_mm: f32, edge: Edge) -> Option<EngagedSpan> {
         let next = self.knots.partition_point(|knot| knot.travelled.0 <= travelled_mm);
         let before = next.checked_sub(1).and_then(|index| self.knots.get(index));

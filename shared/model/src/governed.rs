@@ -28,7 +28,7 @@ pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
 /// Largest path across the tool's axis of a plunge, over that along it. (2)
 pub const PLUNGE_OFF_MAX: f64 = 1e-3;
 
-/// Result of matching a move with a job.
+/// Result of matching a move with the cut rules of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match<'r> {
     /// No cut rule matches it.
@@ -58,7 +58,7 @@ pub struct Governing<'r> {
 /// Reason why a move that a cut rule matches keeps its programmed feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Exclusion {
-    /// It runs along the tool's axis, or turns about a line across it.
+    /// The move runs along the tool's axis, or turns about a line across this axis.
     Axial,
     /// A rotary axis turns with it: its F is not a feed along the path.
     Rotary,
@@ -84,7 +84,7 @@ impl Job {
         self.match_among(segment, machining, |_| true)
     }
 
-    /// The same among the rules whose index `admits` accepts.
+    /// Matches a move with the cut rules whose index `admits` accepts.
     pub fn match_among(&self, segment: &Segment, machining: &Machining, admits: impl Fn(usize) -> bool) -> Match<'_> {
         let Some((index, rule)) = self.rule_among(segment, machining.tool, admits) else { return Match::NoRule };
         let setup = self.tool_of(rule);
@@ -104,7 +104,7 @@ impl Job {
         self.rule_among(segment, tool, |_| true)
     }
 
-    /// The same among the rules whose index `admits` accepts.
+    /// The first rule that matches a move, as [`Job::rule_for`], among the rules whose index `admits` accepts.
     pub fn rule_among(
         &self,
         segment: &Segment,
@@ -171,7 +171,7 @@ impl Descent {
         (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine_ratio: sine })
     }
 
-    /// Whether it runs along the axis. (2)
+    /// Whether the move runs along the tool's axis. (2)
     pub fn is_plunge(&self) -> bool {
         libm::sqrt((1.0 - self.sine_ratio * self.sine_ratio).max(0.0)) <= PLUNGE_OFF_MAX * self.sine_ratio
     }

@@ -91,12 +91,12 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// One tool.
+    /// A job's only tool.
     pub const fn one(setup: ToolSetup) -> Self {
         Tools { first: setup, more: Vec::new() }
     }
 
-    /// Appends a tool.
+    /// Appends a tool to the job.
     ///
     /// # Errors
     /// Returns the tool if there are already [`TOOLS_MAX`].
@@ -104,7 +104,7 @@ impl Tools {
         self.more.push(setup)
     }
 
-    /// The first tool.
+    /// The first tool of the job.
     pub const fn first(&self) -> &ToolSetup {
         &self.first
     }
@@ -155,7 +155,7 @@ impl ToolAxis {
     }
 }
 
-/// Source of the spindle speed.
+/// Source of the spindle speed: program or operator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpeedSource {
     /// The program's S and M words.
@@ -191,7 +191,7 @@ impl Default for FeedCeiling {
     }
 }
 
-/// The feed laws.
+/// Feed law that a job selects, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawKind {
     /// Constant feed per tooth on a ring's circumference, at the contact with the stock line (Petean ch. 5).
@@ -216,7 +216,7 @@ pub enum LawKind {
     Programmed,
 }
 
-/// Way in which the target feed reaches the control.
+/// Feed mode of a job: how the wanted feed reaches the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedPolicy {
     /// Blocks are sent with the smallest feed that the law demands; the override raises it. If the override is lost,
@@ -228,7 +228,7 @@ pub enum FeedPolicy {
     RewriteOnly(PieceSettings),
 }
 
-/// Rules for cutting arcs into pieces.
+/// Rules for dividing arcs into pieces with an F each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceSettings {
     /// Step between feeds of an arc, %: the feeds are the smallest one times powers of this step.
@@ -247,7 +247,7 @@ impl Default for PieceSettings {
     }
 }
 
-/// Bounds of the override.
+/// Bounds, step and slew rates of the override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideLimits {
     /// Least override, %.

@@ -15,14 +15,14 @@ pub const JOB_KNOTS_MAX: usize = 64;
 /// Path from the segment's start, and feed per tooth at the tool's centre there.
 pub type Knot = (Mm, MmPerTooth);
 
-/// Range of knots of a store.
+/// Knots of one rule: a range of [`Knots`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KnotRange {
     first: u8,
     count: u8,
 }
 
-/// All knots of a job.
+/// Knots of all tables of feeds of a job, one table after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knots {
     knots: Vec<Knot, JOB_KNOTS_MAX>,
@@ -41,7 +41,7 @@ impl KnotRange {
 }
 
 impl Knots {
-    /// An empty store.
+    /// Empty list of knots.
     pub const fn new() -> Self {
         Knots { knots: Vec::new() }
     }

@@ -53,7 +53,7 @@ impl ChipFigures {
     }
 }
 
-/// Excluded samples, by cause.
+/// Samples that the chip figures exclude, counted by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExcludedSamples {
     /// The machine was not within 0.5 % of the commanded feed throughout the tooth's cut.

@@ -46,7 +46,7 @@ impl StockLine {
         StockLine { normal: [cos, sin], offset_mm, rise_ratio: 0.0 }
     }
 
-    /// The line at a height, mm, without rise.
+    /// The line as it is at a height, mm: with the rise included in its offset.
     #[must_use]
     pub fn at_height(&self, height_mm: f64) -> Self {
         StockLine { offset_mm: self.offset_mm + self.rise_ratio * height_mm, rise_ratio: 0.0, ..*self }

@@ -3,7 +3,7 @@
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::{Micros, MmPerMin};
 
-/// One report of the machine.
+/// One report of the machine: time, position, block, feed, override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Time of the sample.

@@ -21,7 +21,7 @@ const REPEAT_DIGITS: u32 = 10_000;
 /// Maximum number of repetitions of a macro call.
 const REPEATS_MAX: u32 = 9_999;
 
-/// Action after the last emitted block.
+/// Continuation of the program after the last block that a line emits: next line, call, return or end.
 #[derive(Debug, Default)]
 pub enum Continuation {
     /// Continue with the next line.

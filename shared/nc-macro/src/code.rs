@@ -7,7 +7,7 @@ use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::number::{self, Number};
 use arcfeed_nc::word::{BYTE_ORDER_MARK, column};
 
-/// The code of one line.
+/// The code of one line, without blanks and comments.
 #[derive(Clone, Debug, Default)]
 pub struct MacroCode {
     bytes: Vec<u8>,
@@ -18,8 +18,8 @@ pub struct MacroCode {
 }
 
 impl MacroCode {
-    /// Removes blanks and comments from a line; small letters of the code become capitals. Who must refuse them does so
-    /// before.
+    /// Removes blanks and comments from a line; small letters of the code become capitals. A reader that must reject
+    /// small letters checks the line before.
     pub fn new(line: &[u8]) -> Self {
         let mut code = MacroCode { end: column(line.len()), ..MacroCode::default() };
         let (mut in_comment, mut comments) = (false, 0);
@@ -184,7 +184,7 @@ pub fn is_short_keyword(letters: &[u8]) -> bool {
     SHORT.contains(&letters)
 }
 
-/// Head of a block: the part before its words.
+/// Head of a block, before its words: block-delete `/`, sequence number and program number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
     /// Block-delete switch of a leading `/`.

@@ -26,7 +26,7 @@ const GROUPS: [(usize, &[i64]); 19] = [
     (22, &[501, 511]),
 ];
 
-/// Codes and words in effect.
+/// G codes and words in effect, as the system variables #4001 to #4130 show them.
 #[derive(Clone, Debug)]
 pub struct Codes {
     groups: [i64; 23],

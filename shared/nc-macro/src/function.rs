@@ -28,7 +28,7 @@ pub enum AngleRange {
     Signed,
 }
 
-/// A function.
+/// Function of macro expressions, such as `SIN` or `ROUND`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// Argument in degrees.
@@ -148,7 +148,7 @@ impl Function {
     }
 }
 
-/// Binary operator.
+/// Binary operator of macro expressions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
     /// `+`.

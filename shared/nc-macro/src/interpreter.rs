@@ -21,7 +21,7 @@ use arcfeed_nc::settings::Tables;
 /// Next action of the control; `None` if a statement asks for none.
 type StepResult = Result<Option<MacroStep>, Fault>;
 
-/// A program in execution.
+/// Interpreter of a program with macro statements and calls.
 #[derive(Debug)]
 pub struct Interpreter {
     settings: MacroSettings,

@@ -34,7 +34,7 @@ pub enum PrintStyle {
     Growing,
 }
 
-/// Output to the punch.
+/// Output of a program to the punch (POPEN, DPRNT, BPRNT, PCLOS).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
     /// POPEN.

@@ -51,7 +51,7 @@ pub struct ProgramLine {
     pub is_plain: bool,
 }
 
-/// An indexed text.
+/// Text of a program file, indexed by programs, sequence numbers and loops.
 #[derive(Clone, Debug, Default)]
 pub struct File {
     lines: Vec<ProgramLine>,
@@ -111,12 +111,12 @@ impl File {
         }
     }
 
-    /// A line.
+    /// The line with this index.
     pub fn line(&self, index: u32) -> Option<&ProgramLine> {
         self.lines.get(usize::try_from(index).ok()?)
     }
 
-    /// The first program.
+    /// The first program of the file.
     pub fn main(&self) -> Option<LineRange> {
         self.spans.first().copied()
     }

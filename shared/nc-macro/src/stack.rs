@@ -9,7 +9,7 @@ use super::variables::Locals;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
-/// A line of a program.
+/// Place of a line: program and line number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.
@@ -18,7 +18,7 @@ pub struct SourceLine {
     pub line: u32,
 }
 
-/// Limits that the caller sets.
+/// Limits of an interpretation: nesting, statements, memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Maximum nesting of subprograms (M98).
@@ -40,7 +40,7 @@ impl Default for Bounds {
     }
 }
 
-/// A call of a program.
+/// A call of a subprogram or a macro.
 #[derive(Clone, Debug)]
 pub struct Call {
     /// Number of the program (O).
@@ -66,7 +66,7 @@ pub enum ModalCallTiming {
     EveryBlock,
 }
 
-/// A running program.
+/// A running program and where it stands.
 #[derive(Clone, Debug)]
 pub struct CallFrame {
     file: usize,

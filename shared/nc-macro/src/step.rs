@@ -8,7 +8,7 @@ use super::stack::{Bounds, SourceLine};
 use super::variables::{Ignored, OutsideValues};
 use arcfeed_nc::alarm::Fault;
 
-/// Settings of the interpreter.
+/// Settings of the macro interpreter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MacroSettings {
     /// Range of ATAN and ASIN.
@@ -27,7 +27,7 @@ pub struct MacroSettings {
     pub bounds: Bounds,
 }
 
-/// Next action of the control.
+/// Next action of the control in a program with macro statements.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MacroStep {
     /// Read a block of plain words.
@@ -50,7 +50,7 @@ pub enum MacroStep {
     End(Ending),
 }
 
-/// End of a program.
+/// End of a program, by its cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// M02 or M30.

@@ -134,7 +134,7 @@ pub enum SwitchedValues {
     All,
 }
 
-/// All variables.
+/// All macro variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
     /// #1 to #33 of the running macro.
@@ -404,7 +404,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_the_control_knows_is_refused_where_a_run_must_follow_from_the_program() {
+    fn values_known_only_to_the_control_are_refused_in_strict_runs() {
         let mut variables = variables();
         variables.outside = OutsideValues::Refused { offsets_known: false };
         let refused = |number| Err(Cause::NotModelled(NotModelled::OutsideValue(number)));

@@ -14,7 +14,7 @@ const SPINDLE_MAX: i64 = 99_999;
 /// Letters whose numbers must be whole and not negative.
 const RESTRICTED: u32 = letters(b"DHLMPST");
 
-/// Checks the words of a block that is not a macro call, except G: see `check_sign`.
+/// Checks the address words of a block that is not a macro call, except G: see `check_sign`.
 ///
 /// # Errors
 /// PS0003, PS0006, PS0007, PS0030.

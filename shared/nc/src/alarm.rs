@@ -30,7 +30,7 @@ macro_rules! alarms {
                 match self { $(Alarm::$name => $when,)* }
             }
 
-            /// Remedy.
+            /// Advice how to remove the cause of the alarm.
             pub const fn remedy(self) -> &'static str {
                 match self { $(Alarm::$name => $remedy,)* }
             }
@@ -173,7 +173,7 @@ impl Fault {
 }
 
 impl NotModelled {
-    /// Remedy.
+    /// Advice how to write the program without the construct.
     pub const fn remedy(self) -> &'static str {
         match self {
             NotModelled::GCode(tenths) | NotModelled::MoveUnder(tenths) => g_remedy(tenths),

@@ -16,7 +16,7 @@ use arcfeed_units::Nm;
 /// Magnification 1, in thousandths.
 pub const WHOLE: i32 = 1_000;
 
-/// G51 or G51.1 in force.
+/// Scaling (G51) or mirror image (G51.1) in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisScaling {
     /// 510 for G51, 511 for G51.1.
@@ -42,7 +42,7 @@ impl AxisScaling {
         }
     }
 
-    /// Scales a vector of the program.
+    /// Scales a vector of the program, such as I, J, K.
     pub fn vector(&self, axes: &mut [Nm; 3]) {
         AxisScaling { center: [Nm(0); 3], ..*self }.apply(axes);
     }
@@ -61,7 +61,7 @@ impl AxisScaling {
     }
 }
 
-/// (1) for one axis, by `by / over`.
+/// Coordinate of a point scaled about a centre by `by / over`. (1)
 pub fn scaled_coordinate(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
     let (by, over) = (i64::from(by), i64::from(over));
     let part = point.saturating_sub(center).saturating_mul(by);

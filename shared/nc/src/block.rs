@@ -21,7 +21,7 @@ pub const WORDS_MAX: usize = 32;
 /// Maximum number of notices kept for a line.
 pub const NOTICES_MAX: usize = 4;
 
-/// Kind of a line.
+/// Kind of a line: block, title, or `%` mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineKind {
     /// `%`.

@@ -85,12 +85,12 @@ impl CoordinateFrame {
         self.shift
     }
 
-    /// G51, G51.1.
+    /// Scaling (G51) or mirror image (G51.1) in force.
     pub fn scaling(&self) -> Option<&AxisScaling> {
         self.scaling.as_ref()
     }
 
-    /// G68.
+    /// Coordinate rotation (G68) in force.
     pub fn rotation(&self) -> Option<&CoordinateRotation> {
         self.rotation.as_ref()
     }

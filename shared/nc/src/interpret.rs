@@ -220,7 +220,7 @@ impl Step {
         (*spindle, *beyond_plain, *sets_data) = (None, None, false);
     }
 
-    /// Feed of its cutting move or canned cycle; `None` if it has neither.
+    /// Feed of the block's cutting move or canned cycle; `None` if it has neither.
     pub fn cutting_feed(&self) -> Option<Feed> {
         match (&self.motion, &self.series) {
             (Some(motion), _) => Some(motion.feed).filter(|_| is_cut(motion)),

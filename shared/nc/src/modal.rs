@@ -91,7 +91,7 @@ pub struct Cycle {
     pub dwell: Micros,
 }
 
-/// Effect of a block.
+/// Effect of a block: its motion and other actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// The move.

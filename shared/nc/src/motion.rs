@@ -5,7 +5,7 @@ use arcfeed_units::{MicroDeg, Nm};
 /// Units of [`Feed::InverseTime`] in a feed of 1/min.
 pub const PER_MIN_SCALE: i64 = 1_000_000;
 
-/// Group 01.
+/// Kind of motion (G codes of group 01): rapid, line, arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
     /// G0.
@@ -60,7 +60,7 @@ pub enum Plane {
     Yz,
 }
 
-/// Group 05.
+/// Meaning of F (G codes of group 05): per minute, per revolution or inverse time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedMode {
     /// G94.
@@ -135,7 +135,7 @@ pub enum Corner {
     Rounding(Nm),
 }
 
-/// Stop of the program.
+/// Stop commanded by the program, such as M00 or M30.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramStop {
     /// M0: wait for the operator.

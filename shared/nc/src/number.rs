@@ -77,7 +77,7 @@ impl Number {
         tenfold.checked_div(divisor).filter(|_| tenfold.checked_rem(divisor) == Some(0))
     }
 
-    /// The nearest f64.
+    /// The nearest f64 of the number.
     pub fn to_f64(self) -> f64 {
         f64::from(self.mantissa) / f64::from(self.divisor())
     }

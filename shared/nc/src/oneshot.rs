@@ -220,7 +220,7 @@ pub(super) fn dwell_time(block: &Block) -> Result<Micros, Fault> {
     u64::try_from(span).map(Micros).map_err(|_| Fault::alarm(Alarm::MinusSign, word.column + 1))
 }
 
-/// G10: writes the data of the block into the tables.
+/// Executes G10: writes the data of the block into the tables.
 ///
 /// # Errors
 /// PS0031 for a wrong target; tool life and parameters are not modelled.

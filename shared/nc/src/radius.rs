@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chord_too_long_is_half_a_turn_within_the_tolerance_and_an_alarm_beyond_it() {
+    fn too_long_chord_is_a_half_turn_within_the_tolerance_and_an_alarm_beyond() {
         assert_eq!(center([20.06, 0.0], 10.0, Turn::Cw), nm([10.03, 0.0]));
         let beyond = center_offset(nm([20.060_001, 0.0]), Nm::from_mm(10.0), Turn::Cw, TOLERANCE);
         assert_eq!(beyond, Err(Alarm::RadiusTolerance));

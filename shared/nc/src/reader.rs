@@ -21,7 +21,7 @@ pub struct Reader {
     unstated: [bool; 2],
 }
 
-/// An interpreted line.
+/// A line of a program with its meaning.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterpretedLine {
     /// Words and notices of the line.

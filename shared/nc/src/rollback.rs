@@ -21,7 +21,7 @@ pub(crate) enum Rollback {
 }
 
 impl Rollback {
-    /// Saves the state before a block whose G codes have not been applied yet.
+    /// Saves the modal state before a block whose G codes have not been applied yet.
     #[inline]
     pub fn new(modal: &Modal, block: &Block) -> Self {
         let is_pending = modal.starts_up || modal.rotation_pending || modal.ends_in_corner;
@@ -42,7 +42,7 @@ impl Rollback {
         }
     }
 
-    /// Restores the saved state.
+    /// Restores the saved modal state.
     #[cold]
     pub fn restore(self, modal: &mut Modal) {
         *modal = match self {

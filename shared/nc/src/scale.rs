@@ -80,7 +80,7 @@ impl Scale {
         }
     }
 
-    /// The number in units, rounded half away from zero.
+    /// The number in units of the scale, rounded half away from zero.
     #[inline]
     pub fn of(&self, number: Number) -> i64 {
         match self.factors.get(number.place()) {

@@ -93,7 +93,7 @@ impl Segment {
         Segment { start: self.start.plus(by), end: self.end.plus(by), path, ..*self }
     }
 
-    /// The arc, if it is one.
+    /// The arc of the segment; `None` for other shapes.
     pub fn arc(&self) -> Option<&Arc> {
         match &self.path {
             Path::Arc(arc) => Some(arc),
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn a_helix_is_as_long_as_its_unrolled_cylinder_says_and_counts_its_feed_in_the_plane() {
+    fn helix_length_is_that_of_the_unrolled_cylinder_and_its_feed_length_that_in_the_plane() {
         let mut helix = motion(Turn::Ccw, [10.0, 0.0], [0.0, 10.0], [-10.0, 0.0]);
         helix.end.linear[2] = Nm::from_mm(-7.0);
         let segment = Segment::from_motion(&helix, None).unwrap();

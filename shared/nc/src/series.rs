@@ -8,7 +8,7 @@ use super::frame::{CoordinateFrame, CoordinateRotation};
 use super::motion::{Center, Feed, Motion, MotionKind, Plane, Pose};
 use arcfeed_units::{MicroDeg, Micros, Nm};
 
-/// One action of a series.
+/// One action of a block that makes several moves, such as a canned cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SeriesAction {
     /// A straight move, rapid or at feed.
@@ -32,7 +32,7 @@ pub enum SpindleAction {
     Forward,
 }
 
-/// Description of the moves of one block; [`Series::actions`] expands it.
+/// Block that makes several moves, such as a canned cycle; [`Series::actions`] gives its single actions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
 pub enum Series {
@@ -110,7 +110,7 @@ impl Polar {
     }
 }
 
-/// Coordinates along the normal of the plane.
+/// Levels of a canned cycle along the normal of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
     /// Level of the tool when the cycle was first called.
@@ -176,7 +176,7 @@ impl Series {
         SeriesCursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
     }
 
-    /// The next action.
+    /// The next action, if there is one.
     pub fn advance(&self, cursor: &mut SeriesCursor) -> Option<SeriesAction> {
         loop {
             let act = match self {
@@ -251,7 +251,7 @@ pub struct SeriesActions<'a> {
     cursor: SeriesCursor,
 }
 
-/// Progress in a series.
+/// Progress in the actions of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesCursor {
     at: Pose,

@@ -17,7 +17,7 @@ pub const COMPENSATION_BLOCKS_MIN: u8 = 3;
 /// Most blocks that a control reads together for cutter compensation.
 pub const COMPENSATION_BLOCKS_MAX: u8 = 8;
 
-/// Strictness of the reader.
+/// Strictness of the reader towards deviations from the dialect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
     /// Reports deviations in titles and comments as notices, although a control would reject them.
@@ -37,7 +37,7 @@ pub enum Decimals {
     Calculator,
 }
 
-/// Start-up and cancel of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
+/// Path at the start and the end of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartUp {
     /// The tool goes straight to, or leaves from, the normal of the contour's block.
@@ -47,7 +47,8 @@ pub enum StartUp {
     B,
 }
 
-/// Meaning of the radius of a D, which the program assumes: CAM systems name it the type of compensation.
+/// Meaning of the radius of a D that the program assumes: tool radius or wear (in CAM systems the type of
+/// compensation).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompensationType {
     /// Radius of the tool: the program has the contour of the part.
@@ -94,7 +95,7 @@ pub enum Scope {
     Everything,
 }
 
-/// The settings of a control.
+/// Settings of a control that affect how it reads a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Unit at power-on.
@@ -140,7 +141,7 @@ pub struct Tables {
     pub radii: [[Nm; 2]; OFFSETS],
 }
 
-/// Series of the control.
+/// Series of the control, for its standard settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i/18i/21i-M.

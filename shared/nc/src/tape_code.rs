@@ -22,7 +22,7 @@ const BACKSPACE: u8 = 0x08;
 const EIA_END_OF_BLOCK: u8 = 0x80;
 const EIA_BACKSPACE: u8 = 0x2A;
 
-/// Tape code.
+/// Character code of a tape or a DNC line: ISO, EIA or ASCII.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapeCode {
     /// Seven bits and an even-parity bit.
@@ -33,7 +33,7 @@ pub enum TapeCode {
     Ascii,
 }
 
-/// Meaning of a frame.
+/// Meaning of a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
     /// A character, in ASCII.

@@ -67,7 +67,7 @@ pub struct Word {
     pub len: u8,
 }
 
-/// Columns of the first deviation of each kind that a tolerant reading has accepted; 0 for none.
+/// Deviations that a tolerant reading has accepted: for each kind the column of the first one, 0 for none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tolerated {
     /// A small letter in code.
@@ -96,13 +96,14 @@ pub struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Starts at the line's first byte; bytes after [`LINE_MAX`] are ignored.
+    /// Tokens of a line, from its first byte; bytes after [`LINE_MAX`] are ignored.
     pub fn new(line: &'a [u8]) -> Self {
         let line = line.get(..LINE_MAX).unwrap_or(line);
         Words { line, at: 0, tolerance: Tolerance::None, tolerated: Tolerated::default() }
     }
 
-    /// Also accepts blanks inside words and, if `is_lenient`, small letters and a `;` at the end of the code.
+    /// Tokens of a line, with tolerance: accepts blanks inside words and, if `is_lenient`, small letters and a `;` at
+    /// the end of the code.
     pub fn tolerant(line: &'a [u8], is_lenient: bool) -> Self {
         let tolerance = if is_lenient { Tolerance::Everything } else { Tolerance::Blanks };
         Words { tolerance, ..Words::new(line) }

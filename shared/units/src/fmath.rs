@@ -102,8 +102,8 @@ pub fn cos(x_rad: f32) -> f32 {
     libm::cos(f64::from(x_rad)) as f32
 }
 
-/// Cosine and sine of an angle within +-1/8 turn, radians. Taylor series whose remainder is below the resolution of
-/// f32. For the tick: the functions of `libm` compute in f64.
+/// Cosine and sine of an angle within +-1/8 turn, radians, fast enough for the tick: a Taylor series whose remainder
+/// is below the resolution of f32 (the functions of `libm` compute in f64).
 pub fn cos_sin_of_octant(x_rad: f32) -> [f32; 2] {
     let square = x_rad * x_rad;
     let series = |divisors: [f32; 4]| divisors.iter().rev().fold(1.0, |rest, d| 1.0 - square * (1.0 / d) * rest);

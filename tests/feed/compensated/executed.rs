@@ -172,7 +172,7 @@ fn feed_words(text: &[u8]) -> HashMap<i64, f64> {
 }
 
 #[test]
-fn where_the_control_reduces_the_feed_itself_no_arc_is_slowed_twice_and_no_f_raised_for_it() {
+fn arcs_that_the_control_slows_down_are_not_slowed_twice_and_keep_f() {
     let mut figures = Figures::default();
     for seed in 0..of_full_set(1_000, 120) {
         let case = Case::of_seed("compensated-reduced", seed);

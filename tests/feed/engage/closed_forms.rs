@@ -60,7 +60,7 @@ fn a_slot_is_engaged_from_side_to_side_and_a_shoulder_from_its_edge_on() {
 }
 
 #[test]
-fn what_is_in_front_only_at_the_very_end_of_a_move_is_there() {
+fn material_only_at_the_very_end_of_a_move_is_engaged() {
     // The block begins 4.8 mm in front of where the axis stops: less than a sample of path inside the circle.
     let cut = Cut {
         name: "end",
@@ -77,7 +77,7 @@ fn what_is_in_front_only_at_the_very_end_of_a_move_is_there() {
 }
 
 #[test]
-fn what_a_ramp_leaves_of_a_layer_is_in_front_on_the_way_back() {
+fn return_pass_is_engaged_in_the_partial_layer_that_a_ramp_left() {
     // From 0 to -2 mm in 20 mm. A layer is 0.25 mm high: all but the last 2.5 mm of the ramp leaves the lowest one, half of these half of it.
     let cut = Cut {
         name: "ramp",
@@ -96,7 +96,7 @@ fn what_a_ramp_leaves_of_a_layer_is_in_front_on_the_way_back() {
 }
 
 #[test]
-fn a_pass_beside_another_is_engaged_in_what_that_has_left_wherever_the_level_lies_in_its_layer() {
+fn second_pass_is_engaged_in_the_remaining_material_at_any_level_of_the_layer() {
     for (name, z) in
         [("level-on", "-1.75"), ("level-within", "-1.9"), ("level-above", "-1.749"), ("level-below", "-1.751")]
     {

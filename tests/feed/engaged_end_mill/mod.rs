@@ -195,7 +195,7 @@ fn between_knots_the_end_goes_with_the_path_travelled() {
 }
 
 #[test]
-fn where_nothing_limits_it_is_said_why() {
+fn directions_without_a_demand_give_their_reason() {
     // The chip at 5 degrees is thinner than wanted at any feed: (r0 + a) sin 5 is less than the half chord of both circles.
     for (outer, why) in [
         ([0.0, 0.0], NoDemand::NoContact),

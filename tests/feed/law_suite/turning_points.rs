@@ -76,7 +76,7 @@ fn apart(ranges: &[Option<DemandRange>; 2]) -> f64 {
 }
 
 #[test]
-fn around_its_turning_points_the_circumference_law_says_all_that_it_says_everywhere() {
+fn turning_points_of_the_circumference_law_give_the_same_demand_as_all_cells() {
     let mut random = Rng::with_seed(17);
     let (mut worst, mut asked, mut arcs) = (0.0_f64, 0, 0);
     for case in 0..of_full_set(50_000, 1_500) {
@@ -95,7 +95,7 @@ fn around_its_turning_points_the_circumference_law_says_all_that_it_says_everywh
 }
 
 #[test]
-fn around_its_knots_a_table_says_all_that_it_says_everywhere() {
+fn knots_of_a_table_give_the_same_demand_as_all_cells() {
     let mut random = Rng::with_seed(18);
     for case in 0..of_full_set(50_000, 2_000) {
         let length_mm = log_between(&mut random, 0.1, 500.0);

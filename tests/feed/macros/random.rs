@@ -43,7 +43,7 @@ fn assert_justified(case: &Case, before: &[Executed], seed: u64) {
 }
 
 #[test]
-fn what_is_written_back_runs_as_the_adapted_blocks_and_what_is_refused_has_two_feeds() {
+fn written_back_programs_run_like_the_adapted_blocks_and_refused_ones_need_two_feeds() {
     let (mut written, mut changed, mut refused, mut moves, mut governed, mut on_control) = (0, 0, 0, 0, 0, 0);
     for seed in 0..of_full_set(1_000, 100) {
         let RandomProgram { text, library } = random(seed);

@@ -45,7 +45,7 @@ fn what_only_the_control_knows_is_refused_at_its_place() {
 }
 
 #[test]
-fn what_the_program_has_set_is_known() {
+fn values_set_by_the_program_are_known() {
     let scratch = Scratch::new("macros-known");
     let text = format!("{HEAD}#500=#0\nIF[#500EQ#0]GOTO8\nG1X9.F900.\nN8G1X[#5001+2.]F900.\n#5204=0\nM30\n%\n");
     let case = Case::new(&scratch, &text, &[], JOB).expect("an executable program");

@@ -28,7 +28,7 @@ fn said(from: &str, to: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn what_the_law_needs_is_asked_for_with_its_place() {
+fn missing_keys_of_the_plunge_law_are_named_with_their_place() {
     for (from, to, expected) in [
         ("max_torque = \"5 Nm\"", "", "[plunge] needs max_power or max_torque in [spindle]"),
         ("max_feed = 3000\n", "", "[plunge] needs a fastest feed"),
@@ -55,7 +55,7 @@ fn descents_that_keep_their_feed_are_named() {
 }
 
 #[test]
-fn a_torque_below_what_rubs_leaves_the_feed_and_says_so() {
+fn torque_limit_below_the_edge_force_keeps_the_feed_with_a_reason() {
     let job = PlungeJob {
         name: "overload",
         cutting: "cutting = [1000, 0, 0]\nedge = [60, 0, 0]\naxial_depth = 2",

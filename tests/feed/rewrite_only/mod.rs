@@ -136,7 +136,7 @@ fn feed_mm(segment: &Segment) -> f64 {
 }
 
 #[test]
-fn no_piece_is_faster_than_the_demand_anywhere_on_it_and_what_is_said_of_the_chip_is_so() {
+fn pieces_never_exceed_the_demand_and_the_reported_chip_error_is_right() {
     let (mut pieces, mut whole, mut worst, mut slowest) = (0, 0, f64::NEG_INFINITY, 0.0_f64);
     for seed in 0..PROGRAMS {
         let Case { tables, file, adapted, .. } = case(seed);
@@ -247,7 +247,7 @@ fn pieces_keep_their_length_and_their_number() {
 }
 
 #[test]
-fn what_pieces_cannot_share_keeps_an_arc_whole_at_its_least_feed() {
+fn words_that_pieces_cannot_share_keep_an_arc_whole_at_its_least_feed() {
     let tables: Tables = [vec![[0.0, 0.05]], vec![[0.0, 0.05], [60.0, 0.1]]];
     for (block, why) in [
         ("G3X0Y0I-20.M8", Some("words")),

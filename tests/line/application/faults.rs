@@ -262,7 +262,7 @@ fn a_fault_stays_until_a_person_resets_and_then_nothing_is_armed() {
 }
 
 #[test]
-fn the_last_value_stays_for_its_time_to_live_after_the_last_word_and_no_tick_longer() {
+fn last_value_is_kept_for_exactly_its_time_to_live_after_the_last_frame() {
     let mut world = running();
     pull_plug(&mut world);
     let kept = (1..2_000).take_while(|_| world.step().feed_override.percent == WORST_PERCENT).count();

@@ -106,7 +106,7 @@ fn breaks(text: &str, kind: Kind, check: Check, schedule: &Schedule) -> Option<S
 }
 
 #[test]
-fn what_the_line_can_see_is_never_passed_over() {
+fn detectable_line_faults_are_never_missed() {
     let cases = of_full_set(200, 10);
     let mut counts: BTreeMap<(Kind, Check), [u32; 4]> = BTreeMap::new();
     for (kind, check) in KINDS.iter().flat_map(|kind| CHECKS.map(|check| (*kind, check))) {
@@ -154,7 +154,7 @@ fn stored_and_punched(settings: &ControlSettings, frames: &[u8]) -> Option<ReadB
 }
 
 #[test]
-fn what_comes_back_from_the_control_shows_every_change() {
+fn program_read_back_shows_every_change() {
     let without_blanks = |blocks: &[Vec<u8>]| -> Vec<Vec<u8>> {
         let is_kept =
             |block: &Vec<u8>| block.iter().copied().filter(|byte| block.contains(&b'(') || *byte != b' ').collect();

@@ -100,7 +100,7 @@ fn waits_of_a_slow_line_are_predicted() {
 }
 
 #[test]
-fn what_was_executed_to_its_end_or_never_begun_is_not_taken_up() {
+fn completed_or_never_begun_transmissions_are_not_resumed() {
     let scratch = Scratch::new("nothing-to-resume");
     let (job, journal) = ("examples/ibr-slot/job.toml", scratch.path("journal"));
     let resume = ["stream", job, "--journal", &journal, "--resume", "--approve"];

@@ -137,7 +137,7 @@ fn a_changed_program_or_job_is_not_resumed() {
 }
 
 #[test]
-fn a_control_that_stands_says_where_and_needs_no_line() {
+fn restart_after_an_alarm_needs_no_line_if_the_control_reports_it() {
     let scratch = Scratch::new("stands");
     let job = job(&scratch);
     // A character without its parity bit is alarm PS0001 in a control that checks; here a letter becomes another.

@@ -47,17 +47,17 @@ fn killed(name: &str, place: &[&str]) {
 }
 
 #[test]
-fn a_socket_that_is_closed_says_how_far_it_came() {
+fn closed_socket_fails_with_the_progress() {
     killed("lost-tcp", &["--tcp", "127.0.0.1:0"]);
 }
 
 #[test]
-fn a_serial_line_that_vanishes_says_how_far_it_came() {
+fn vanished_serial_line_fails_with_the_progress() {
     killed("lost-pty", &["--pty"]);
 }
 
 #[test]
-fn a_line_to_the_simulator_that_breaks_says_how_far_it_came() {
+fn broken_line_to_the_simulator_fails_with_the_progress() {
     let scratch = Scratch::new("lost-sim");
     let job = job(&scratch);
     let output = run(&["stream", &job, "--port", "fault://disconnect=500/sim:"]);
@@ -67,7 +67,7 @@ fn a_line_to_the_simulator_that_breaks_says_how_far_it_came() {
 }
 
 #[test]
-fn a_line_that_takes_nothing_from_the_middle_on_says_how_far_it_came() {
+fn line_that_stops_accepting_characters_fails_with_the_progress() {
     let scratch = Scratch::new("lost-time");
     let job = job(&scratch);
     let text = std::fs::read_to_string(&job).expect("text");

@@ -109,7 +109,7 @@ fn what_simulate_and_stream_print_is_documented_and_the_same_in_every_run() {
 }
 
 #[test]
-fn what_is_left_out_of_a_cut_and_how_far_it_is_from_its_target_is_documented() {
+fn left_out_blocks_and_target_deviation_are_in_the_json_schema() {
     let documented = Documented::read();
     let scratch = Scratch::new("json-cut");
     let head = "units = \"mm\"\nprogram = \"cut.nc\"\ntool = { kind = \"end-mill\", diameter = 4, teeth = 2, height = 9 }\n\

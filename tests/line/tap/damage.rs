@@ -83,7 +83,7 @@ fn decoded(frames: &[u8], code: TapeCode) -> Vec<u8> {
 }
 
 #[test]
-fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
+fn tap_reads_a_corrupted_stream_like_the_control() {
     for code in [TapeCode::Iso, TapeCode::Ascii] {
         for seed in 0..RUNS {
             let ended = run(code, ALL[seed as usize % ALL.len()], seed, true);
@@ -93,7 +93,7 @@ fn a_stream_corrupted_before_the_tap_is_for_it_what_it_is_for_the_control() {
 }
 
 #[test]
-fn a_control_that_got_something_else_is_found_out_when_its_axes_leave_the_path() {
+fn corruption_behind_the_tap_is_detected_when_the_axes_leave_the_path() {
     let mut found_out = 0;
     for code in [TapeCode::Iso, TapeCode::Ascii] {
         for seed in 0..RUNS {

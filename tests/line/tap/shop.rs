@@ -103,7 +103,7 @@ fn blocks_that_the_controls_switch_deletes_are_deleted_here_if_the_setting_says_
 }
 
 #[test]
-fn a_sender_too_far_ahead_is_said_and_the_rest_runs_as_it_was_sent() {
+fn sender_too_far_ahead_is_reported_and_the_rest_runs_unadapted() {
     // The control's buffer is 1024 characters and 15 blocks; this tap has room for 300.
     let (file, text) = example(SLOT);
     let settings = TapSettings::new(file.job.unit);

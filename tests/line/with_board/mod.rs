@@ -151,7 +151,7 @@ fn behind_a_link_the_example_is_cut_as_by_a_notified_controller() {
 }
 
 #[test]
-fn a_control_that_reports_where_it_is_is_cut_the_same_behind_a_link() {
+fn position_reports_and_a_board_link_together_keep_the_chip_at_its_target() {
     let _alone = ONE_AT_A_TIME.lock();
     let scratch = Scratch::new("board-reports");
     let read = |file: &str| std::fs::read_to_string(root().join("examples/ibr-slot").join(file)).expect("the example");

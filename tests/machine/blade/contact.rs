@@ -34,7 +34,7 @@ fn static_mm(body: &Body, node: usize) -> [f64; 3] {
 }
 
 #[test]
-fn a_force_that_stands_bends_the_blade_as_its_finite_elements_do_wherever_the_contact_has_come() {
+fn static_force_bends_the_moving_contact_like_the_finite_element_blade() {
     let blade = Blade { camber_rad: [0.4, 0.2], edge_ratio: 0.4, ..Blade::plate(20.0, 16.0, 1.5) };
     let body = Body::new(blade.mesh([4, 1, 6], 0.5).unwrap(), &TITANIUM_6AL_4V);
     let nodes = body.mesh().nodes_where(|place| place[2] == 10 && place[1] == 2);

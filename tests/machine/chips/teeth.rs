@@ -46,7 +46,7 @@ fn a_tooth_behind_a_wide_pitch_has_a_thick_chip() {
 }
 
 #[test]
-fn a_tooth_that_stands_out_takes_what_the_next_one_misses() {
+fn longer_tooth_cuts_the_material_that_the_next_one_misses() {
     let offsets_mm = [0.02, 0.0, -0.03, 0.01];
     let cutter = Cutter::end_mill(&MILL, SLICES).unwrap().with_offsets(&offsets_mm).unwrap();
     let seen = cut(cutter, 0.4);

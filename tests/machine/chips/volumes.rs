@@ -27,7 +27,7 @@ fn layers() -> Layers {
 }
 
 #[test]
-fn what_is_taken_and_what_is_left_make_up_what_there_was() {
+fn removed_and_remaining_volume_add_up_to_the_initial_one() {
     let mut engagement = EdgeEngagement::new(Cutter::end_mill(&ball(), slices()).unwrap(), layers(), 3.0).unwrap();
     let before = engagement.layers().volumes_mm3();
     let mut taken = [0.0; 2];

@@ -182,7 +182,7 @@ fn pitches_put_each_tooth_where_they_say() {
 }
 
 #[test]
-fn what_is_no_cutter_is_refused() {
+fn invalid_cutters_are_refused() {
     let refused = |mill: EndMill| Cutter::end_mill(&mill, Pieces::Along(4)).unwrap_err();
     assert_eq!(refused(EndMill { teeth: 0, ..FLAT }), EdgeError::Nothing);
     assert_eq!(refused(EndMill { corner_mm: 5.1, ..FLAT }), EdgeError::Dimensions);

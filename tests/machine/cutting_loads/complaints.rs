@@ -38,7 +38,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
 }
 
 #[test]
-fn what_a_rapid_took_is_gone_and_had_no_chips() {
+fn rapids_remove_material_without_chips() {
     let program =
         "%\nG21G17G90G94\nN1G0X-20.Y0.\nN2G0Z5.\nN3G1Z-4.F2000.\nN4G1X-18.F600.\nN5G0X60.\nN6G1X-18.F3000.\nN7M30\n%\n";
     let (code, report, complaints) = ran("rapid", JOB, program);

@@ -41,7 +41,7 @@ fn blocks_whose_place_is_not_known_are_counted_by_cause() {
 }
 
 #[test]
-fn a_contour_with_a_known_radius_takes_what_the_path_of_its_tool_takes() {
+fn contour_with_a_known_radius_removes_the_volume_of_its_tool_path() {
     // The contour lies 5 mm beside the slot.
     let contour = SLOT
         .replace("N4G1X40.013", "G10L12P1R5.\nN7G41D1G1X.013\nN4X40.013")

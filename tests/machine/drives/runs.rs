@@ -38,7 +38,7 @@ fn example() -> (JobFile, Vec<u8>) {
 }
 
 #[test]
-fn what_a_controller_sees_is_where_the_axes_are() {
+fn controller_gets_the_actual_positions() {
     let (file, text) = example();
     let settings = ControlSettings { servo: Some(Servo::of_all(axis(30.0, 0.0))), ..control_settings(&file) };
     let mut simulation = Simulation::new(Control::from_memory(settings, &text), &file.job, Listener::default());

@@ -174,7 +174,7 @@ fn seen_from_elsewhere_the_same_modes_give_way_otherwise() {
 }
 
 #[test]
-fn what_is_no_mode_is_refused() {
+fn invalid_modes_are_refused() {
     let x = Vector3::x();
     assert_eq!(Mode::new(0.0, 0.1, x), Err(ModeError::Frequency { given_hz: 0.0 }));
     assert_eq!(Mode::new(1.0, 1.0, x), Err(ModeError::Damping { given_ratio: 1.0 }));

@@ -71,7 +71,7 @@ fn chatter_begins_where_it_should_and_at_its_frequency() {
 }
 
 #[test]
-fn made_up_samples_are_judged_by_what_repeats() {
+fn verdict_on_made_up_samples_follows_their_period() {
     let sampling = Sampling { teeth: 4, tooth_hz: 200.0, floor_mm: 1e-6 };
     let samples = |at: fn(usize) -> f64| (0..200).map(|i| Vector3::new(0.3, 0.01 * at(i), 0.0)).collect::<Vec<_>>();
     assert_eq!(sampling.evaluate(&samples(|_| 1.0)), Verdict::Stable);

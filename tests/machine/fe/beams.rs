@@ -109,7 +109,7 @@ fn a_mass_at_the_tip_lowers_the_frequencies_as_it_must() {
 }
 
 #[test]
-fn a_stepped_tool_gives_way_to_a_force_at_its_tip_as_far_as_bending_and_shear_let_it() {
+fn deflection_of_a_stepped_tool_is_that_of_bending_and_shear() {
     let steps = [bar(40.0, 32.0), bar(30.0, 20.0), BeamSection { material: TITANIUM_6AL_4V, ..bar(50.0, 12.0) }];
     let modes = beam(&steps, 6).modes(36).unwrap();
     let mut modal_point = ModalPoint::default();

@@ -138,7 +138,7 @@ fn joined(one: &Surface, other: &Surface) -> Surface {
 }
 
 #[test]
-fn what_is_no_wall_or_blade_is_refused_with_its_place() {
+fn shapes_that_are_no_wall_or_blade_are_refused_with_their_place() {
     let refused = |surface: &Surface, cells: [usize; 3]| {
         let error = Sheet { surface, thickness: 1, held: FOOT }.mesh(cells).expect_err("no sheet");
         println!("{error}");

@@ -90,7 +90,7 @@ fn in_a_pole_the_first_axis_stays_where_it_was() {
 }
 
 #[test]
-fn what_no_axis_reaches_is_said_with_its_point() {
+fn unreachable_directions_are_reported_with_their_point() {
     let mikron = machine("mikron-ucp710");
     let poses = [10.0, 100.0, 125.0, 90.0].map(|tilt| pose(0.0, direction(tilt, 12.0)));
     let refused = mikron.select_branches(&poses, None).expect_err("beyond A -120");

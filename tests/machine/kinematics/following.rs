@@ -140,7 +140,7 @@ fn by_brute_force(machine: &Machine, of: &TipMove) -> f64 {
 }
 
 #[test]
-fn it_is_never_above_what_brute_force_finds_and_hardly_below() {
+fn tip_feed_is_never_above_the_brute_force_limit_and_hardly_below() {
     for file in FILES {
         let machine = machine(file);
         let mut random = fastrand::Rng::with_seed(7);

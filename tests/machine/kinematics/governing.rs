@@ -102,7 +102,7 @@ fn the_controller_asks_for_no_more_than_the_axes_can_follow() {
 }
 
 #[test]
-fn over_the_line_it_is_the_same_and_a_board_leaves_such_moves_alone() {
+fn stream_has_the_overrides_of_simulate_and_a_board_does_not_govern_tip_moves() {
     let scratch = Scratch::new("governing-stream");
     let job = job(&scratch, "override-only", MACHINE);
     let journal = scratch.path("journal");

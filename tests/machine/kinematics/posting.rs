@@ -122,7 +122,7 @@ fn a_repair_shortens_the_program_that_has_to_follow_the_race() {
 }
 
 #[test]
-fn what_makes_no_sense_is_usage_or_the_file_at_fault() {
+fn senseless_input_is_a_usage_error_or_a_file_error() {
     let scratch = Scratch::new("kinematics-wrong");
     let (machine, job) = (machine_file("mikron-ucp710"), "examples/ibr-slot/job.toml");
     let cl = scratch.write("one.apt", "GOTO/0,0,0,0,0,1\nCIRCLE/0,0,0\n");

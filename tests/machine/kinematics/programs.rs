@@ -184,7 +184,7 @@ fn moves_of_a_macro_are_reported_at_its_line() {
 }
 
 #[test]
-fn what_cannot_be_followed_is_said_and_alarms_come_first() {
+fn moves_that_the_machine_cannot_follow_are_reported_after_the_alarms() {
     let scratch = Scratch::new("programs-refused");
     let faulty = scratch.write("faulty.nc", "%\nG21G90\nG14\nM30\n%\n");
     let arc = scratch.write("arc.nc", "%\nG21G90G43.5H1\nG1X0Y0Z0I0J0K1.F100.\nG2X1.Y1.R1.\nM30\n%\n");

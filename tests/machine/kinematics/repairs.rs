@@ -65,7 +65,7 @@ fn poles_of_other_machines_are_as_good() {
 }
 
 #[test]
-fn what_is_far_from_the_pole_or_slow_is_left_alone() {
+fn points_far_from_the_pole_or_slow_turns_are_not_repaired() {
     let mikron = machine("mikron-ucp710");
     for beside in [8.0, 20.0] {
         let mut path = beside_the_pole(beside, 0.25);

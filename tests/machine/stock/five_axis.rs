@@ -21,7 +21,7 @@ fn outside_mm([radius_mm, height_mm, corner_mm]: [f64; 3], r_mm: f64, z_mm: f64)
 }
 
 #[test]
-fn what_a_turning_tool_meets_is_gone_and_what_it_does_not_meet_is_left() {
+fn stock_after_a_turning_tool_lacks_exactly_the_swept_points() {
     let (measures, tolerance_mm) = ([2.0, 9.0, 0.5], 0.02);
     let tool = Tool::bull_nose([measures[0], measures[2]], measures[1], 1e-4).unwrap();
     let from = Pose { tip_mm: [-3.0, -2.0, 0.3], axis: [-0.3, 0.2, 0.9] };

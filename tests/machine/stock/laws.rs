@@ -59,7 +59,7 @@ fn counted_bytes(stock: &Stock) -> usize {
 }
 
 #[test]
-fn what_is_removed_and_what_is_left_is_what_was_there() {
+fn removed_and_remaining_material_make_the_initial_stock() {
     let mut stock = block();
     let before = stock.volume().by_axis;
     let removed = cut_all(&mut stock, &cuts());

@@ -134,7 +134,7 @@ fn a_journal_is_read_or_refused() {
 }
 
 #[test]
-fn both_ends_of_the_board_link_take_whatever_the_line_makes_of_what_they_say() {
+fn both_ends_of_the_board_link_survive_corrupted_frames() {
     feed("wire", 14, SMOKE / 10, wire::link);
 }
 

@@ -178,7 +178,7 @@ fn comments_and_options_answer_the_questions() {
 }
 
 #[test]
-fn a_program_of_its_time_leaves_all_questions_open_and_its_job_says_so() {
+fn init_of_a_2003_program_asks_for_diameter_and_speed_and_the_answered_job_checks() {
     let scratch = Scratch::new("init-corpus");
     let job = scratch.path("first.toml");
     let report = init("tests/corpus/cam-2003.nc", &job);

@@ -124,7 +124,7 @@ fn a_program_that_is_not_in_memory_is_alarm_78_at_its_call() {
 }
 
 #[test]
-fn what_is_printed_goes_out_between_dc2_and_dc4_before_the_line_ends() {
+fn printed_text_is_sent_between_dc2_and_dc4_before_the_line_ends() {
     let program = "%\nPOPEN\n#1=-12.5\nDPRNT[X#1[42]*A]\nG0X1.\nDPRNT[B]\nPCLOS\nM30\n%";
     let mut bench = Bench::on_line(program, &[]);
     bench.end();
@@ -185,7 +185,7 @@ fn with_3004_feed_hold_waits_until_it_counts_again() {
 }
 
 #[test]
-fn with_3004_the_override_counts_100_percent_and_then_what_it_stands_at() {
+fn with_3004_the_override_is_100_percent_and_afterwards_that_of_the_input() {
     let program = "#3004=2\nG1X20.F1200\n#3004=0\nX40.\nM30\n";
     let mut bench = Bench::from_memory(program, Switches::default());
     let fastest = |bench: &mut Bench, x: f64| {

@@ -47,7 +47,7 @@ fn a_block_of_a_macro_knows_its_line_and_its_call() {
 }
 
 #[test]
-fn what_is_punched_is_where_the_axes_stand() {
+fn printed_positions_are_those_of_the_axes() {
     let run = run(&corpus("probing.nc"));
     assert!(run.ended.is_ok(), "{:?}", run.ended);
     let lines =

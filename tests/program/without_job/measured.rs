@@ -49,7 +49,7 @@ fn a_stock_of_a_comment_has_the_closed_form_of_the_slot_that_is_cut() {
 }
 
 #[test]
-fn the_chip_before_and_after_is_a_multiple_of_what_the_own_f_gives() {
+fn chip_before_and_after_scales_with_the_programmed_feed() {
     let said = text_of(&run(&["simulate", POCKET, "--tool", "10"]).stdout);
     // Contour radius 8, centre radius 3: 8/3 times the feed at the contour before, once after.
     let inside = said.lines().find(|line| line.trim_start().starts_with("1 ccw inside")).expect("a movement");

@@ -16,7 +16,7 @@ pub enum ReceivedArcs {
     None,
     /// The arcs received so far.
     Received(EngagedTable),
-    /// At least one of them was rejected.
+    /// At least one of the arcs was rejected.
     Refused,
 }
 

@@ -15,7 +15,7 @@ const REPORT_SLOWEST: Span = Span::from_ms(1_000);
 /// Shortest period: reports must leave room on the line.
 const REPORT_FASTEST: Span = Span::from_ms(5);
 
-/// All settings; configuration that a host may change between two jobs.
+/// All settings of a board; configuration that a host may change between two jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardSettings {
     /// Settings of the supervisor.

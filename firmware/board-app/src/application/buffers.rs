@@ -32,7 +32,7 @@ impl Default for Buffers {
 }
 
 impl Buffers {
-    /// No job, no set, no arcs.
+    /// Empty buffers: no job, no parameter set, no arcs.
     pub const fn new() -> Self {
         Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: ReceivedArcs::None }
     }

@@ -18,7 +18,7 @@ use arcfeed_firmware::supervisor::{Output, Supervisor};
 use super::messages::{Command, Notice, TaskQueues, TaskStatus};
 use super::sensors::Sensors;
 
-/// Source of the segments.
+/// Source of the segments: the host link, or the tapped line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply {
     /// A host on the link: the board can be armed only while it receives the host's frames.

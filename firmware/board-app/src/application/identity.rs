@@ -2,7 +2,7 @@
 
 use arcfeed_link::message::codes::ResetCode;
 
-/// Identity of a board; config.
+/// Identity of a board: name, version and last start; configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity {
     /// Name.

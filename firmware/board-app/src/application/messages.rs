@@ -52,7 +52,7 @@ pub struct TaskQueues<'q> {
     pub status: Producer<'q, TaskStatus>,
 }
 
-/// A command, executed in order.
+/// Command of the main loop to the control task, executed in order.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into; nearly all are segments")]
 pub enum Command {
@@ -125,7 +125,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
         Queues { commands: Queue::new(), notices: Queue::new(), status: Queue::new(), buffers: Buffers::new() }
     }
 
-    /// Both sides.
+    /// Divides the queues into the ends of the main loop and of the control task.
     pub fn split(&mut self) -> (HostQueues<'_>, TaskQueues<'_>) {
         let ((commands, taken_commands), (notices, taken_notices)) =
             (split(&mut self.commands), split(&mut self.notices));
@@ -138,7 +138,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
 }
 
 impl PlannedMove {
-    /// Whether the axes are at its start position, if it has to wait for them.
+    /// Whether the axes are at the move's start position, if the move has to wait for them.
     pub fn can_begin(&self, position: Option<&Pose>) -> bool {
         self.begins_at.is_none_or(|begin| {
             position.is_some_and(|position| {
@@ -148,12 +148,12 @@ impl PlannedMove {
         })
     }
 
-    /// Whether it belongs to a run before `run`.
+    /// Whether the move belongs to a run before `run`.
     pub fn is_before(&self, run: u32) -> bool {
         self.run != run && !self.is_behind(run)
     }
 
-    /// Whether it belongs to a run after `run`.
+    /// Whether the move belongs to a run after `run`.
     pub fn is_behind(&self, run: u32) -> bool {
         // Run numbers wrap around: the shorter distance decides.
         self.run.wrapping_sub(run).cast_signed() > 0

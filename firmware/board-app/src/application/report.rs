@@ -11,7 +11,7 @@ use super::messages::TaskStatus;
 /// Code for a missing number.
 const NONE: u32 = u32::MAX;
 
-/// The code of a state.
+/// Code of a supervisor state in a report.
 pub const fn state_code(state: &State) -> StateCode {
     match state {
         State::Idle => StateCode::Idle,
@@ -25,7 +25,7 @@ pub const fn state_code(state: &State) -> StateCode {
     }
 }
 
-/// The code of a rejected arming.
+/// Code of a rejected arming in a report.
 pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
     match refusal {
         Refusal::Faulted => RefusalCode::Faulted,

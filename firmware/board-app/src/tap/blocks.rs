@@ -60,6 +60,7 @@ pub(super) enum BlockMotion {
 }
 
 impl Blocks {
+    /// Reader of a tapped program at power-on; `resets_codes`: each program begins in the modal state of power-on.
     pub fn new(settings: Settings, resets_codes: bool) -> Self {
         Blocks {
             reader: Reader::with(settings, Tables::default()),

@@ -68,6 +68,7 @@ struct Arriving {
 }
 
 impl<const N: usize> Intake<N> {
+    /// Empty intake; without `code` it detects the code of the line.
     pub fn new(code: Option<TapeCode>) -> Self {
         Intake {
             set_code: code,

@@ -90,7 +90,7 @@ struct Axes {
     off_path: u8,
 }
 
-/// A segment for the queue of the control task.
+/// A move that the tap has read, as a segment for the control task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TapSegment {
     /// Count of the segment.

@@ -36,7 +36,7 @@ pub(super) struct Gate {
 }
 
 impl Gate {
-    /// A gate that ends at a place, after an intermediate place.
+    /// Gate that opens when the axes reach `to`, after they have passed `via`.
     pub fn new(via: Option<Pose>, to: Pose) -> Self {
         Gate { from: None, has_left: false, via, to }
     }

@@ -31,7 +31,7 @@ struct Block {
     segment: Option<Segment>,
 }
 
-/// Runs a job, writes its table of ticks, and returns its module.
+/// Runs a job in simulation, writes the table of its ticks, and returns a Rust module that includes the table.
 pub fn module(name: &str, job: &Path, out: &Path) -> String {
     let file = JobFile::load(job).expect("the example's job is sound");
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");

@@ -22,8 +22,8 @@ const NAMES: [&str; 6] = [
     "thesis-8-29-f32-lean",
 ];
 
-/// Equations (11)-(26) and (8)-(29) of the source in f32, then in f64; (8)-(29) in f32 with the FPU's root, and
-/// optimised.
+/// Instruction counts of other implementations of the source's equations: (11)-(26) and (8)-(29) in f32 and f64;
+/// (8)-(29) in f32 with the FPU's root, and optimised.
 #[derive(Debug, Default)]
 pub struct Baseline {
     costs: [Costs; 6],

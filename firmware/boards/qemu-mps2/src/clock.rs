@@ -16,7 +16,7 @@ pub const STEPS_PER_US: u32 = 25;
 /// As given to QEMU.
 const ICOUNT_SHIFT: u32 = 7;
 
-/// Counts instructions.
+/// Counter of executed instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct InstructionCounter {
     /// Instructions for reading the timer twice.
@@ -53,7 +53,7 @@ impl InstructionCounter {
     }
 }
 
-/// The timer, counting up.
+/// Value of the timer, counting up.
 #[inline(always)]
 pub fn steps() -> u32 {
     // SAFETY: reading the value has no effect on the timer.

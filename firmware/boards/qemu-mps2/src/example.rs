@@ -43,13 +43,13 @@ const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;
 
 impl Block {
-    /// Cut rule that applies to it.
+    /// Cut rule that applies to the move.
     pub fn cut<'j>(&self, job: &'j Job) -> Option<&'j CutRule> {
         self.rule.and_then(|index| job.rules.get(index))
     }
 }
 
-/// The run, tick by tick: the position, and the block if a new one begins, with its count.
+/// Iterator over the recorded run, tick by tick: the position and, when a new block begins, the block with its count.
 #[derive(Debug)]
 pub struct Run {
     tick: u32,

@@ -5,7 +5,7 @@ use cortex_m_semihosting::hprintln;
 /// Maximum number of counts; more than the ticks of the example.
 const COUNTS_MAX: usize = 1 << 16;
 
-/// All counts of one kind, without a histogram.
+/// Instruction counts of one kind of tick.
 #[derive(Debug)]
 pub struct Costs {
     counts: heapless::Vec<u32, COUNTS_MAX>,

@@ -11,7 +11,7 @@ pub struct Handed<T>(UnsafeCell<Option<T>>);
 unsafe impl<T> Sync for Handed<T> {}
 
 impl<T> Handed<T> {
-    /// An empty cell.
+    /// An empty cell for data of an interrupt handler.
     pub const fn nothing() -> Self {
         Handed(UnsafeCell::new(None))
     }

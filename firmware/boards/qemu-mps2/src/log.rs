@@ -39,7 +39,7 @@ static LOG: Shared = Shared(UnsafeCell::new(State {
     dropped: 0,
 }));
 
-/// Sends waiting bytes; `send` returns the number of accepted bytes.
+/// Passes the waiting bytes of the log to `send`, which returns the number of accepted bytes.
 ///
 /// # Safety
 /// Called by the main loop, and `send` does not log.

@@ -94,7 +94,7 @@ impl<const N: usize> Main<N> {
         self.run_guarded(|| true)
     }
 
-    /// The same; the watchdog starts when `is_guarded` returns true. Only a test image delays it.
+    /// Runs forever; the watchdog starts when `is_guarded` returns true. Only a test image delays it.
     pub fn run_guarded(mut self, is_guarded: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
         // SAFETY: the tick's data are initialised.

@@ -11,12 +11,12 @@ use arcfeed_firmware::ramp::FeedOverride;
 /// Low lines, one bit each; all released at the start.
 static LOW: AtomicU8 = AtomicU8::new(0);
 
-/// The lines, for their only user.
+/// Emulated *FV lines in memory, in place of pins: an override output with one user.
 #[derive(Debug)]
 pub struct Mirror(());
 
 impl Mirror {
-    /// The lines.
+    /// The emulated lines.
     ///
     /// # Safety
     /// Called once.
@@ -25,7 +25,7 @@ impl Mirror {
     }
 }
 
-/// Lines that are low now, one bit each.
+/// Emulated *FV lines that are low, bit i for line i.
 pub fn low() -> u8 {
     LOW.load(Ordering::Relaxed)
 }

@@ -273,7 +273,7 @@ impl Hardware {
     }
 }
 
-/// Handler of a line's receiver.
+/// Interrupt handler of a line's receiver.
 pub fn on_received(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_received);
 }
@@ -284,7 +284,7 @@ pub fn lost_of_sender() -> u32 {
     sender.lost.load(Ordering::Relaxed)
 }
 
-/// Handler of a line's transmitter.
+/// Interrupt handler of a line's transmitter.
 pub fn on_sent(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_sent);
 }

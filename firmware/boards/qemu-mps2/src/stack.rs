@@ -8,7 +8,7 @@ const DEPTH_OF_A_BOARD: usize = 98_304;
 /// Bytes below the stack pointer that are not filled, for the filling code itself.
 const CLEARANCE: usize = 64;
 
-/// Painted stack.
+/// Free stack filled with a pattern, by which its use is measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Painted {
     /// Upper address of the pattern.
@@ -18,13 +18,13 @@ pub struct Painted {
 }
 
 impl Painted {
-    /// Fills the free stack below the caller's frame.
+    /// Fills the free stack below the caller's frame with the pattern.
     #[inline(always)]
     pub fn below_here() -> Self {
         Painted::so_deep(DEPTH)
     }
 
-    /// Fills the free stack of a board with its link.
+    /// Fills the free stack of a board with its link with the pattern.
     #[inline(always)]
     pub fn far_below_here() -> Self {
         Painted::so_deep(DEPTH_OF_A_BOARD)
@@ -40,7 +40,7 @@ impl Painted {
         painted
     }
 
-    /// Bytes used since then, from the position of the stack pointer.
+    /// Bytes of stack used since the pattern was written, counted from the stack pointer at that time.
     #[inline(always)]
     pub fn used(self) -> usize {
         // SAFETY: reads of the words that were painted.

@@ -28,7 +28,7 @@ const WAITING: usize = 8;
 /// A sample; `None` for an invalid frame.
 pub type Heard = Option<Sample>;
 
-/// State of the tick.
+/// Data of the tick's interrupt handler.
 pub struct TickSide {
     task: ControlTask<'static>,
     machine: MachineLine,

@@ -31,7 +31,7 @@ static FED_AT: AtomicU32 = AtomicU32::new(0);
 #[derive(Debug)]
 pub struct Watchdog(());
 
-/// Count of the tick after which it was fed last.
+/// Tick count after which the watchdog was last fed.
 pub fn fed_at() -> u32 {
     FED_AT.load(Ordering::Relaxed)
 }

@@ -20,7 +20,7 @@ use crate::encoders::Encoders;
 use crate::guard::Guard;
 use crate::lines::{CycleDelay, FvPort, StatusPins, let_go};
 use crate::machine;
-use crate::panel::{AT_START, ENCODERS_SOUND, Panel, Said};
+use crate::panel::{AT_START, ENCODERS_SOUND, Panel, PanelState};
 use crate::spindle::SpindleTimer;
 
 /// Period of the tick; a late tick is a fault, so the period is exact.
@@ -59,7 +59,7 @@ struct Readers {
     panel: Panel,
 }
 
-/// The board between two ticks.
+/// The board's hardware and controller, as the tick uses them.
 pub struct BoardIo {
     sensors: Sensors,
     outputs: Outputs,
@@ -119,7 +119,7 @@ impl BoardIo {
     }
 
     /// Evaluates the sensors.
-    fn know(&mut self, readings: Readings, said: Said) -> Input {
+    fn know(&mut self, readings: Readings, said: PanelState) -> Input {
         let Readers { position, turning, knob, .. } = &mut self.readers;
         let pose = position.follow(&machine::ENCODERS, readings, TICK);
         let spindle = self.tacho.follow(turning, self.sensors.spindle.read());

@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use stm32f4::stm32f405::{FLASH, PWR, RCC, rcc};
 
-/// Frequencies for other modules.
+/// Clock frequencies of core and timers.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Frequency of the core, MHz.

@@ -7,7 +7,7 @@ const CHANNEL: u8 = 4;
 /// Power-up time of the converter in cycles of the fastest core: 3 us.
 const POWER_UP_CYCLES: u32 = 3 * 168;
 
-/// The running converter.
+/// Running analogue-to-digital converter of the operator's dial.
 #[derive(Debug)]
 pub struct DialConverter(ADC1);
 

@@ -2,7 +2,7 @@
 
 use stm32f4::stm32f405::{TIM1, TIM3, TIM4};
 
-/// The three running timers.
+/// Running timers that count the encoders of X, Y and Z.
 #[derive(Debug)]
 pub struct Encoders {
     x: TIM3,

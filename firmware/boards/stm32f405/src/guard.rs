@@ -13,7 +13,7 @@ use heapless::spsc::Consumer;
 /// A prepared block, and the run of the program to which it belongs.
 pub type Prepared = (u32, ActiveSegment);
 
-/// Supervisor and queue of blocks, with their state.
+/// Controller of the board: supervisor and queue of blocks, with their state.
 pub struct Guard<'q> {
     supervisor: Supervisor,
     memory: Memory,

@@ -8,7 +8,7 @@ use crate::pins::{HEARTBEAT, LINES, READY};
 
 const NS_PER_US: u32 = 1_000;
 
-/// The port.
+/// Port with the lines *FV0 to *FV7.
 #[derive(Debug)]
 pub struct FvPort {
     port: GPIOC,
@@ -56,7 +56,7 @@ impl DelayNs for CycleDelay {
     }
 }
 
-/// Ready and heartbeat, beside the lines on the same port.
+/// Pins of the ready and heartbeat outputs, on the same port as the lines.
 #[derive(Debug)]
 pub struct StatusPins(());
 

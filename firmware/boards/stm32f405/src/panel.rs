@@ -24,7 +24,7 @@ const RESET: u16 = 1 << 15;
 /// count only after a release.
 pub const AT_START: u16 = ZERO | ARM | RESET;
 
-/// Buttons that were open; state.
+/// Reader of the panel's buttons; state: buttons that were open, and pressed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Panel {
     seen_open: u16,
@@ -33,7 +33,7 @@ pub struct Panel {
 
 /// State of the panel at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Said {
+pub struct PanelState {
     /// Signals of the ladder and requests, each while its contact is active.
     pub signals: Signals,
     /// Zero was pressed at this tick.
@@ -44,7 +44,7 @@ pub struct Said {
 
 impl Panel {
     /// Processes the settled contacts; closed ones are 1.
-    pub fn read(&mut self, closed: u16) -> Said {
+    pub fn read(&mut self, closed: u16) -> PanelState {
         self.seen_open |= !closed;
         if closed & NO_DISARM == 0 {
             // A press of arm during disarm, or one that lasts longer, does not arm.
@@ -53,7 +53,7 @@ impl Panel {
         let pressed = closed & self.seen_open;
         let pressed_now = pressed & !self.pressed_before;
         self.pressed_before = pressed;
-        Said {
+        PanelState {
             signals: signals(closed, pressed),
             zero_now: pressed_now & ZERO != 0,
             reset_now: pressed_now & RESET != 0,

@@ -6,7 +6,7 @@ use stm32f4::stm32f405::TIM2;
 /// Input filter: eight samples 32 clocks apart must agree; pulses below 3 us are noise.
 const FILTER: u8 = 0b1111;
 
-/// The running timer.
+/// Running timer that measures the pulses of the spindle's tacho.
 #[derive(Debug)]
 pub struct SpindleTimer(TIM2);
 

@@ -5,7 +5,7 @@ use stm32f4::stm32f405::{Interrupt, NVIC, TIM5};
 /// Period of the tick in counts of 1 us.
 const PERIOD_US: u32 = 1_000;
 
-/// The running timer.
+/// Running timer of the tick.
 #[derive(Debug)]
 pub struct TickTimer(TIM5);
 

@@ -23,7 +23,7 @@ macro_rules! numbered {
         }
 
         impl Cause {
-            /// The cause of a number; `None` for an unused number.
+            /// The cause with this number; `None` for an unused number.
             pub fn of_code(code: u8) -> Option<Self> {
                 match code {
                     $($code => Some(Cause::$cause),)+

@@ -5,7 +5,7 @@ use embedded_io::Write;
 use super::log::RecordLog;
 use super::record::RECORD_LEN;
 
-/// The record that is being sent.
+/// Sender of log records over a serial line; state: the record that is being sent.
 #[derive(Clone, Debug)]
 pub struct RecordSender {
     bytes: [u8; RECORD_LEN],

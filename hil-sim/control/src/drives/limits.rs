@@ -44,7 +44,8 @@ pub struct DriveLimits {
     pub tolerance_deg: f64,
 }
 
-/// Curvature of a part of a path: largest magnitudes of the derivatives of each axis by the path's parameter.
+/// Curvature of a part of a path: largest magnitudes of the first three derivatives of each axis by the path's
+/// parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
     /// |q'|.
@@ -110,7 +111,7 @@ impl DriveLimits {
 }
 
 impl Bend {
-    /// Bound of both.
+    /// Larger value of both bends, axis by axis.
     #[must_use]
     pub fn or(&self, other: &Bend) -> Bend {
         let greater = |one: &[f64; AXES], two: &[f64; AXES]| std::array::from_fn(|axis| one[axis].max(two[axis]));

@@ -41,14 +41,14 @@ pub struct AxisServo {
     pub in_position_mm: f64,
 }
 
-/// Position loops of a machine.
+/// Settings of the position loops of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     /// X, Y, Z, A, B, C.
     pub axes: [AxisServo; AXES],
 }
 
-/// Positions of the axes; state.
+/// Simulated position loops: actual positions of the axes; state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionLoops {
     servo: Servo,

@@ -66,7 +66,7 @@ impl SpindleState {
         self.speed = rev_per_min;
     }
 
-    /// M3, M4, M5.
+    /// Commands the rotation: M3, M4 or M5.
     pub fn set_rotation(&mut self, rotation: SpindleRotation) {
         self.rotation = rotation;
     }

@@ -1,6 +1,7 @@
 //! The yardstick: a height field. Of each ray along z the lowest place that an upright tool reaches on a level straight move, in
 //! closed form; material above it is gone. It holds no undercut, no side face, no other tool axis.
 
+/// Height field over a square, for comparison with the dexels.
 pub struct HeightField {
     width: usize,
     centers_mm: Vec<f64>,
@@ -8,14 +9,15 @@ pub struct HeightField {
 }
 
 impl HeightField {
+    /// Field of this height with columns `step_mm` apart.
     pub fn new(edge_mm: f64, height_mm: f64, step_mm: f64) -> Self {
         let width = (edge_mm / step_mm).round() as usize;
         let centers_mm = (0..width).map(|cell| (cell as f64 + 0.5) * step_mm).collect();
         HeightField { width, centers_mm, heights_mm: vec![height_mm; width * width] }
     }
 
-    /// Lowers the material to the tool; `bottom_mm` has the tool's height above a point by the square of its distance from the
-    /// way. Returns the number of rays asked.
+    /// Lowers the material to the tool; `bottom_mm` gives the tool's height above a point for the square of the
+    /// point's distance from the path. Returns the number of columns examined.
     #[inline(always)]
     pub fn cut(&mut self, [from, to]: [[f64; 3]; 2], radius_mm: f64, bottom_mm: impl Fn(f64) -> f64) -> usize {
         let way = [to[0] - from[0], to[1] - from[1]];

@@ -59,6 +59,7 @@ mod rows {
     const FROM_MM: f64 = 5.0;
     const PIECES: usize = 190;
 
+    /// Moves of the benchmark.
     pub fn moves() -> Vec<Move> {
         let pose = |row: usize, piece: usize| {
             let piece = if row.is_multiple_of(2) { piece } else { PIECES - piece };

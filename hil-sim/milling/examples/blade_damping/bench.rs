@@ -77,7 +77,7 @@ pub struct Outcome {
     pub force_n: f64,
 }
 
-/// A blade alone.
+/// Field of a blade alone, clamped at its foot.
 pub fn blade_alone(blade: &Blade, edge_mm: f64) -> Result<Field, Failure> {
     let body = Body::new(blade.mesh([12, 1, 16], 0.4)?, &TITANIUM_6AL_4V);
     let modes = body.modes(&Blade::foot(body.mesh()), MODES)?;
@@ -90,7 +90,7 @@ pub fn tool_point_mm() -> [f64; 3] {
 }
 
 impl<B: Modal> Bench<B> {
-    /// A body that has the shape of this blade in the cut region.
+    /// Bench for a body that has the shape of this blade in the cut region.
     pub fn new(body: B, blade: Blade, stepover_mm: f64, resolution: PassResolution) -> Result<Self, Failure> {
         let section = |length_mm, diameter_mm| BeamSection { length_mm, diameter_mm, material: CARBIDE };
         let sections = vec![section(SHANK_MM, DIAMETER_MM), section(FLUTES_MM, 0.8 * DIAMETER_MM)];
@@ -115,6 +115,7 @@ impl<B: Modal> Bench<B> {
         Ok(Bench { pass, body, tool, rigid })
     }
 
+    /// Runs one pass with this damping.
     pub fn run(&self, damping: Damping) -> Result<Outcome, Failure> {
         let (mut modes, mut seen) = (Vec::new(), None);
         if let Some(ratio) = damping.workpiece {
@@ -148,7 +149,7 @@ impl<B: Modal> Bench<B> {
 }
 
 impl Outcome {
-    /// The criterion: M is at most a twentieth of the feed per tooth in every window of the chord.
+    /// Whether the pass was stable: M is at most a twentieth of the feed per tooth in every window of the chord.
     pub fn is_stable(&self) -> bool {
         self.metrics_mm.iter().all(|metric_mm| *metric_mm <= STABLE_MM)
     }

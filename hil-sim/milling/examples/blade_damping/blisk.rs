@@ -62,7 +62,7 @@ fn blade() -> Blade {
     }
 }
 
-/// Runs the same pass over both and prints the processing times.
+/// Runs the same passes on the blade alone and on the whole disk, and prints the processing times.
 pub fn compare(dampings: &[Damping]) -> Result<(), Failure> {
     let sector = Sector::new(DISK.sector()?, DISK.sectors, &TITANIUM_6AL_4V)?;
     let hub = sector.body().mesh().nodes_where(BladedDisk::is_hub);

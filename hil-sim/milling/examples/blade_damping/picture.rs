@@ -31,18 +31,19 @@ const GLYPHS: [(char, [u8; 5]); 14] = [
     ('T', [7, 2, 2, 2, 2]),
 ];
 
-/// Red, green, blue, row by row.
+/// Picture of surfaces, one below the other: pixels in red, green, blue, row by row.
 pub struct Picture {
     width: usize,
     pixels: Vec<[u8; 3]>,
 }
 
 impl Picture {
+    /// Empty picture for surfaces of this length.
     pub fn new(length_mm: f64) -> Self {
         Picture { width: (length_mm * PIXELS_PER_MM) as usize, pixels: Vec::new() }
     }
 
-    /// A surface below those before.
+    /// Draws a surface with its label below those drawn before.
     pub fn add(&mut self, label: &str, marks: &[SurfaceMark]) {
         let top = self.rows();
         self.pixels.resize((top + LABEL) * self.width, [255; 3]);
@@ -83,7 +84,7 @@ impl Picture {
         }
     }
 
-    /// As PNG, not compressed.
+    /// Saves the picture as an uncompressed PNG file.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         let mut raw = Vec::new();
         for row in self.pixels.chunks(self.width) {

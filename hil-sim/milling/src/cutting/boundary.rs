@@ -55,7 +55,7 @@ pub enum PlanePath {
     },
 }
 
-/// Stock of a move.
+/// Stock that a move cuts, as the region inside a boundary in the plane of the move.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// Material sides of these lines at height 0; none is the whole plane.

@@ -39,7 +39,7 @@ const SAME_SIDE_MIN: f64 = 0.5;
 /// Rays beyond the last one at which an edge neither meets material nor has any ahead.
 const APART_RAYS: f64 = 3.0;
 
-/// Position of an elementary edge in its layer.
+/// Elementary edge at a position in its layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeElement {
     /// Position of the tool's axis.
@@ -114,12 +114,12 @@ impl EdgeElement {
         self.center_mm + self.towards * self.radius_mm
     }
 
-    /// The other end of the rake face.
+    /// Inner end of the rake face, opposite to the edge.
     pub fn root_mm(&self) -> Vector2<f64> {
         self.edge_mm() - self.outward() * self.depth_mm
     }
 
-    /// Whether the whole rake face is so far to one side of the layer's rays that no material there matters.
+    /// Whether the whole rake face lies so far beside the layer's rays that it cannot meet material.
     pub fn is_apart(&self, layer: &Layer) -> bool {
         [0, 1].into_iter().any(|axis: usize| {
             let at = [self.edge_mm(), self.root_mm()].map(|end| layer.index(axis, end[1 - axis]));
@@ -128,7 +128,7 @@ impl EdgeElement {
         })
     }
 
-    /// Whether there is material on the rays around the edge, or would be within `margin_mm`.
+    /// Whether there is material on the rays around the edge or within `margin_mm` of it.
     pub fn is_near(&self, layer: &Layer, margin_mm: f64) -> bool {
         let axis = self.axis();
         let ends_mm = [self.edge_mm(), self.root_mm()];
@@ -271,7 +271,7 @@ impl EdgeElement {
 }
 
 impl EdgeHistory {
-    /// Chip in front of the edge, which has moved here from its last cut.
+    /// Chip in front of the edge, for its motion since its last cut.
     pub fn front(&mut self, element: &EdgeElement, layer: &Layer) -> FrontChip {
         if element.is_apart(layer) {
             return FrontChip::default();
@@ -318,7 +318,7 @@ impl EdgeHistory {
         (element.edge_mm() - from.edge_mm()).norm().max((element.root_mm() - from.root_mm()).norm())
     }
 
-    /// Moves the edge to its next position, where it meets nothing.
+    /// Moves the edge to its next position without cutting.
     pub fn move_without_cut(&mut self, element: &EdgeElement) {
         *self = EdgeHistory { last: Some(*element), behind: None, requested: None };
     }

@@ -36,7 +36,7 @@ pub const REACHED_RATIO: f64 = 0.5;
 /// Motion of the tip below this is rounding.
 const STILL_MM: f64 = 1e-9;
 
-/// A cutter and the layers that it cuts.
+/// Cutter in a workpiece of layers: which edges cut, and what they remove.
 #[derive(Clone, Debug)]
 pub struct EdgeEngagement {
     cutter: Cutter,
@@ -165,7 +165,7 @@ impl EdgeEngagement {
         EdgeEngagement { reach_mm, ..self }
     }
 
-    /// Takes the cutter out of its workpiece and into another one, in layers of the same height.
+    /// Replaces the workpiece by another one, in layers of the same height.
     pub fn replace_layers(&mut self, layers: Layers) {
         self.lift();
         self.layers = layers;
@@ -186,7 +186,7 @@ impl EdgeEngagement {
         self.histories.len() + self.ends.len()
     }
 
-    /// Positions of the edges, before they are bent.
+    /// Positions of all edges for a tool pose, without deflection.
     pub fn poses(&self, pose: &ToolPose) -> EdgePoses {
         let descent = self.descent(pose);
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
@@ -198,7 +198,7 @@ impl EdgeEngagement {
         EdgePoses { pose: *pose, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
-    /// Middle of an edge; its height counts as that of the layers.
+    /// Middle of an edge; its height is measured like that of the layers.
     pub fn edge_mm(&self, edge: usize, at: &EdgePoses) -> Vector3<f64> {
         let (height_mm, radius_mm) = match edge.checked_sub(self.histories.len()) {
             None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),
@@ -287,13 +287,13 @@ impl EdgeEngagement {
         last >= 0 && self.layers.place(first.max(0)).is_some()
     }
 
-    /// Whether the tip would be lower than it is, apart from rounding.
+    /// Whether the tip would be lower at this pose than now, apart from rounding.
     pub fn descends(&self, pose: &ToolPose) -> bool {
         self.tips.last.is_some_and(|(tip_mm, _)| pose.tip_mm < tip_mm - STILL_MM)
     }
 
-    /// Before the cutter moves there, removes the material of which no edge would have a chip. If it has not cut
-    /// before, that is all material at its position; if the tip enters another layer, the steps of a rounded corner.
+    /// Removes the material that no edge would cut when the cutter moves to `pose`. If it has not cut before, that is
+    /// all material at its position; if the tip enters another layer, the steps of a rounded corner.
     pub fn enter(&mut self, pose: &ToolPose) {
         let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.clear_at(pose) };
         let nth = self.layers.nth(pose.tip_mm);
@@ -376,7 +376,7 @@ impl Tips {
     }
 }
 
-/// Solid of revolution of a cutter's edges, from the tip upwards.
+/// Solid of revolution swept by a cutter's edges, as slices from the tip upwards.
 ///
 /// Pieces of the first tooth are one above the other; those of all other teeth are at the same heights.
 pub fn slices(cutter: &Cutter) -> Vec<Slice> {

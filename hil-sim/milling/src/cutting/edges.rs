@@ -53,7 +53,7 @@ pub struct EdgePiece {
     pub side: Edge,
 }
 
-/// Directions of a piece, unit vectors in the tool frame.
+/// Cutting directions of an edge piece: unit vectors in the tool frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directions {
     /// Direction of motion (3).
@@ -258,7 +258,7 @@ impl Cutter {
         self.change(|piece| piece.angle_rad += moved[piece.tooth])
     }
 
-    /// Moves teeth away from the tool's own axis, each by its own amount.
+    /// Changes the radii of teeth, each by its own amount.
     ///
     /// # Errors
     /// The number of amounts differs from the number of teeth, or an amount moves an edge to the axis.

@@ -36,7 +36,7 @@ use super::partial_heights::DepthBand;
 /// Inverse of the rounding step of a ratio.
 const CHORD_DIGITS: f64 = 1e9;
 
-/// End edge of a tooth.
+/// Cutting edge on the end of a tool, of one tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndEdge {
     /// Outer end of the edge, which points straight down.
@@ -54,7 +54,7 @@ pub struct EdgePose {
     pub towards: Vector2<f64>,
 }
 
-/// Descent of the tip.
+/// Descent of the tip in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descent {
     /// Height of the tip.
@@ -106,7 +106,7 @@ impl EndEdge {
         lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
     }
 
-    /// Radius of the middle.
+    /// Radius of the middle of the edge.
     pub fn middle_mm(&self) -> f64 {
         (self.inner_mm + self.piece.radius_mm) / 2.0
     }

@@ -31,7 +31,7 @@ struct EngagedEdge {
     moment_mm2: f64,
 }
 
-/// Engaged part of radial edges in evenly spaced directions.
+/// Section of a tool's end that is engaged in material, as parts of radial edges in evenly spaced directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedSection {
     by_direction: Vec<EngagedEdge>,
@@ -92,7 +92,7 @@ impl EngagedSection {
         self.by_direction.iter().map(|edge| edge.width_mm).fold(0.0, f64::max)
     }
 
-    /// Directions with material.
+    /// Total angle of the directions with material.
     pub fn engaged_rad(&self) -> f64 {
         let engaged = self.by_direction.iter().filter(|edge| edge.width_mm > 0.0).count();
         engaged as f64 / self.by_direction.len() as f64 * TAU
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_full_ring_and_half_a_disc_have_the_area_of_geometry_and_half_a_ray_more() {
+    fn section_of_a_full_ring_is_exact_and_of_a_half_disc_larger_by_half_a_ray() {
         let layer = Layer::rectangle([-20.0, -20.0], [40.0, 20.0], 0.1);
         let center_mm = Vector2::new(0.0, -10.0);
         let below = |point_mm: Vector2<f64>| is_above(&layer, point_mm, center_mm, 0.0);

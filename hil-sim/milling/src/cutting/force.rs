@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 use super::edges::EdgePiece;
 use super::material::EdgeForce;
 
-/// Sums over the edges at one time.
+/// Force and torque on the tool: sums over all edges at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loads {
     /// Force on the tool, in the tool frame.

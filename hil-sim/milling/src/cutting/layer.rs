@@ -20,7 +20,7 @@ use arcfeed_dexel::workpiece::Stock;
 /// Margin above rounding errors.
 const MARGIN_MM: f64 = 1e-6;
 
-/// Rays along the two axes of the plane.
+/// Layer of a workpiece: rays along both axes of its plane, with the heights of the material on them.
 #[derive(Clone, Debug)]
 pub struct Layer {
     lowest_mm: [f64; 2],
@@ -68,7 +68,8 @@ impl Layer {
         layer
     }
 
-    /// Cells of a stock whose middle is nearest to a height along `axis`; the plane has the two axes that follow it.
+    /// Layer of a stock: the cells whose middle is nearest to a height along `axis`. The plane has the two axes that
+    /// follow it.
     pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
         let lattice = stock.lattice();
         let [first, second] = Lattice::across(axis);

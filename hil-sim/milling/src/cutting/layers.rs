@@ -19,7 +19,7 @@ pub const LEVEL_RATIO: f64 = 0.02;
 /// Number of layers above which the layer height is taken for a mistake.
 const LAYERS_MAX: f64 = 65_536.0;
 
-/// Layers of equal height.
+/// Workpiece as layers of equal height.
 #[derive(Clone, Debug)]
 pub struct Layers {
     lowest_mm: f64,

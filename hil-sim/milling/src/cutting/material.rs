@@ -23,7 +23,7 @@ pub struct ChipSection {
 }
 
 impl ChipSection {
-    /// One chip in place of two side by side: as wide as both, with the same section.
+    /// One chip in place of two adjacent ones, with their total width and total section.
     pub fn with(&self, other: &ChipSection) -> Self {
         let width_mm = self.width_mm + other.width_mm;
         let section_mm2 = self.thickness_mm * self.width_mm + other.thickness_mm * other.width_mm;
@@ -51,7 +51,7 @@ pub struct Kienzle {
     pub exponent_ratio: f64,
 }
 
-/// Linear edge model of one direction.
+/// Linear force model of one direction: cutting and edge coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
     /// k of (2).
@@ -60,7 +60,7 @@ pub struct Linear {
     pub edge_n_per_mm: f64,
 }
 
-/// A model for all directions: tangential, radial, axial.
+/// Cutting force model for the tangential, radial and axial direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutting {
     /// Kienzle's model (1).

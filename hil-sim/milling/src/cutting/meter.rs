@@ -23,7 +23,7 @@ use super::measured_move::{GoverningRule, MeasuredMove};
 /// Largest deviation from the commanded feed that counts as steady.
 pub const STEADY_RATIO: f64 = 5e-3;
 
-/// Chips of one move under a cut rule.
+/// Measured chip load of one move under a cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveChips {
     /// Count of executed blocks, up to and including the first block of the move.
@@ -43,7 +43,7 @@ pub struct MoveChips {
     pub left_out: ExcludedSamples,
 }
 
-/// Quantity of one tooth.
+/// Measured chip load of one tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredChip {
     /// Measured quantity relative to the target.
@@ -52,7 +52,7 @@ pub struct MeasuredChip {
     pub is_steady: bool,
 }
 
-/// The meter's state.
+/// Chip meter: measures the chip load from the machine's reports, move by move.
 #[derive(Debug)]
 pub struct ChipMeter {
     /// Teeth of the tool in the spindle.
@@ -103,13 +103,13 @@ impl ChipMeter {
         &self.moves
     }
 
-    /// Quantity of the last tooth measured on the move in execution, steady or not, relative to the target.
+    /// Chip load of the last tooth measured on the move in execution, steady or not, relative to the target.
     pub fn last_ratio(&self) -> Option<f64> {
         self.last_ratio
     }
 
-    /// Quantity of the tooth that the last report completed, if there was one with a contact. If a report completes
-    /// several teeth, that of the last one.
+    /// Measured chip load of the tooth that the last report completed, if that tooth had a contact. If a report
+    /// completes several teeth, that of the last one.
     pub fn latest(&self) -> Option<MeasuredChip> {
         self.latest
     }
@@ -154,7 +154,7 @@ impl ChipMeter {
         self.cut = MeasuredMove::new(segment, governing);
     }
 
-    /// Counts a report as left out: the axes are not on the move yet, or the spindle stands still.
+    /// Counts a report as left out, because the axes are not on the move yet or the spindle stands still.
     pub fn leave_out(&mut self, sample: &Sample) {
         self.latest = None;
         if !self.is_on(sample.block) {

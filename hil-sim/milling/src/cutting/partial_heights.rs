@@ -17,7 +17,7 @@ const SAME_RATIO: f64 = 1e-9;
 /// Intervals shorter than this remain between two sweeps by rounding.
 const SLIVER_MM: f64 = 1e-9;
 
-/// Columns of a ray: its lowered intervals, in order.
+/// Lowered intervals of a ray, in order, each with its remaining height.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartialHeights(Vec<Column>);
 

@@ -22,7 +22,7 @@ pub struct SurfaceMark {
     pub deviation_mm: f64,
 }
 
-/// All points that both passes have, layer by layer, along the chord.
+/// Deviations of the surface at all points that both passes have, layer by layer along the chord.
 pub fn marks(side: &Side, rigid: &PassResult, flexible: &PassResult) -> Vec<SurfaceMark> {
     let layers = rigid.layers.layers().iter().zip(flexible.layers.layers()).enumerate();
     layers.flat_map(|(layer, (rigid, flexible))| of_layer(side, layer, rigid, flexible)).collect()

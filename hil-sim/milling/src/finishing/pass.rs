@@ -41,7 +41,7 @@ const WHOLE_RATIO: f64 = 1e-9;
 /// Depth of the rake faces; chips are not thicker.
 const RAKE_MM: f64 = 1.0;
 
-/// Geometry and conditions of a pass.
+/// Finishing pass of a ball-end mill along a blade: geometry and conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishingPass {
     /// Side of the blade.
@@ -62,7 +62,7 @@ pub struct FinishingPass {
     pub resolution: PassResolution,
 }
 
-/// Resolution of a pass.
+/// Resolution of the simulation of a finishing pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassResolution {
     /// Height of a layer; the ball's radius is a whole number of them.
@@ -73,7 +73,7 @@ pub struct PassResolution {
     pub steps: usize,
 }
 
-/// Result of a pass.
+/// Result of a finishing pass.
 #[derive(Clone, Debug)]
 pub struct PassResult {
     /// Remaining blade.
@@ -84,7 +84,7 @@ pub struct PassResult {
     pub open: usize,
 }
 
-/// Sample at one tooth.
+/// Tool and surface at one tooth of a finishing pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tooth {
     /// Position of the contact, from the middle of the line.
@@ -97,7 +97,7 @@ pub struct Tooth {
     pub force_n: f64,
 }
 
-/// The mill has no such edges, or they do not fit the layers.
+/// Error: the mill has no such edges, or they do not fit the layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillError;
 

@@ -21,7 +21,7 @@ pub struct Side {
     length_mm: f64,
 }
 
-/// A point of the line.
+/// Contact point of the tool on the blade, with the normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Point in the plane.

@@ -28,7 +28,7 @@ const SAMPLES_MAX: usize = 512;
 /// Number of tried frequencies for each one that the samples can resolve.
 const FINER: usize = 4;
 
-/// Repetition of the samples.
+/// Verdict on the stability of a cut, from the tool's position once per tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// The samples repeat every tooth.
@@ -44,7 +44,7 @@ pub enum Verdict {
     },
 }
 
-/// Conditions of the sampling.
+/// Conditions of sampling for chatter detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Teeth per turn.
@@ -80,7 +80,7 @@ impl Sampling {
     }
 }
 
-/// Metric M_k; 0 if there is nothing to compare. (1)
+/// Metric M_k of the change from sample to sample, `lag` = k; 0 if there are too few samples. (1)
 pub fn metric_mm(samples_mm: &[Vector3<f64>], lag: usize) -> f64 {
     let later = samples_mm.get(lag..).unwrap_or(&[]);
     let sum_mm: f64 = later.iter().zip(samples_mm).map(|(after, before)| (after - before).norm()).sum();

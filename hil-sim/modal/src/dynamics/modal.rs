@@ -20,7 +20,7 @@ use std::fmt;
 use arcfeed_units::MM_PER_M;
 use nalgebra::Vector3;
 
-/// Vibration mode.
+/// Vibration mode of a structure at the cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Undamped natural frequency.

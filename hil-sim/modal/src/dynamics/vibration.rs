@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::modal::Mode;
 use super::transition::{Rule, State, Transition};
 
-/// Settings of the steps.
+/// Settings of the time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
     /// Integration rule of one mode over one step.
@@ -36,7 +36,7 @@ pub struct Stepping {
     pub passes_max: usize,
 }
 
-/// Modes with their states; state.
+/// Vibrating structure as a sum of its modes; state.
 #[derive(Clone, Debug)]
 pub struct Vibration {
     stepping: Stepping,
@@ -63,7 +63,7 @@ pub struct Places {
     amplitudes: Vec<f64>,
 }
 
-/// Result of a step.
+/// Result of a time step of a vibrating structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VibrationStep {
     /// Displacement at the end.
@@ -133,7 +133,7 @@ impl Vibration {
         self.compliance = self.compliance_of_step();
     }
 
-    /// Adds a point. Shapes not given are those of the cut.
+    /// Adds a point with these mode shapes; missing shapes are those of the cut.
     pub fn add_place(&self, shapes: &[Vector3<f64>], onto: &mut Places) {
         let shapes = &shapes[..shapes.len().min(self.modes.len())];
         onto.shapes.extend(shapes.iter().copied().chain(self.modes[shapes.len()..].iter().map(|mode| mode.shape)));
@@ -158,8 +158,8 @@ impl Vibration {
         VibrationStep { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
-    /// The same as [`Vibration::step`] with forces at several points: `force` returns those for displacements there, in
-    /// the order of the points. The step's displacement is still that of the cut.
+    /// Advances by `dt_s` as [`Vibration::step`], with forces at several points: `force` returns those for
+    /// displacements there, in the order of the points. The step's displacement is still that of the cut.
     pub fn step_at(
         &mut self,
         dt_s: f64,

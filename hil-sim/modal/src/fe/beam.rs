@@ -32,7 +32,7 @@ pub struct BeamSection {
     pub material: ElasticMaterial,
 }
 
-/// Beam model of a tool.
+/// Beam model of a clamped tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
     /// Sections from the clamp to the tip.

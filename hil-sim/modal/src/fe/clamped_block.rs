@@ -7,7 +7,7 @@ use super::mesh::{TetMesh, TetMeshError, graded};
 /// Ratio of the cell length at the clamp to that at the other end: the bending changes fast at the clamp.
 const HELD_RATIO: f64 = 0.2;
 
-/// Face square to an axis.
+/// Face of a block, perpendicular to an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// 0, 1, 2 for x, y, z.

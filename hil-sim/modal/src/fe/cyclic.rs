@@ -37,7 +37,7 @@ pub struct Sector {
     left: Vec<Option<usize>>,
 }
 
-/// A mode of the whole disk.
+/// A vibration mode of a whole disk: a wave around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wave {
     /// Angular frequency.

@@ -5,7 +5,7 @@
 
 use super::mesh::{HalfCells, TetMesh, TetMeshError};
 
-/// A bladed disk.
+/// A bladed disk, by its dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BladedDisk {
     /// Number of blades.
@@ -26,7 +26,7 @@ pub struct BladedDisk {
     pub cells: SectorCells,
 }
 
-/// Cells of a sector.
+/// Numbers of mesh cells of a sector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SectorCells {
     /// Cells around: in the gap on either side of the blade, and in each half of the blade. Their number is even, so

@@ -65,7 +65,7 @@ impl DiskField {
         self.sector.reach_mm()
     }
 
-    /// The same as [`Field::at_nearest`].
+    /// Sets `modal_point` to a point of the disk or near it, as [`Field::at_nearest`] does for a body.
     pub fn at_nearest(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
         let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.at_nearest(in_first_mm, beyond_mm, other));
         self.search_sectors(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)

@@ -22,7 +22,7 @@ const STILL_MM: f64 = 1e-10;
 /// Largest number of iterations of (3). With strains below 0.1 ten would suffice.
 const ROUNDS: usize = 30;
 
-/// A mesh with its modes, and the search for points in it.
+/// Mesh with its modes, and a search for the mode shapes at any point.
 #[derive(Clone, Debug)]
 pub struct Field {
     mesh: TetMesh,

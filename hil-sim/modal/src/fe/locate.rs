@@ -48,7 +48,7 @@ impl LocatedPoint {
     }
 }
 
-/// No element is within reach.
+/// Error: no element is within reach of the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooFar {
     /// Requested point.
@@ -67,7 +67,7 @@ impl std::error::Error for TooFar {}
 /// Lowest and highest corner.
 type Box3 = [Vector3<f64>; 2];
 
-/// Grid of cells for the search.
+/// Search for the element of a mesh at a point, by a grid of cells.
 #[derive(Clone, Debug)]
 pub struct Locator {
     boxes: Vec<Box3>,
@@ -223,7 +223,7 @@ impl Locator {
         locator
     }
 
-    /// Largest distance of points outside.
+    /// Largest distance from the mesh at which a point outside it is located.
     pub fn reach_mm(&self) -> f64 {
         self.reach_mm
     }

@@ -16,7 +16,7 @@ use super::tetrahedron::{EDGES, NODES, fourteen_points, nodes};
 /// Point of the lattice, in half cells from the lowest corner.
 pub type HalfCells = [usize; 3];
 
-/// Nodes and the elements between them.
+/// Mesh of tetrahedra with ten nodes each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TetMesh {
     nodes_mm: Vec<[f64; 3]>,

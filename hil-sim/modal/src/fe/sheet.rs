@@ -28,7 +28,7 @@ const ALIKE_RATIO: f64 = 0.5;
 /// Largest difference of volume between elements and solid, as a fraction.
 const VOLUME_RATIO: f64 = 0.05;
 
-/// Solid between two sides, with its axes.
+/// Thin solid that is meshed between its lower and upper side, with the axes of the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet<'a> {
     /// Surface of the solid.
@@ -39,7 +39,7 @@ pub struct Sheet<'a> {
     pub held: Face,
 }
 
-/// Reason why a sheet has no mesh.
+/// Reason why a sheet cannot be meshed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SheetError {
     /// No cells along an axis, or thickness along the span.

@@ -163,7 +163,7 @@ impl<'a> Middle<'a> {
     }
 }
 
-/// Section with two sides.
+/// Section of a sheet, with its lower and upper side.
 #[derive(Clone, Copy, Debug)]
 pub struct SheetSection<'a> {
     middle: Middle<'a>,

@@ -25,7 +25,7 @@ pub struct Singular {
     pub row: usize,
 }
 
-/// Factors L and D of (1).
+/// Triangular factorisation L D L' of a symmetric matrix. (1)
 #[derive(Clone, Debug)]
 pub struct Factor {
     /// First column of each row.
@@ -155,7 +155,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Solves for a right side, in place.
+    /// Solves the equations for a right-hand side, in place.
     pub fn solve(&self, x: &mut [f64]) {
         let rows = 0..self.diagonal.len();
         let of_row = |row: usize| &self.lower[self.starts[row]..self.starts[row + 1]];

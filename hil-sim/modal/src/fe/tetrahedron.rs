@@ -72,7 +72,7 @@ pub fn derivatives(place: NaturalCoordinates) -> [[f64; 3]; NODES] {
     d
 }
 
-/// Rule exact to degree 2, the degree of the stiffness of an element with straight edges.
+/// Integration rule of four points, exact to degree 2: the degree of the stiffness of an element with straight edges.
 pub fn four_points() -> [Point; 4] {
     const NEAR: f64 = 0.585_410_196_624_968_5;
     const FAR: f64 = 0.138_196_601_125_010_5;
@@ -80,7 +80,7 @@ pub fn four_points() -> [Point; 4] {
     [([FAR; 3], weight), ([NEAR, FAR, FAR], weight), ([FAR, NEAR, FAR], weight), ([FAR, FAR, NEAR], weight)]
 }
 
-/// Rule exact to degree 5: the mass of an element with straight edges is of degree 4.
+/// Integration rule of 14 points, exact to degree 5: the mass of an element with straight edges is of degree 4.
 pub fn fourteen_points() -> [Point; 14] {
     const CORNERS: [[f64; 2]; 2] = [
         [0.310_885_919_263_300_6, 0.112_687_925_718_015_85 / 6.0],

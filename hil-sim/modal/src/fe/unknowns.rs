@@ -16,15 +16,16 @@ use super::sparse::Sparse;
 /// Entries of a row of T: unknown and coefficient.
 pub type MappingRow = Vec<(usize, f64)>;
 
-/// Mapping T, or its two parts.
+/// Mapping T from the unknowns of the equations to the displacements of the nodes; for a wave around a disk in two
+/// parts, real and imaginary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unknowns {
     parts: Vec<Vec<MappingRow>>,
     count: usize,
 }
 
-/// Numbers from 0 such that nodes of the same element have near numbers: each node has its leader's number, or none
-/// without a leader. Leaders lead themselves.
+/// Numbers the unknown nodes so that nodes of one element have near numbers. Each node gets the number of its leader,
+/// `None` without one; a leader leads itself.
 pub fn numbers(mesh: &TetMesh, leaders: &[Option<usize>]) -> Vec<Option<usize>> {
     let mut neighbours = vec![Vec::new(); leaders.len()];
     for element in mesh.elements() {

@@ -71,7 +71,7 @@ fn the_lines_of_the_answer_are_the_override() {
 }
 
 #[test]
-fn in_lockstep_a_board_that_does_not_answer_as_it_should_is_0_percent_from_then_on() {
+fn lockstep_board_with_a_wrong_answer_stays_at_0_percent() {
     type Answer = fn(&Sample) -> Option<Setpoint>;
     let cases: [(Answer, BoardFailure); 4] = [
         (|sample| (sample.at != 3_000).then(|| setpoint(sample)), BoardFailure::Silent(Wire::Machine)),

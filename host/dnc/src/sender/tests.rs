@@ -74,7 +74,7 @@ fn without_xonxoff_control_codes_are_only_noise() {
 }
 
 #[test]
-fn a_dc1_amid_noise_does_not_start_it_and_one_at_its_end_does_after_a_while() {
+fn dc1_within_noise_does_not_start_the_sender_and_dc1_after_noise_does() {
     let mut sender = sender();
     sender.on_bytes(Micros(0), &[0xFF, DC1, 0x41]);
     assert_eq!((run(&mut sender, Micros(0), 200), sender.state()), (vec![], State::Waiting));
@@ -129,7 +129,7 @@ fn an_abort_ends_with_the_block_under_way() {
 }
 
 #[test]
-fn an_abort_that_the_control_does_not_let_end_says_which_half_is_out() {
+fn abort_within_a_block_reports_the_part_already_sent() {
     let mut sender = sender();
     sender.on_bytes(LATER, &[DC1]);
     run(&mut sender, LATER, 1);

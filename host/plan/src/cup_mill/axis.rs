@@ -20,7 +20,7 @@ use super::side::{edges, leading_tip, leaves_hub};
 /// Number of places along the hub on which the plane is searched.
 const SAMPLES: i32 = 64;
 
-/// LN3 and its points, part frame.
+/// Tool axis along the blade's edge (the source's line LN3), with the two points that define it; part frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// PT1.
@@ -31,7 +31,7 @@ pub struct Axis {
     pub direction: Vector,
 }
 
-/// Axis for a slot. `None` if the pressure side does not reach the hub with its allowance.
+/// Tool axis along the blade's edge of a slot. `None` if the pressure side does not reach the hub with its allowance.
 pub fn axis(pressure: &Face, hub: &Revolution, allowance_mm: f64) -> Option<Axis> {
     let [first, last] = edges(pressure);
     let (tip, normal) = leading_tip(pressure, allowance_mm);

@@ -17,7 +17,8 @@ use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
 
-/// Triangle of the base position, slot frame.
+/// Base position: the ring touches both blades of the slot. Triangle of the ring's centre and both contacts, slot
+/// frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Base {
     /// A, on the outer circle.
@@ -54,7 +55,7 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
     Some(Base { exterior, interior, centre, alpha_rad })
 }
 
-/// Surfaces on both sides of the ring.
+/// Surfaces on both sides of the ring at the base position.
 pub struct Limits<'p> {
     /// Outside of it: the pressure side, or its whole blade.
     pub outside: Vec<&'p Patch>,
@@ -71,7 +72,8 @@ fn least(patches: &[&Patch], f: impl Fn(&Point) -> f64 + Copy) -> Option<(f64, F
     Some((value, patch.point(u, v).xy()))
 }
 
-/// Base position between the limits, from the limit lines through `exterior` (PT1) and `interior` (PT3).
+/// Base position of a ring between two surfaces; the search begins at the limit lines through `exterior` (PT1) and
+/// `interior` (PT3).
 ///
 /// `None` if no position clears all of them.
 pub fn settle(limits: &Limits<'_>, cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {

@@ -11,7 +11,7 @@ use super::side::OffsetSide;
 /// Most levels of a path: more are a mistake in the greatest axial depth.
 const LEVELS_MAX: f64 = 1000.0;
 
-/// Reason why there is no plan.
+/// Reason why a slot cannot be planned.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Infeasible {
     /// A blade ends above the hub.

@@ -28,7 +28,8 @@ const HALVINGS: i32 = 50;
 const STEPS: i32 = 200;
 const FARTHEST_RAD: f64 = 0.3;
 
-/// B1, and the fraction of the tip curve, from the leading edge, at which the circle meets it.
+/// Point B1 about which the ring turns at the suction side, and the fraction of the tip curve, from the leading edge,
+/// at which the circle then meets the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPivot {
     /// Pivot.
@@ -39,7 +40,8 @@ pub struct InteriorPivot {
     pub turn_rad: f64,
 }
 
-/// Pivot for a first contact within `share` of the tip curve; the one with the nearest contact if there is none.
+/// Pivot B1 from which the turning inner circle first meets the tip curve within `share` of its end; if there is
+/// none, the pivot with the nearest contact.
 pub fn interior(suction: &OffsetSide, cutter: &CupMill, base: &Base, turn: Turn, share: f64) -> Option<InteriorPivot> {
     let tip = TipCurve::new(suction);
     let spoke = base.interior - base.centre;

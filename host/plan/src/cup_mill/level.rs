@@ -8,7 +8,7 @@ use crate::vector::{Flat, Point};
 use super::patch::Patch;
 use super::turn::{Circle, TurningTool};
 
-/// Surface at which a turn ends.
+/// Surface at which a turn of the ring ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopSurface {
     /// Pressure side with its allowance.
@@ -21,7 +21,7 @@ pub enum StopSurface {
     Blade(i32, BladeSide),
 }
 
-/// End of a turn.
+/// End of a turn of the ring about a pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// Turn, rad.
@@ -38,7 +38,8 @@ pub const TURN_MAX_RAD: f64 = 0.6;
 /// Excess of the turn at a sample over that between samples, rad: larger ones are not searched.
 const SLACK_RAD: f64 = 0.05;
 
-/// End of a turn among `obstacles`, those that end most turns first.
+/// Finds the first of the `obstacles` that the turning ring meets. The search is fastest if the most likely obstacle
+/// comes first.
 pub fn stop(turning: &TurningTool<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);
     let mut first: Option<(StopSurface, &Patch, Minimum)> = None;

@@ -12,7 +12,7 @@ use super::level::Stop;
 use super::roughing::{BaseLimits, Request};
 use super::turns::{Surroundings, Turns};
 
-/// Data that are the same on all levels.
+/// Base position and pivots, which are the same on all levels of a slot.
 pub struct LevelContext<'a> {
     /// Surroundings.
     around: &'a Surroundings,
@@ -37,7 +37,7 @@ impl Surroundings {
         }
     }
 
-    /// Base position and B1. `None` if no position touches both blades as required.
+    /// Computes base position and pivots. `None` if no position touches both blades as required.
     pub fn level_context(&self, request: &Request<'_>) -> Option<LevelContext<'_>> {
         let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
@@ -52,7 +52,8 @@ impl Surroundings {
 }
 
 impl LevelContext<'_> {
-    /// Ends of the turns and the path, from the highest material `top_mm` down; the tool is lifted to `clear_mm`.
+    /// Computes the ends of the turns, and the path from the highest material at `top_mm` down; the tool is lifted to
+    /// `clear_mm`.
     ///
     /// # Errors
     /// The cup is not deep enough, or there are too many levels.

@@ -26,7 +26,7 @@ const ROUNDS_MAX: usize = 8;
 /// Stride through the samples: every second one in both directions is enough to find the worst place of the line.
 const STRIDE: usize = 2;
 
-/// End of a line on the lower level.
+/// End of the line that leads down to the next level: the place where the tool begins that level.
 #[derive(Clone, Copy, Debug)]
 pub struct LowerEnd {
     /// Centre of the tool.
@@ -37,7 +37,7 @@ pub struct LowerEnd {
     pub turn_rad: f64,
 }
 
-/// Turn, at most `turn_rad`, from whose end a line leads to `below` clear of `walls`.
+/// Largest turn, up to `turn_rad`, from whose end a straight line leads down to `below` without touching `walls`.
 pub fn shortened_rad(turning: &TurningTool<'_>, turn_rad: f64, below: &LowerEnd, walls: &[&Patch]) -> f64 {
     let arm_mm = (turning.centre - turning.pivot).norm();
     let mut turn_rad = turn_rad;

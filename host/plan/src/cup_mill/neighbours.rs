@@ -26,7 +26,7 @@ const PROOF_MM: f64 = 0.025;
 /// Search steps of a side.
 const STEPS: [usize; 2] = [32, 16];
 
-/// Side of a blade about the slot, slot frame.
+/// Side of a blade that the ring could touch, slot frame.
 #[derive(Debug)]
 pub struct Neighbour {
     /// Blade, counted from that of the slot's pressure side by growing angle; negative before it.
@@ -39,7 +39,7 @@ pub struct Neighbour {
     pub patch: Patch,
 }
 
-/// Both sides of the first blade with the allowance of each kind, part frame: the same for every direction of the tool.
+/// Both whole sides of the first blade, with the allowance of a blade at the slot and of another blade; part frame.
 #[derive(Debug)]
 pub struct WholeBlade {
     /// As a blade at the slot, and as another one.
@@ -100,7 +100,7 @@ impl WholeBlade {
     }
 }
 
-/// Part of space that a ring reaches.
+/// Space that the ring can occupy during a path.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// Centre about which it moves.

@@ -25,7 +25,8 @@ use super::interior::InteriorPivot;
 use super::level::{Stop, StopSurface};
 use super::room::Room;
 
-/// Blade edges near which the ring turns: it turns about points of the pressure side's edge, A, and of the suction side, B1.
+/// Blade edges near which the ring turns: leading or trailing. The pivots are A on the pressure side's edge, and B1
+/// near the suction side's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartEdge {
     /// Leading edges, as in the source.
@@ -34,7 +35,8 @@ pub enum StartEdge {
     Trailing,
 }
 
-/// Map between a rotor and its normal form.
+/// Map between a rotor and its normal form: the same rotor turned and mirrored so that a search does not depend on
+/// how a file describes it.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalForm {
     /// (1)
@@ -49,7 +51,7 @@ const PROBES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 pub const GRAIN_MM: f64 = 1.0 / (1 << 23) as f64;
 
 impl NormalForm {
-    /// Normal form of a rotor and its slot, and both in it, rounded to `grain_mm` if there is one.
+    /// Normal form of a rotor and its slot; rotor and slot in the normal form, rounded to `grain_mm` if given.
     pub fn of(blisk: &Blisk, slot: &Slot, start: StartEdge, grain_mm: Option<f64>) -> (Self, Blisk, Slot) {
         let faces = [&slot.pressure, &slot.suction];
         let points = PROBES.iter().flat_map(|u| PROBES.map(|v| faces.map(|face| face.point(*u, v).coords)));
@@ -83,51 +85,51 @@ impl NormalForm {
         (NormalForm { to_normal, signs: [facing, flip] }, normal, slot)
     }
 
-    /// Direction of the part frame in the normal form.
+    /// Converts a direction from the part frame to the normal form.
     pub fn normal(&self, direction: &Vector) -> Vector {
         self.to_normal * direction
     }
 
-    /// Direction of the normal form in the part frame.
+    /// Converts a direction from the normal form to the part frame.
     pub fn direction(&self, normal: &Vector) -> Vector {
         self.to_normal.tr_mul(normal)
     }
 
-    /// Points and direction of the normal form in the part frame.
+    /// Converts a tool axis from the normal form to the part frame.
     pub fn axis(&self, axis: &Axis) -> Axis {
         let point = |point: Point| Point::from(self.direction(&point.coords));
         Axis { tip: point(axis.tip), foot: point(axis.foot), direction: self.direction(&axis.direction) }
     }
 
-    /// Rotation from the part frame to the slot frame, from that of the normal form.
+    /// Converts a rotation into the slot frame: the argument begins in the normal form, the result in the part frame.
     pub fn turn(&self, normal: &Rotation3<f64>) -> Rotation3<f64> {
         let [x, y] = self.signs;
         let signs = Matrix3::from_diagonal(&Vector::new(x, y, 1.0));
         Rotation3::from_matrix_unchecked(signs * normal.matrix() * self.to_normal)
     }
 
-    /// (2)
+    /// Converts a place seen along the tool from the normal form to the slot frame. (2)
     pub fn place(&self, place: Flat) -> Flat {
         Flat::new(self.signs[0] * place.x, self.signs[1] * place.y)
     }
 
-    /// Room with its direction in the part frame.
+    /// Converts a room from the normal form to the frames of part and slot.
     pub fn room(&self, room: &Room) -> Room {
         Room { centre: self.place(room.centre), direction: self.direction(&room.direction), ..*room }
     }
 
-    /// Base position in the slot frame.
+    /// Converts a base position from the normal form to the slot frame.
     pub fn base(&self, base: &Base) -> Base {
         let [exterior, interior, centre] = [base.exterior, base.interior, base.centre].map(|place| self.place(place));
         Base { exterior, interior, centre, ..*base }
     }
 
-    /// Pivot in the slot frame.
+    /// Converts a pivot from the normal form to the slot frame.
     pub fn interior(&self, interior: &InteriorPivot) -> InteriorPivot {
         InteriorPivot { pivot: self.place(interior.pivot), ..*interior }
     }
 
-    /// End of a turn in the slot frame; blades count by growing angle.
+    /// Converts the end of a turn from the normal form to the slot frame; blades count by growing angle.
     pub fn stop(&self, stop: &Stop) -> Stop {
         let at = stop.at.map(|(surface, circle, point)| {
             let surface = match surface {
@@ -140,7 +142,7 @@ impl NormalForm {
         Stop { centre: self.place(stop.centre), at, ..*stop }
     }
 
-    /// Path in the slot frame.
+    /// Converts a path from the normal form to the slot frame.
     pub fn path(&self, path: SlotPath) -> SlotPath {
         let outward = if self.signs[0] * self.signs[1] > 0.0 { path.outward } else { opposite(path.outward) };
         let level = |level: Level| Level {

@@ -15,7 +15,7 @@ const ONE_PLACE: f64 = 2.5;
 
 type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 
-/// Surface over a rectangle of parameters.
+/// Surface over a rectangle of parameters, with samples for a search of its points.
 pub struct Patch {
     point: Arc<Surface>,
     ranges: [[f64; 2]; 2],
@@ -33,7 +33,7 @@ impl fmt::Debug for Patch {
 }
 
 impl Patch {
-    /// `point` over `ranges`, with samples at `steps` per direction.
+    /// Surface of the points `point(u, v)` over `ranges`, with samples at `steps` per direction.
     pub fn new(
         ranges: [[f64; 2]; 2],
         steps: [usize; 2],
@@ -57,7 +57,7 @@ impl Patch {
         Patch { point: Arc::new(move |u, v| turn * point(u, v)), samples, ..*self }
     }
 
-    /// The same surface with every `stride`th sample in both directions, and searches that end at the best of them: for
+    /// The same surface with every `stride`th sample in both directions; its searches end at the best sample. For
     /// comparisons of many plans.
     pub fn coarse(&self, stride: usize) -> Self {
         let samples = self.thinned_places(stride).copied().collect();
@@ -80,7 +80,7 @@ impl Patch {
         (self.point)(u, v)
     }
 
-    /// Points on which it is searched.
+    /// Sample points on which a search begins.
     pub fn samples(&self) -> impl Iterator<Item = &Point> {
         self.samples.iter().map(|(_, point)| point)
     }
@@ -101,7 +101,8 @@ impl Patch {
         self.least_below(f64::INFINITY, f)
     }
 
-    /// The same if a sample is below `limit`, otherwise none: for surfaces that rarely matter.
+    /// Minimum of a function over the points if a sample is below `limit`, otherwise `None`: for surfaces that rarely
+    /// matter.
     pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
         if self.is_coarse {

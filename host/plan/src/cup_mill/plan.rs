@@ -26,7 +26,7 @@ use super::turns::Surroundings;
 
 pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
 
-/// Plan of a slot.
+/// Plan of a slot for a cup mill: tool axis, positions and path.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
     /// Edges near which the ring turns.
@@ -60,7 +60,7 @@ const COARSE_STRIDE: usize = 2;
 /// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
-/// Data of a slot that are the same for every cutter and every direction of the tool; in normal form.
+/// Data of a slot that do not depend on cutter and tool axis; in normal form.
 pub struct PreparedSlot {
     start: StartEdge,
     form: NormalForm,
@@ -93,7 +93,7 @@ pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -
 }
 
 impl PreparedSlot {
-    /// Prepares a slot with its allowance; for a search its numbers are rounded to `grain_mm`.
+    /// Prepares a slot with its allowance. For a search, its numbers are rounded to multiples of `grain_mm`.
     ///
     /// # Errors
     /// A blade is not above the hub.
@@ -144,7 +144,7 @@ impl PreparedSlot {
         self.coarse.sides[raise].get_or_init(|| [0, 1].map(of))
     }
 
-    /// Sides of the slot above `raise` parts of their height, for choosing directions.
+    /// Sides of the slot without the lowest `raise` parts of their height, for choosing directions.
     pub fn walls(&self, raise: usize) -> &SidePoints {
         self.walls[raise].get_or_init(|| {
             let [pressure, suction] = self.fine_sides(raise);
@@ -220,7 +220,7 @@ impl PreparedSlot {
         Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
     }
 
-    /// Plan of the normal form in the frames of the part and its slot.
+    /// Converts a plan from the normal form to the frames of the part and the slot.
     pub fn restored(&self, plan: SlotPlan) -> SlotPlan {
         let form = &self.form;
         SlotPlan {
@@ -247,7 +247,7 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 }
 
 impl SlotPlan {
-    /// Upper part of the sides' height beside which the ring passes.
+    /// Fraction of the sides' height, from the tip, beside which the ring passes.
     pub fn depth_ratio(&self) -> f64 {
         1.0 - self.raise as f64 / RAISES as f64
     }

@@ -21,7 +21,7 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
 
-/// Room of a ring.
+/// Free space of a ring in a slot, for one direction of the tool: by how much the ring could be wider.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
     /// Value of (1) at the best centre, mm.
@@ -32,7 +32,7 @@ pub struct Room {
     pub direction: Vector,
 }
 
-/// Rooms of many directions.
+/// Free space of a ring for many directions of the tool.
 #[derive(Clone, Debug)]
 pub struct Rooms {
     /// Rooms of a grid of directions.
@@ -41,7 +41,7 @@ pub struct Rooms {
     pub roomiest: Room,
 }
 
-/// Points of both sides, part frame.
+/// Sample points of both sides of a slot, part frame.
 pub struct SidePoints {
     pressure: Vec<Point>,
     suction: Vec<Point>,
@@ -67,13 +67,13 @@ const BEARINGS_DEG: [f64; 25] = {
 };
 
 impl SidePoints {
-    /// Walls from sides in the part frame.
+    /// Samples of the sides, which are given in the part frame.
     pub fn new(pressure: &OffsetSide, suction: &OffsetSide) -> Self {
         let points = |side: &OffsetSide| side.patch.thinned(STRIDE).copied().collect();
         SidePoints { pressure: points(pressure), suction: points(suction) }
     }
 
-    /// Room along a direction; `None` along the rotor's axis.
+    /// Free space along a direction; `None` along the rotor's axis.
     pub fn room(&self, cutter: &CupMill, direction: &Vector) -> Option<Room> {
         let turn = slot_frame(direction)?;
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
@@ -100,7 +100,8 @@ impl SidePoints {
         Some(Room { room_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
     }
 
-    /// First direction from `from` towards `to` with `enough_mm` of room; `to` if there is none before.
+    /// First direction on the way from `from` to `to` with at least `enough_mm` of free space; `to` if there is none
+    /// before.
     pub fn nearest(&self, cutter: &CupMill, from: &Room, to: &Room, enough_mm: f64) -> Room {
         if from.room_mm >= enough_mm {
             return *from;
@@ -117,12 +118,12 @@ impl SidePoints {
         best
     }
 
-    /// Direction with the most room, and that room.
+    /// Direction with the most free space, and that space.
     pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
         self.rooms(cutter).map(|rooms| rooms.roomiest)
     }
 
-    /// Rooms of a grid of directions, and the largest one, found by a local search from the best of them.
+    /// Free space for a grid of directions, and the largest one, which a local search from the best of them finds.
     pub fn rooms(&self, cutter: &CupMill) -> Option<Rooms> {
         let about = DirectionGrid::new(self)?;
         let room = |at: [f64; 2]| self.room(cutter, &about.direction(at));

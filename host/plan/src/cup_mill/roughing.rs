@@ -5,7 +5,7 @@ use crate::vector::Vector;
 
 use super::room::Room;
 
-/// Requirements on the roughing path.
+/// Requirements on a roughing path: allowance, depth, axis, clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughing {
     /// Allowance on blades and hub, mm.
@@ -43,7 +43,7 @@ pub enum BaseLimits {
     WholeBlades,
 }
 
-/// Request for a plan.
+/// Request for a plan: cutter, requirements, and what part of the depth.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
     /// Cutter.
@@ -65,7 +65,7 @@ impl<'r> Request<'r> {
         Request { cutter, roughing, limits: BaseLimits::Sides, raise: 0, levels_max: None }
     }
 
-    /// The plan is only compared with others: on samples of the surfaces.
+    /// Whether the plan is only compared with others, on fewer samples of the surfaces.
     pub fn is_coarse(&self) -> bool {
         self.levels_max.is_some()
     }

@@ -41,7 +41,7 @@ pub struct OffsetSide {
     pub foot: f64,
 }
 
-/// Hub and allowance.
+/// Hub surface with its allowance.
 #[derive(Clone, Copy, Debug)]
 pub struct Hub<'h> {
     /// Hub, part frame.
@@ -50,7 +50,7 @@ pub struct Hub<'h> {
     pub allowance_mm: f64,
 }
 
-/// Round edge that the ring approaches.
+/// Round edge of a blade that the turning ring approaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FarEdge {
     /// Leading edge: of a suction side.
@@ -87,7 +87,7 @@ impl SideRange {
         self.foot
     }
 
-    /// The side above `raise` parts of its height.
+    /// The same side without its lowest `raise` of `RAISES` parts of its height.
     pub fn raised(&self, raise: usize) -> Self {
         let foot = self.foot + (1.0 - self.foot) * raise as f64 / RAISES as f64;
         SideRange { face: self.face.clone(), foot, ..*self }
@@ -147,8 +147,8 @@ impl OffsetSide {
     }
 }
 
-/// The hub with its allowance, about the slot, in the part frame: u along the rotor's axis from one face of the blank to the
-/// other, and by the allowance beyond them, v about it.
+/// The hub with its allowance around the slot, in the part frame. The parameter u runs along the rotor's axis, beyond
+/// both faces of the blank by the allowance; v runs around the axis.
 pub fn floor(blisk: &Blisk, allowance_mm: f64, about: [f64; 2]) -> Patch {
     let hub = blisk.hub.clone();
     let [low, high] = blisk.blank.faces_mm;
@@ -169,7 +169,8 @@ pub fn roof(blisk: &Blisk, about: [f64; 2]) -> Patch {
     })
 }
 
-/// First and last u between which no section's normal leaves that of its middle by more than 35 degrees.
+/// Range of u between the round edges: within it, the normal of no section turns by more than 35 degrees from that of
+/// the section's middle.
 pub fn edges(face: &Face) -> [f64; 2] {
     let least_cos = libm::cos(EDGE_TURN_DEG.to_radians());
     let bounds = (0..=SECTIONS).map(|j| {

@@ -17,7 +17,7 @@ use arcfeed_nc::modal::Turn;
 use crate::cutter::CupMill;
 use crate::vector::{Flat, Point};
 
-/// Tool before a turn.
+/// Tool before it turns about a pivot.
 #[derive(Clone, Copy, Debug)]
 pub struct TurningTool<'c> {
     /// Cutter.

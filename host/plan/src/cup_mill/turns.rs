@@ -16,7 +16,7 @@ use super::patch::Patch;
 use super::side::OffsetSide;
 use super::turn::TurningTool;
 
-/// Surroundings of a slot with their allowance, slot frame.
+/// Surfaces around a slot with their allowance, slot frame.
 #[derive(Debug)]
 pub struct Surroundings {
     /// Pressure side.
@@ -31,7 +31,7 @@ pub struct Surroundings {
     pub blades: Vec<Neighbour>,
 }
 
-/// Both turns out of the base position.
+/// Both turns of the ring away from the base position.
 pub struct Turns<'a> {
     /// Surroundings that stop the turns.
     pub around: &'a Surroundings,
@@ -54,12 +54,12 @@ const HUB_ROUNDS: i32 = 2;
 const TOUCH_MM: f64 = 1e-4;
 
 impl Surroundings {
-    /// Pressure and suction side as far as the ring passes beside them.
+    /// Pressure and suction side, shortened to the depth down to which the ring passes.
     pub fn upper(&self) -> [&OffsetSide; 2] {
         self.raised.as_ref().map_or([&self.pressure, &self.suction], |[pressure, suction]| [pressure, suction])
     }
 
-    /// The ring at `base`, its bottom at `bottom_mm`, cuts a blade of the slot beside its sides: at a round edge.
+    /// Whether the ring at `base`, with its bottom at `bottom_mm`, cuts into a round edge of the slot's own blades.
     pub fn cuts_edge(&self, cutter: &CupMill, base: Flat, bottom_mm: f64) -> bool {
         self.blades.iter().any(|near| near.is_own && is_cut(near, cutter, base, bottom_mm))
     }

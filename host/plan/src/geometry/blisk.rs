@@ -45,7 +45,7 @@ pub struct Slot {
 }
 
 impl Revolution {
-    /// Radius at a place along the axis, mm; beyond the ends that of the end.
+    /// Radius at a position along the axis, mm; beyond the ends, the radius of the end.
     pub fn radius_mm(&self, z_mm: f64) -> f64 {
         self.piece(z_mm).map_or(0.0, |at| {
             let [[from, low], [to, high]] = [self.profile_mm[at], self.profile_mm[at + 1]];

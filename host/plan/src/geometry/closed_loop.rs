@@ -13,7 +13,7 @@ const POINTS_MIN: usize = 5;
 /// Largest gap of a closed loop, as a multiple of its widest step.
 const GAP_STEPS: f64 = 2.0;
 
-/// Mark of a loop's point.
+/// Mark of a point in a file: leading or trailing edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// `le`
@@ -22,7 +22,7 @@ pub enum Mark {
     Trailing,
 }
 
-/// Section in a file.
+/// Section of a blade in a file, as a closed loop of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loop {
     /// Points around the blade, the first one repeated at the end or not.
@@ -32,7 +32,8 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// Both sides, from the leading to the trailing edge; `from_low_z` if the hub curve begins at low z.
+    /// Splits the loop into both sides, from the leading to the trailing edge; `from_low_z` if the hub curve begins
+    /// at low z.
     ///
     /// # Errors
     /// The loop is open, has too few points or wrong marks; `section` counts from 1.

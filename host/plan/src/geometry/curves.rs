@@ -22,7 +22,7 @@ use super::resampling::resampled;
 /// Least and most points of a side; within these the number in the file is kept.
 const POINTS: [usize; 2] = [41, 161];
 
-/// Rotor of a set of curve files.
+/// Rotor as read from a set of curve files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// Inner end of the gas path.
@@ -33,7 +33,7 @@ pub struct Curves {
     pub blade: Sections,
 }
 
-/// File with the fault.
+/// Curve file in which a fault was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveFile {
     /// `hub.curve`
@@ -44,7 +44,7 @@ pub enum CurveFile {
     Profile,
 }
 
-/// Texts of the three files.
+/// Texts of the three curve files: hub, shroud, profile.
 #[derive(Clone, Copy, Debug)]
 pub struct Texts<'t> {
     /// `hub.curve`

@@ -45,7 +45,7 @@ pub struct Jet {
     pub vv: Vector,
 }
 
-/// Reason for which sections define no surface.
+/// Reason why sections define no surface.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FaceError {
     /// There are too few.
@@ -93,7 +93,7 @@ impl Face {
         Ok(face)
     }
 
-    /// Point at `(u, v)`; beyond the unit square that of its border.
+    /// Point at `(u, v)`; parameters outside the unit square are limited to it.
     pub fn point(&self, u: f64, v: f64) -> Point {
         let [u, v] = [self.u.basis::<1>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
         let sum = combined(&self.isolines(&u, &v, 0), &v.rows[0]);
@@ -125,7 +125,7 @@ impl Face {
         (Point::from(point), along.cross(&across).normalize() * self.outward)
     }
 
-    /// Point, and derivatives up to the second.
+    /// Point at `(u, v)` with its derivatives up to the second.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let [u, v] = [self.u.basis::<3>(u.clamp(0.0, 1.0)), self.v.basis(v.clamp(0.0, 1.0))];
         let lines = [0, 1, 2].map(|order| self.isolines(&u, &v, order));

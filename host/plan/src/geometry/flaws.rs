@@ -34,7 +34,8 @@ pub enum BladeSide {
     Suction,
 }
 
-/// Reason not to plan. Places on a side: `u` from the leading edge, `v` from the hub, 0 to 1.
+/// Flaw of a rotor for which it cannot be planned. Places on a side: `u` from the leading edge, `v` from the hub, 0
+/// to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flaw {
     /// The offset crosses itself.

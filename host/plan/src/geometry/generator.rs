@@ -64,7 +64,7 @@ pub struct Rotor {
     pub hand: Hand,
 }
 
-/// Reason for which the numbers define no rotor.
+/// Reason why the numbers define no rotor.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RotorError {
     /// There are too few blades.
@@ -73,9 +73,9 @@ pub enum RotorError {
     /// The radii do not increase.
     #[error("tip_radius must be greater than hub_radius, and both positive: {hub_radius_mm} mm, {tip_radius_mm} mm")]
     Radii {
-        /// At the hub.
+        /// Radius at the hub.
         hub_radius_mm: f64,
-        /// At the tip.
+        /// Radius at the tip.
         tip_radius_mm: f64,
     },
     /// A number is beyond its range.

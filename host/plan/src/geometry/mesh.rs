@@ -94,8 +94,8 @@ pub fn blank(blisk: &Blisk, sector: &Sector, tolerance_mm: f64) -> Vec<Triangle>
     revolved(&outer, sector, tolerance_mm)
 }
 
-/// Finished part in a sector: the rest of the ring below the gas path, and the blades from the first to the last index
-/// as solids of their own that reach into it. A ray counts the solids that it is in.
+/// Solids of the finished part in a sector: the rest of the ring below the gas path, and the blades from the first to
+/// the last index. The blades reach into the ring, so a reader must count overlapping solids.
 pub fn finished(blisk: &Blisk, sector: &Sector, blades: [i32; 2], tolerance_mm: f64) -> Vec<Triangle> {
     let mut triangles = revolved(&blisk.hub, sector, tolerance_mm);
     for index in blades[0]..=blades[1] {

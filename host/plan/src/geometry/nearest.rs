@@ -24,7 +24,7 @@ const STEPS_MAX: usize = 200;
 /// Limit of the halvings of one step.
 const HALVINGS_MAX: usize = 40;
 
-/// Nearest point of a surface.
+/// Point of a surface that is nearest to a given point.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
     /// Parameters.
@@ -37,7 +37,7 @@ pub struct Foot {
     pub is_on_border: bool,
 }
 
-/// Point of a surface nearest to `point` of those about `seed`.
+/// Point of a surface that is nearest to `point`, found by iteration from the parameters `seed`.
 pub fn nearest(surface: &impl Surface, point: &Point, seed: [f64; 2]) -> Foot {
     let ranges = surface.ranges();
     let inside = |at: [f64; 2]| [0, 1].map(|k: usize| at[k].clamp(ranges[k][0], ranges[k][1]));

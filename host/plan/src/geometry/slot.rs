@@ -38,7 +38,7 @@ impl Blisk {
         (0..self.blades).map(|index| self.blade(index.cast_signed()))
     }
 
-    /// Direction from the first blade to the one that its pressure side faces: 1 for increasing angles, -1 for
+    /// Direction from the first blade to the blade that its pressure side faces: 1 for increasing angles, -1 for
     /// decreasing ones.
     pub fn facing(&self) -> i32 {
         let places = PROBES.iter().flat_map(|u| PROBES.map(|v| (*u, v)));

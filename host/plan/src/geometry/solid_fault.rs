@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::point_file::Fault;
 
-/// Fault of a surface, without a line: such files have none.
+/// Fault of a surface file, which has no lines to name.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SolidFault {
     /// There is nothing in it.

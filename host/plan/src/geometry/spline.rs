@@ -18,14 +18,14 @@ const KNOT_STEPS: f64 = (1 << 30) as f64;
 /// Values of the functions that do not vanish at a parameter.
 pub type Weights = [f64; DEGREE_MAX + 1];
 
-/// Degree and knots of one direction of a surface, clamped at both ends.
+/// One direction of a spline surface: degree and knots, clamped at both ends.
 #[derive(Clone, Debug)]
 pub struct Spline {
     degree: usize,
     knots: Vec<f64>,
 }
 
-/// Basis functions that do not vanish at a parameter.
+/// Values of the basis functions that do not vanish at a parameter, with their derivatives.
 pub struct Basis<const ROWS: usize> {
     /// Control point of the first one.
     pub first: usize,
@@ -45,12 +45,12 @@ impl Spline {
         Spline { degree: self.degree, knots }
     }
 
-    /// Spline from its other end.
+    /// The spline with its parameter reversed.
     pub fn reversed(&self) -> Self {
         Spline { degree: self.degree, knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect() }
     }
 
-    /// Degree.
+    /// Degree of the spline.
     pub fn degree(&self) -> usize {
         self.degree
     }

@@ -67,7 +67,7 @@ pub enum StepFault {
     Hub(#[from] SolidFault),
 }
 
-/// STEP file.
+/// Faces of a STEP file, for the shape of a rotor.
 pub struct StepFile {
     records: Records,
     unit_mm: f64,

@@ -4,7 +4,7 @@ use crate::vector::{Point, Vector};
 
 use super::face::{Face, Jet};
 
-/// Smooth surface.
+/// Smooth surface over a rectangle of two parameters.
 pub trait Surface {
     /// Point with its derivatives up to the second.
     fn jet(&self, at: [f64; 2]) -> Jet;

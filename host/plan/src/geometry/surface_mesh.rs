@@ -21,7 +21,7 @@ use super::point_file::PointFileFrame;
 /// Largest turn between two triangles of one smooth surface, degrees.
 const SMOOTH_DEG: f64 = 40.0;
 
-/// Surface of triangles. Part frame, mm.
+/// Surface as a mesh of triangles. Part frame, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMesh {
     /// Points.
@@ -33,14 +33,14 @@ pub struct SurfaceMesh {
 /// Edge of a mesh: its points, the smaller index first.
 pub type EdgeKey = [usize; 2];
 
-/// Smooth edge as a cubic.
+/// Cubic curve in place of a straight mesh edge.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeCurve {
     ends: [Point; 2],
     tangents: [Vector; 2],
 }
 
-/// Mesh with the normals of its corners.
+/// Triangle mesh with normals at its corners, from which the curved surface is estimated.
 pub struct SmoothMesh<'m> {
     mesh: &'m SurfaceMesh,
     /// Unit normals of the triangles.
@@ -122,12 +122,12 @@ impl<'m> SmoothMesh<'m> {
         SmoothMesh { mesh, corners, normals, edges }
     }
 
-    /// Mesh.
+    /// The mesh.
     pub fn mesh(&self) -> &SurfaceMesh {
         self.mesh
     }
 
-    /// Curve behind an edge.
+    /// Estimated curve on the smooth surface for a mesh edge.
     pub fn curve(&self, [from, to]: EdgeKey) -> EdgeCurve {
         let ends = [self.mesh.points[from], self.mesh.points[to]];
         let way = ends[1] - ends[0];
@@ -162,7 +162,7 @@ fn weighted(mesh: &SurfaceMesh, triangle: &[usize; 3], point: usize) -> Vector {
     a.cross(&b) / (a.norm_squared() * b.norm_squared())
 }
 
-/// Edges of a triangle.
+/// The three edges of a triangle, each with its corners in a fixed order.
 pub fn edge_keys([a, b, c]: &[usize; 3]) -> [EdgeKey; 3] {
     [[a, b], [b, c], [c, a]].map(|[from, to]| [*from.min(to), *from.max(to)])
 }

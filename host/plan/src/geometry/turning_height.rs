@@ -13,7 +13,8 @@ use crate::vector::{Point, Vector};
 
 use super::blisk::Blank;
 
-/// Greatest height, along the slot's z, of a blank and boxes (opposite corners, part frame) in a full turn, mm.
+/// Greatest height that any point of the blank or of the boxes reaches during a full turn of the part, along the
+/// slot's z, mm. Boxes are given by opposite corners, part frame.
 pub fn highest_mm(blank: &Blank, boxes: &[[Point; 2]], to_slot: &Rotation3<f64>) -> f64 {
     let along = (to_slot * Vector::z()).z;
     let across = libm::sqrt((1.0 - along) * (1.0 + along));

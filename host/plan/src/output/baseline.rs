@@ -25,7 +25,7 @@ use crate::vector::Point;
 const WIDTH_PLACES: u32 = 40;
 const WIDTH_DEPTHS: u32 = 8;
 
-/// Conventional mill and its cutting conditions.
+/// Flank milling with a conventional end mill, for comparison: mill and cutting conditions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlankMilling {
     /// Diameter of the ball.
@@ -38,7 +38,7 @@ pub struct FlankMilling {
     pub stepover_mm: f64,
 }
 
-/// Slot size seen from above.
+/// Size of a slot, seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotSize {
     /// Depth from the blank's rim to the hub's allowance.
@@ -58,7 +58,7 @@ pub struct Passes {
     pub passes: usize,
 }
 
-/// Time of a slot.
+/// Time of a slot in flank milling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotTime {
     /// Cutting time.
@@ -148,7 +148,7 @@ impl FlankMilling {
 }
 
 impl SlotSize {
-    /// Size of the slot between its allowances: the nearest places of both sides, height by height.
+    /// Size of the slot inside its allowances, from the nearest points of both sides at each height.
     pub fn of(slot: &Slot, blisk: &Blisk, allowance_mm: f64) -> Self {
         let places = |face: &Face, v: f64| -> Vec<Point> {
             (0..=WIDTH_PLACES).map(|k| face.point(f64::from(k) / f64::from(WIDTH_PLACES), v)).collect()

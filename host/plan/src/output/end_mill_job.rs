@@ -6,7 +6,7 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::output::job::{Machine, number, quoted};
 
-/// Content of a job file.
+/// Content of a job file for a planned path of an end mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EndMillJob<'a> {
     /// Unit of the file, and of the program.
@@ -47,7 +47,7 @@ pub struct ToolShape {
 }
 
 impl EndMillJob<'_> {
-    /// Text of the file.
+    /// Text of the job file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
             LengthUnit::Inch => "inch",

@@ -10,7 +10,7 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 use crate::cutter::CupMill;
 use crate::output::limits::{BlankFace, StockBound, StockLimit};
 
-/// Content of a job file.
+/// Content of a job file for a planned path of a cup mill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile<'a> {
     /// Unit of the file, and of the program.
@@ -39,7 +39,7 @@ pub struct JobFile<'a> {
     pub machine: Option<Machine<'a>>,
 }
 
-/// Law that keeps the chip load.
+/// Feed law in a job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<'a> {
     /// Law of the source: the contact with one line. On its far side a ring may meet that line again; the law is slow
@@ -49,7 +49,7 @@ pub enum Law<'a> {
     EngagedArc(&'a [StockBound]),
 }
 
-/// Meshes in millimetres, relative to the job file.
+/// Workpiece of a job file: meshes in millimetres, by paths relative to the job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece<'a> {
     /// Blank.
@@ -60,7 +60,7 @@ pub struct Workpiece<'a> {
     pub step_mm: f64,
 }
 
-/// Source of the machine's description.
+/// Source of the machine's description in a job file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine<'a> {
     /// Machine file, relative to the job file.
@@ -76,7 +76,7 @@ pub const FIRST_WORDS: &str = "# The job of a planned program";
 const RAISE: f64 = 4.0;
 
 impl JobFile<'_> {
-    /// Text of the file.
+    /// Text of the job file.
     pub fn text(&self) -> String {
         let unit = match self.unit {
             LengthUnit::Inch => "inch",

@@ -49,7 +49,7 @@ pub enum BlankFace {
     Upper,
 }
 
-/// Circle, pivot and stock limit of a movement.
+/// Stock limit of one movement of the ring, with its circle and pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLimit {
     /// Number of the movement, 1 to 4, as in table 5.1.
@@ -81,7 +81,7 @@ pub struct StockLimit {
     pub kept_ratio: f64,
 }
 
-/// Line that bounds the stock in a level.
+/// Line that bounds the stock in the plane of a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockBound {
     /// Direction of its normal, out of the material, from x.
@@ -92,7 +92,7 @@ pub struct StockBound {
     pub rise_ratio: f64,
 }
 
-/// Reason why there are no limits.
+/// Reason why there are no stock limits.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum LimitError {
     /// The faces are square to the tool.

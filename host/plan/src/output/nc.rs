@@ -54,7 +54,7 @@ pub struct Setup {
     pub reports: bool,
 }
 
-/// Feeds.
+/// Feeds of the program, by the purpose of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feeds {
     /// Feed of all arcs, and of steps without a feed of their own.
@@ -68,7 +68,7 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// Feed of a purpose, mm/min.
+    /// Feed for a purpose, mm/min.
     pub fn of(&self, purpose: Purpose) -> f64 {
         let own = match purpose {
             Purpose::Approach | Purpose::Retract => self.approach_mm_per_min,
@@ -79,7 +79,7 @@ impl Feeds {
     }
 }
 
-/// Indexing between the slots.
+/// Way in which the rotor is indexed from slot to slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indexing {
     /// The rotor turns while the tool is above it.
@@ -89,7 +89,7 @@ pub enum Indexing {
     WhileDescending,
 }
 
-/// Reason why there is no program.
+/// Reason why no NC program can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NcError {
     /// The program number is out of range.
@@ -103,7 +103,7 @@ pub enum NcError {
     NotANumber,
 }
 
-/// Writes the program.
+/// Writes the NC program of a planned rotor.
 ///
 /// # Errors
 /// Describes the value that cannot be written.

@@ -24,7 +24,7 @@ const REDUCED: f64 = 0.5;
 /// Places nearer to each other than this are one, mm.
 const SAME_MM: f64 = 1e-4;
 
-/// Feeds, mm/min.
+/// Feeds of a plunging program, mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeFeeds {
     /// (1)
@@ -42,7 +42,7 @@ pub struct IndexAxis {
     pub zero_deg: f64,
 }
 
-/// Settings of the program.
+/// Settings of a plunging program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeSetup {
     /// O number.
@@ -112,12 +112,12 @@ pub fn plunging_min(plunges: &[Plunge], feeds: &PlungeFeeds) -> f64 {
     plunges.iter().map(of_one).sum()
 }
 
-/// Place of a move in the part frame, in a passage at an angle from the first.
+/// Point of a plunge in the part frame, in a passage at an angle from the first.
 pub fn in_part(plunge: &Plunge, to: &Point, passage_rad: f64) -> Point {
     passage_turn(passage_rad) * (plunge.to_tool.inverse() * to)
 }
 
-/// Tool axis in the part frame, likewise.
+/// Tool axis of a plunge in the part frame, in a passage at an angle from the first.
 pub fn axis_in_part(plunge: &Plunge, passage_rad: f64) -> Vector {
     passage_turn(passage_rad) * plunge.axis
 }
@@ -126,7 +126,7 @@ fn passage_turn(passage_rad: f64) -> Rotation3<f64> {
     Rotation3::from_axis_angle(&Vector::z_axis(), passage_rad)
 }
 
-/// Text of the program for the plunges of one passage in all passages.
+/// Text of the NC program: the plunges of one passage, repeated in all passages.
 pub fn write(plunges: &[Plunge], setup: &PlungeSetup) -> String {
     let format = Format { unit: setup.unit };
     let mut writer = Writer { setup, format, sheet: Sheet::new(format), at: None, index: None };

@@ -4,8 +4,8 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use crate::vector::Point;
 
-/// Content of the file. Triangles with two equal corners in the file's precision are left out: a closed mesh stays
-/// closed.
+/// Content of a binary STL file. Triangles with two equal corners in the file's precision are left out: a closed mesh
+/// stays closed.
 ///
 /// # Errors
 /// There are more triangles than the format can count.

@@ -23,7 +23,7 @@ pub struct Format {
 }
 
 impl Format {
-    /// Nanometres per step of the last digit.
+    /// Nanometres per unit of the last digit.
     pub fn step(self) -> Nm {
         match self.unit {
             LengthUnit::Inch => Nm(NM_PER_INCH / 10_000),
@@ -39,12 +39,12 @@ impl Format {
         }
     }
 
-    /// Nearest whole number of steps.
+    /// Length as a whole number of the last digit's units, rounded.
     pub fn steps(self, length_mm: f64) -> i64 {
         libm::round(length_mm / self.step().to_mm()) as i64
     }
 
-    /// Length of `steps` steps as a number with a point.
+    /// Number with a point for a length of `steps` units of the last digit.
     pub fn number(self, steps: i64) -> String {
         decimal(steps, self.decimals())
     }
@@ -113,7 +113,8 @@ impl Sheet {
         self.line(&format!("N{number}{words}"));
     }
 
-    /// Writes a numbered block that moves: `motion` is G0 to G3, `feed` its mode and its F; only changes are written.
+    /// Writes a numbered block with a motion: `motion` is G0 to G3, `feed` is the feed mode and F. Codes that are in
+    /// force already are left out.
     pub fn motion(&mut self, motion: &'static str, words: &str, feed: Option<(&'static str, f64)>) {
         let (mut codes, mut tail) = (String::new(), String::new());
         if let Some((mode, value)) = feed {
@@ -136,7 +137,7 @@ impl Sheet {
         self.block(&format!("{codes}{words}{tail}"));
     }
 
-    /// Word of a length.
+    /// NC word of a length.
     pub fn word(&self, letter: char, steps: i64) -> String {
         format!("{letter}{}", self.format.number(steps))
     }

@@ -21,7 +21,7 @@ pub fn hub(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
     revolved(&blisk.hub, blisk.blank.faces_mm, chord_mm)
 }
 
-/// Blank. Part frame.
+/// The blank as a solid. Part frame.
 pub fn blank(blank: &Blank, chord_mm: f64) -> Vec<Triangle> {
     let side = Revolution { profile_mm: blank.faces_mm.map(|z| [z, blank.radius_mm]).to_vec() };
     revolved(&side, blank.faces_mm, chord_mm)

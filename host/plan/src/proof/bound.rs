@@ -35,7 +35,7 @@ use crate::vector::Vector;
 use super::motion::Pose;
 use super::section::Section;
 
-/// Point near a section of the tool.
+/// Point near a section of the tool, with its distance and gradient.
 pub struct NearPoint {
     /// d, mm; negative inside.
     pub distance_mm: f64,
@@ -49,7 +49,7 @@ pub struct NearPoint {
     across: f64,
 }
 
-/// Extent of a piece of a body about its middle.
+/// Size of a piece of a body around its middle point, in three measures.
 pub struct Extent {
     /// e
     pub radius_mm: f64,
@@ -59,7 +59,7 @@ pub struct Extent {
     pub sink_mm: f64,
 }
 
-/// Lower bound, and its losses by the lengths of path and piece.
+/// Lower bound of a distance, and how much of it is due to the lengths of path and piece.
 pub struct DistanceBound {
     /// Lower bound of the distance, mm.
     pub least_mm: f64,
@@ -70,7 +70,7 @@ pub struct DistanceBound {
 }
 
 impl NearPoint {
-    /// Point by its place relative to the middle of the tool's bottom.
+    /// Point given relative to the middle of the tool's bottom.
     pub fn new(section: &Section, place: &Vector) -> Self {
         let axis_mm = libm::hypot(place.x, place.y);
         let [across, up] = section.slope(axis_mm, place.z);
@@ -79,7 +79,7 @@ impl NearPoint {
         NearPoint { distance_mm: section.distance_mm(axis_mm, place.z), gradient, axis_mm, outward, across }
     }
 
-    /// Best of (1) and (4) to (6), for an interval of `half_mm` to both sides.
+    /// Best of the bounds (1) and (4) to (6), for an interval of `half_mm` to both sides.
     pub fn bound(&self, pose: &Pose, half_mm: f64, extent: &Extent) -> DistanceBound {
         let (way_mm, piece_mm) = if self.across < 0.0 {
             self.inner_losses_mm(pose, half_mm, extent.across_mm)

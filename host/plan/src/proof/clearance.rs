@@ -14,7 +14,7 @@ use super::search::{Place, Search};
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Obstacle of the tool.
+/// Body that the tool must not touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Obstacle {
     /// All finished blades; copies are numbered by increasing angle about the rotor's axis.
@@ -27,7 +27,7 @@ pub enum Obstacle {
     Blank,
 }
 
-/// Obstacle as triangles.
+/// Obstacle as triangles, with its copies.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Kind of obstacle.
@@ -57,12 +57,12 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// Clearance if the obstacle is larger by an allowance, mm.
+    /// The clearance that remains if the obstacle is larger by an allowance, mm.
     pub fn beyond_mm(&self, allowance_mm: f64) -> [f64; 2] {
         self.bounds_mm.map(|bound_mm| bound_mm - allowance_mm)
     }
 
-    /// The part provably never touches the obstacle.
+    /// Whether the part of the tool provably never touches the obstacle.
     pub fn is_free(&self) -> bool {
         self.bounds_mm[0] > 0.0
     }

@@ -12,7 +12,7 @@ use crate::vector::{Flat, Point};
 
 use super::motion::{Arc, Motion};
 
-/// Ring's underside and its path.
+/// Floor that the ring leaves: lowest height of its underside over each place.
 pub struct Floor {
     /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],
@@ -78,7 +78,7 @@ impl Floor {
         floors_mm
     }
 
-    /// First level that removes a point.
+    /// First level of the path that removes a point.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
         let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
         self.passes.iter().find(takes).map(|pass| pass.level)

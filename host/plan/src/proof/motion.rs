@@ -8,7 +8,7 @@ use crate::vector::{Flat, Point, Vector};
 /// An arc whose ends are nearer than this has no length: rounding.
 const SAME_MM: f64 = 1e-9;
 
-/// Line or arc of the tool's bottom centre, slot frame.
+/// Line or arc of the path of the tool's bottom centre, slot frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Length, mm.
@@ -32,7 +32,7 @@ pub struct Arc {
     pub sweep_rad: f64,
 }
 
-/// Tool at a place of its path.
+/// Position and direction of motion of the tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     /// Middle of the tool's bottom.
@@ -54,7 +54,7 @@ impl Arc {
 }
 
 impl Motion {
-    /// Curve of a step. An arc back to its start has no length.
+    /// Motion of a step. An arc back to its start has no length.
     pub fn new(step: &Step) -> Self {
         let (from, to) = (Point::from(step.from), Point::from(step.to));
         let way = to - from;

@@ -14,7 +14,7 @@ use super::search::Search;
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Thickness over a surface, mm, in rows; negative where the ring has cut into it.
+/// Thickness of the remaining material over a surface, mm, in rows; negative where the ring has cut into it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// Number of values per row: along the chord, from the leading edge.
@@ -26,11 +26,11 @@ pub struct Map {
 /// Remaining material in a slot beyond the allowance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemainingMaterial {
-    /// On the pressure side.
+    /// Material on the pressure side.
     pub pressure: Map,
-    /// On the suction side.
+    /// Material on the suction side.
     pub suction: Map,
-    /// On the hub between them.
+    /// Material on the hub between the sides.
     pub hub: Map,
 }
 
@@ -128,7 +128,7 @@ impl<'w> SlotWalls<'w> {
         self.to_slot * Point::new(radius_mm * libm::cos(angle_rad), radius_mm * libm::sin(angle_rad), z)
     }
 
-    /// A point, slot frame, is in the hub's allowance or below.
+    /// Whether a point, slot frame, lies in the hub or its allowance.
     pub fn is_hub(&self, point: &Point) -> bool {
         let point = self.to_slot.inverse() * point;
         let is_near = libm::hypot(point.x, point.y) < self.hub_radius_mm + self.allowance_mm;

@@ -18,7 +18,7 @@ use super::remaining::SlotWalls;
 /// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
-/// Volumes, mm3.
+/// Volumes that a path removes, mm3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemovedVolumes {
     /// Volume removed by each level, from the top.
@@ -31,7 +31,7 @@ pub struct RemovedVolumes {
     pub slot_by_level_mm3: Vec<f64>,
 }
 
-/// Blank in the slot frame.
+/// Blank in the slot frame, for columns along the tool.
 pub struct Stock<'s> {
     /// Blank.
     pub blank: &'s Blank,
@@ -40,7 +40,7 @@ pub struct Stock<'s> {
 }
 
 impl RemovedVolumes {
-    /// Sum of all levels.
+    /// Volume that all levels remove.
     pub fn total_mm3(&self) -> f64 {
         self.by_level_mm3.iter().sum()
     }
@@ -104,7 +104,7 @@ pub fn slot_share_ratio(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: 
 }
 
 impl Stock<'_> {
-    /// Interval of a column in the blank, lower end first; empty if the first is not below the second.
+    /// Interval of the blank's material in a column, lower end first; empty if the first is not below the second.
     pub fn column_mm(&self, place: &Flat) -> [f64; 2] {
         let back = self.to_slot.inverse();
         let (origin, up) = (back * Point::new(place.x, place.y, 0.0), back * Vector::z());

@@ -24,7 +24,7 @@ const MOST_PIECES: usize = 4_000_000;
 /// Tolerance of a depth, as a fraction of it: a collision is certain then, and the depth only shows its size.
 const DEPTH_RATIO: f64 = 0.02;
 
-/// Part of a tool, its path, and copies of a body.
+/// Search for the least distance between a part of the tool on its path and copies of a body.
 pub struct Search<'s> {
     /// Sections of the part.
     pub sections: &'s [Section],
@@ -36,7 +36,7 @@ pub struct Search<'s> {
     pub turns: &'s [Rotation3<f64>],
 }
 
-/// Place of a distance.
+/// Place of a least distance: on the path and on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Step of the path, from 0.
@@ -51,7 +51,7 @@ pub struct Place {
     pub copy: usize,
 }
 
-/// Result of a search.
+/// Result of a search for the least distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastDistance {
     /// Lower bound of the distance, and a distance that was found, mm; infinite if there is no body.
@@ -86,12 +86,13 @@ struct BoundedPiece {
 }
 
 impl Search<'_> {
-    /// Least distance, to within `gap_mm`; a depth to within a fiftieth.
+    /// Least distance, exact to within `gap_mm`; if the tool is inside the body, the depth to within a fiftieth.
     pub fn least(&self, gap_mm: f64) -> LeastDistance {
         self.least_until(gap_mm, [f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// The same, ended as soon as a distance below the first limit is found, or the lower bound reaches the second one.
+    /// Least distance, as [`Search::least`], but ended as soon as a distance below the first limit is found, or the
+    /// lower bound reaches the second one.
     pub fn least_until(&self, gap_mm: f64, [too_near_mm, enough_mm]: [f64; 2]) -> LeastDistance {
         let mut least = LeastDistance { bounds_mm: [f64::INFINITY; 2], place: None, pieces: 0 };
         let mut heap = BinaryHeap::new();

@@ -12,7 +12,7 @@
 
 use crate::cutter::{CupMill, ToolPart};
 
-/// Ring or disc of the tool.
+/// Piece of the tool in the half plane through its axis: a box with rounded corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     low: [f64; 2],
@@ -21,7 +21,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Sections of a part.
+    /// All pieces of a part of the tool.
     pub fn of(tool: &CupMill, part: ToolPart) -> Vec<Section> {
         match part {
             ToolPart::Ring => {
@@ -60,7 +60,7 @@ impl Section {
         libm::hypot(across.max(0.0), up.max(0.0)) + across.max(up).min(0.0) - self.rounding_mm // (1)
     }
 
-    /// Gradient of the distance with radius and height: a unit vector; where there are several, one of them.
+    /// Gradient of the distance with respect to radius and height: a unit vector; if there are several, one of them.
     pub fn slope(&self, radius_mm: f64, height_mm: f64) -> [f64; 2] {
         let [(across, outward), (up, upward)] = self.beyond(radius_mm, height_mm);
         let length = libm::hypot(across.max(0.0), up.max(0.0));
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_it_is_the_distance_of_the_tool_and_its_slope_is_the_gradient() {
+    fn section_distance_agrees_with_the_tool_and_its_slope_with_the_gradient() {
         for part in [ToolPart::Ring, ToolPart::Body, ToolPart::Holder] {
             let sections = Section::of(&tool(), part);
             for place in (0..3600).map(|k| [f64::from(k % 60), f64::from(k / 60) * 1.7 - 10.0]) {

@@ -17,7 +17,7 @@ pub struct Sphere {
     pub halves: [Branch; 2],
 }
 
-/// Node of a tree.
+/// Node of the tree: a sphere about several triangles, or a single triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// Triangle, by its number.
@@ -26,7 +26,7 @@ pub enum Branch {
     Sphere(usize),
 }
 
-/// Triangles, and the spheres about them.
+/// Tree of bounding spheres about triangles.
 #[derive(Clone, Debug, Default)]
 pub struct Tree {
     triangles: Vec<Triangle>,

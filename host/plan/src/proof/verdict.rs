@@ -18,7 +18,7 @@ use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Tool's path through a slot, and its surroundings.
+/// Case to be proven: the tool's path through a slot, and the surroundings.
 pub struct ProofCase<'c> {
     /// Finished part and its blank.
     pub blisk: &'c Blisk,
@@ -47,7 +47,7 @@ pub struct ProofResolution {
     pub cell_mm: f64,
 }
 
-/// Results about a path.
+/// Result of a proof: clearances, remaining material and removed volume of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
     /// Clearances of ring, body and holder from blades, hub, fixture and, except for the ring, the blank.
@@ -72,7 +72,8 @@ impl Proof {
         self.clearances.iter().filter(|clearance| !clearance.is_free())
     }
 
-    /// There is no collision, the ring leaves the allowance within `tolerance_mm`, and the part can be indexed.
+    /// Whether there is no collision, the ring leaves the allowance within `tolerance_mm`, and the part can be
+    /// indexed.
     pub fn holds(&self, allowance_mm: f64, tolerance_mm: f64) -> bool {
         let is_kept = |found: &Clearance| {
             found.part != ToolPart::Ring

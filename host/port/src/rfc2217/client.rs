@@ -23,7 +23,7 @@ use crate::url::Rfc2217Options;
 /// Largest age of the known state of the modem lines, that of pyserial.
 const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
 
-/// Requested settings of the server's line.
+/// Settings that the client requests for the server's line.
 #[derive(Clone, Copy, Debug)]
 pub struct RequestedLine {
     baudrate: u32,
@@ -122,7 +122,7 @@ enum Desired {
     Refused,
 }
 
-/// Connection.
+/// Client's end of an RFC 2217 connection, without I/O.
 #[derive(Clone, Debug)]
 pub struct Rfc2217Client {
     decoder: Decoder,
@@ -143,7 +143,7 @@ pub struct Rfc2217Client {
 }
 
 impl Rfc2217Client {
-    /// Connection made at `now`.
+    /// Client whose connection was made at `now`.
     pub fn new(line: &RequestedLine, options: &Rfc2217Options, now: Micros) -> Self {
         let mut outgoing = Vec::new();
         for option in OPTIONS {
@@ -309,12 +309,12 @@ impl Rfc2217Client {
         len
     }
 
-    /// The line is open with the requested settings.
+    /// Whether the line is open with the requested settings.
     pub fn is_open(&self) -> bool {
         matches!(self.state, State::Open)
     }
 
-    /// The server accepts no data now.
+    /// Whether the server accepts no data now.
     pub fn is_suspended(&self) -> bool {
         self.suspended
     }

@@ -40,7 +40,7 @@ pub const PURGE_DATA: u8 = 12;
 /// Difference between the code of an answer and that of its request.
 pub const ANSWER: u8 = 100;
 
-/// Value of [`SET_PARITY`].
+/// Code of a parity in [`SET_PARITY`].
 pub const fn parity_code(parity: Parity) -> u8 {
     match parity {
         Parity::None => 1,

@@ -23,7 +23,7 @@ use client::{RequestedLine, Rfc2217Client};
 /// Polling period of the connection during the negotiation.
 const PERIOD: Duration = Duration::from_millis(2);
 
-/// Open port of a server.
+/// Serial port of an RFC 2217 server, opened over the network.
 pub struct Rfc2217 {
     tcp: Tcp,
     name: String,

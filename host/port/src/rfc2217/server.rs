@@ -55,13 +55,14 @@ pub struct PortSettings {
 }
 
 impl PortSettings {
-    /// A port with these settings is understood at the other end of a line; a wrong number of stop bits is not noticed.
+    /// Whether the other end of a line understands a port with these settings; a wrong number of stop bits does not
+    /// matter.
     pub fn is_understood_by(&self, line: &SerialSettings) -> bool {
         (self.baudrate, self.bytesize, self.parity) == (line.baudrate, line.bytesize, parity_code(line.parity))
     }
 }
 
-/// Connection of one client.
+/// Server's end of an RFC 2217 connection with one client, without I/O.
 #[derive(Clone, Debug)]
 pub struct Server {
     decoder: Decoder,
@@ -81,7 +82,8 @@ pub struct Server {
 }
 
 impl Server {
-    /// Server for a client that has just connected; its port has the line's settings until it requests others.
+    /// Server for a client that has just connected; its port has the settings of the line until the client requests
+    /// others.
     pub fn new(line: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, .. } = *line;
         Server {
@@ -223,7 +225,7 @@ impl Server {
         subnegotiate(COM_PORT, code + ANSWER, value, &mut self.outgoing);
     }
 
-    /// The client has requested a serial port.
+    /// Whether the client has requested a serial port.
     pub fn has_asked(&self) -> bool {
         self.asked.is_some()
     }
@@ -233,7 +235,7 @@ impl Server {
         self.outgoing.len() + self.to_client.len()
     }
 
-    /// The client is ready to send and to receive.
+    /// Whether the client is ready to send and to receive.
     pub fn is_open(&self, now: Micros) -> bool {
         self.asked.is_some_and(|asked| !self.from_client.is_empty() || now.since(asked) >= SETTLE)
     }

@@ -7,7 +7,7 @@ const SE: u8 = 240;
 /// Longest subnegotiation kept; ours are far shorter.
 const SUB_MAX: usize = 256;
 
-/// Statement of one end about an option.
+/// Telnet command about an option: will, won't, do, don't.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Verb {
@@ -21,7 +21,7 @@ pub enum Verb {
     Dont = 254,
 }
 
-/// Received item.
+/// Item of a Telnet stream: data or a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
     /// A byte of data.
@@ -34,7 +34,7 @@ pub enum Event {
     Command(u8),
 }
 
-/// Decoder of commands and data.
+/// Decoder of a Telnet stream into commands and data.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     state: State,
@@ -96,7 +96,7 @@ impl Decoder {
     }
 }
 
-/// Appends data.
+/// Appends data to `out`, with escaped command bytes.
 pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     for &byte in bytes {
         out.push(byte);
@@ -106,7 +106,7 @@ pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// Appends a statement about an option.
+/// Appends a command about an option.
 pub fn say(verb: Verb, option: u8, out: &mut Vec<u8>) {
     out.extend([IAC, verb as u8, option]);
 }

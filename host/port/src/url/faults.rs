@@ -9,7 +9,7 @@ const DELAY_MAX_MS: u64 = 60_000;
 /// Most bytes of garbage.
 const GARBAGE_MAX: usize = 65_536;
 
-/// Faults; the default has none.
+/// Faults to be injected into a port; the default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
     /// Seed: the same bytes and the same seed give the same faults.
@@ -30,7 +30,7 @@ pub struct FaultPlan {
     pub short: f64,
 }
 
-/// Faults in one direction: chances of each byte, from 0 to 1.
+/// Faults in one direction: probabilities for each byte, from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
     /// Loss of the byte.

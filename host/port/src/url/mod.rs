@@ -29,7 +29,7 @@ use crate::pattern::Pattern;
 /// Most wrappers around one port.
 const WRAPPERS_MAX: usize = 8;
 
-/// Port of a URL.
+/// Parsed URL of a port: the port itself and its wrappers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortUrl {
     /// Text of the URL.
@@ -40,7 +40,7 @@ pub struct PortUrl {
     pub base: Base,
 }
 
-/// Wrapper of a port.
+/// Wrapper around a port, such as a spy or injected faults.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrapper {
     /// `spy://`.
@@ -49,7 +49,7 @@ pub enum Wrapper {
     Fault(FaultPlan),
 }
 
-/// Port itself.
+/// Port itself, without its wrappers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {
     /// Simulated control.
@@ -103,7 +103,7 @@ pub struct SpyOptions {
     pub all: bool,
 }
 
-/// Search among the ports of the system.
+/// Search for a port by its description (`hwgrep://`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hwgrep {
     /// Expression for name, description or hardware id, ignoring case.
@@ -114,7 +114,7 @@ pub struct Hwgrep {
     pub skip_busy: bool,
 }
 
-/// Invalid URL: the faulty part, and what to write.
+/// Error in a URL: the faulty part, and what to write instead.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{part}`: {message}")]
 pub struct UrlError {
@@ -141,7 +141,7 @@ impl FromStr for PortUrl {
 }
 
 impl PortUrl {
-    /// Files that its spies write.
+    /// Files that the spies of the URL write.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.wrappers.iter().filter_map(|wrapper| match wrapper {
             Wrapper::Spy(options) => options.file.as_deref().map(Path::new),

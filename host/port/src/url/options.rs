@@ -6,21 +6,21 @@ use crate::log::Level;
 /// Longest wait that a URL may set.
 const SECONDS_MAX: f64 = 3_600.0;
 
-/// Options not used yet; of an option given twice the first.
+/// Options of a URL that have not been used yet; of an option given twice, the first.
 pub struct Options(Vec<(String, String)>);
 
 impl Options {
-    /// Splits at the first `?`.
+    /// Splits a URL at its first `?` into address and options.
     pub fn split(text: &str) -> (&str, Options) {
         text.split_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
 
-    /// Splits at the last `?`.
+    /// Splits a URL at its last `?` into address and options.
     pub fn split_last(text: &str) -> (&str, Options) {
         text.rsplit_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
 
-    /// No options.
+    /// Empty options.
     pub fn none() -> Self {
         Options(Vec::new())
     }
@@ -48,7 +48,7 @@ impl Options {
         Some(self.0.remove(at).1)
     }
 
-    /// Removes an option without a value; returns true if it was there.
+    /// Removes an option without a value; returns whether it was given.
     pub fn flag(&mut self, name: &str) -> Result<bool, UrlError> {
         match self.take(name).as_deref() {
             None => Ok(false),
@@ -68,7 +68,7 @@ impl Options {
         parsed.map(Some).ok_or_else(|| UrlError::new(format!("{name}={value}"), message))
     }
 
-    /// Removes `logging`.
+    /// Removes the option `logging` and returns its level.
     pub fn logging(&mut self) -> Result<Option<Level>, UrlError> {
         let Some(value) = self.take("logging") else { return Ok(None) };
         let wrong = || UrlError::new(format!("logging={value}"), "write logging=debug, info, warning or error");

@@ -16,7 +16,7 @@ const LISTED_MAX: usize = 10_000;
 /// Places of a kind of warning that are named; the others are counted.
 const PLACES_MAX: usize = 3;
 
-/// CheckFindings of one check.
+/// Errors and warnings of one check.
 pub struct CheckFindings<'a> {
     /// Path of the program.
     pub path: &'a Path,
@@ -45,7 +45,7 @@ struct FindingKind {
 }
 
 impl<'a> CheckFindings<'a> {
-    /// None yet.
+    /// Empty list of findings, for a check of the file `path`, which was given as `given`.
     pub fn new(given: &'a Path, path: &'a Path, is_json: bool) -> Self {
         CheckFindings {
             path,
@@ -74,7 +74,7 @@ impl<'a> CheckFindings<'a> {
         }
     }
 
-    /// Adds findings of the whole program, and sorts those for the JSON object by their places.
+    /// Adds findings of the whole program; sorts those for the JSON object by their places.
     pub fn add_all<'t>(&mut self, found: impl Iterator<Item = (Diagnostic, &'t [u8])>) {
         found.for_each(|(diagnostic, text)| self.add(diagnostic, Some(text)));
         self.listed.sort_by_key(|found| (found.line, found.column));
@@ -94,7 +94,7 @@ impl<'a> CheckFindings<'a> {
         self.kinds.push(FindingKind { first: diagnostic, text, next: Vec::new(), count: 1 });
     }
 
-    /// Prints errors and warnings: those of one kind as one, with their first places.
+    /// Prints errors and warnings; findings of one kind are printed once, with their first places.
     pub fn print(&mut self) {
         let (out, err) = (std::io::stdout().is_terminal(), std::io::stderr().is_terminal());
         let mut kinds = std::mem::take(&mut self.kinds);

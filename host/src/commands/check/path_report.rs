@@ -10,7 +10,7 @@ const AXES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// Longest comment in the table.
 const COMMENT_MAX: usize = 48;
 
-/// JSON object of a path.
+/// Figures of a program's tool path, as a JSON object.
 #[derive(Debug, Serialize)]
 pub struct PathFigures {
     unit: &'static str,
@@ -30,7 +30,7 @@ pub struct ExtentFigures {
     max: f64,
 }
 
-/// JSON object of a tool.
+/// Figures of one tool's work, as a JSON object.
 #[derive(Debug, Serialize)]
 pub struct ToolUseFigures {
     tool: Option<i64>,

@@ -26,7 +26,7 @@ use crate::job::JobFile;
 use crate::program::Source;
 use crate::report::figures::{OverrideFigures, RunReport};
 
-/// Sample of a machine's run.
+/// Sample of a run that was recorded on a machine.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredSample {
     /// Time.
@@ -78,7 +78,7 @@ fn sent_lines(program: &[u8], planned: &Adapted, original: bool) -> Vec<usize> {
     (1..).zip(pieces).flat_map(|(line, text)| std::iter::repeat_n(line, Lines::new(text).count())).collect()
 }
 
-/// Run measured so far.
+/// Figures of a run that was recorded on a machine, computed sample by sample.
 pub struct MeasuredRun<'a> {
     job: &'a Job,
     meter: ChipMeter,
@@ -98,7 +98,7 @@ pub struct MeasuredRun<'a> {
 }
 
 impl<'a> MeasuredRun<'a> {
-    /// Run of which nothing is known yet.
+    /// Run before its first sample.
     pub fn new(job: &'a Job) -> Self {
         let meter = ChipMeter::new(job.tools.first());
         MeasuredRun {

@@ -32,7 +32,7 @@ const BEGIN_MAX: Duration = Duration::from_secs(5);
 /// Reason for which a client is dropped, in words.
 pub type Reason = String;
 
-/// Connection.
+/// TCP connection of a client that sends a program.
 pub struct TcpClient {
     /// Address of the client, for messages.
     pub name: String,
@@ -67,12 +67,13 @@ impl TcpClient {
         })
     }
 
-    /// The client can be given the port.
+    /// Whether the client can be given the port.
     pub fn is_ready(&self, now: Micros) -> bool {
         self.server.as_ref().is_none_or(|server| server.is_open(now))
     }
 
-    /// Serves a client without the port; `Err` if it will never be given the port, without a reason if it has gone.
+    /// Serves a client that waits for the port. `Err` if it will never be given the port: with a reason, or without
+    /// one if it has hung up.
     pub fn check_waiting(&mut self, now: Micros) -> Result<(), Option<Reason>> {
         if self.server.is_some() {
             self.exchange(now);
@@ -104,12 +105,12 @@ impl TcpClient {
         self.active_at = Instant::now();
     }
 
-    /// The client has begun a program since then.
+    /// Whether the client has begun a program since it got the port.
     pub fn has_begun(&self) -> bool {
         self.program.has_begun()
     }
 
-    /// Reason for which a client with the port loses it to another that waits.
+    /// Reason why a client loses the port to another one that waits; `None` if it may keep the port.
     pub fn idle_reason(&self, control_waits: bool, idle_timeout: Duration) -> Option<Reason> {
         let idle = self.active_at.elapsed();
         if self.has_begun() {
@@ -119,7 +120,8 @@ impl TcpClient {
         (idle > BEGIN_MAX).then(|| format!("no program begun in {} s, another client waits", idle.as_secs()))
     }
 
-    /// Passes written bytes to the control: plain bytes as they come, those of a server as its port sends them.
+    /// Passes the client's bytes to the control: plain bytes as they arrive, RFC 2217 data at the rate of the
+    /// client's port.
     pub fn feed(&mut self, serial: Option<&SerialSettings>, port: &mut DncPort) -> Result<(), Reason> {
         if let Some(serial) = serial {
             return self.feed_from_server(serial, port);
@@ -164,7 +166,7 @@ impl TcpClient {
         Ok(())
     }
 
-    /// DC3 has to reach the sender itself, not only a port of its own here.
+    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would obey.
     pub fn is_far(&self) -> bool {
         self.server.as_ref().is_none_or(|server| server.settings().flow != Flow::XonXoff)
     }
@@ -183,7 +185,7 @@ impl TcpClient {
         (unsent <= UNSENT_MAX).then_some(()).ok_or_else(|| format!("it reads nothing: {unsent} characters wait for it"))
     }
 
-    /// The client has hung up and all its characters have been used.
+    /// Whether the client has hung up and all its characters have been used.
     pub fn is_gone(&self, on_wire: usize) -> bool {
         self.is_over && on_wire == 0 && self.server.as_ref().is_none_or(|server| server.waiting() == 0)
     }
@@ -194,7 +196,7 @@ impl TcpClient {
         self.receive(&mut buffer)
     }
 
-    /// Handles the requests of a server's client, and sends what is due.
+    /// Handles the RFC 2217 requests of a client, and sends what is due.
     pub fn exchange(&mut self, now: Micros) {
         let (mut buffer, mut taken) = ([0; 256], 0);
         while self.server.as_ref().is_some_and(|server| server.waiting() < HELD_MAX)
@@ -243,7 +245,7 @@ impl TcpClient {
     }
 }
 
-/// The error only means that nothing is there now.
+/// Whether the error only means that no data is there now.
 pub fn is_quiet(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

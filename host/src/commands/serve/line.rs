@@ -15,7 +15,7 @@ const QUIET: Duration = Duration::from_secs(1);
 /// Longest wait for that silence.
 const QUIET_WAIT_MAX: Duration = Duration::from_secs(10);
 
-/// Control's end of the line.
+/// The emulated control's end of its line: a pseudo-terminal or a TCP port.
 pub struct ControlLine {
     name: String,
     end: End,
@@ -27,7 +27,7 @@ enum End {
 }
 
 impl ControlLine {
-    /// New pseudo-terminal.
+    /// Line over a new pseudo-terminal.
     ///
     /// # Errors
     /// The system has none.
@@ -58,7 +58,7 @@ impl ControlLine {
         }
     }
 
-    /// There may be a sender at the other end.
+    /// Whether there may be a sender at the other end.
     pub fn has_sender(&self) -> bool {
         match &self.end {
             End::Pty(_) => true,
@@ -66,7 +66,7 @@ impl ControlLine {
         }
     }
 
-    /// The sender is gone and had not begun a program.
+    /// Whether the sender is gone and had not begun a program.
     pub fn is_abandoned(&self) -> bool {
         match &self.end {
             End::Pty(_) => false,
@@ -85,8 +85,8 @@ impl ControlLine {
         }
     }
 
-    /// Passes the bytes on the line to the control, and whether the sender is still there; `control_waits` for
-    /// characters, with nothing to execute.
+    /// Passes the bytes on the line to the control, and tells the control whether the sender is still connected;
+    /// `control_waits` for characters, with nothing to execute.
     ///
     /// # Errors
     /// The line is gone.

@@ -4,7 +4,7 @@
 /// Most characters of leader and trailer.
 const LEADER_MAX: usize = 4_096;
 
-/// Progress of a client with the beginning of its next program.
+/// Detector of the beginning of a client's next program; state.
 #[derive(Clone, Debug)]
 pub enum ProgramStart {
     /// Only leader so far, of this length.
@@ -17,12 +17,12 @@ pub enum ProgramStart {
     Begun,
 }
 
-/// Handling of a character.
+/// Handling of a received character.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ByteHandling {
     /// The control gets it.
     Pass,
-    /// It belongs to the last program's trailer.
+    /// The character belongs to the trailer of the last program.
     Discard,
     /// The client is dropped, for this reason.
     Refuse(String),
@@ -42,7 +42,7 @@ impl ProgramStart {
         }
     }
 
-    /// The program has begun.
+    /// Whether the program has begun.
     pub fn has_begun(&self) -> bool {
         matches!(self, ProgramStart::Begun)
     }

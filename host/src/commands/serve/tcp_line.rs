@@ -30,7 +30,7 @@ pub struct ClientLimits {
     pub allow_remote: bool,
 }
 
-/// Port and its clients.
+/// TCP port of the emulated control, with its clients.
 pub struct TcpLine {
     name: String,
     listener: TcpListener,
@@ -108,17 +108,17 @@ impl TcpLine {
         self.active.is_some()
     }
 
-    /// A client has the line.
+    /// Whether a client has the line.
     pub fn has_sender(&self) -> bool {
         self.active.is_some()
     }
 
-    /// The client is gone and no program had begun.
+    /// Whether the client is gone and no program had begun.
     pub fn is_abandoned(&self) -> bool {
         self.active.is_none() && !self.has_begun
     }
 
-    /// Passes written bytes to the control; `control_waits` for more characters, with nothing to execute.
+    /// Passes the client's bytes to the control; `control_waits` if the control needs more characters.
     pub fn feed(&mut self, port: &mut DncPort, control_waits: bool) {
         self.check_clients(control_waits);
         if let Some(client) = &mut self.active {
@@ -131,7 +131,7 @@ impl TcpLine {
         self.on_wire = port.on_wire();
     }
 
-    /// DC3 has to reach the sender itself, not only a port of its own here.
+    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would obey.
     pub fn is_far(&self) -> bool {
         self.active.as_ref().is_none_or(TcpClient::is_far)
     }

@@ -23,12 +23,12 @@ const FORM: &str =
 const CHIP: &[(&str, f64)] = &[("", 1.0)];
 const FEED: &[(&str, f64)] = &[("mm/min", 1.0), ("in/min", LengthUnit::Inch.mm())];
 
-/// Assertion on a run.
+/// Assertion on a run (`--assert`), such as a limit of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assertion {
     text: String,
     figure: AssertedFigure,
-    /// In mm/min, W, N m, N, s, or as a ratio.
+    /// Limit in mm/min, W, N m, N, s, or as a ratio.
     limit: f64,
 }
 
@@ -44,7 +44,7 @@ enum AssertedFigure {
     Time,
 }
 
-/// Measured data of a run.
+/// Measured data of a run, on which assertions are judged.
 pub struct Evidence<'a> {
     /// Figures of the run.
     pub report: &'a RunReport,
@@ -60,7 +60,7 @@ pub struct Evidence<'a> {
     pub program: String,
 }
 
-/// Outcome of an assertion.
+/// Outcome of an assertion, with the measured value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssertionOutcome {
     /// The assertion as written.
@@ -69,7 +69,7 @@ pub struct AssertionOutcome {
     pub verdict: Verdict,
 }
 
-/// Verdict on an assertion.
+/// Verdict on an assertion: passed, failed, or no data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// The limit holds.
@@ -100,7 +100,7 @@ impl Assertion {
         AssertionOutcome { text: self.text.clone(), verdict: Verdict::Missing(format!("the run did not end: {cause}")) }
     }
 
-    /// Outcome for a run.
+    /// Judges the assertion on the data of a run.
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
         let verdict = match self.figure.values(self.limit, evidence) {
             Err(missing) => Verdict::Missing(missing),

@@ -29,7 +29,7 @@ const FLOOR_RATIO: f64 = 0.1;
 /// Word of the comments.
 const COMMENT: &str = "STOCK/BLOCK,";
 
-/// Stock of a program without a job file.
+/// Options for the stock of a program without a job file.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct StockArgs {
     /// Stock: X0,X1,Y0,Y1,Z0,Z1 in the program's unit and coordinates. Without it, the one in the program's comments, or a

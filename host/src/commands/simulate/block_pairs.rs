@@ -5,7 +5,8 @@
 
 use std::collections::BTreeMap;
 
-/// Place of an executed block: the block of the original program's run at the same place, or a block of its own.
+/// Place of an executed block for comparison: the corresponding block of the original program's run, or the block
+/// itself if there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BlockPlace {
     /// Blocks that the original program's run has executed there, up to and including it.
@@ -14,7 +15,7 @@ pub enum BlockPlace {
     Own(u32),
 }
 
-/// Place of each block of a run.
+/// For each block of a run, the corresponding block of the original program's run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlockPairs(Vec<BlockPlace>);
 

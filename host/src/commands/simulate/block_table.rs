@@ -18,7 +18,7 @@ use super::material_figures;
 use crate::trace::table::Cell;
 use crate::trace::tables::BLOCK_COLUMNS;
 
-/// Block in execution in a millisecond.
+/// Data of the block that is in execution in a millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockRecord {
     /// Blocks executed, up to and including it.
@@ -39,7 +39,7 @@ pub struct BlockRecord {
     pub target_mm: Option<f64>,
 }
 
-/// Blocks of a run so far; state.
+/// Summary of each block of a run so far; state.
 #[derive(Debug, Default)]
 pub struct BlockLog(BTreeMap<u32, BlockSummary>);
 
@@ -54,7 +54,7 @@ struct BlockSummary {
     changes: u32,
 }
 
-/// Measurements of a run at its end.
+/// Measurements of a finished run for the table of blocks.
 pub struct BlockSources<'a> {
     /// Chips of the moves.
     pub meter: &'a ChipMeter,

@@ -19,7 +19,8 @@ use crate::job::flexible::{Elastic, Flexible, Shape};
 /// Fault, and its byte offset in the job file unless it is the table's.
 pub type SetupFault = (Option<usize>, String);
 
-/// Flexible body for a tool with edges up to a height above its tip, and its modes, as large as anywhere on it.
+/// Flexible workpiece for a tool with edges up to a height above its tip, and the modes of the workpiece with their
+/// largest shapes.
 ///
 /// # Errors
 /// The material is unknown, the body has no such mesh or modes, or lies outside the blank.

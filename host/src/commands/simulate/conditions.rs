@@ -11,15 +11,13 @@ use crate::adapt::{Adapted, PlannedBlock};
 use crate::job::JobFile;
 use crate::program::Program;
 
-/// Planned data that the simulated machine does not know: for moves under G43.4, and for those that a cut rule matches,
-/// with their engagement and the largest feed that the job allows on them. The machine does not know the scopes of
-/// rules either: with them all moves are planned.
+/// Conditions of moves that the simulated machine cannot know by itself, taken from the plan: moves under G43.4, and
+/// moves that a cut rule matches, with their engagement and their largest feed.
 pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     foreseen_where(program, adapted, file, |_| true)
 }
 
-/// The same for the original program: only what the meter needs there, too. That is engaged arcs, sides of contours,
-/// rules of moves beside corners, and scopes of rules.
+/// Conditions of moves for a run of the original program: only those that the chip meter needs.
 pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     let has_scopes = has_scopes(file);
     foreseen_where(program, adapted, file, |block| {

@@ -73,7 +73,7 @@ fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
     })
 }
 
-/// Code that the sender makes itself.
+/// Character code of the simulated control for the code that the sender makes.
 pub fn tape_code(code: TapeCode) -> Code {
     match code {
         TapeCode::Iso => Code::Iso,

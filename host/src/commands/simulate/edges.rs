@@ -99,7 +99,7 @@ pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
-/// Empty samples: one per tooth, for a ring one for an outer and one for an inner tooth.
+/// Chatter samples of a run, still empty: one sample per active tooth and turn.
 pub fn samples(file: &JobFile) -> ChatterSamples {
     let teeth = usize::from(file.job.tools.first().tool.active_teeth());
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
@@ -161,7 +161,8 @@ fn edges(file: &JobFile, cutting: &Cutting, corner_mm: f64) -> Result<Cutter, Ed
     }
 }
 
-/// Tangential coefficients of a material of the catalogue, by its name in the job and the offset of that name.
+/// Looks up the tangential force coefficients of a material by its name in the job; `offset` is the place of the name
+/// in the file.
 ///
 /// # Errors
 /// The material is unknown.

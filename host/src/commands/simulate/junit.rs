@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use super::assertions::{AssertionOutcome, Verdict};
 use crate::report::page::escaped;
 
-/// Test suite of a run.
+/// Assertions of a run as a JUnit test suite.
 pub struct TestSuite<'a> {
     /// Job.
     pub job: String,

@@ -8,7 +8,7 @@ use crate::adapt::Adapted;
 use crate::adapt::write_back::WrittenProgram;
 use crate::program::{Program, in_capitals};
 
-/// Program as text, with the line of each executed block.
+/// NC text of a program, with the line of each executed block.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramListing {
     /// Lines of the program's file, each with its text as sent.
@@ -18,7 +18,7 @@ pub struct ProgramListing {
 }
 
 impl ProgramListing {
-    /// ProgramListing of a program; `sent` is its text in the control's memory, with the end of each line of the program, and
+    /// Listing of a program. `sent` is the text in the control's memory, with the end of each program line in it;
     /// `executed` has the blocks of the run and of the original program.
     pub fn new(program: &Program, adapted: &Adapted, sent: &WrittenProgram, executed: [&[Vec<u8>]; 2]) -> Self {
         let file = program.file();

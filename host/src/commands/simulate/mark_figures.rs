@@ -19,7 +19,7 @@ use crate::report::page::map::Map;
 /// Cells of the map along its longer side: walls are one cell wide.
 const CELLS: f64 = 200.0;
 
-/// Reference for marks.
+/// Reference against which marks of the teeth are measured.
 #[derive(Clone, Debug)]
 pub struct MarkReference {
     /// Layers before the run.
@@ -73,7 +73,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Optio
     })
 }
 
-/// Marks seen along Z; of several at one place the largest.
+/// Map of the marks seen along Z; of several marks at one place, the largest.
 pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
     let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
@@ -103,7 +103,7 @@ pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Ma
     })
 }
 
-/// Path among the layers, block by block.
+/// Plot of the tool's path among the layers, block by block.
 pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> LoadPlot {
     let in_unit = |mm: f64| mm / unit.mm();
     let unstable = |count: u32| {

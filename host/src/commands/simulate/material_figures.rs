@@ -18,7 +18,7 @@ use crate::report::material::{
     BlockFigures, DeviationFigures, LeftOutBlocks, MaterialFigures, RemovalFigures, RuleFigures, VolumeUnit,
 };
 
-/// Figures of a run, and of the original program.
+/// Figures of the removed material of a run and of the original program.
 pub fn figures(
     (unit, pairs): (LengthUnit, &BlockPairs),
     setup: &Setup<'_>,
@@ -129,7 +129,7 @@ pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
     blocks.map(|(of, pieces)| (of, rate(&pieces))).collect()
 }
 
-/// Pieces of the blocks of each place, with its rapids apart.
+/// Removed volumes of a run by the place of their block, with rapids apart.
 pub fn by_place<P: Ord>(
     cutter: &StockCutter,
     place: impl Fn(u32) -> P,
@@ -157,6 +157,7 @@ fn removal_of<'p>(
     }
 }
 
+/// Figures of blocks whose material was not removed, for one reason.
 pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) -> LeftOutBlocks {
     let cause = match reason {
         LeftOutReason::Turning => "turning",

@@ -8,7 +8,7 @@ use arcfeed_units::{Micros, S_PER_MIN};
 /// Relative change that begins another step of a curve.
 const STEP_RATIO: f64 = 2e-3;
 
-/// Log of a run.
+/// Log of a run: its moves, and feed and chip load over time.
 #[derive(Debug, Default)]
 pub struct MoveLog {
     /// Moves in order of execution.
@@ -36,7 +36,7 @@ pub struct LoggedMove {
     pub feed_max_mm_per_min: f64,
 }
 
-/// Quantity over time: steps from, to, and the value between.
+/// Quantity over time as steps: start, end and value.
 #[derive(Debug, Default)]
 pub struct Curve(Vec<(Micros, Micros, f64)>);
 

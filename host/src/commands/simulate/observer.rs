@@ -26,7 +26,7 @@ const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
 /// Periods between two progress messages.
 const SIGN_EVERY: u64 = 200;
 
-/// Observer of a run.
+/// Observer of a simulated run: cuts the stock, records figures, shows the progress.
 #[derive(Debug, Default)]
 pub struct RunObserver {
     /// Workpiece.
@@ -47,14 +47,14 @@ pub struct RunObserver {
 }
 
 impl RunObserver {
-    /// Observer of a run on this workpiece, if there is one, with or without progress shown.
+    /// Observer of a run on this workpiece, if there is one; `shows` progress or not.
     pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
-    /// Writes the tables of the run too; with `locator` they have the lines of the program.
+    /// Makes the observer write the tables of the run; with a `locator` they contain the lines of the program.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -74,7 +74,7 @@ impl RunObserver {
         tables.finish(simulation, self.cutter.as_ref(), self.loads.as_ref())
     }
 
-    /// Runs to the end.
+    /// Simulates the run to its end.
     ///
     /// # Errors
     /// The run never ends, the stock takes more memory than it may, or the tables cannot be written.
@@ -102,7 +102,7 @@ impl RunObserver {
         tables.take_failure().map_or(Ok(()), Err)
     }
 
-    /// Processes a period without the workpiece.
+    /// Processes a period of a run without a workpiece.
     pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
@@ -116,7 +116,7 @@ impl RunObserver {
     }
 }
 
-/// Writes the tables of the observed runs too, if there are files for them.
+/// Makes observers write the tables of their runs, if there are files for them.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -140,7 +140,7 @@ pub struct ObservedEnd {
     pub ended: Instant,
 }
 
-/// Runs both to their ends, each on a thread of its own: they share nothing. Only the first shows its progress.
+/// Simulates two runs to their ends at the same time, each on a thread of its own. Only the first shows its progress.
 pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [ObservedEnd; 2] {
     let run = |observer: &mut RunObserver, simulation: &mut Simulation| ObservedEnd {
         result: observer.run(simulation),
@@ -153,7 +153,8 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
     })
 }
 
-/// Runs to the end and passes each period to the observer. A long run is named, with its progress.
+/// Simulates a run to its end and passes each period to the observer. A run that takes long is announced, with its
+/// progress.
 ///
 /// # Errors
 /// The run never ends, or the observer stops it.

@@ -33,7 +33,7 @@ use crate::report::page::{Page, Section, tables};
 /// Most moves of a path that is drawn below the viewer, which draws any number of them in less space.
 const DRAWN_MAX: usize = 2_000;
 
-/// Formats of a surface file.
+/// Format of a surface file: STL or PLY.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceFormat {
     /// Binary STL.
@@ -42,7 +42,7 @@ pub enum SurfaceFormat {
     Ply,
 }
 
-/// Content of a run's page.
+/// Content of the report page of a run.
 pub struct PageContent<'a> {
     /// Headline.
     pub title: &'a str,
@@ -94,7 +94,7 @@ impl SurfaceFormat {
 }
 
 impl PageContent<'_> {
-    /// Renders the page.
+    /// Builds the report page.
     pub fn page(&self) -> Page {
         let [(observer, _), _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];

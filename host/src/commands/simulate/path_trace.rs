@@ -24,7 +24,7 @@ const INTERVAL_MAX: Micros = Micros::from_ms(250);
 /// Positions that are compared with the straight line; if there are more, every second one is left out.
 const COMPARED_MAX: usize = 32;
 
-/// Point of the path, with the values on the way to it.
+/// Point of the tool's path, with the values on the way to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
     /// End of the interval.
@@ -43,7 +43,7 @@ pub struct TracePoint {
     pub percent: u8,
 }
 
-/// Path of a run.
+/// Tool path of a run, for the viewer.
 #[derive(Debug)]
 pub struct PathTrace {
     points: Vec<TracePoint>,

@@ -59,7 +59,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
     }
 }
 
-/// Figures of measured chips alone.
+/// Figures of a run for which only chips were measured.
 pub fn of_chips(job: &Job, chips: &[MoveChips]) -> RunReport {
     let moves: Vec<(&MoveChips, Option<&MoveOverride>)> = chips.iter().map(|chips| (chips, None)).collect();
     RunReport {

@@ -16,7 +16,8 @@ const CHIP_RATIO: f64 = 1.05;
 /// Most findings of one kind and run.
 const SHOWN: usize = 200;
 
-/// Findings in order of importance; `chips` are those of the run and of the original program.
+/// Findings about a run for the viewer, the most important first; `chips` are those of the run and of the original
+/// program.
 pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) -> Vec<RunFinding> {
     let last = report.blocks_executed.unwrap_or_default() as u32;
     let mut found = Vec::new();

@@ -23,14 +23,14 @@ use crate::trace::{TableFile, TraceFormat};
 /// Addition to the names of the files of the original program.
 const ORIGINAL: &str = "-original";
 
-/// Files of `--trace`.
+/// Names of the files that `--trace` writes.
 #[derive(Clone, Debug)]
 pub struct TraceFiles {
     path: PathBuf,
     format: TraceFormat,
 }
 
-/// Tables of a run that grow; state. Its first failure ends the writing.
+/// Tables of a run, written while it goes on; state. After a first failure nothing more is written.
 #[derive(Debug)]
 pub struct RunTables {
     samples: OpenTable,
@@ -51,7 +51,7 @@ struct OpenTable {
 }
 
 impl TraceFiles {
-    /// Files beside `path`, in the format that its suffix names.
+    /// Names of the files beside `path`, in the format of its suffix.
     ///
     /// # Errors
     /// The suffix names no format of this build.

@@ -31,7 +31,7 @@ use crate::place::place;
 /// Tolerance of chords against the path and the tool's corners, as a fraction of the step between rays.
 const TOLERANCE_RATIO: f64 = 1.0 / 50.0;
 
-/// Workpiece of a job, with its place in the job file for later faults.
+/// Workpiece of a job, prepared for a simulated run, with its place in the job file for error messages.
 pub struct Setup<'a> {
     /// Workpiece as the job describes it.
     pub workpiece: &'a Workpiece,
@@ -124,12 +124,12 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Cutter of the stock in a run.
+    /// Stock cutter for a run.
     pub fn cutter(&self) -> StockCutter {
         StockCutter::new(self.settings.clone())
     }
 
-    /// Finished part on the same rays.
+    /// Finished part on the same rays as the stock.
     ///
     /// # Errors
     /// The target's file contains no solid, or it needs too much memory.

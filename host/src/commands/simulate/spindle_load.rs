@@ -28,7 +28,7 @@ const MEAN_CHIP_RATIO: f64 = 0.5;
 /// N mm per J.
 const N_MM_PER_J: f64 = 1e3;
 
-/// Power of the blocks of a run, W.
+/// Spindle power of the blocks of a run, W.
 pub struct SpindleLoad {
     /// Largest power of each block, W.
     pub power_w: Vec<BlockValue>,
@@ -37,7 +37,7 @@ pub struct SpindleLoad {
 }
 
 impl SpindleLoad {
-    /// Load in a run; `None` if the job describes neither edges nor a material.
+    /// Spindle power in a run; `None` if the job describes neither edges nor a material.
     pub fn of(job: &Job, setup: &Setup<'_>, observer: &RunObserver) -> Option<Self> {
         match (&observer.loads, &setup.material, &observer.cutter) {
             (Some(meter), _, _) => Some(SpindleLoad {

@@ -8,7 +8,7 @@ use arcfeed_dexel::mesh::Mesh;
 
 use crate::job::stl::StlFile;
 
-/// Mesh in millimetres.
+/// Reads the mesh of an STL file, in millimetres.
 ///
 /// # Errors
 /// Describes the fault, with the path.

@@ -32,7 +32,7 @@ const HEIGHT_RATIO: f64 = 2.0;
 /// Value over time: beginning, end, value.
 type Window = (Micros, Micros, f64);
 
-/// Runs to be shown; the run and the original program.
+/// Input of the viewer: the run and the original program.
 pub struct ViewerInput<'a> {
     /// Title of the report.
     pub title: &'a str,
@@ -48,7 +48,7 @@ pub struct ViewerInput<'a> {
     pub listing: &'a ProgramListing,
 }
 
-/// Data of both runs.
+/// Data of the viewer for both runs.
 pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
     let ViewerInput { title, report, job, runs: [after, before], chips, listing } = *input;
     let sides = [("before", before, &listing.block_lines[1]), ("after", after, &listing.block_lines[0])];

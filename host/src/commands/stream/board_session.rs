@@ -26,15 +26,15 @@ pub const ARM: &str = "arm";
 /// Place where a person arms the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arming {
-    /// At its button, or by typing the word here.
+    /// At the board's button, or by typing `arm` here.
     Typed,
-    /// At its button: the keys here are the screen's.
+    /// Only at the board's button: the keyboard belongs to the screen.
     Button,
     /// Nowhere: the board and its button are simulated.
     Simulated,
 }
 
-/// Board that takes part in a run, or none.
+/// Feed board that takes part in a transmission, or none.
 pub struct BoardSession<'p> {
     board: Option<BoardRun<'p>>,
     arming: Arming,
@@ -101,7 +101,7 @@ impl<'p> BoardSession<'p> {
         Ok(())
     }
 
-    /// One turn: moves that the board has may leave. Returns the reason if the run must end.
+    /// One turn: lets the moves that the board has go to the control. Returns the reason if the run must end.
     pub fn turn(&mut self, sender: &mut Sender) -> Option<String> {
         self.read_person_command();
         let board = self.board.as_mut()?;
@@ -125,7 +125,8 @@ impl<'p> BoardSession<'p> {
         std::mem::take(&mut self.said)
     }
 
-    /// Checks whether the board sees no more moves although the control, which has started `blocks` blocks, makes them.
+    /// Checks whether the board sees no more ends of moves although the control, which has started `blocks` blocks,
+    /// continues.
     pub fn check_standstill(&mut self, blocks: Option<usize>, sending: &Transmission) {
         let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.standstill_line(blocks, sending));
         let Some(line) = stands else { return };
@@ -138,7 +139,7 @@ impl<'p> BoardSession<'p> {
         ));
     }
 
-    /// The board, if there is one, has seen all moves done.
+    /// Whether the board, if there is one, has seen the end of all moves.
     pub fn is_done(&self) -> bool {
         self.board.as_ref().is_none_or(BoardRun::is_done)
     }
@@ -198,7 +199,7 @@ fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
     )
 }
 
-/// Lines that a person types, as they come.
+/// Channel with the lines that a person types.
 pub fn typed_lines() -> Receiver<String> {
     let (lines, typed_lines) = channel();
     std::thread::spawn(move || {

@@ -22,7 +22,7 @@ use crate::screen::view::{Command, View};
 /// Wall time between two redraws.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// Display and event log.
+/// Display of a transmission while it runs, with the event log.
 pub struct LiveDisplay {
     bar: Option<ProgressBar>,
     screen: Option<(Screen, View, Instant)>,
@@ -44,7 +44,7 @@ impl LiveDisplay {
         LiveDisplay { bar: Some(bar), screen: None, log: None }
     }
 
-    /// No display.
+    /// Display that shows nothing.
     pub fn nothing() -> Self {
         LiveDisplay { bar: None, screen: None, log: None }
     }

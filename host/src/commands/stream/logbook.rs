@@ -19,7 +19,7 @@ const FIRST_MAX: u64 = 1_024;
 /// Syncs per second of the line's time: one sync permits the characters of this fraction of a second.
 const SYNCS_PER_S: usize = 4;
 
-/// Journal being written, or none if none is requested.
+/// Journal of a transmission while it is written, or none if none is requested.
 pub struct Logbook {
     open: Option<OpenJournal>,
 }
@@ -38,7 +38,7 @@ struct OpenJournal {
 }
 
 impl Logbook {
-    /// Without a journal.
+    /// Logbook that writes no journal.
     pub fn none() -> Self {
         Logbook { open: None }
     }

@@ -124,7 +124,7 @@ impl PreparedProgram {
         }
     }
 
-    /// The control before the program.
+    /// State of the control before the program.
     pub fn power_on(&self) -> PowerOn {
         PowerOn { settings: self.file.nc, tables: self.file.tables }
     }
@@ -157,13 +157,13 @@ impl PreparedProgram {
         notes
     }
 
-    /// Waits of the control for the line.
+    /// Predicted waits of the control for characters.
     pub fn waits(&self, share: f64) -> Vec<Wait> {
         let buffer = control_settings(&self.file).line.buffer;
         predict(&self.loads(&self.whole), self.chars_per_s() * share, buffer)
     }
 
-    /// Execution time of each line at the programmed feed.
+    /// Length and execution time of each line, at the programmed feed.
     pub fn loads(&self, sending: &Transmission) -> Vec<BlockLoad> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);

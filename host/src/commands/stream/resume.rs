@@ -14,7 +14,7 @@ use crate::dnc::reports::Reports;
 use crate::dnc::resume::{CutRange, RestartPlan, RestartRequest};
 use crate::dnc::transmission::Transmission;
 
-/// Place and conditions of a restart.
+/// Options of a restart: place and conditions.
 #[derive(Debug, clap::Args)]
 pub struct Resume {
     /// Restart the program after a crash or a cut cable, as far as the journal and the control show
@@ -37,7 +37,7 @@ struct Shown<'a> {
 }
 
 impl Resume {
-    /// A restart is requested.
+    /// Whether a restart is requested.
     pub fn is_wanted(&self) -> bool {
         self.resume
     }

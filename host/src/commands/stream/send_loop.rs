@@ -20,7 +20,7 @@ use crate::screen::view::Command;
 /// Longest sleep of the loop: largest delay until it sees an XOFF or a Ctrl-C.
 const LOOP_MAX: Micros = Micros::from_ms(20);
 
-/// Reason for the end of sending.
+/// Reason why sending has ended.
 pub enum End {
     /// All characters are sent and, as far as the port knows, executed.
     Complete,
@@ -44,7 +44,7 @@ impl End {
     }
 }
 
-/// Parts that run beside a sender.
+/// Services that run beside a sender: journal, display, report check and board.
 pub struct SendServices<'p> {
     pub logbook: Logbook,
     pub live: LiveDisplay,
@@ -52,7 +52,7 @@ pub struct SendServices<'p> {
     pub board_session: BoardSession<'p>,
 }
 
-/// Reports of the control, if the job requests them.
+/// Check of the control's position reports, if the job requests them.
 #[derive(Default)]
 pub struct ReportMonitor {
     pub reports: Reports,

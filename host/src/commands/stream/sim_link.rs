@@ -11,14 +11,14 @@ use arcfeed_units::Micros;
 use super::sim_port::SimPort;
 use crate::port::{Port, PortError};
 
-/// Bytes between host and board.
+/// Bytes on the way between host and simulated board.
 #[derive(Debug, Default)]
 pub struct Pipe {
     to_board: Vec<u8>,
     to_host: VecDeque<u8>,
 }
 
-/// Board's end.
+/// Board's end of the pipe.
 #[derive(Debug)]
 pub struct BoardEnd(pub Rc<RefCell<Pipe>>);
 
@@ -35,7 +35,7 @@ impl AttachedDevices for BoardEnd {
     }
 }
 
-/// Host's end.
+/// Host's end of the pipe.
 pub struct SimLink<D> {
     sim: Rc<RefCell<SimPort<D>>>,
     pipe: Rc<RefCell<Pipe>>,

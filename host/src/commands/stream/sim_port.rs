@@ -26,7 +26,7 @@ const LATE_MAX: Duration = Duration::from_millis(200);
 /// Shortest sleep: a shorter one costs more than it saves.
 const NAP_MIN: Duration = Duration::from_millis(2);
 
-/// Simulation, and a line to its control.
+/// Simulated machine, as a port with a line to its control (`sim:`).
 pub struct SimPort<D = InProcessController> {
     simulation: Simulation<D>,
     line_bits_per_s: f64,
@@ -40,7 +40,7 @@ pub struct SimPort<D = InProcessController> {
 }
 
 impl SimPort {
-    /// Control that has just been started in DNC operation.
+    /// Simulated control that has just been started in DNC operation.
     pub fn new(file: &JobFile, fault: ControllerFault, speed: Option<u32>) -> Result<Self, Failure> {
         let simulation = Simulation::on_line(control_settings(file), &file.job, fault)
             .map_err(|error| Failure::Input(format!("override limits: {error:?}")))?;
@@ -80,12 +80,12 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Simulation.
+    /// The simulation behind the port.
     pub fn simulation(&self) -> &Simulation<D> {
         &self.simulation
     }
 
-    /// Simulation, mutable.
+    /// The simulation behind the port, mutable.
     pub fn simulation_mut(&mut self) -> &mut Simulation<D> {
         &mut self.simulation
     }
@@ -102,7 +102,7 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Figures of the line.
+    /// Figures of the simulated line.
     pub fn link_figures(&self) -> LinkFigures {
         let counters = self.simulation.control().line_counters();
         let busy_s = counters.bytes as f64 * self.bits_per_char / self.line_bits_per_s;

@@ -16,7 +16,7 @@ const CHIPS: [[f64; 3]; 3] = [[60.0, 110.0, 200.0], [60.0, 160.0, 90.0], [190.0,
 /// Kinds of vibration, and their colours beside the path.
 const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", "#f0a040"), ("chatter", "#f06060")];
 
-/// Path; all lengths in one unit.
+/// Plot of a path with a value for each block; all lengths in one unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadPlot {
     /// Blocks in order.
@@ -25,7 +25,7 @@ pub struct LoadPlot {
     pub has_vibration: bool,
 }
 
-/// Block of the path.
+/// Block of the plotted path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlotBlock {
     /// N of the block, or its number.

@@ -6,7 +6,7 @@ use super::{Section, escaped};
 use crate::report::loads::LoadsFigures;
 use crate::report::material::short;
 
-/// Table with the loads of each movement, before and after.
+/// Section of the report page with the loads of each movement, before and after.
 pub fn section(loads: &LoadsFigures) -> Section {
     let mut body = String::new();
     for warning in loads.warnings() {

@@ -26,7 +26,7 @@ const HEIGHTS: [[f64; 3]; 4] = [[40.0, 20.0, 90.0], [30.0, 110.0, 140.0], [90.0,
 const DEVIATIONS: [[f64; 3]; 5] =
     [[10.0, 40.0, 130.0], [110.0, 160.0, 220.0], [245.0, 245.0, 245.0], [235.0, 140.0, 100.0], [140.0, 10.0, 30.0]];
 
-/// Map; lengths in one unit.
+/// Map of values over a surface as a picture; lengths in one unit.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// Cells along X.

@@ -10,7 +10,7 @@ use crate::report::material::short;
 /// Most layers and most blocks in the tables; those with the largest marks are shown.
 const SHOWN: usize = 20;
 
-/// The map, and tables below it.
+/// Section of the report page with the map of the marks, and tables below it.
 pub fn section(loads: &LoadsFigures, marks: &MarksFigures, map: &str) -> Section {
     let mut body = format!(
         "<p>Material left (red) and taken (blue) on walls, {}, against what a true tool without teeth leaves; where layers lie \

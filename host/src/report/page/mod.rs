@@ -25,7 +25,7 @@ use std::fmt;
 
 use viewer::ViewerData;
 
-/// Report page.
+/// Report page (HTML).
 #[derive(Clone, Debug)]
 pub struct Page {
     /// Title.
@@ -36,7 +36,7 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
-/// Section of a page.
+/// Section of a report page.
 #[derive(Clone, Debug)]
 pub struct Section {
     /// Heading, plain text.

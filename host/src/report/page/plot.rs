@@ -9,7 +9,7 @@ const LANE_HEIGHT: f64 = 150.0;
 /// Margins of the lanes: left, right, and above each.
 const MARGINS: [f64; 3] = [70.0, 15.0, 30.0];
 
-/// Lane: a quantity over time.
+/// One diagram of a plot: a quantity over time.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// Title of the lane, with the unit.
@@ -22,7 +22,7 @@ pub struct Lane {
     pub has_gaps: bool,
 }
 
-/// Curve of a lane.
+/// Curve of a diagram.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Name of the run.
@@ -33,7 +33,7 @@ pub struct Series {
     pub steps: Vec<([f64; 2], f64)>,
 }
 
-/// The lanes as SVG.
+/// Diagrams over a common time axis, as SVG.
 pub fn svg(lanes: &[Lane]) -> String {
     let steps = || lanes.iter().flat_map(|lane| &lane.series).flat_map(|series| &series.steps);
     let until_s = steps().map(|([_, to], _)| *to).fold(1e-3, f64::max);
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_goes_to_nothing_or_ends_in_a_pause_and_takes_a_column_once() {
+    fn svg_curve_breaks_or_drops_at_pauses_and_has_each_column_once() {
         let same = |v: f64| v;
         let steps = [([0.0, 10.0], 5.0), ([20.0, 30.0], 7.0)];
         assert_eq!(path(&steps, &same, &same, false), "M0 5H10V0H20V7H30");

@@ -10,7 +10,7 @@ use crate::report::material::{DeviationFigures, MaterialFigures, RemovalFigures,
 use crate::report::spindle::SpindleFigures;
 use crate::report::summary::RunSummary;
 
-/// Section with the command's printed summary.
+/// Section of the report page with the command's printed summary.
 pub fn summary(title: &str, report: &RunReport) -> Section {
     let text = RunSummary { title: title.to_owned(), report }.to_string();
     Section {
@@ -19,7 +19,7 @@ pub fn summary(title: &str, report: &RunReport) -> Section {
     }
 }
 
-/// Section with the removed material of each movement.
+/// Section of the report page with the removed material of each movement.
 pub fn material(material: &MaterialFigures, unit: LengthUnit) -> Section {
     let MaterialFigures { volume_unit, rate_unit, left, at_rapid, .. } = material;
     let mut body = String::new();
@@ -57,7 +57,7 @@ pub fn material(material: &MaterialFigures, unit: LengthUnit) -> Section {
     Section { heading: "Material".into(), body }
 }
 
-/// Section with the warnings of the spindle's load; `None` without one.
+/// Section of the report page with the warnings of the spindle's load; `None` without one.
 pub fn spindle(figures: &SpindleFigures) -> Option<Section> {
     let mut body = String::new();
     for warning in figures.warnings() {

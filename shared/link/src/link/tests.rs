@@ -201,7 +201,7 @@ fn recorded_frames_that_come_again_and_again_are_no_sign_of_life() {
 }
 
 #[test]
-fn a_restarted_peer_is_noticed_by_its_first_frame_and_nothing_of_before_is_taken() {
+fn first_frame_of_a_restarted_peer_ends_the_old_session() {
     let (mut a, mut b) = up();
     a.send(7, b"before").unwrap();
     let before = frames(&mut a, Micros::from_ms(6)).concat();
@@ -296,7 +296,7 @@ fn another_version_is_named_by_its_number() {
 }
 
 #[test]
-fn who_begins_anew_is_noticed_within_a_heartbeat_though_two_of_its_hellos_are_lost() {
+fn restarted_peer_is_noticed_within_a_heartbeat_even_if_two_hellos_are_lost() {
     for lost in 0..4 {
         let (mut a, _) = up();
         let (mut anew, heartbeat) = (Link::new(settings(Role::Board), 33).unwrap(), settings(Role::Board).heartbeat);

@@ -18,7 +18,7 @@ macro_rules! codes {
                 /// All values.
                 pub const ALL: &[$name] = &[$($name::$value),+];
 
-                /// Value of a byte.
+                /// The value with this code on the wire; `None` if the code is unknown.
                 pub fn of_code(code: u8) -> Option<Self> {
                     match code {
                         $($code => Some($name::$value),)+

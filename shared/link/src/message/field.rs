@@ -62,10 +62,12 @@ pub struct Chunk {
 }
 
 impl<'b> Writer<'b> {
+    /// Writer at the start of a buffer.
     pub fn new(buffer: &'b mut [u8]) -> Self {
         Writer { rest: buffer, written: 0 }
     }
 
+    /// Number of bytes written.
     pub fn written(&self) -> usize {
         self.written
     }
@@ -82,6 +84,7 @@ impl<'b> Writer<'b> {
 }
 
 impl<'b> Reader<'b> {
+    /// Reader at the start of a payload.
     pub fn new(payload: &'b [u8]) -> Self {
         Reader { rest: payload }
     }
@@ -199,7 +202,7 @@ impl Chunk {
         Chunk { bytes, length: length as u8 }
     }
 
-    /// The bytes.
+    /// The bytes of the chunk.
     pub fn bytes(&self) -> &[u8] {
         self.bytes.get(..usize::from(self.length)).unwrap_or_default()
     }

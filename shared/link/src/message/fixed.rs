@@ -15,14 +15,14 @@ macro_rules! fixed_point {
             impl $name {
                 const ONE: f64 = (1_u64 << $places) as f64;
 
-                /// The nearest multiple; `None` for NaN and for values that are too large.
+                /// The nearest value that the type can hold; `None` for NaN and for values that are too large.
                 pub fn of(value: impl Into<f64>) -> Option<Self> {
                     let scaled = libm::round(value.into() * Self::ONE);
                     // Outside the range the conversion would saturate; NaN is in no range.
                     (i64::MIN as f64..i64::MAX as f64).contains(&scaled).then_some($name(scaled as i64))
                 }
 
-                /// Floating-point value.
+                /// The value as a floating-point number.
                 pub fn value(self) -> $float {
                     (self.0 as f64 / Self::ONE) as $float
                 }

@@ -35,7 +35,7 @@ const SET: u32 = 1;
 /// Byte of erased flash.
 const ERASED: u8 = 0xFF;
 
-/// Reason why a page is rejected.
+/// Reason why a parameter page is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PageError {
     /// The flash is erased.
@@ -62,7 +62,7 @@ pub struct TappedLine {
 /// A page.
 pub type Page = heapless::Vec<u8, PAGE_MAX>;
 
-/// Writes the page of a job.
+/// Writes the parameter page of a job.
 ///
 /// # Errors
 /// A job that cannot be sent to a board, or not to one without a host.
@@ -99,7 +99,7 @@ pub fn write(job: &Job, tapped: TappedLine) -> Result<Page, ParametersError> {
     if has_room { Ok(page) } else { Err(ParametersError::Large) }
 }
 
-/// Reads the job of a page through `staging`, and the properties of its line.
+/// Reads the job and the properties of the tapped line from a parameter page; `staging` checks and holds the job.
 ///
 /// # Errors
 /// See [`PageError`].

@@ -86,7 +86,7 @@ impl PreparedHeader {
     }
 }
 
-/// Passes the bytes of an entry to `emit`.
+/// Passes the bytes of an entry of a prepared program to `emit`.
 pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     let mut payload = [0; PAYLOAD_MAX];
     let length = message.encode(&mut payload).unwrap_or_default();
@@ -95,7 +95,7 @@ pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     emit(payload.get(..length).unwrap_or_default());
 }
 
-/// Checksum that ends a prepared program: of its header and its entries.
+/// Checksum over header and entries, with which a prepared program ends.
 pub fn seal(header_and_entries: &[u8]) -> [u8; CHECK_LEN] {
     checksum(header_and_entries).to_le_bytes()
 }

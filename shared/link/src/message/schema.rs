@@ -1,6 +1,6 @@
 //! Schema of all messages: `docs/protocol.md` prints it, and both ends compare its hash.
 
-/// Encoding of a field.
+/// Encoding of a field of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldType {
     /// A whole number, a scaled number, or a code with its values.
@@ -22,7 +22,7 @@ pub enum Optional {
     Each,
 }
 
-/// A message of the schema.
+/// Description of one kind of message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Number on the wire.
@@ -37,7 +37,7 @@ pub struct Entry {
     pub fields: &'static [FieldEntry],
 }
 
-/// A field of the schema.
+/// Description of one field of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldEntry {
     /// Name.

@@ -22,7 +22,7 @@ use super::validation;
 /// Bits of the messages that a complete set must contain besides its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
 
-/// A set that is being received; state.
+/// Parameter set that is being received; state.
 #[derive(Clone, Debug)]
 pub struct Staging {
     /// 0: none, or a rejected one.
@@ -69,7 +69,7 @@ impl Staging {
         self.set = 0;
     }
 
-    /// Begins a set.
+    /// Begins a parameter set.
     ///
     /// # Errors
     /// [`RefusalCode::Value`] for the number 0.

@@ -44,7 +44,7 @@ macro_rules! messages {
             }
         )+
 
-        /// One message.
+        /// One message of host or board.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and few are held at a time")]
         pub enum Message {
@@ -70,7 +70,8 @@ macro_rules! messages {
                 }
             }
 
-            /// Puts its payload into a buffer; its length. [`super::field::PAYLOAD_MAX`] bytes are always enough.
+            /// Writes the payload of the message into a buffer; returns its length. [`super::field::PAYLOAD_MAX`]
+            /// bytes are always enough.
             ///
             /// # Errors
             /// The buffer is too short.
@@ -82,7 +83,7 @@ macro_rules! messages {
                 Ok(writer.written())
             }
 
-            /// Reads a payload.
+            /// Decodes a message of this kind from its payload.
             ///
             /// # Errors
             /// The kind is unknown, or the payload is not a message of this kind.

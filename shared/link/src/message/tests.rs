@@ -19,6 +19,7 @@ use field::{CHUNK_MAX, Chunk, DecodeError, EncodeError};
 pub(super) struct Random(pub u64);
 
 impl Random {
+    /// The next 64 random bits.
     pub fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -26,6 +27,7 @@ impl Random {
         self.0
     }
 
+    /// A random number below `end`.
     pub fn below(&mut self, end: usize) -> usize {
         (self.bits() % end as u64) as usize
     }

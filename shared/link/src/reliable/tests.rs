@@ -66,7 +66,7 @@ fn two_requests_are_followed_until_something_is_acknowledged() {
 }
 
 #[test]
-fn a_busy_peer_is_waited_for_without_a_timer_and_gets_all_of_it_when_ready() {
+fn busy_peer_stops_the_timer_and_gets_all_messages_when_ready() {
     let mut outbox = outbox(3);
     send_all(&mut outbox, Micros(0));
     outbox.on_busy(Micros(1_000), true);

@@ -69,7 +69,7 @@ fn a_program_that_begins_somewhere_is_followed_once_all_axes_are_given() {
 }
 
 #[test]
-fn a_contour_with_an_offset_is_passed_over_up_to_the_end_of_the_move_behind_it() {
+fn compensated_contour_is_skipped_up_to_the_end_of_the_g40_move() {
     let contour = "G1X1.F1.\nG41D1X2.\nX3.";
     assert_eq!(motion(contour), BlockMotion::Nothing);
     assert_eq!(motion(&format!("{contour}\nG40X4.")), BlockMotion::Passes { via: None, to: pose(4, 0, 0) });

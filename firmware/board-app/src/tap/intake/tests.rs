@@ -79,7 +79,7 @@ fn a_label_in_the_middle_of_a_program_forgets_what_was_before() {
 }
 
 #[test]
-fn a_mark_behind_a_block_that_was_cut_off_is_a_label_and_in_a_comment_only_after_a_reset() {
+fn percent_sign_after_a_truncated_block_is_a_label_and_in_a_comment_only_after_a_reset() {
     for (cut_off, is_reset, programs) in
         [("G1X2.", false, 1), ("G1X2.", true, 1), ("(ROUGHI", false, 0), ("(ROUGHI", true, 1), ("(NOTE)", false, 1)]
     {
@@ -122,7 +122,7 @@ fn a_character_lost_in_the_receiver_marks_the_block_it_is_in() {
 }
 
 #[test]
-fn what_there_is_no_room_for_is_said_once_and_nothing_behind_it_counts() {
+fn overflow_of_the_buffer_is_reported_once_and_ends_the_program() {
     for room_taken in 1..40 {
         let mut intake = Intake::<40>::new(None);
         let filler = "X".repeat(room_taken);

@@ -15,7 +15,7 @@ const WHOLE_RATIO: f64 = 1e-9;
 /// Number of slices above which the slice height is taken for a mistake.
 const SLICES_MAX: f64 = 1e5;
 
-/// Division of an edge into pieces.
+/// Division of a cutting edge into pieces: by number along the edge, or by slices of the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pieces {
     /// About this many pieces of equal length along the edge.

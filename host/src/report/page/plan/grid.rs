@@ -21,7 +21,7 @@ const RED: [u8; 3] = [200, 20, 20];
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 240.0;
 
-/// Map with its scale; `index` distinguishes the scales of a page.
+/// Map of remaining material as SVG, with its colour scale; `index` is the number of the map on the page.
 pub fn svg(map: &LeftMap, index: usize, unit: LengthUnit) -> String {
     let lengths = Lengths(unit);
     let known = || map.values_mm.iter().flatten().copied();

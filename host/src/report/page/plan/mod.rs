@@ -16,7 +16,7 @@ use arcfeed_units::LengthUnit;
 
 use super::{Page, Section};
 
-/// Content of the page.
+/// Content of the report page of a plan.
 #[derive(Clone, Debug)]
 pub struct PlanReport {
     /// Name of the part.
@@ -47,7 +47,7 @@ pub struct PlanReport {
     pub outlines: Vec<Outline>,
 }
 
-/// Verdict on the use of the plan.
+/// Verdict on a plan: whether its program may be used, with the reasons.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanVerdict {
     /// The tool collides with nothing, and every question is answered.
@@ -56,7 +56,7 @@ pub struct PlanVerdict {
     pub sentences: Vec<String>,
 }
 
-/// Position of the rotor under the tool.
+/// Tool axis of a plan, and the rotary positions of the rotor under the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// The tool's axis in the part frame.
@@ -69,7 +69,7 @@ pub struct Axis {
     pub slots: u32,
 }
 
-/// Reasons for the ends of the turns of a level.
+/// Reasons why the turns of a level end, as text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stops {
     /// Reason for the end of the turn about A, at D.
@@ -78,7 +78,7 @@ pub struct Stops {
     pub interior: String,
 }
 
-/// Times of the path and of the baseline.
+/// Times of the planned path and of the baseline.
 #[derive(Clone, Debug)]
 pub struct Times {
     /// Time of one slot on the planned path.
@@ -87,7 +87,7 @@ pub struct Times {
     pub baseline: Result<BaselineResult, String>,
 }
 
-/// Flank milling of one slot.
+/// Result of the baseline: flank milling of one slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaselineResult {
     /// Ball-end mill.
@@ -113,7 +113,7 @@ pub struct Clearance {
     pub place: String,
 }
 
-/// Volumes of one slot.
+/// Volumes that a plan removes from one slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
     /// Volume between the allowances, within the blank.
@@ -137,7 +137,7 @@ pub struct LeftMap {
     pub values_mm: Vec<Option<f64>>,
 }
 
-/// Curve seen along the tool.
+/// Curve of a picture, seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Name of the curve.
@@ -147,7 +147,7 @@ pub struct Outline {
 }
 
 impl PlanReport {
-    /// Renders the page.
+    /// Builds the report page.
     pub fn page(&self) -> Page {
         let section = |heading: &str, body: String| Section { heading: heading.into(), body };
         let mut sections = vec![

@@ -15,7 +15,7 @@ const MARGIN: f64 = 0.06;
 /// Colours of the movements, from 1.
 const COLORS: [&str; 4] = ["#c0392b", "#2471a3", "#1e8449", "#b9770e"];
 
-/// Two pictures: all curves, and the path of the centre alone.
+/// Two pictures of a slot: all curves, and the path of the tool centre alone.
 pub fn slot(report: &PlanReport) -> String {
     let PlanReport { path, mill, outlines, .. } = report;
     let radius_mm = mill.outer_radius_mm;

@@ -23,11 +23,13 @@ fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String 
     body + "</table>\n"
 }
 
+/// Paragraph with the verdict on the plan, as HTML.
 pub fn verdict(verdict: &PlanVerdict) -> String {
     let class = if verdict.is_safe { "" } else { " class=\"warning\"" };
     verdict.sentences.iter().map(|sentence| format!("<p{class}>{}</p>\n", escaped(sentence))).collect()
 }
 
+/// Table of the set-up, as HTML.
 pub fn setup(report: &PlanReport) -> String {
     let PlanReport { mill, axis, path, unit, .. } = report;
     let lengths = Lengths(*unit);
@@ -53,6 +55,7 @@ pub fn setup(report: &PlanReport) -> String {
     table(&[&heading, ""], rows.map(|(name, value)| vec![name.into(), value]))
 }
 
+/// Table of the levels, as HTML.
 pub fn levels(report: &PlanReport) -> String {
     let lengths = Lengths(report.unit);
     let angle = |from: arcfeed_plan::vector::Flat, about: arcfeed_plan::vector::Flat| {
@@ -77,6 +80,7 @@ pub fn levels(report: &PlanReport) -> String {
     table(&["level", &z, "D", "about A, deg", "ended by", "E", "about B1, deg", "ended by"], rows)
 }
 
+/// Table of the stock limits, as HTML.
 pub fn limits(report: &PlanReport) -> String {
     let lengths = Lengths(report.unit);
     let rows = report.limits.iter().map(|limit| {
@@ -101,6 +105,7 @@ pub fn limits(report: &PlanReport) -> String {
            at the other face, relative to the one that is kept.</p>\n"
 }
 
+/// Table of the times, as HTML.
 pub fn times(report: &PlanReport) -> String {
     let lengths = Lengths(report.unit);
     let planned = &report.times.planned;
@@ -155,6 +160,7 @@ fn assumed(baseline: &BaselineResult, planned_min: f64, lengths: Lengths) -> Str
     )
 }
 
+/// Table of the clearances, as HTML.
 pub fn clearances(report: &PlanReport) -> String {
     let lengths = Lengths(report.unit);
     let rows = report.clearances.iter().map(|row| {
@@ -167,6 +173,7 @@ pub fn clearances(report: &PlanReport) -> String {
         + "<p>Over the whole continuous way. \"At least\" is proven, \"found\" is the nearest place that was looked at.</p>\n"
 }
 
+/// Table of the removed volumes, as HTML.
 pub fn removed(removed: &Removed, unit: LengthUnit) -> String {
     let lengths = Lengths(unit);
     let label = lengths.volume_label();

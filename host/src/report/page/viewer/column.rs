@@ -8,7 +8,7 @@ use serde::Serialize;
 /// Value that stands for "no value".
 const NONE: i32 = i32::MIN;
 
-/// Named column.
+/// Named column of numbers in the viewer's data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Description of the column, without its values.
@@ -79,7 +79,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_has_no_value_and_what_is_too_large_stays_a_number() {
+    fn nan_has_no_value_and_too_large_numbers_are_limited() {
         let column = Column::new(HEAD, [Some(f64::NAN), Some(f64::INFINITY), Some(-1e30), Some(1e30)]);
         assert_eq!(column.values, [NONE, NONE, NONE + 1, i32::MAX]);
         assert!(!column.has_no_value() && Column::new(HEAD, [None, None]).has_no_value());

@@ -69,7 +69,7 @@ pub struct HeightGrid {
     pub heights: Column,
 }
 
-/// Finding at a block of a run.
+/// Finding about a block of a run, for the viewer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunFinding {
     /// `alarm`, `warning` or `note`.
@@ -111,7 +111,7 @@ struct HeightsHeader {
 }
 
 impl ViewerData {
-    /// The viewer for the head of the page, and for its body.
+    /// The viewer as HTML: one part for the head of the page, one for its body.
     pub fn html(&self) -> [String; 2] {
         let head =
             format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<style>\n{STYLE}</style>\n");
