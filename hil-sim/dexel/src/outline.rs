@@ -77,8 +77,8 @@ fn dot([a, b]: Point2, [c, d]: Point2) -> f64 {
     a * c + b * d
 }
 
-/// From where a triangle's border comes down through the plane to where it goes up: along the first axis, the second and the third as a right hand has them, the
-/// solid is on the left.
+/// From where a triangle's border comes down through the plane to where it goes up: along the first axis, the second and
+/// the third as a right hand has them, the solid is on the left.
 fn piece(mesh: &Mesh, triangle: &[usize; 3], axes: [usize; 2], at_mm: f64) -> Option<[Point2; 2]> {
     let height_mm = |vertex: usize| mesh.vertices_mm()[vertex][3 - axes[0] - axes[1]] - at_mm;
     let is_below = triangle.map(|vertex| height_mm(vertex) < 0.0);

@@ -204,7 +204,8 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
 
 impl Step {
     /// Whether its move is a plain path of the tool centre, in any coordinates: no canned cycle, and not under G41,
-    /// G42, G43.4 or G95, not the first one after G40, and without a chamfer or a rounded corner at one of its ends. Only such a move can be evaluated on its own.
+    /// G42, G43.4 or G95, not the first one after G40, and without a chamfer or a rounded corner at one of its ends. Only
+    /// such a move can be evaluated on its own.
     pub fn is_plain(&self) -> bool {
         match self.beyond_plain {
             None => true,
