@@ -49,12 +49,14 @@ use toml::Spanned;
 use crate::control::{self, Conventions, LoadedSettings};
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
+use crate::key_values::{self, KeyValue};
 use crate::machine_file::MachineFile;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 pub use arcfeed_port::settings::{Parity, SerialSettings};
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
+
 pub use plunge::Plunge;
 use rule_scope::RuleScope;
 use schema::JobTable;
@@ -192,8 +194,22 @@ impl JobFile {
     /// # Errors
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
+        JobFile::load_with(path, &[])
+    }
+
+    /// Reads and checks a job file with values in place of its own.
+    ///
+    /// # Errors
+    /// See [`FileError`].
+    pub fn load_with(path: &Path, values: &[KeyValue]) -> Result<Self, FileError> {
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        JobFile::parse(path, &text)
+        if values.is_empty() {
+            return JobFile::parse(path, &text);
+        }
+        let [of_machine, of_job] = key_values::divide(values);
+        let text = key_values::with_values(&text, &of_job)
+            .map_err(|message| FileError::Whole { path: path.into(), message })?;
+        JobFile::parse_with(path, &text, &of_machine).map_err(|error| error.with_values(values))
     }
 
     /// Settings without a job: the control executes programs as they are, on a 16i's usual line (9600 baud, 7E2,
@@ -280,6 +296,11 @@ impl JobFile {
     /// # Errors
     /// See [`FileError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        JobFile::parse_with(path, text, &[])
+    }
+
+    /// The same with values in place of those of the machine's file.
+    fn parse_with(path: &Path, text: &str, of_machine: &[KeyValue]) -> Result<Self, FileError> {
         let read = || -> Result<JobTable, Complaint> {
             toml::from_str(text)
                 .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
@@ -288,7 +309,7 @@ impl JobFile {
             .and_then(|()| refuse_numbers(text))
             .and_then(|()| read())
             .and_then(|table| {
-                let file = build(&table, path.parent().unwrap_or(Path::new("")))?;
+                let file = build(&table, path.parent().unwrap_or(Path::new("")), of_machine)?;
                 let rule_places = rules::tables(&table).map(|(_, cut)| place(text, cut.span().start)).collect();
                 Ok(JobFile { rule_places, ..file })
             })
@@ -302,10 +323,10 @@ impl JobFile {
     }
 }
 
-fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
+fn build(table: &JobTable, folder: &Path, of_machine: &[KeyValue]) -> Result<JobFile, Complaint> {
     let unit = table.units.into();
     let tools = tool::setups(table)?;
-    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
+    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, of_machine)?;
     let (rules, knots) = rules::build(table, &tools)?;
     let limits = machine::build(table, unit, machine.as_ref())?;
     let job = Job {

@@ -4,9 +4,9 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure,
-    parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate,
-    stream::Stream, verify::Verify,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
+    measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
+    simulate::Simulate, stream::Stream, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -33,6 +33,8 @@ enum Command {
     Verify(Verify),
     Simulate(Simulate),
     Measure(Measure),
+    Lobes(Lobes),
+    Law(Law),
     Serve(Serve),
     Ports(Ports),
     Board(BoardCommand),
@@ -54,6 +56,8 @@ fn main() -> ExitCode {
         Command::Verify(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Measure(command) => command.run(),
+        Command::Lobes(command) => command.run(),
+        Command::Law(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Ports(command) => command.run(),
         Command::Board(command) => command.run(),

@@ -28,6 +28,10 @@ pub mod simulate;
 
 pub mod measure;
 
+pub mod lobes;
+
+pub mod law;
+
 pub mod engage;
 
 pub mod board;

@@ -13,7 +13,7 @@ mod assumed_stock;
 
 mod body;
 
-mod edges;
+pub(super) mod edges;
 
 mod mark_figures;
 

@@ -54,7 +54,7 @@ impl TableFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn begin(format: TraceFormat, path: &Path, table: &'static Table) -> Result<Self> {
+    pub fn begin(format: TraceFormat, path: &Path, table: &Table<'_>) -> Result<Self> {
         match format {
             TraceFormat::Csv => CsvFile::begin(path, table).map(TableFile::Csv),
             #[cfg(feature = "parquet")]
@@ -66,7 +66,7 @@ impl TableFile {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, row: &[Cell]) -> Result<()> {
+    pub fn add(&mut self, row: &[Cell<'_>]) -> Result<()> {
         match self {
             TableFile::Csv(file) => file.add(row),
             #[cfg(feature = "parquet")]
