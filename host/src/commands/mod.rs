@@ -40,6 +40,8 @@ pub mod parameters;
 
 pub mod stream;
 
+pub mod sweep;
+
 pub mod verify;
 
 pub mod serve;

@@ -49,9 +49,9 @@ mod viewer;
 
 pub(super) mod page;
 
-mod assertions;
+pub(super) mod assertions;
 
-mod junit;
+pub(super) mod junit;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

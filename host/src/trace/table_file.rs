@@ -49,6 +49,17 @@ impl TraceFormat {
     }
 }
 
+impl TraceFormat {
+    /// Suffix of its files.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            TraceFormat::Csv => "csv",
+            #[cfg(feature = "parquet")]
+            TraceFormat::Parquet => "parquet",
+        }
+    }
+}
+
 impl TableFile {
     /// File without rows.
     ///
