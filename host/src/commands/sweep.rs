@@ -173,7 +173,8 @@ impl Sweep {
         if self.json {
             say(format_args!("{}", json_text(summary)));
         } else {
-            let ends: Vec<String> = summary.ends.iter().map(|(name, count)| format!("{count} {name}")).collect();
+            let ends = summary.ends.iter().filter(|(_, count)| **count > 0);
+            let ends: Vec<String> = ends.map(|(name, count)| format!("{count} {name}")).collect();
             let last = summary.tables.last().map_or("", String::as_str);
             say(format_args!("{}: {}; rows in {last}", counted(summary.runs, "run"), ends.join(", ")));
         }

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use arcfeed_tests::{Scratch, of_full_set, run};
+use arcfeed_tests::{Scratch, of_full_set, root, run};
 use serde_json::Value;
 
 use crate::cutting_forces::rows::rows;
@@ -107,7 +107,8 @@ fn a_quarter_turn_of_the_feed_is_a_quarter_turn_of_the_modes() {
     let scratch = Scratch::new("lobes-direction");
     let Some(Table { milling, .. }) = tables().into_iter().nth(1) else { panic!("a table") };
     let job = scratch.write("job.toml", job(&milling));
-    let turned = std::fs::read_to_string(&job).expect("the job").replace("direction = [1, 0, 0]", "direction = [0, 1, 0]");
+    let turned =
+        std::fs::read_to_string(&job).expect("the job").replace("direction = [1, 0, 0]", "direction = [0, 1, 0]");
     let turned = scratch.write("turned.toml", turned);
     let range = ["--speeds", "5000,15000", "--points", "5"];
     let points = |job: &str, options: &[&str]| lobes(job, &milling, &[&range, options].concat())["points"].clone();
@@ -120,7 +121,9 @@ fn a_quarter_turn_of_the_feed_is_a_quarter_turn_of_the_modes() {
 fn the_best_speeds_are_the_highest_of_the_range_and_lie_in_the_machines() {
     let scratch = Scratch::new("lobes-best");
     let Some(Table { milling, .. }) = tables().into_iter().nth(1) else { panic!("a table") };
-    let text = job(&milling).replace("[workpiece]", "[machine]\npreset = \"mitsui-seiki-hu80a-5x\"\n[workpiece]");
+    let machine = std::fs::read_to_string(root().join("host/machines/mitsui-seiki-hu80a-5x.toml")).expect("a machine");
+    scratch.write("machine.toml", format!("spindle_range = [15, 6000]\n{machine}"));
+    let text = job(&milling).replace("[workpiece]", "[machine]\nfile = \"machine.toml\"\n[workpiece]");
     let job = scratch.write("job.toml", text);
     let svg = scratch.path("lobes.svg");
     let report = lobes(&job, &milling, &["--points", "60", "--svg", &svg]);
@@ -128,7 +131,12 @@ fn the_best_speeds_are_the_highest_of_the_range_and_lie_in_the_machines() {
         report["points"].as_array().expect("points").iter().filter_map(|point| point["rev_per_min"].as_f64()).collect();
     assert_eq!((speeds.first(), speeds.last(), speeds.len()), (Some(&15.0), Some(&6000.0), 60));
     let depths = |key: &str| -> Vec<f64> {
-        report[key].as_array().expect("points").iter().map(|point| point["depth_limit"].as_f64().unwrap_or(1e3)).collect()
+        report[key]
+            .as_array()
+            .expect("points")
+            .iter()
+            .map(|point| point["depth_limit"].as_f64().unwrap_or(1e3))
+            .collect()
     };
     let highest = depths("points").into_iter().fold(0.0, f64::max);
     assert!(depths("best").first() == Some(&highest) && depths("best").is_sorted_by(|a, b| a >= b));
@@ -155,6 +163,9 @@ fn what_the_theory_does_not_know_is_refused_with_its_place() {
         let job = scratch.write("job.toml", text.replace(old, new));
         let output = run(&["lobes", &job, "--speeds", "4000,9000"]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(1) && message.contains(words) && message.contains("job.toml:"), "{message}");
+        assert!(
+            output.status.code() == Some(1) && message.contains(words) && message.contains("job.toml:"),
+            "{message}"
+        );
     }
 }

@@ -108,7 +108,7 @@ impl Axis {
                 let draw = draw(seed ^ crate::checksum::fingerprint(self.name.as_bytes()), index);
                 match self.values {
                     Values::Real { from, to, .. } => real(from + (to - from) * (draw >> 11) as f64 * DRAW_STEP),
-                    _ => self.values.nth((u128::from(draw) * u128::from(self.values.len()) >> 64) as u64),
+                    _ => self.values.nth(((u128::from(draw) * u128::from(self.values.len())) >> 64) as u64),
                 }
             }
         }

@@ -27,15 +27,23 @@ pub fn check(campaign: &Campaign) -> Result<Vec<PathBuf>, Failure> {
     check_placeholders(campaign)?;
     let base = campaign.named_values(1);
     let mut inputs = BTreeSet::from([campaign.path.clone()]);
-    check_values(campaign, &base, campaign.job_offset, &mut inputs)?;
     for axis in &campaign.axes {
         for probe in axis.probes() {
-            let mut values = base.clone();
-            let own = values.iter_mut().find(|(name, _)| *name == axis.name);
-            own.into_iter().for_each(|(_, value)| value.clone_from(&probe.text));
-            check_values(campaign, &values, probe.offset, &mut inputs)?;
+            let with_others: Vec<(&str, String)> = base
+                .iter()
+                .map(|(name, value)| (*name, if *name == axis.name { probe.text.clone() } else { value.clone() }))
+                .collect();
+            // Alone in the job, so that no other value is to blame; some keys make sense only together.
+            let alone: Vec<(&str, String)> = with_others
+                .iter()
+                .filter(|(name, _)| *name == axis.name || campaign.is_placeholder(name))
+                .cloned()
+                .collect();
+            let mut check = |values: &[_]| check_values(campaign, values, probe.offset, &mut inputs);
+            check(&alone).or_else(|fault| check(&with_others).map_err(|_| fault))?;
         }
     }
+    check_values(campaign, &base, campaign.job_offset, &mut inputs)?;
     Ok(inputs.into_iter().collect())
 }
 

@@ -192,9 +192,13 @@ mod tests {
         [1, 2].into_iter().for_each(|run| journal.add(&row(run)).unwrap());
         assert!(matches!(Journal::open(&path, 7), Err(Failure::Input(message)) if message.contains("another process")));
         drop(journal);
-        assert!(matches!(Journal::open(&path, 8), Err(Failure::Input(message)) if message.contains("another campaign")));
+        assert!(
+            matches!(Journal::open(&path, 8), Err(Failure::Input(message)) if message.contains("another campaign"))
+        );
         let text = std::fs::read_to_string(&path).unwrap().replacen("stopped", "stooped", 1);
         std::fs::write(&path, text).unwrap();
-        assert!(matches!(Journal::open(&path, 7), Err(Failure::Input(message)) if message.contains(":2:1: the checksum")));
+        assert!(
+            matches!(Journal::open(&path, 7), Err(Failure::Input(message)) if message.contains(":2:1: the checksum"))
+        );
     }
 }

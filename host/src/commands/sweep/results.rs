@@ -115,7 +115,8 @@ impl<'c> Results<'c> {
         let columns = Columns::new(self.campaign);
         let table = Table { name: "runs", suffix: "", columns: &columns.columns() };
         std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
-        let mut summary = Summary { runs: self.places.len(), ..Summary::default() };
+        let ends = Status::ALL.map(|status| (status.name(), 0)).into();
+        let mut summary = Summary { runs: self.places.len(), ends, ..Summary::default() };
         for part in 0..self.campaign.runs.div_ceil(PART_RUNS) {
             let path = folder.join(format!("part-{:05}.{}", part + 1, format.suffix()));
             let failed = |error: std::io::Error| file_failure(&path, &error);
@@ -156,7 +157,9 @@ impl<'c> Results<'c> {
                 Status::Failed => Verdict::Failed(cause()),
                 _ => Verdict::Missing(cause()),
             };
-            file.write_all(junit::case(&format!("run {}: {}", row.run, values.join(", ")), &class, &verdict).as_bytes())?;
+            file.write_all(
+                junit::case(&format!("run {}: {}", row.run, values.join(", ")), &class, &verdict).as_bytes(),
+            )?;
         }
         file.write_all(junit::END.as_bytes())?;
         file.into_inner()?.finish()

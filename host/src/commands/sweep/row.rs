@@ -20,8 +20,7 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Status; 5] =
-        [Status::Passed, Status::Failed, Status::Stopped, Status::Refused, Status::Panicked];
+    pub const ALL: [Status; 5] = [Status::Passed, Status::Failed, Status::Stopped, Status::Refused, Status::Panicked];
 
     /// Name in tables and in SWEEP.toml.
     pub const fn name(self) -> &'static str {

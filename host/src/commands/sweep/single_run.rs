@@ -145,7 +145,8 @@ fn figure_in(report: &Value, key: &str) -> Result<Option<f64>, String> {
             })?,
             Value::Array(items) => {
                 let index = part.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-                let index = index.ok_or_else(|| format!("`{part}` of `{key}` must be the number of an item, from 1"))?;
+                let index =
+                    index.ok_or_else(|| format!("`{part}` of `{key}` must be the number of an item, from 1"))?;
                 match items.get(index) {
                     Some(item) => item,
                     None => return Ok(None),
@@ -187,9 +188,14 @@ mod tests {
     fn figures_are_found_by_their_keys() {
         let report = serde_json::json!({ "a": { "b": [1.5, null], "c": "text" }, "d": null, "e": true });
         let figure = |key: &str| figure_in(&report, key);
-        assert_eq!([figure("a.b.1"), figure("a.b.2"), figure("a.b.3"), figure("d.x")], [Ok(Some(1.5)), Ok(None), Ok(None), Ok(None)]);
+        assert_eq!(
+            [figure("a.b.1"), figure("a.b.2"), figure("a.b.3"), figure("d.x")],
+            [Ok(Some(1.5)), Ok(None), Ok(None), Ok(None)]
+        );
         assert_eq!([figure("a.b"), figure("e")], [Ok(Some(2.0)), Ok(Some(1.0))]);
-        for (key, words) in [("a.x", "there is no `x`, only b, c"), ("a.c", "no number"), ("e.x", "single value"), ("a.b.0", "from 1")] {
+        for (key, words) in
+            [("a.x", "there is no `x`, only b, c"), ("a.c", "no number"), ("e.x", "single value"), ("a.b.0", "from 1")]
+        {
             assert!(figure(key).is_err_and(|error| error.contains(words)), "{key}");
         }
     }

@@ -124,7 +124,9 @@ fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
     let needed = |given: Option<Placed>, what: &str| given.ok_or_else(|| (0, format!("`{what}` is missing")));
     let job = needed(top.job.take(), "job")?;
     let kind = match (top.command.take(), top.port.take(), top.board.take()) {
-        (Some(command), port, board) if command.text == "stream" => RunKind::Stream { port: needed(port, "port")?, board },
+        (Some(command), port, board) if command.text == "stream" => {
+            RunKind::Stream { port: needed(port, "port")?, board }
+        }
         (Some(command), ..) if command.text != "simulate" => {
             return Err((command.offset, "write \"simulate\" or \"stream\"".into()));
         }
@@ -188,7 +190,10 @@ impl Top {
             if let Choice::List { every } = &mut axis.choice {
                 let len = axis.values.len();
                 if self.list_len.is_some_and(|other| other != len) {
-                    return Err((axis.offset, format!("all lists of [list] have the same length; found {len} values here")));
+                    return Err((
+                        axis.offset,
+                        format!("all lists of [list] have the same length; found {len} values here"),
+                    ));
                 }
                 (self.list_len, *every) = (Some(len), runs);
             }
@@ -197,7 +202,10 @@ impl Top {
         for axis in self.axes.iter_mut().rev() {
             if let Choice::Grid { every } = &mut axis.choice {
                 *every = runs;
-                runs = runs.checked_mul(axis.values.len()).filter(|runs| *runs <= RUNS_MAX).ok_or_else(|| too_many(axis.offset))?;
+                runs = runs
+                    .checked_mul(axis.values.len())
+                    .filter(|runs| *runs <= RUNS_MAX)
+                    .ok_or_else(|| too_many(axis.offset))?;
             }
         }
         let mut names: Vec<(&str, usize)> = self.axes.iter().map(|axis| (axis.name.as_str(), axis.offset)).collect();
@@ -307,5 +315,7 @@ fn list_of_words(value: &Spanned<DeValue<'_>>) -> Result<Vec<Placed>, Complaint>
 
 fn count(value: &Spanned<DeValue<'_>>, least: f64) -> Result<u64, Complaint> {
     let whole = number(value.get_ref()).filter(|number| number.fract() == 0.0 && *number >= least);
-    whole.map(|number| number as u64).ok_or_else(|| (value.span().start, format!("write a whole number of {least} or more")))
+    whole
+        .map(|number| number as u64)
+        .ok_or_else(|| (value.span().start, format!("write a whole number of {least} or more")))
 }
