@@ -2,6 +2,8 @@
 
 mod quantity;
 
+mod control_kind;
+
 pub mod cutting;
 
 pub mod stl;
@@ -46,7 +48,7 @@ use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
-use crate::control::{self, Conventions, LoadedSettings};
+use crate::control::Conventions;
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
 use crate::key_values::{self, KeyValue};
@@ -54,6 +56,7 @@ use crate::machine_file::MachineFile;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 pub use arcfeed_port::settings::{Parity, SerialSettings};
+pub use control_kind::ControlKind;
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
 
@@ -116,66 +119,6 @@ pub struct JobFile {
     pub rule_places: Vec<[usize; 2]>,
     /// Scope of each cut rule.
     pub rule_scopes: Vec<RuleScope>,
-}
-
-/// Supported controls.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ControlKind {
-    /// Series 16i.
-    Fanuc16i,
-    /// Series 0i.
-    Fanuc0i,
-    /// Series 31i.
-    Fanuc31i,
-}
-
-impl ControlKind {
-    /// Name in job files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            ControlKind::Fanuc16i => "fanuc-16i",
-            ControlKind::Fanuc0i => "fanuc-0i",
-            ControlKind::Fanuc31i => "fanuc-31i",
-        }
-    }
-
-    /// Standard settings of this control.
-    pub const fn preset(self) -> Preset {
-        match self {
-            ControlKind::Fanuc16i => Preset::Fanuc16i,
-            ControlKind::Fanuc0i => Preset::Fanuc0i,
-            ControlKind::Fanuc31i => Preset::Fanuc31i,
-        }
-    }
-
-    /// Settings and offsets of this control at power-on in `unit`, with the changes of a settings file and of these
-    /// conventions.
-    ///
-    /// # Errors
-    /// Describes the fault in the settings file.
-    pub fn settings(
-        self,
-        unit: LengthUnit,
-        file: Option<&Path>,
-        conventions: Conventions,
-    ) -> Result<(Settings, Tables), String> {
-        let LoadedSettings { mut settings, tables, .. } = control::load(self.preset(), Reading::Lenient, file)?;
-        conventions.apply(&mut settings);
-        Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
-    }
-
-    /// The control of this name.
-    ///
-    /// # Errors
-    /// The name is unknown.
-    pub fn named(name: &str) -> Result<Self, &'static str> {
-        match name {
-            "fanuc-16i" => Ok(ControlKind::Fanuc16i),
-            "fanuc-0i" => Ok(ControlKind::Fanuc0i),
-            "fanuc-31i" => Ok(ControlKind::Fanuc31i),
-            _ => Err("no such control; write \"fanuc-16i\", \"fanuc-0i\" or \"fanuc-31i\""),
-        }
-    }
 }
 
 /// A complaint at a byte offset of the file.

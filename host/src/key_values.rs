@@ -78,9 +78,9 @@ pub fn with_values(text: &str, values: &[KeyValue]) -> Result<String, String> {
 
 /// Place of a key in a text.
 enum KeyPlace {
-    /// Its value.
+    /// Range of the value.
     Value(std::ops::Range<usize>),
-    /// Where the rest of the key is written with a separator before and behind it.
+    /// Offset at which the rest of the key is written, with a separator before and behind it.
     Missing { at: usize, rest: String, around: [&'static str; 2] },
 }
 

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::control_args::unit_named;
 use super::outcome::{Failure, json_text, say, write_whole};
 use crate::init::answers::Length;
-use case::{Case, Contact, Contour, Dimension, Evaluated, Quantity, Rotation};
+use case::{Case, CaseQuantity, Contact, Contour, Dimension, Evaluated, Rotation};
 
 /// Feed of the tool's centre that a law demands in one case, with each intermediate quantity and its equation
 ///
@@ -107,7 +107,7 @@ struct LawFigures<'a> {
     quantities: Vec<QuantityFigures<'a>>,
 }
 
-/// Quantity as JSON.
+/// CaseQuantity as JSON.
 #[derive(Serialize)]
 struct QuantityFigures<'a> {
     symbol: &'a str,
@@ -200,8 +200,8 @@ impl Law {
 
 fn figures<'a>(case: &Case, evaluated: &'a Evaluated, unit: LengthUnit) -> LawFigures<'a> {
     let mm = unit.mm();
-    let quantity = |found: &'a Quantity| {
-        let Quantity { symbol, value, dimension, equation, meaning } = found;
+    let quantity = |found: &'a CaseQuantity| {
+        let CaseQuantity { symbol, value, dimension, equation, meaning } = found;
         let (factor, unit) = match dimension {
             Dimension::Length => (mm, unit.label().to_owned()),
             Dimension::Area => (mm * mm, format!("{}2", unit.label())),

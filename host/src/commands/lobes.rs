@@ -12,7 +12,7 @@ use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
 use crate::init::answers::{Length, Milling};
 use crate::job::JobFile;
 use crate::report::page::plot::{Lane, Series, svg};
-use diagram::{Cut, Diagram, Point};
+use diagram::{Cut, Diagram, LimitPoint};
 
 /// Rows of the printed table.
 const ROWS_MAX: usize = 25;
@@ -166,8 +166,8 @@ impl Lobes {
 
     fn print(&self, diagram: &Diagram, unit: LengthUnit) {
         let label = unit.label();
-        let depth = |point: &Point| match point.limit {
-            Some(limit) => format!("{:>12.4}  {}", limit.depth_mm / unit.mm(), Point::chatter(limit.kind)),
+        let depth = |point: &LimitPoint| match point.limit {
+            Some(limit) => format!("{:>12.4}  {}", limit.depth_mm / unit.mm(), LimitPoint::chatter(limit.kind)),
             None => format!("{:>12}  none up to {:.4}", "-", diagram.depth_max_mm / unit.mm()),
         };
         let [along, across] = diagram.milling.specific_mpa;
@@ -195,18 +195,18 @@ impl Lobes {
     }
 }
 
-fn point_figures(point: &Point, unit: LengthUnit) -> PointFigures {
+fn point_figures(point: &LimitPoint, unit: LengthUnit) -> PointFigures {
     PointFigures {
         rev_per_min: point.rev_per_min,
         depth_limit: point.limit.map(|limit| limit.depth_mm / unit.mm()),
-        chatter: point.limit.map(|limit| Point::chatter(limit.kind)),
+        chatter: point.limit.map(|limit| LimitPoint::chatter(limit.kind)),
     }
 }
 
 /// Plot of the limits; where nothing limits the depth, that of the tool.
 fn plot(diagram: &Diagram, unit: LengthUnit) -> String {
     let half = diagram.step_rev_per_min / 2.0;
-    let step = |point: &Point| {
+    let step = |point: &LimitPoint| {
         let depth_mm = point.limit.map_or(diagram.depth_max_mm, |limit| limit.depth_mm);
         ([point.rev_per_min - half, point.rev_per_min + half], depth_mm / unit.mm())
     };

@@ -95,9 +95,9 @@ pub enum Dimension {
     PerMin,
 }
 
-/// Quantity of a case.
+/// CaseQuantity of a case.
 #[derive(Clone, Copy, Debug)]
-pub struct Quantity {
+pub struct CaseQuantity {
     /// Symbol in the equations.
     pub symbol: &'static str,
     /// Value.
@@ -114,7 +114,7 @@ pub struct Quantity {
 #[derive(Clone, Debug)]
 pub struct Evaluated {
     /// Quantities in the order of their computation.
-    pub quantities: Vec<Quantity>,
+    pub quantities: Vec<CaseQuantity>,
     /// Contact: ux and uy. On a contour only its sign counts.
     pub contact: [f64; 2],
     /// Path of the centre per tooth.
@@ -229,7 +229,7 @@ impl Rotation {
     }
 
     /// The contact B in the moving frame: ux, uy.
-    fn contact(&self, quantities: &mut Vec<Quantity>) -> Result<[f64; 2], String> {
+    fn contact(&self, quantities: &mut Vec<CaseQuantity>) -> Result<[f64; 2], String> {
         let k = f64::from(self.edge.advance());
         match self.contact {
             Contact::Angle(angle) => {
@@ -364,8 +364,8 @@ fn quantity(
     dimension: Dimension,
     equation: &'static str,
     meaning: &'static str,
-) -> Quantity {
-    Quantity { symbol, value, dimension, equation, meaning }
+) -> CaseQuantity {
+    CaseQuantity { symbol, value, dimension, equation, meaning }
 }
 
 /// Why there is no demand; the block keeps its programmed feed then.

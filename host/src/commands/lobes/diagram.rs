@@ -36,7 +36,7 @@ pub struct Cut {
 
 /// Limit at a speed.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct LimitPoint {
     /// Spindle speed.
     pub rev_per_min: f64,
     /// Smallest unstable depth; `None` if every depth of the tool is stable.
@@ -53,7 +53,7 @@ pub struct Diagram {
     /// Height of the tool's edges: no depth above it is looked at.
     pub depth_max_mm: f64,
     /// Limits at evenly spaced speeds.
-    pub points: Vec<Point>,
+    pub points: Vec<LimitPoint>,
     /// Distance of two speeds.
     pub step_rev_per_min: f64,
     /// Speed of the job.
@@ -61,10 +61,10 @@ pub struct Diagram {
     /// Axial depth of the job.
     pub cut_depth_mm: f64,
     /// Limit at the job's speed.
-    pub job_point: Point,
+    pub job_point: LimitPoint,
 }
 
-impl Point {
+impl LimitPoint {
     /// Kind of chatter, for reports.
     pub const fn chatter(kind: ChatterKind) -> &'static str {
         match kind {
@@ -93,7 +93,7 @@ impl Diagram {
         let mut speeds: Vec<f64> = (0..count).map(|index| from + step_rev_per_min * index as f64).collect();
         speeds.push(job_rev_per_min);
         let mut points = limits(&milling, &speeds, depth_max_mm);
-        let job_point = points.pop().unwrap_or(Point { rev_per_min: job_rev_per_min, limit: None });
+        let job_point = points.pop().unwrap_or(LimitPoint { rev_per_min: job_rev_per_min, limit: None });
         let cut_depth_mm = cutting.map_or(0.0, |cutting| cutting.axial_depth_mm);
         Ok(Diagram {
             milling,
@@ -113,8 +113,8 @@ impl Diagram {
     }
 
     /// Speeds whose neighbours have lower limits, the highest limit first; of a range without a limit its middle.
-    pub fn best(&self) -> impl Iterator<Item = &Point> {
-        let mut peaks: Vec<&Point> = Vec::new();
+    pub fn best(&self) -> impl Iterator<Item = &LimitPoint> {
+        let mut peaks: Vec<&LimitPoint> = Vec::new();
         for run in self.points.chunk_by(|a, b| a.depth_mm() == b.depth_mm()) {
             let depth_mm = run[0].depth_mm();
             let begin = self.points.partition_point(|point| point.rev_per_min < run[0].rev_per_min);
@@ -188,9 +188,9 @@ fn check(cutting: &Cutting, file: &JobFile) -> Result<(), &'static str> {
 }
 
 /// Limits at these speeds, on all cores.
-fn limits(milling: &LinearMilling, speeds: &[f64], depth_max_mm: f64) -> Vec<Point> {
+fn limits(milling: &LinearMilling, speeds: &[f64], depth_max_mm: f64) -> Vec<LimitPoint> {
     let threads = available_parallelism().map_or(1, usize::from);
-    let point = |speed: &f64| Point { rev_per_min: *speed, limit: milling.limit(*speed, depth_max_mm) };
+    let point = |speed: &f64| LimitPoint { rev_per_min: *speed, limit: milling.limit(*speed, depth_max_mm) };
     scope(|scope| {
         let parts = speeds.chunks(speeds.len().div_ceil(threads).max(1));
         let tasks: Vec<_> = parts.map(|part| scope.spawn(|| part.iter().map(point).collect::<Vec<_>>())).collect();

@@ -1,4 +1,4 @@
-//! What differs from run to run: a name with its values, and the choice of one of them for a run.
+//! Axis of a campaign: a name with its values, and the choice of one of them for each run.
 //!
 //! Random values come from SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014),
 //! seeded by the campaign's seed, the name and the number of the run: they depend on nothing else.
@@ -13,7 +13,7 @@ const DRAW_STEP: f64 = 1.0 / (1_u64 << 53) as f64;
 
 /// Key of the job, or value in the port's URL, that differs from run to run.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct SweepAxis {
     /// Name.
     pub name: String,
     /// Byte offset of the name.
@@ -51,7 +51,7 @@ pub enum Values {
         from: f64,
         /// Largest.
         to: f64,
-        /// How many, unless they are drawn.
+        /// Number of values, unless they are drawn.
         steps: u64,
     },
 }
@@ -98,7 +98,7 @@ impl Values {
     }
 }
 
-impl Axis {
+impl SweepAxis {
     /// Value for a run, in TOML.
     pub fn literal(&self, run: u64) -> String {
         let index = run - 1;
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn ranges_have_their_ends_and_random_values_stay_inside() {
-        let axis = |values, choice| Axis { name: "a".into(), offset: 0, values, choice };
+        let axis = |values, choice| SweepAxis { name: "a".into(), offset: 0, values, choice };
         let whole = axis(Values::Whole { from: -1, to: 1 }, Choice::Grid { every: 2 });
         assert_eq!([1, 2, 3, 5, 7].map(|run| whole.literal(run)), ["-1", "-1", "0", "1", "-1"]);
         let real = axis(Values::Real { from: 1.0, to: 2.0, steps: 5 }, Choice::List { every: 1 });

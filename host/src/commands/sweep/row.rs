@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Status {
+pub enum RunEnd {
     /// It ended, and every assertion holds.
     Passed,
     /// An assertion does not hold, or its figure is missing.
@@ -18,18 +18,18 @@ pub enum Status {
     Panicked,
 }
 
-impl Status {
+impl RunEnd {
     /// All of them.
-    pub const ALL: [Status; 5] = [Status::Passed, Status::Failed, Status::Stopped, Status::Refused, Status::Panicked];
+    pub const ALL: [RunEnd; 5] = [RunEnd::Passed, RunEnd::Failed, RunEnd::Stopped, RunEnd::Refused, RunEnd::Panicked];
 
     /// Name in tables and in SWEEP.toml.
     pub const fn name(self) -> &'static str {
         match self {
-            Status::Passed => "passed",
-            Status::Failed => "failed",
-            Status::Stopped => "stopped",
-            Status::Refused => "refused",
-            Status::Panicked => "panicked",
+            RunEnd::Passed => "passed",
+            RunEnd::Failed => "failed",
+            RunEnd::Stopped => "stopped",
+            RunEnd::Refused => "refused",
+            RunEnd::Panicked => "panicked",
         }
     }
 
@@ -40,7 +40,7 @@ impl Status {
 
     /// All names, for messages.
     pub fn names() -> String {
-        Self::ALL.map(Status::name).join(", ")
+        Self::ALL.map(RunEnd::name).join(", ")
     }
 }
 
@@ -51,7 +51,7 @@ pub struct Row {
     /// Number of the run, from 1.
     pub run: u64,
     /// End.
-    pub status: Status,
+    pub status: RunEnd,
     /// Message of the command, in one line; empty for a run that passed.
     pub message: String,
     /// Bits of the figures of double precision, in the order of the sweep file; `None` where the run has no such figure.

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::axis::{Axis, Choice, Literal, Values};
-use super::row::Status;
+use super::axis::{Choice, Literal, SweepAxis, Values};
+use super::row::RunEnd;
 use crate::file_error::FileError;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
@@ -53,7 +53,7 @@ pub enum RunKind {
 pub struct Campaign {
     /// File that describes it.
     pub path: PathBuf,
-    /// Its text.
+    /// Text of that file.
     pub text: String,
     /// Job of every run.
     pub job: PathBuf,
@@ -66,9 +66,9 @@ pub struct Campaign {
     /// Keys of figures to keep, in the JSON of a run.
     pub figures: Vec<Placed>,
     /// Ends that count as good.
-    pub accept: Vec<Status>,
-    /// What differs from run to run.
-    pub axes: Vec<Axis>,
+    pub accept: Vec<RunEnd>,
+    /// Axes: the names whose values differ from run to run.
+    pub axes: Vec<SweepAxis>,
     /// Number of runs.
     pub runs: u64,
 }
@@ -83,7 +83,7 @@ struct Top {
     assertions: Vec<Placed>,
     figures: Vec<Placed>,
     accept: Vec<Placed>,
-    axes: Vec<Axis>,
+    axes: Vec<SweepAxis>,
     list_len: Option<u64>,
     draws: Option<u64>,
 }
@@ -104,7 +104,7 @@ impl Campaign {
     }
 
     /// Values of a run, in the order of the axes.
-    pub fn values(&self, run: u64) -> impl Iterator<Item = (&Axis, String)> {
+    pub fn values(&self, run: u64) -> impl Iterator<Item = (&SweepAxis, String)> {
         self.axes.iter().map(move |axis| (axis, axis.literal(run)))
     }
 }
@@ -136,7 +136,7 @@ fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
         _ => RunKind::Simulate,
     };
     let accept = top.accept.iter().map(|placed| {
-        Status::named(&placed.text).ok_or_else(|| (placed.offset, format!("no such end; write {}", Status::names())))
+        RunEnd::named(&placed.text).ok_or_else(|| (placed.offset, format!("no such end; write {}", RunEnd::names())))
     });
     let accept = accept.collect::<Result<Vec<_>, _>>()?;
     let runs = top.count_runs()?;
@@ -148,7 +148,7 @@ fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
         kind,
         assertions: top.assertions,
         figures: top.figures,
-        accept: if accept.is_empty() { vec![Status::Passed] } else { accept },
+        accept: if accept.is_empty() { vec![RunEnd::Passed] } else { accept },
         axes: top.axes,
         runs,
     })
@@ -218,7 +218,7 @@ impl Top {
 }
 
 /// The axes of a table: a list or a range is one, a table has more of them below its name.
-fn axes(text: &str, table: &DeTable<'_>, choice: Choice) -> Result<Vec<Axis>, Complaint> {
+fn axes(text: &str, table: &DeTable<'_>, choice: Choice) -> Result<Vec<SweepAxis>, Complaint> {
     let (mut found, mut open) = (Vec::new(), vec![(String::new(), table)]);
     while let Some((prefix, table)) = open.pop() {
         for (key, value) in table {
@@ -241,7 +241,7 @@ fn axes(text: &str, table: &DeTable<'_>, choice: Choice) -> Result<Vec<Axis>, Co
                 },
                 _ => return Err((value.span().start, "write a list of values, or { from = 1, to = 9 }".into())),
             };
-            found.push(Axis { name, offset: key.span().start, values, choice });
+            found.push(SweepAxis { name, offset: key.span().start, values, choice });
         }
     }
     Ok(found)
