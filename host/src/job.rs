@@ -151,7 +151,7 @@ impl JobFile {
         }
         let [of_machine, of_job] = key_values::divide(values);
         let text = key_values::with_values(&text, &of_job)
-            .map_err(|message| FileError::Whole { path: path.into(), message })?;
+            .map_err(|message| FileError::Whole { path: path.into(), message }.with_values(values))?;
         JobFile::parse_with(path, &text, &of_machine).map_err(|error| error.with_values(values))
     }
 
