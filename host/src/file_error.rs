@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::key_values::KeyValue;
+
 /// Fault in a file that a person wrote: `file:line:column: fault and remedy`.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -33,4 +35,16 @@ pub enum FileError {
         /// Fault and remedy.
         message: String,
     },
+}
+
+impl FileError {
+    /// The error of a file that was read with values in place of its own.
+    #[must_use]
+    pub fn with_values(mut self, values: &[KeyValue]) -> Self {
+        if let FileError::Content { message, .. } | FileError::Whole { message, .. } = &mut self {
+            let values: Vec<String> = values.iter().map(KeyValue::to_string).collect();
+            *message = format!("{message} (with --set {})", values.join(" --set "));
+        }
+        self
+    }
 }

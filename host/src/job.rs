@@ -2,6 +2,8 @@
 
 mod quantity;
 
+mod control_kind;
+
 pub mod cutting;
 
 pub mod stl;
@@ -46,15 +48,18 @@ use arcfeed_nc::settings::{Preset, Reading, Scope, Settings, Tables};
 use arcfeed_units::{LengthUnit, MmPerTooth, Nm, RevPerMin};
 use toml::Spanned;
 
-use crate::control::{self, Conventions, LoadedSettings};
+use crate::control::Conventions;
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
+use crate::key_values::{self, KeyValue};
 use crate::machine_file::MachineFile;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 pub use arcfeed_port::settings::{Parity, SerialSettings};
+pub use control_kind::ControlKind;
 pub use cutting::Cutting;
 pub use dnc::{DncSettings, TapeCode};
+
 pub use plunge::Plunge;
 use rule_scope::RuleScope;
 use schema::JobTable;
@@ -116,66 +121,6 @@ pub struct JobFile {
     pub rule_scopes: Vec<RuleScope>,
 }
 
-/// Supported kinds of control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ControlKind {
-    /// Series 16i.
-    Fanuc16i,
-    /// Series 0i.
-    Fanuc0i,
-    /// Series 31i.
-    Fanuc31i,
-}
-
-impl ControlKind {
-    /// Name in job files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            ControlKind::Fanuc16i => "fanuc-16i",
-            ControlKind::Fanuc0i => "fanuc-0i",
-            ControlKind::Fanuc31i => "fanuc-31i",
-        }
-    }
-
-    /// Standard settings of this control.
-    pub const fn preset(self) -> Preset {
-        match self {
-            ControlKind::Fanuc16i => Preset::Fanuc16i,
-            ControlKind::Fanuc0i => Preset::Fanuc0i,
-            ControlKind::Fanuc31i => Preset::Fanuc31i,
-        }
-    }
-
-    /// Settings and offsets of this control at power-on in `unit`, with the changes of a settings file and of these
-    /// conventions.
-    ///
-    /// # Errors
-    /// Describes the fault in the settings file.
-    pub fn settings(
-        self,
-        unit: LengthUnit,
-        file: Option<&Path>,
-        conventions: Conventions,
-    ) -> Result<(Settings, Tables), String> {
-        let LoadedSettings { mut settings, tables, .. } = control::load(self.preset(), Reading::Lenient, file)?;
-        conventions.apply(&mut settings);
-        Ok((Settings { unit, scope: Scope::Everything, ..settings }, tables))
-    }
-
-    /// The control of this name.
-    ///
-    /// # Errors
-    /// The name is unknown.
-    pub fn named(name: &str) -> Result<Self, &'static str> {
-        match name {
-            "fanuc-16i" => Ok(ControlKind::Fanuc16i),
-            "fanuc-0i" => Ok(ControlKind::Fanuc0i),
-            "fanuc-31i" => Ok(ControlKind::Fanuc31i),
-            _ => Err("no such control; write \"fanuc-16i\", \"fanuc-0i\" or \"fanuc-31i\""),
-        }
-    }
-}
-
 /// A complaint at a byte offset of the file.
 pub(crate) type Complaint = (usize, String);
 
@@ -192,8 +137,22 @@ impl JobFile {
     /// # Errors
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
+        JobFile::load_with(path, &[])
+    }
+
+    /// Reads and checks a job file with values in place of its own.
+    ///
+    /// # Errors
+    /// See [`FileError`].
+    pub fn load_with(path: &Path, values: &[KeyValue]) -> Result<Self, FileError> {
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        JobFile::parse(path, &text)
+        if values.is_empty() {
+            return JobFile::parse(path, &text);
+        }
+        let [of_machine, of_job] = key_values::divide(values);
+        let text = key_values::with_values(&text, &of_job)
+            .map_err(|message| FileError::Whole { path: path.into(), message }.with_values(values))?;
+        JobFile::parse_with(path, &text, &of_machine).map_err(|error| error.with_values(values))
     }
 
     /// Settings for running a program without a job: no governed moves, on a 16i's usual line (9600 baud, 7E2,
@@ -281,6 +240,11 @@ impl JobFile {
     /// # Errors
     /// See [`FileError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
+        JobFile::parse_with(path, text, &[])
+    }
+
+    /// The same with values in place of those of the machine's file.
+    fn parse_with(path: &Path, text: &str, of_machine: &[KeyValue]) -> Result<Self, FileError> {
         let read = || -> Result<JobTable, Complaint> {
             toml::from_str(text)
                 .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
@@ -289,7 +253,7 @@ impl JobFile {
             .and_then(|()| refuse_numbers(text))
             .and_then(|()| read())
             .and_then(|table| {
-                let file = build(&table, path.parent().unwrap_or(Path::new("")))?;
+                let file = build(&table, path.parent().unwrap_or(Path::new("")), of_machine)?;
                 let rule_places = rules::tables(&table).map(|(_, cut)| place(text, cut.span().start)).collect();
                 Ok(JobFile { rule_places, ..file })
             })
@@ -303,10 +267,10 @@ impl JobFile {
     }
 }
 
-fn build(table: &JobTable, folder: &Path) -> Result<JobFile, Complaint> {
+fn build(table: &JobTable, folder: &Path, of_machine: &[KeyValue]) -> Result<JobFile, Complaint> {
     let unit = table.units.into();
     let tools = tool::setups(table)?;
-    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
+    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, of_machine)?;
     let (rules, knots) = rules::build(table, &tools)?;
     let limits = machine::build(table, unit, machine.as_ref())?;
     let job = Job {

@@ -13,6 +13,8 @@ pub mod features;
 pub mod console;
 mod toml_values;
 
+pub mod key_values;
+
 mod unit_value;
 
 pub mod output;

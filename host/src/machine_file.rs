@@ -44,6 +44,7 @@ use arcfeed_kinematics::machine::{AxisName, Carries, Letter, LinearAxis, Machine
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::key_values::{KeyValue, with_values};
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 
@@ -133,8 +134,17 @@ impl MachineFile {
     /// # Errors
     /// Describes the fault as `file:line:column: message`, or the file cannot be read.
     pub fn load(path: &Path) -> Result<Self, String> {
+        Self::load_with(path, &[])
+    }
+
+    /// Reads and checks a file with values in place of its own.
+    ///
+    /// # Errors
+    /// As [`MachineFile::load`].
+    pub fn load_with(path: &Path, values: &[KeyValue]) -> Result<Self, String> {
         let shown = path.display();
         let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let text = with_values(&text, values).map_err(|error| format!("{shown}: {error}"))?;
         Self::parse(&text).map_err(|error| format!("{shown}:{error}"))
     }
 

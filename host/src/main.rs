@@ -4,9 +4,9 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure,
-    parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate,
-    stream::Stream, verify::Verify,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
+    measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
+    simulate::Simulate, stream::Stream, sweep::Sweep, verify::Verify,
 };
 use clap::{Parser, Subcommand};
 
@@ -32,7 +32,10 @@ enum Command {
     Stream(Stream),
     Verify(Verify),
     Simulate(Simulate),
+    Sweep(Sweep),
     Measure(Measure),
+    Lobes(Lobes),
+    Law(Law),
     Serve(Serve),
     Ports(Ports),
     Board(BoardCommand),
@@ -53,7 +56,10 @@ fn main() -> ExitCode {
         Command::Stream(command) => command.run(),
         Command::Verify(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Sweep(command) => command.run(),
         Command::Measure(command) => command.run(),
+        Command::Lobes(command) => command.run(),
+        Command::Law(command) => command.run(),
         Command::Serve(command) => command.run(),
         Command::Ports(command) => command.run(),
         Command::Board(command) => command.run(),

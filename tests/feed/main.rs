@@ -16,6 +16,8 @@ mod feed_bounds;
 
 mod job_values;
 
+mod law_command;
+
 mod law_oracle;
 
 mod law_suite;

@@ -2,6 +2,8 @@
 
 mod alone;
 
+mod campaigns;
+
 mod control_timing;
 
 mod dnc;

@@ -39,7 +39,11 @@ pub struct ControlReading {
     pub unit: Option<LengthUnit>,
 }
 
-fn unit_named(name: &str) -> Result<LengthUnit, &'static str> {
+/// The unit of this name.
+///
+/// # Errors
+/// The name is unknown.
+pub fn unit_named(name: &str) -> Result<LengthUnit, &'static str> {
     match name {
         "inch" => Ok(LengthUnit::Inch),
         "mm" => Ok(LengthUnit::Mm),

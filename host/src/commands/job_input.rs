@@ -18,6 +18,7 @@ use crate::job::JobFile;
 use crate::job::cutting::Coefficients;
 use crate::job::stl::StlFile;
 use crate::job::workpiece::Blank;
+use crate::key_values::KeyValue;
 use crate::plural::counted;
 use crate::program::{Diagnostic, ExecutedPlaces, Program, ProgramLine, Source};
 
@@ -30,6 +31,10 @@ pub struct JobInput {
     /// The job file (.toml); or an NC program, for end mills: tools from its comments or from the options below
     #[arg(value_name = "JOB.toml|PROGRAM.nc")]
     pub job: PathBuf,
+    /// Value for a key of the job file in place of its own, cut.2.feed_per_tooth=0.05, or of its machine's file,
+    /// machine-file.linear.X.max_feed=9000; items are counted from 1; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<KeyValue>,
     #[command(flatten)]
     values: JobValues,
 }
@@ -61,7 +66,12 @@ impl JobInput {
                 let message = "the options for programs without a job file do not go with one: write them into the job";
                 return Err(Failure::Usage(message.into()));
             }
-            true => JobFile::load(&self.job)?,
+            true => JobFile::load_with(&self.job, &self.set)?,
+            false if !self.set.is_empty() => {
+                return Err(Failure::Usage(
+                    "--set changes a job file: give JOB.toml, or the options for programs".into(),
+                ));
+            }
             false => self.values.job_of(&self.job)?,
         };
         let (mut file, source, may_leak) = read_source(&self.job, file)?;

@@ -28,6 +28,10 @@ pub mod simulate;
 
 pub mod measure;
 
+pub mod lobes;
+
+pub mod law;
+
 pub mod engage;
 
 pub mod board;
@@ -35,6 +39,8 @@ pub mod board;
 pub mod parameters;
 
 pub mod stream;
+
+pub mod sweep;
 
 pub mod verify;
 

@@ -45,17 +45,24 @@ pub enum Failure {
 impl Failure {
     /// Prints the message on stderr; returns the exit code.
     pub fn report(self) -> u8 {
-        let (message, code) = match self {
-            Failure::Unprinted(error) if error.kind() == ErrorKind::BrokenPipe => return 141,
+        if matches!(&self, Failure::Unprinted(error) if error.kind() == ErrorKind::BrokenPipe) {
+            return 141;
+        }
+        let (message, code) = self.into_message();
+        note(format_args!("{message}"));
+        code
+    }
+
+    /// Message and exit code.
+    pub fn into_message(self) -> (String, u8) {
+        match self {
             Failure::Unprinted(error) => (format!("stdout: {error}"), 1),
             Failure::Input(message) => (message, 1),
             Failure::Usage(message) => (message, 2),
             Failure::Machine(message) => (message, 3),
             Failure::Undecided(message) => (message, 4),
             Failure::Stopped(message) => (message, 130),
-        };
-        note(format_args!("{message}"));
-        code
+        }
     }
 }
 

@@ -13,7 +13,7 @@ mod assumed_stock;
 
 mod body;
 
-mod edges;
+pub(super) mod edges;
 
 mod mark_figures;
 
@@ -49,9 +49,9 @@ mod viewer;
 
 pub(super) mod page;
 
-mod assertions;
+pub(super) mod assertions;
 
-mod junit;
+pub(super) mod junit;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

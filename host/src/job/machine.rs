@@ -9,22 +9,25 @@ use toml::Spanned;
 
 use super::schema::{ArcClampTable, JobTable, MaxFeedTable, Quantity};
 use super::{Complaint, at, length_mm, positive};
+use crate::key_values::KeyValue;
 use crate::machine_file::MachineFile;
 
-/// Five-axis machine that a job or a part names, by a file in the same folder or as a preset.
+/// Five-axis machine that a job or a part names, by a file in the same folder or as a preset, with values in place of its own.
 pub fn named(
     file: Option<&Spanned<String>>,
     preset: Option<&Spanned<String>>,
     folder: &Path,
+    values: &[KeyValue],
 ) -> Result<Option<MachineFile>, Complaint> {
     match (file, preset) {
+        (None, None) if !values.is_empty() => Err((0, "the job names no machine whose values could be changed".into())),
         (None, None) => Ok(None),
         (Some(_), Some(preset)) => Err(at(preset, "a machine is a `file` or a `preset`; remove one of them")),
         (Some(file), None) => {
-            let read = MachineFile::load(&folder.join(file.as_ref()));
+            let read = MachineFile::load_with(&folder.join(file.as_ref()), values);
             read.map(Some).map_err(|message| at(file, &message))
         }
-        (None, Some(preset)) => match MachineFile::preset(preset.as_ref()) {
+        (None, Some(preset)) => match MachineFile::preset_with(preset.as_ref(), values) {
             Some(read) => read.map(Some).map_err(|message| at(preset, &message)),
             None => Err(at(preset, &format!("no such machine; write {}, or a `file`", MachineFile::preset_names()))),
         },

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::MachineFile;
+use crate::key_values::{KeyValue, with_values};
 
 const PRESETS: [(&str, &str); 3] = [
     ("ferrari-rtttr", include_str!("../../machines/ferrari-rtttr.toml")),
@@ -13,8 +14,14 @@ const PRESETS: [(&str, &str); 3] = [
 impl MachineFile {
     /// The built-in machine with this name, if there is one.
     pub fn preset(name: &str) -> Option<Result<Self, String>> {
+        Self::preset_with(name, &[])
+    }
+
+    /// The same with values in place of its own.
+    pub fn preset_with(name: &str, values: &[KeyValue]) -> Option<Result<Self, String>> {
         let (name, text) = PRESETS.iter().find(|(known, _)| *known == name)?;
-        Some(Self::parse(text).map_err(|error| format!("{name}:{error}")))
+        let changed = with_values(text, values).map_err(|error| format!("{name}: {error}"));
+        Some(changed.and_then(|text| Self::parse(&text).map_err(|error| format!("{name}:{error}"))))
     }
 
     /// Names of all presets, for messages.

@@ -95,7 +95,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<FinishPart, Pa
     let entry = table.finish.as_ref();
     let entry =
         entry.ok_or((0, "finishing needs the table [finish]: diameter, teeth, length, scallop, tolerance".into()))?;
-    let named = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
+    let named = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, &[])?;
     let machine =
         named.ok_or_else(|| at(entry, "finishing needs the table [machine]: the name of a preset, or a file"))?;
     let entry = entry.as_ref();

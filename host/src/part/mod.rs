@@ -189,7 +189,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     let cutter = table.cutter.as_ref().ok_or((0, "a cup mill's plan needs the table [cutter]".into()))?;
     let cutter = tool::build(cutter, unit)?;
     let (roughing, feeds) = roughing(&table.roughing, unit)?;
-    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?;
+    let machine = machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, &[])?;
     check_speed(&table.roughing.rev_per_min, machine.as_ref())?;
     if let Some(entry) = &table.roughing.axial_depth_max {
         check_levels(entry, roughing.axial_depth_max_mm, &blank)?;

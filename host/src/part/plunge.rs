@@ -78,7 +78,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PlungePart, Pa
         mill,
         feeds: feeds(entry.as_ref(), table, unit)?,
         fixtures,
-        machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder)?,
+        machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, &[])?,
         machine_source: super::machine_source(&table.machine, folder),
         output: super::output(&table.output, unit)?,
         blisk: super::geometry::build(&table.geometry, unit, blank, folder)?,

@@ -16,7 +16,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn begin(path: &Path, table: &Table) -> Result<Self> {
+    pub fn begin(path: &Path, table: &Table<'_>) -> Result<Self> {
         let mut file = BufWriter::new(PendingFile::begin(path)?);
         let names: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
         writeln!(file, "{}", names.join(","))?;
@@ -27,7 +27,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn add(&mut self, row: &[Cell]) -> Result<()> {
+    pub fn add(&mut self, row: &[Cell<'_>]) -> Result<()> {
         for (index, cell) in row.iter().enumerate() {
             if index > 0 {
                 self.0.write_all(b",")?;
@@ -36,6 +36,9 @@ impl CsvFile {
                 Cell::Empty => {}
                 Cell::Integer(value) => write!(self.0, "{value}")?,
                 Cell::Number(value) => write!(self.0, "{value}")?,
+                Cell::Text(value) if value.contains([',', '"', '\n', '\r']) => {
+                    write!(self.0, "\"{}\"", value.replace('"', "\"\""))?;
+                }
                 Cell::Text(value) => self.0.write_all(value.as_bytes())?,
                 Cell::Flag(value) => write!(self.0, "{value}")?,
             }

@@ -55,7 +55,7 @@ impl ParquetFile {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn begin(path: &Path, table: &Table) -> Result<Self> {
+    pub fn begin(path: &Path, table: &Table<'_>) -> Result<Self> {
         let mut properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             // The writer keeps statistics and indexes in memory up to the end of the file: those of pages would be most of them.
@@ -79,7 +79,7 @@ impl ParquetFile {
     ///
     /// # Errors
     /// A group of rows cannot be written.
-    pub fn add(&mut self, row: &[Cell]) -> Result<()> {
+    pub fn add(&mut self, row: &[Cell<'_>]) -> Result<()> {
         self.columns.iter_mut().zip(row).for_each(|(column, cell)| column.add(cell));
         self.rows += 1;
         if self.rows == GROUP_ROWS { self.flush() } else { Ok(()) }
@@ -120,7 +120,7 @@ impl ColumnValues {
     }
 
     /// Adds a value of the column's kind; any other is missing.
-    fn add(&mut self, cell: &Cell) {
+    fn add(&mut self, cell: &Cell<'_>) {
         let is_present = match (&mut self.values, cell) {
             (Values::Integers(values), Cell::Integer(value)) => push(values, *value),
             (Values::Numbers(values), Cell::Number(value)) => push(values, *value),
@@ -158,13 +158,13 @@ fn write_values<T: DataType>(
     writer.close()
 }
 
-fn schema(table: &Table) -> parquet::errors::Result<TypePtr> {
+fn schema(table: &Table<'_>) -> parquet::errors::Result<TypePtr> {
     let fields =
         table.columns.iter().map(|column| field(column).map(Arc::new)).collect::<parquet::errors::Result<_>>()?;
     Type::group_type_builder(table.name).with_fields(fields).build().map(Arc::new)
 }
 
-fn field(column: &TableColumn) -> parquet::errors::Result<Type> {
+fn field(column: &TableColumn<'_>) -> parquet::errors::Result<Type> {
     let (physical, logical) = match column.kind {
         Kind::Integer => (PhysicalType::INT64, None),
         Kind::Number => (PhysicalType::DOUBLE, None),

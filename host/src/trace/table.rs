@@ -21,31 +21,31 @@ pub enum Kind {
 
 /// Column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct TableColumn {
+pub struct TableColumn<'a> {
     /// Name, which ends in the unit if there is one.
-    pub name: &'static str,
+    pub name: &'a str,
     /// Unit; empty without one.
-    pub unit: &'static str,
+    pub unit: &'a str,
     /// Type of the values.
     pub kind: Kind,
     /// Meaning.
-    pub about: &'static str,
+    pub about: &'a str,
 }
 
 /// Table of a trace: name, meaning and columns.
 #[derive(Debug)]
-pub struct Table {
+pub struct Table<'a> {
     /// Name in the metadata.
-    pub name: &'static str,
+    pub name: &'a str,
     /// Addition to the name of the file.
     pub suffix: &'static str,
     /// Columns in their order.
-    pub columns: &'static [TableColumn],
+    pub columns: &'a [TableColumn<'a>],
 }
 
 /// Value in a cell of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cell {
+pub enum Cell<'a> {
     /// No value.
     Empty,
     /// Whole number.
@@ -53,39 +53,39 @@ pub enum Cell {
     /// Finite number.
     Number(f64),
     /// Word.
-    Text(&'static str),
+    Text(&'a str),
     /// True or false.
     Flag(bool),
 }
 
-impl TableColumn {
+impl<'a> TableColumn<'a> {
     /// Column of whole numbers without a unit.
-    pub const fn integer(name: &'static str, about: &'static str) -> Self {
+    pub const fn integer(name: &'a str, about: &'a str) -> Self {
         TableColumn { name, unit: "", kind: Kind::Integer, about }
     }
 
     /// Column of numbers in a unit.
-    pub const fn number(name: &'static str, unit: &'static str, about: &'static str) -> Self {
+    pub const fn number(name: &'a str, unit: &'a str, about: &'a str) -> Self {
         TableColumn { name, unit, kind: Kind::Number, about }
     }
 
     /// Column of whole percentages.
-    pub const fn percent(name: &'static str, about: &'static str) -> Self {
+    pub const fn percent(name: &'a str, about: &'a str) -> Self {
         TableColumn { name, unit: "%", kind: Kind::Integer, about }
     }
 
     /// Column of words.
-    pub const fn text(name: &'static str, about: &'static str) -> Self {
+    pub const fn text(name: &'a str, about: &'a str) -> Self {
         TableColumn { name, unit: "", kind: Kind::Text, about }
     }
 
     /// Column of flags.
-    pub const fn flag(name: &'static str, about: &'static str) -> Self {
+    pub const fn flag(name: &'a str, about: &'a str) -> Self {
         TableColumn { name, unit: "", kind: Kind::Flag, about }
     }
 }
 
-impl Table {
+impl Table<'_> {
     /// Description of the table as JSON, for the metadata of a file.
     pub fn metadata(&self) -> String {
         let Table { name, columns, .. } = self;
@@ -93,40 +93,40 @@ impl Table {
     }
 }
 
-impl<T> From<Option<T>> for Cell
+impl<'a, T> From<Option<T>> for Cell<'a>
 where
-    Cell: From<T>,
+    Cell<'a>: From<T>,
 {
     fn from(value: Option<T>) -> Self {
         value.map_or(Cell::Empty, Cell::from)
     }
 }
 
-impl From<f64> for Cell {
+impl From<f64> for Cell<'_> {
     fn from(value: f64) -> Self {
         if value.is_finite() { Cell::Number(value) } else { Cell::Empty }
     }
 }
 
-impl From<i64> for Cell {
+impl From<i64> for Cell<'_> {
     fn from(value: i64) -> Self {
         Cell::Integer(value)
     }
 }
 
-impl From<u32> for Cell {
+impl From<u32> for Cell<'_> {
     fn from(value: u32) -> Self {
         Cell::Integer(value.into())
     }
 }
 
-impl From<&'static str> for Cell {
-    fn from(value: &'static str) -> Self {
+impl<'a> From<&'a str> for Cell<'a> {
+    fn from(value: &'a str) -> Self {
         Cell::Text(value)
     }
 }
 
-impl From<bool> for Cell {
+impl From<bool> for Cell<'_> {
     fn from(value: bool) -> Self {
         Cell::Flag(value)
     }

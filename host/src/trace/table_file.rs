@@ -49,12 +49,23 @@ impl TraceFormat {
     }
 }
 
+impl TraceFormat {
+    /// Suffix of its files.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            TraceFormat::Csv => "csv",
+            #[cfg(feature = "parquet")]
+            TraceFormat::Parquet => "parquet",
+        }
+    }
+}
+
 impl TableFile {
     /// New file without rows.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn begin(format: TraceFormat, path: &Path, table: &'static Table) -> Result<Self> {
+    pub fn begin(format: TraceFormat, path: &Path, table: &Table<'_>) -> Result<Self> {
         match format {
             TraceFormat::Csv => CsvFile::begin(path, table).map(TableFile::Csv),
             #[cfg(feature = "parquet")]
@@ -66,7 +77,7 @@ impl TableFile {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, row: &[Cell]) -> Result<()> {
+    pub fn add(&mut self, row: &[Cell<'_>]) -> Result<()> {
         match self {
             TableFile::Csv(file) => file.add(row),
             #[cfg(feature = "parquet")]

@@ -13,15 +13,15 @@ pub const TOOTH_COLUMNS: usize = 13;
 /// Number of columns of [`BLOCKS`].
 pub const BLOCK_COLUMNS: usize = 30;
 
-const BLOCK: TableColumn = TableColumn::integer("block", "blocks executed, up to and including this one");
-const N: TableColumn = TableColumn::integer("n", "N of the block");
-const LINE: TableColumn = TableColumn::integer("line", "line of the program's file, from 1");
-const RULE: TableColumn = TableColumn::integer("rule", "cut rule of the job that governs the move, from 1");
-const IS_RAPID: TableColumn = TableColumn::flag("is_rapid", "the move is a rapid");
-const TARGET: TableColumn = TableColumn::number("target_chip_mm", "mm", "target of the measured quantity");
+const BLOCK: TableColumn<'_> = TableColumn::integer("block", "blocks executed, up to and including this one");
+const N: TableColumn<'_> = TableColumn::integer("n", "N of the block");
+const LINE: TableColumn<'_> = TableColumn::integer("line", "line of the program's file, from 1");
+const RULE: TableColumn<'_> = TableColumn::integer("rule", "cut rule of the job that governs the move, from 1");
+const IS_RAPID: TableColumn<'_> = TableColumn::flag("is_rapid", "the move is a rapid");
+const TARGET: TableColumn<'_> = TableColumn::number("target_chip_mm", "mm", "target of the measured quantity");
 
 /// State at the end of each millisecond.
-pub const SAMPLES: Table = Table {
+pub const SAMPLES: Table<'_> = Table {
     name: "samples",
     suffix: "",
     columns: &[
@@ -56,7 +56,7 @@ pub const SAMPLES: Table = Table {
 };
 
 /// Passes of the teeth through the material.
-pub const TEETH: Table = Table {
+pub const TEETH: Table<'_> = Table {
     name: "teeth",
     suffix: "-teeth",
     columns: &[
@@ -77,7 +77,7 @@ pub const TEETH: Table = Table {
 };
 
 /// Blocks that move axes, with their figures.
-pub const BLOCKS: Table = Table {
+pub const BLOCKS: Table<'_> = Table {
     name: "blocks",
     suffix: "-blocks",
     columns: &[

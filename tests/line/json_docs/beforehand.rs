@@ -199,3 +199,26 @@ fn along_contours(scratch: &Scratch, job: &str) -> BTreeSet<String> {
     let blocks = jobs.iter().flat_map(|job| objects(&["adapt", &scratch.write("contour.toml", job)]).1);
     blocks.map(|block| block["reason"].to_string()).collect()
 }
+
+#[test]
+fn what_lobes_law_and_sweep_print_is_documented() {
+    let documented = Documented::read();
+    let scratch = Scratch::new("json-campaign");
+    let job = "units = 'mm'\nprogram = 'p.nc'\ntool = { kind = 'end-mill', diameter = 10, teeth = 2, height = 5 }\n\
+               spindle = { rev_per_min = 5000 }\nlaw = { kind = 'programmed', feed_per_tooth = 0.05 }\n\
+               workpiece = { step = 1, block = { from = [0, 0, -20], to = [20, 20, 0] } }\n[cutting]\naxial_depth = 0.5\n\
+               cutting = [600, 200, 0]\nedge = [0, 0, 0]\n\
+               modes = [{ frequency = 922, damping = 0.011, stiffness = 1340.05, direction = [1, 0, 0] }]\n";
+    let job = scratch.write("lobes.toml", job);
+    documented.assert_fits("lobes", &object(&["lobes", &job, "--speeds", "4000,20000", "--points", "9"], 0));
+    documented.assert_fits("law", &object(&["law", "--job", &format!("{CASE}/job.toml"), "--line", "5"], 0));
+    let contour = ["law", "--rho", "3", "--radius", "5", "--edge", "inside", "--feed-per-tooth", "0.1"];
+    documented.assert_fits("law", &object(&contour, 0));
+    let sweep = format!(
+        "job = {:?}\nassert = [\"time<=14.5s\"]\n[grid]\nlaw.feed_per_tooth = [0.08, 0.1]\n",
+        arcfeed_tests::root().join("examples/pocket/job-contour.toml")
+    );
+    let report = object(&["sweep", &scratch.write("SWEEP.toml", sweep)], 1);
+    documented.assert_fits("sweep", &report);
+    assert_eq!((&report["ends"]["passed"], &report["failing"][0]["run"]), (&1.into(), &1.into()));
+}

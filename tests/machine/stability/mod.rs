@@ -10,3 +10,5 @@ mod tables;
 mod flip;
 
 mod limits;
+
+mod lobes;

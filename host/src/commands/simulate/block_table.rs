@@ -118,7 +118,7 @@ impl BlockLog {
     }
 
     /// Rows of the blocks in their order.
-    pub fn rows(&self, sources: &BlockSources<'_>) -> impl Iterator<Item = [Cell; BLOCK_COLUMNS]> {
+    pub fn rows(&self, sources: &BlockSources<'_>) -> impl Iterator<Item = [Cell<'static>; BLOCK_COLUMNS]> {
         let chips = chips(sources.meter.moves());
         let loads = sources.loads.map_or(BTreeMap::new(), |loads| load_figures::by_place(loads, |count| count));
         let removed = sources.cutter.map_or(BTreeMap::new(), removed_mm3);
@@ -156,7 +156,7 @@ fn row(
     chips: Option<&BlockChips>,
     removed_mm3: Option<f64>,
     load: Option<&LoadStatistics>,
-) -> [Cell; BLOCK_COLUMNS] {
+) -> [Cell<'static>; BLOCK_COLUMNS] {
     let BlockSummary { last, begin, end, percent, changes } = summary;
     let chip =
         |ratio: &dyn Fn(&BlockChips) -> f64| Cell::from(chips.zip(last.target_mm).map(|(chips, mm)| ratio(chips) * mm));

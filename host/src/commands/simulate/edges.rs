@@ -105,7 +105,11 @@ pub fn samples(file: &JobFile) -> ChatterSamples {
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
 
-fn mode(figures: &ModeFigures) -> Result<Mode, SetupFault> {
+/// Mode of a tool in the frame of the program.
+///
+/// # Errors
+/// The figures are not those of a mode.
+pub fn mode(figures: &ModeFigures) -> Result<Mode, SetupFault> {
     Mode::from_stiffness(
         figures.frequency_hz,
         figures.damping_ratio,
@@ -186,6 +190,26 @@ pub fn tangential_force(coefficients: &Coefficients) -> Result<TangentialForce, 
         Forces::Linear([Linear { specific_mpa, edge_n_per_mm }, ..]) => {
             TangentialForce { specific_mpa, exponent_ratio: 0.0, edge_n_per_mm }
         }
+    })
+}
+
+/// Growth of tangential and radial force with the chip, at this thickness, N/mm2.
+///
+/// ```text
+/// Kienzle  dF/(b dh) = k (1 - m) h^-m     (1)
+/// linear   dF/(b dh) = k                  (2)
+/// ```
+///
+/// # Errors
+/// The material is unknown.
+pub fn slopes_mpa(coefficients: &Coefficients, chip_mm: f64) -> Result<[f64; 2], SetupFault> {
+    Ok(match forces(coefficients)? {
+        Forces::Kienzle([tangential, radial, _]) => {
+            [tangential, radial].map(|Kienzle { specific_mpa, exponent_ratio }| {
+                specific_mpa * (1.0 - exponent_ratio) * libm::pow(chip_mm, -exponent_ratio) // (1)
+            })
+        }
+        Forces::Linear([tangential, radial, _]) => [tangential, radial].map(|linear| linear.specific_mpa), // (2)
     })
 }
 

@@ -1,4 +1,4 @@
-//! Outcomes of assertions as JUnit XML, as CI servers read it: one `testsuite` with a `testcase` for each assertion.
+//! Outcomes as JUnit XML, as CI servers read it: one `testsuite` with a `testcase` for each assertion, or each run.
 
 use std::fmt::{self, Write};
 
@@ -21,27 +21,38 @@ impl fmt::Display for TestSuite<'_> {
         let count = |choose: &dyn Fn(&Verdict) -> bool| outcomes.iter().filter(|case| choose(&case.verdict)).count();
         let failures = count(&|verdict| matches!(verdict, Verdict::Failed(_)));
         let errors = count(&|verdict| matches!(verdict, Verdict::Missing(_)));
-        let counts = format!("tests=\"{}\" failures=\"{failures}\" errors=\"{errors}\"", outcomes.len());
-        let job = attribute(job);
-        writeln!(f, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
-        writeln!(f, "<testsuites {counts} time=\"{time_s:.3}\">")?;
-        writeln!(f, "  <testsuite name=\"arcfeed simulate {job}\" {counts} skipped=\"0\" time=\"{time_s:.3}\">")?;
-        for AssertionOutcome { text, verdict } in *outcomes {
-            // The run is one for all assertions, so none has a time of its own.
-            write!(f, "    <testcase name=\"{}\" classname=\"{job}\" time=\"0\"", attribute(text))?;
-            match verdict {
-                Verdict::Passed => writeln!(f, "/>")?,
-                Verdict::Failed(message) => write_cause(f, "failure", message)?,
-                Verdict::Missing(message) => write_cause(f, "error", message)?,
-            }
-        }
-        writeln!(f, "  </testsuite>\n</testsuites>")
+        f.write_str(&begin(&format!("arcfeed simulate {job}"), [outcomes.len(), failures, errors], *time_s))?;
+        // The run is one for all assertions, so none has a time of its own.
+        outcomes.iter().try_for_each(|outcome| f.write_str(&case(&outcome.text, job, &outcome.verdict)))?;
+        f.write_str(END)
     }
 }
 
-fn write_cause(f: &mut fmt::Formatter<'_>, element: &str, message: &str) -> fmt::Result {
-    let message = attribute(message);
-    writeln!(f, ">\n      <{element} message=\"{message}\" type=\"assertion\">{message}</{element}>\n    </testcase>")
+/// End of a suite.
+pub const END: &str = "  </testsuite>\n</testsuites>\n";
+
+/// Beginning of a suite with this many tests, failures and errors.
+pub fn begin(name: &str, [tests, failures, errors]: [usize; 3], time_s: f64) -> String {
+    let counts = format!("tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\"");
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {counts} time=\"{time_s:.3}\">\n  \
+         <testsuite name=\"{}\" {counts} skipped=\"0\" time=\"{time_s:.3}\">\n",
+        attribute(name)
+    )
+}
+
+/// Case of a suite.
+pub fn case(name: &str, class: &str, verdict: &Verdict) -> String {
+    let cause = |element: &str, message: &str| {
+        let message = attribute(message);
+        format!(">\n      <{element} message=\"{message}\" type=\"assertion\">{message}</{element}>\n    </testcase>")
+    };
+    let rest = match verdict {
+        Verdict::Passed => "/>".to_owned(),
+        Verdict::Failed(message) => cause("failure", message),
+        Verdict::Missing(message) => cause("error", message),
+    };
+    format!("    <testcase name=\"{}\" classname=\"{}\" time=\"0\"{rest}\n", attribute(name), attribute(class))
 }
 
 /// Text for an attribute or an element; XML has no other control characters than tabs and line ends.

@@ -19,6 +19,7 @@ use super::move_log::MoveLog;
 use super::path_trace::PathTrace;
 use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
+use crate::console::is_captured;
 
 /// Longest simulated run: a program that takes longer does not end.
 const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
@@ -163,7 +164,9 @@ pub fn run_observed(
     takes_long: Option<&str>,
     mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let bar = takes_long.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
+    let bar = takes_long
+        .filter(|_| !is_captured())
+        .map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
     for period in 0_u64.. {
         if simulation.is_done() {
             break;

@@ -101,7 +101,7 @@ impl PageContent<'_> {
         sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.job.unit)));
         sections.extend(self.report.loads.as_ref().map(loads_section));
         sections.extend(self.report.spindle.as_ref().and_then(tables::spindle));
-        sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes()) });
+        sections.push(Section { heading: "Along time".into(), body: svg(&self.lanes(), "s") });
         sections.extend(self.chip_plots());
         if let Some(cutter) = &observer.cutter {
             let heights = self.map(&HeightMap::new(cutter.stock(), UPRIGHT), cutter.stock(), None);

@@ -83,7 +83,7 @@ impl TraceFiles {
     /// # Errors
     /// A file cannot be written.
     pub fn begin(&self, loads: Option<&mut LoadMeter>, locator: Option<BlockLocator>) -> Result<RunTables, Failure> {
-        let open = |table: &'static Table| {
+        let open = |table: &Table<'_>| {
             let path = self.with(table.suffix);
             let file = TableFile::begin(self.format, &path, table).map_err(|error| file_failure(&path, &error))?;
             Ok::<_, Failure>(OpenTable { path, file })
@@ -170,7 +170,7 @@ fn line_of(lines: &[Option<usize>], block: u32) -> Option<usize> {
 }
 
 impl OpenTable {
-    fn add(&mut self, row: &[Cell]) -> Result<(), Failure> {
+    fn add(&mut self, row: &[Cell<'_>]) -> Result<(), Failure> {
         self.file.add(row).map_err(|error| file_failure(&self.path, &error))
     }
 
@@ -180,7 +180,10 @@ impl OpenTable {
 }
 
 /// Row of [`SAMPLES`].
-fn sample_row<D: OverrideSource>(simulation: &Simulation<D>, record: Option<&BlockRecord>) -> [Cell; SAMPLE_COLUMNS] {
+fn sample_row<D: OverrideSource>(
+    simulation: &Simulation<D>,
+    record: Option<&BlockRecord>,
+) -> [Cell<'static>; SAMPLE_COLUMNS] {
     let (control, meter) = (simulation.control(), simulation.meter());
     let origin = simulation.context().origin;
     let [x, y, z] = origin.linear.map(Nm::to_mm);
@@ -226,7 +229,7 @@ fn sample_row<D: OverrideSource>(simulation: &Simulation<D>, record: Option<&Blo
 }
 
 /// Row of [`TEETH`].
-fn tooth_row(pass: &ToothPass, line: Option<usize>) -> [Cell; TOOTH_COLUMNS] {
+fn tooth_row(pass: &ToothPass, line: Option<usize>) -> [Cell<'static>; TOOTH_COLUMNS] {
     let [x, y, z] = pass.tip_mm;
     [
         pass.at_s.into(),

@@ -31,6 +31,7 @@ use arcfeed_units::Micros;
 use super::job_input::JobInput;
 use super::line_args::LineArgs;
 use super::outcome::{Failure, refuse_inputs, write_whole};
+use super::simulate::assertions::Assertion;
 use super::simulate::finish;
 use super::simulate::run_tables::TraceFiles;
 use crate::board::line::{BAUDRATE, BoardLine};
@@ -90,6 +91,10 @@ pub struct Stream {
     /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks (sim: only; docs/traces.md)
     #[arg(long, value_name = "OUT.parquet|OUT.csv")]
     trace: Option<PathBuf>,
+    /// Require a limit of the run, as far as it went, for example chip<=1.05 or feed<=5000mm/min; may be given several
+    /// times (sim: only; docs/simulate.md)
+    #[arg(long = "assert", value_name = "FIGURE<=LIMIT")]
+    assertions: Vec<Assertion>,
     /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -123,7 +128,12 @@ impl Stream {
             let message = "--executed: a control on a serial line does not say what it executed; drop the option";
             return Err(Failure::Input(message.into()));
         }
-        for (option, is_given) in [("--report", self.report.is_some()), ("--trace", trace.is_some())] {
+        let needs_sim = [
+            ("--report", self.report.is_some()),
+            ("--trace", trace.is_some()),
+            ("--assert", !self.assertions.is_empty()),
+        ];
+        for (option, is_given) in needs_sim {
             if is_given && !is_sim {
                 return Err(Failure::Usage(format!(
                     "{option}: a control on a serial line does not say where its axes are; drop the option, or use sim:"

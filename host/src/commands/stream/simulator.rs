@@ -21,6 +21,7 @@ use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_link::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
+use super::super::simulate::assertions::{Evidence, Verdict};
 use super::super::simulate::control::control_settings;
 use super::super::simulate::listing::locators;
 use super::super::simulate::observer::RunObserver;
@@ -41,7 +42,7 @@ use crate::dnc::reports;
 use crate::dnc::{Sender, State};
 use crate::port::open::wrap;
 use crate::port::url::Base;
-use crate::report::figures::ReportFigures;
+use crate::report::figures::{ReportFigures, RunReport};
 
 /// Moves that the simulated board holds ahead, plus one.
 const AHEAD: usize = 65;
@@ -111,7 +112,7 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
-        if self.report.is_some() || self.trace.is_some() {
+        if self.report.is_some() || self.trace.is_some() || !self.assertions.is_empty() {
             sim.borrow_mut().observe(self.observer(ready)?);
         }
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
@@ -128,6 +129,9 @@ impl Stream {
         report.print_output.retain(|line| report.reports.is_none() || !line.starts_with(reports::NAME));
         report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
         let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
+        let is_whole = matches!(end, End::Complete) && simulation.is_done() && report.alarms.is_empty();
+        let asserted =
+            observer.as_ref().map_or(Ok(()), |observer| self.judge(ready, (&report, is_whole), observer, simulation));
         // The report of the transmission is printed even if this fails.
         let traced = observer.as_mut().map_or(Ok(()), |observer| observer.finish_tables(simulation));
         let written =
@@ -139,7 +143,9 @@ impl Stream {
                     run_page::write(path, ready, &report, (&after, simulation), (&before, &baseline))
                 })
             });
-        self.finish(ready, &report, &sender, &end).and(written).and(traced).and(compared)?;
+        let finished = self.finish(ready, &report, &sender, &end);
+        // A limit that is broken before the end of a run that fails anyway is broken all the same.
+        asserted.and(finished).and(written).and(traced).and(compared)?;
         if waits_for_more {
             return Err(Failure::Machine(match sender.state() {
                 State::Sent => "the control executed all it got and waits for more: its M02 or M30 is missing".into(),
@@ -149,6 +155,34 @@ impl Stream {
             }));
         }
         Ok(())
+    }
+
+    /// Judges the assertions on what ran, to its end or not.
+    fn judge<D: OverrideSource>(
+        &self,
+        ready: &PreparedProgram,
+        (report, is_whole): (&RunReport, bool),
+        observer: &RunObserver,
+        simulation: &Simulation<D>,
+    ) -> Result<(), Failure> {
+        let evidence = Evidence {
+            report,
+            log: &observer.log,
+            chips: simulation.meter().moves(),
+            spindle: None,
+            line_of: &|_| None,
+            program: ready.file.program.display().to_string(),
+        };
+        let outcomes = self.assertions.iter().map(|assertion| assertion.judge(&evidence));
+        // A run that ended before it cut has no chip, and broke no limit; it does not pass anyway.
+        let holds = |verdict: &Verdict| match verdict {
+            Verdict::Passed => true,
+            Verdict::Failed(_) => false,
+            Verdict::Missing(_) => !is_whole,
+        };
+        let broken = outcomes.filter(|outcome| !holds(&outcome.verdict));
+        let broken: Vec<String> = broken.map(|outcome| outcome.to_string()).collect();
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
     }
 
     /// Observer of the run, with the tables of `--trace`.

@@ -1,4 +1,4 @@
-//! Step functions of time as an inline SVG: lanes one above the other, with one axis of time.
+//! Step functions, of time or another quantity, as an inline SVG: lanes one above the other, with one axis below.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ const LANE_HEIGHT: f64 = 150.0;
 /// Margins of the lanes: left, right, and above each.
 const MARGINS: [f64; 3] = [70.0, 15.0, 30.0];
 
-/// One diagram of a plot: a quantity over time.
+/// Lane: a quantity over that of the axis.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// Title of the lane, with the unit.
@@ -29,27 +29,27 @@ pub struct Series {
     pub name: &'static str,
     /// Colour in CSS syntax.
     pub color: &'static str,
-    /// Steps: from, to in s, and the value between.
+    /// Steps: from, to in the unit of the axis, and the value between.
     pub steps: Vec<([f64; 2], f64)>,
 }
 
-/// Diagrams over a common time axis, as SVG.
-pub fn svg(lanes: &[Lane]) -> String {
+/// The lanes as SVG, over an axis from 0 in this unit.
+pub fn svg(lanes: &[Lane], unit: &str) -> String {
     let steps = || lanes.iter().flat_map(|lane| &lane.series).flat_map(|series| &series.steps);
-    let until_s = steps().map(|([_, to], _)| *to).fold(1e-3, f64::max);
+    let until = steps().map(|([_, to], _)| *to).fold(1e-3, f64::max);
     let [left, right, above] = MARGINS;
     let height = lanes.len() as f64 * (LANE_HEIGHT + above) + 35.0;
-    let x = |at_s: f64| left + at_s / until_s * (WIDTH - left - right);
+    let x = |at: f64| left + at / until * (WIDTH - left - right);
     let mut svg = format!("<svg viewBox=\"0 0 {WIDTH} {height}\" xmlns=\"http://www.w3.org/2000/svg\">\n");
     for (index, lane) in lanes.iter().enumerate() {
         let top = above + index as f64 * (LANE_HEIGHT + above);
         draw(&mut svg, lane, top, &x);
     }
     let bottom = height - 35.0;
-    for tick in ticks(until_s) {
+    for tick in ticks(until) {
         text(&mut svg, [x(tick), bottom + 16.0], "middle", &format!("{tick}"));
     }
-    text(&mut svg, [x(until_s), bottom + 32.0], "end", "s");
+    text(&mut svg, [x(until), bottom + 32.0], "end", unit);
     svg + "</svg>\n"
 }
 
