@@ -10,7 +10,7 @@ use arcfeed_plan::output::stl::to_stl;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{
-    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, file_stem, machine, machine_file, write_files,
+    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files,
 };
 use super::figures::PlungeFigures;
 use super::page::page;
