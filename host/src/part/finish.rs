@@ -7,7 +7,7 @@ use arcfeed_plan::finish::axis::{AxisProgram, Station};
 use arcfeed_plan::finish::contact::Orientation;
 use arcfeed_plan::finish::mill::FinishMill;
 use arcfeed_plan::finish::passes::{Course, Sampling};
-use arcfeed_plan::finish::plan::FinishNeeds;
+use arcfeed_plan::finish::needs::FinishNeeds;
 use arcfeed_plan::finish::reach::Margins;
 use arcfeed_plan::finish::rows::Spacing;
 use arcfeed_plan::geometry::blisk::Blisk;

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::flaws::BladeSide;
 use arcfeed_plan::geometry::point_cloud;
 use arcfeed_plan::repair::blend::BlendShape;
@@ -17,9 +16,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::PartError;
+use super::finish::FinishPart;
 use super::geometry::frame;
 use super::geometry_files::{bytes, in_file, read, whole};
-use super::schema::{PartTable, PointUnit, RotorWord};
+use super::schema::{PointUnit, RotorWord};
 use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, UnitWord, at, length_mm};
 use crate::place::place;
@@ -29,6 +29,8 @@ use crate::toml_values::{refuse_numbers, with_key};
 const UNCERTAINTY_MM: f64 = 0.005;
 /// Default of `spacing`.
 const SPACING_MM: f64 = 0.5;
+/// Greatest distance of contact points, among which those of the path are chosen.
+const DENSE_MM: f64 = 0.1;
 /// Largest motion that a datum's tolerance allows.
 const SHIFT_MAX_MM: f64 = 2.0;
 const TURN_MAX_DEG: f64 = 2.0;
@@ -43,7 +45,6 @@ struct RepairFileTable {
     #[serde(default)]
     datum: DatumTable,
     repair: RepairTable,
-    tool: RepairToolTable,
 }
 
 #[derive(Debug, Deserialize)]
@@ -104,14 +105,6 @@ enum BlendWord {
     Quintic,
 }
 
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RepairToolTable {
-    radius: Spanned<Quantity>,
-    cusp: Spanned<Quantity>,
-    chord: Spanned<Quantity>,
-}
-
 /// Checked repair file. Part frame, millimetres.
 #[derive(Clone, Debug)]
 pub struct RepairFile {
@@ -119,8 +112,8 @@ pub struct RepairFile {
     pub name: String,
     /// Files that it names: the part and the points.
     pub inputs: Vec<PathBuf>,
-    /// The rotor.
-    pub blisk: Blisk,
+    /// Part with its finishing mill, machine and feeds.
+    pub part: FinishPart,
     /// Number of the blade, from 1.
     pub blade: u32,
     /// Side that is repaired.
@@ -171,37 +164,27 @@ impl RepairFile {
 
 fn build(table: &RepairFileTable, path: &Path, folder: &Path) -> Result<RepairFile, PartError> {
     let unit: LengthUnit = table.units.into();
-    let blisk = nominal(&table.nominal, folder)?;
+    let (text, part) = (read(&table.nominal.part, folder)?, folder.join(table.nominal.part.as_ref()));
+    let part = FinishPart::parse(&part, &text).map_err(PartError::There)?;
     let own_name = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let (uncertainty_mm, free, tolerance) = datum(&table.datum, unit)?;
     let stylus = table.measured.stylus_radius.as_ref();
     Ok(RepairFile {
         name: table.name.clone().unwrap_or_else(own_name),
         inputs: [&table.nominal.part, &table.measured.points].map(|file| folder.join(file.as_ref())).to_vec(),
-        blade: blade(table.nominal.blade.as_ref(), blisk.blades)?,
+        blade: blade(table.nominal.blade.as_ref(), part.blisk.blades)?,
         side: match table.nominal.side {
             SideWord::Pressure => BladeSide::Pressure,
             SideWord::Suction => BladeSide::Suction,
         },
         stylus_mm: stylus.map_or(Ok(0.0), |given| length_mm(given, unit, "stylus_radius"))?,
-        settings: settings(table, unit)?,
+        settings: settings(table, &part, unit)?,
         points: points(&table.measured, unit, folder)?,
         uncertainty_mm,
         free,
         tolerance,
-        blisk,
+        part,
     })
-}
-
-/// The rotor of a part file, of which only `[geometry]` and `[blank]` are used.
-fn nominal(entry: &NominalTable, folder: &Path) -> Result<Blisk, PartError> {
-    let path = folder.join(entry.part.as_ref());
-    let text = read(&entry.part, folder)?;
-    let rotor = |part: &PartTable, _: &Path, folder: &Path| {
-        let unit: LengthUnit = part.units.into();
-        super::geometry::build(&part.geometry, unit, super::blank(&part.blank, unit)?, folder)
-    };
-    super::parse(&path, &text, rotor).map_err(PartError::There)
 }
 
 fn blade(entry: Option<&Spanned<u32>>, blades: u32) -> Result<u32, Complaint> {
@@ -261,24 +244,29 @@ fn datum(entry: &DatumTable, unit: LengthUnit) -> Result<Datum, Complaint> {
     Ok((uncertainty_mm, free, (!is_held).then_some(tolerance)))
 }
 
-fn settings(table: &RepairFileTable, unit: LengthUnit) -> Result<RepairSettings, Complaint> {
+fn settings(table: &RepairFileTable, part: &FinishPart, unit: LengthUnit) -> Result<RepairSettings, Complaint> {
     let RepairTable { threshold, width, least, rough, depth, spacing, hole, blend } = &table.repair;
-    let RepairToolTable { radius, cusp, chord } = &table.tool;
     let least_mm = match least.as_ref().to_mm(unit) {
         0.0 => 0.0,
         _ => length_mm(least, unit, "least")?,
     };
-    let (rough_mm, ball_mm) = (length_mm(rough, unit, "rough")?, length_mm(radius, unit, "radius")?);
+    let rough_mm = length_mm(rough, unit, "rough")?;
     if rough_mm <= least_mm {
         return Err(at(
             rough,
             &format!("`rough` must be more than `least`, {least_mm} mm: finishing takes the difference"),
         ));
     }
-    let cusp_mm = length_mm(cusp, unit, "cusp")?;
-    if cusp_mm >= ball_mm {
-        return Err(at(cusp, "`cusp` must be less than the ball's radius"));
+    if !part.mill.is_ball() {
+        let message = "repairs are finished by a ball: in the part file's [finish] leave `corner_radius` out";
+        return Err(at(&table.nominal.part, message));
     }
+    let (ball_mm, cusp_mm) = (part.mill.corner_radius_mm, part.needs.scallop_mm);
+    if cusp_mm >= ball_mm {
+        return Err(at(&table.nominal.part, "`scallop` of its [finish] must be less than the ball's radius"));
+    }
+    // One half is for the chords between contact points, the other for those between the chosen ones.
+    let chord_mm = part.needs.sampling.tolerance_mm / 2.0;
     Ok(RepairSettings {
         regions: RegionSettings {
             threshold_mm: length_mm(threshold, unit, "threshold")?,
@@ -290,7 +278,7 @@ fn settings(table: &RepairFileTable, unit: LengthUnit) -> Result<RepairSettings,
                 BlendWord::Quintic => BlendShape::Quintic,
             },
         },
-        passes: PassSettings { ball_mm, cusp_mm, chord_mm: length_mm(chord, unit, "chord")? },
+        passes: PassSettings { ball_mm, cusp_mm, chord_mm, step_mm: DENSE_MM },
         spacing_mm: spacing.as_ref().map_or(Ok(SPACING_MM), |given| length_mm(given, unit, "spacing"))?,
         hole_mm: hole.as_ref().map(|given| length_mm(given, unit, "hole")).transpose()?,
         rough_mm,

@@ -110,10 +110,16 @@ fn header(cl: &Cl, task: &Task, style: &Style<'_>, first: Option<&PathPoint>) ->
         Mode::PartRotary => ("PART-ROTARY", format!("G94\nG43.4H{tool}\n")),
         Mode::Machine => ("MACHINE", String::new()),
     };
-    // The rotary axes turn with the tool at the end of Z, and alone: then it comes down straight.
+    // The rotary axes turn with the tool at the end of Z, and alone; then X and Y move, from the part's zero as it lies with all axes at zero: so
+    // the tool comes down to the first place along its own axis.
     let mut turns = String::from("G0");
     for (axis, value) in task.machine.rotary().iter().zip(first.map_or([0.0; 2], |stop| stop.axes.rotary_deg)) {
         word(&mut turns, &axis.letter.to_string(), value, decimals(axis.resolution_deg));
+    }
+    turns.push_str("\nG0");
+    let linear = difference(first.map_or([0.0; 3], |stop| stop.axes.linear_mm), task.setup.part_zero_mm);
+    for ((letter, value), axis) in ["X", "Y"].into_iter().zip(linear).zip(task.machine.linear()) {
+        word(&mut turns, letter, value, decimals(axis.resolution_mm));
     }
     let start = style.start.map_or(String::new(), |ToolStart { rev_per_min, coolant, .. }| {
         let coolant = if coolant { "M8\n" } else { "" };

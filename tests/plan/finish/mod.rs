@@ -6,4 +6,6 @@ mod axes;
 
 mod plans;
 
+mod feed;
+
 mod command;

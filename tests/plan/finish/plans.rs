@@ -1,10 +1,12 @@
 //! Plans of a whole blade: what is left on the surface, gouges, distances, and the feed at the contact, all measured from the path.
 
+use arcfeed_plan::finish::access::{FinishInfeasible, MoveKind};
 use arcfeed_plan::finish::feed::ContactFeed;
 use arcfeed_plan::finish::mill::{CutterLocation, FinishMill};
+use arcfeed_plan::finish::needs::FinishNeeds;
 use arcfeed_plan::finish::obstacles::obstacles;
 use arcfeed_plan::finish::passes::{Course, Sampling};
-use arcfeed_plan::finish::plan::{FinishInfeasible, FinishNeeds, FinishPlan, MoveKind, Planner};
+use arcfeed_plan::finish::plan::{FinishPlan, Planner};
 use arcfeed_plan::finish::proof::FinishProof;
 use arcfeed_plan::finish::reach::Margins;
 use arcfeed_plan::finish::rows::Spacing;

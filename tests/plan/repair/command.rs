@@ -14,28 +14,29 @@ fn plan(repair: &str, more: &[&str]) -> Output {
 fn repair_text() -> String {
     let text = std::fs::read_to_string(root().join(EXAMPLE).join("REPAIR.toml")).unwrap();
     let named = |name: &str| root().join("examples").join(name).display().to_string();
-    text.replace("../blisk-19/PART.toml", &named("blisk-19/PART.toml"))
+    text.replace("../finish-blisk/PART.toml", &named("finish-blisk/PART.toml"))
         .replace("points.csv", &named("repaired-blade/points.csv"))
 }
 
-fn column<'l>(names: &str, line: &'l str, name: &str) -> &'l str {
+pub fn column<'l>(names: &str, line: &'l str, name: &str) -> &'l str {
     let at = names.split(',').position(|known| known == name).unwrap();
     line.split(',').nth(at).unwrap()
 }
 
 #[test]
-fn the_example_leaves_the_old_surface_and_writes_no_program() {
+fn the_example_leaves_the_old_surface_and_writes_its_program() {
     let scratch = Scratch::new("repair-example");
     let folder = scratch.path("out");
     let output = plan(&format!("{EXAMPLE}/REPAIR.toml"), &["-o", &folder]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     println!("{text}{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success());
-    assert!(text.contains("No NC program is written"), "{text}");
+    assert!(text.contains("clearances of the whole mill"), "{text}");
     let mut names: Vec<String> =
         std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["allowance.csv", "contacts.csv", "report.html"]);
+    let expected = ["allowance.csv", "contacts.csv", "finished.stl", "job.toml", "repair.apt", "repaired-blade.nc", "report.html", "stock.stl"];
+    assert_eq!(names, expected);
 
     let table = std::fs::read_to_string(format!("{folder}/allowance.csv")).unwrap();
     let mut lines = table.lines().skip(1);
@@ -75,7 +76,12 @@ fn the_example_leaves_the_old_surface_and_writes_no_program() {
     println!("contacts: finish {}, layers {} {} {}", count("0"), count("1"), count("2"), count("3"));
     assert!(count("0") > 1000 && count("1") > 100 && count("3") > 100 && count("4") == 0);
     let page = std::fs::read_to_string(format!("{folder}/report.html")).unwrap();
-    assert!(page.contains("No NC program is written") && page.matches("<svg").count() == 3);
+    assert_eq!(page.matches("<svg").count(), 5);
+    let program = format!("{folder}/repaired-blade.nc");
+    let checked = run(&["check", &program, "--machine", "mikron-ucp710", "--tool-length", "150"]);
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+    let job = run(&["check", &format!("{folder}/job.toml")]);
+    assert!(job.status.success(), "{}", String::from_utf8_lossy(&job.stderr));
 }
 
 #[test]

@@ -21,3 +21,5 @@ mod plan;
 mod blade;
 
 mod command;
+
+mod chain;

@@ -16,7 +16,7 @@ const OLD_MM: f64 = 0.06;
 const WELD_MM: f64 = 0.9;
 const SETTINGS: RepairSettings = RepairSettings {
     regions: RegionSettings { threshold_mm: 0.1, width_mm: 3.0, least_mm: 0.02, shape: BlendShape::Cubic },
-    passes: PassSettings { ball_mm: 3.0, cusp_mm: 0.01, chord_mm: 0.005 },
+    passes: PassSettings { ball_mm: 3.0, cusp_mm: 0.01, chord_mm: 0.005, step_mm: 1.0 },
     spacing_mm: 0.5,
     hole_mm: None,
     rough_mm: 0.3,

@@ -16,6 +16,10 @@ pub mod passes;
 
 pub mod course;
 
+pub mod needs;
+
+pub mod access;
+
 pub mod feed;
 
 pub mod plan;

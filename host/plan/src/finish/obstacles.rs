@@ -3,20 +3,23 @@
 use nalgebra::Rotation3;
 
 use crate::geometry::blisk::Blisk;
+use crate::geometry::mesh::Triangle;
 use crate::proof::bodies;
 use crate::proof::spheres::Tree;
 use crate::vector::{Point, Vector};
 
 /// Largest distance of triangles from the finished blade, mm.
-const OWN_CHORD_MM: f64 = 0.002;
+pub const OWN_CHORD_MM: f64 = 0.002;
 /// Largest distance of triangles from the other surfaces, mm.
 const CHORD_MM: f64 = 0.02;
 
 /// Kind of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FinishObstacle {
-    /// The blade that is finished.
+    /// The blade that is finished, as it will be.
     Blade,
+    /// The same blade as it stands before, into which end and flutes cut.
+    Stock,
     /// The other blades.
     Neighbours,
     /// The finished hub.
@@ -38,23 +41,31 @@ pub struct FinishBody {
     pub chord_mm: f64,
 }
 
+impl FinishBody {
+    /// Body without copies.
+    pub fn fixed(obstacle: FinishObstacle, triangles: Vec<Triangle>, chord_mm: f64) -> Self {
+        FinishBody { obstacle, tree: Tree::new(triangles), turns: vec![Rotation3::identity()], chord_mm }
+    }
+}
+
 /// All obstacles about the first blade of a rotor that are there.
 pub fn obstacles(blisk: &Blisk, fixture: &[[Point; 2]]) -> Vec<FinishBody> {
+    let own = FinishBody::fixed(FinishObstacle::Blade, bodies::blade(blisk, OWN_CHORD_MM), OWN_CHORD_MM);
+    around(blisk, 1, vec![own], fixture)
+}
+
+/// The bodies of one blade of a rotor, by its number from 1, and all else about it that is there.
+pub fn around(blisk: &Blisk, number: u32, own: Vec<FinishBody>, fixture: &[[Point; 2]]) -> Vec<FinishBody> {
     let turn = |k: u32| Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());
-    let here = || vec![Rotation3::identity()];
+    let neighbours = FinishBody {
+        obstacle: FinishObstacle::Neighbours,
+        tree: Tree::new(bodies::blade(blisk, CHORD_MM)),
+        turns: (number..number + blisk.blades - 1).map(turn).collect(),
+        chord_mm: CHORD_MM,
+    };
+    let hub = FinishBody::fixed(FinishObstacle::Hub, bodies::hub(blisk, CHORD_MM), CHORD_MM);
     let boxes = fixture.iter().flat_map(bodies::cuboid).collect();
-    let body =
-        |obstacle, triangles, turns, chord_mm| FinishBody { obstacle, tree: Tree::new(triangles), turns, chord_mm };
-    let bodies = vec![
-        body(FinishObstacle::Blade, bodies::blade(blisk, OWN_CHORD_MM), here(), OWN_CHORD_MM),
-        body(
-            FinishObstacle::Neighbours,
-            bodies::blade(blisk, CHORD_MM),
-            (1..blisk.blades).map(turn).collect(),
-            CHORD_MM,
-        ),
-        body(FinishObstacle::Hub, bodies::hub(blisk, CHORD_MM), here(), CHORD_MM),
-        body(FinishObstacle::Fixture, boxes, here(), 0.0),
-    ];
-    bodies.into_iter().filter(|body| body.tree.root().is_some() && !body.turns.is_empty()).collect()
+    let others = [neighbours, hub, FinishBody::fixed(FinishObstacle::Fixture, boxes, 0.0)];
+    let all = own.into_iter().chain(others);
+    all.filter(|body| body.tree.root().is_some() && !body.turns.is_empty()).collect()
 }

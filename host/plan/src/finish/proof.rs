@@ -68,7 +68,9 @@ impl FinishProof<'_> {
         let mut found: Vec<FinishClearance> = Vec::new();
         for piece in self.mill.pieces() {
             for body in self.bodies {
-                let Some(least) = self.least(&piece, body, path) else { continue };
+                let needed_mm = self.margins.needed_mm(piece.part, body.obstacle);
+                let least = needed_mm.and_then(|needed_mm| self.least(&piece, body, needed_mm, path));
+                let Some(least) = least else { continue };
                 let known = |other: &FinishClearance| other.part == least.part && other.obstacle == least.obstacle;
                 match found.iter_mut().find(|other| known(other)) {
                     Some(other) if other.certified_mm <= least.certified_mm => {}
@@ -81,17 +83,33 @@ impl FinishProof<'_> {
     }
 
     /// Least distance of a piece from an obstacle.
-    fn least(&self, piece: &MillPiece, body: &FinishBody, path: &[CutterLocation]) -> Option<FinishClearance> {
+    fn least(
+        &self,
+        piece: &MillPiece,
+        body: &FinishBody,
+        needed_mm: f64,
+        path: &[CutterLocation],
+    ) -> Option<FinishClearance> {
         let pairs: Vec<(usize, &[CutterLocation])> = path.windows(2).enumerate().collect();
-        let on = |(at, pair): &(usize, &[CutterLocation])| self.on_move(piece, body, *at, pair);
+        let on = |(at, pair): &(usize, &[CutterLocation])| {
+            let (certified_mm, place) = self.on_move(piece, body, needed_mm, pair);
+            let (part, obstacle) = (piece.part, body.obstacle);
+            FinishClearance { part, obstacle, certified_mm, needed_mm, at: *at, place }
+        };
         pairs
             .par_iter()
             .map(on)
             .min_by(|one, other| one.certified_mm.total_cmp(&other.certified_mm).then(one.at.cmp(&other.at)))
     }
 
-    /// Distance on the move between two places.
-    fn on_move(&self, piece: &MillPiece, body: &FinishBody, at: usize, pair: &[CutterLocation]) -> FinishClearance {
+    /// Lower bound of the distance on the move between two places, and where it is.
+    fn on_move(
+        &self,
+        piece: &MillPiece,
+        body: &FinishBody,
+        needed_mm: f64,
+        pair: &[CutterLocation],
+    ) -> (f64, Option<Point>) {
         let (from, to) = (&pair[0], &pair[1]);
         let to_tool = upright(&along_arc(&from.axis, &to.axis, 0.5));
         let [start, end] = [from, to].map(|location| (to_tool * self.mill.pivot(location)).into());
@@ -102,16 +120,9 @@ impl FinishProof<'_> {
         let alpha_rad = from.axis.angle(&to.axis);
         let pivot_mm = self.mill.corner_radius_mm * (alpha_rad * alpha_rad / 8.0 + self.departure_rad);
         let loss_mm = piece.reach_mm * (alpha_rad / 2.0 + self.departure_rad) + pivot_mm; // (1)
-        let needed_mm = self.margins.needed_mm(piece.part, body.obstacle);
         let enough_mm = needed_mm + loss_mm + body.chord_mm + ENOUGH_MM;
         let least = search.least_until(self.margins.gap_mm(body.obstacle), [f64::NEG_INFINITY, enough_mm]);
-        FinishClearance {
-            part: piece.part,
-            obstacle: body.obstacle,
-            certified_mm: least.bounds_mm[0] - loss_mm - body.chord_mm,
-            needed_mm,
-            at,
-            place: least.place.map(|place| to_tool.inverse() * place.point),
-        }
+        let place = least.place.map(|place| to_tool.inverse() * place.point);
+        (least.bounds_mm[0] - loss_mm - body.chord_mm, place)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! admissible: distance(mill, neighbours, hub, fixture) >= safety
-//!             distance(neck, holder, own blade) >= safety,   distance(end, flutes, own blade) >= -gouge     (1)
+//!             distance(neck, holder, own blade and its stock) >= safety,   distance(end, flutes, own blade) >= -gouge     (1)
 //! smoothest:  minimise sum |t_{i+1} - t_i|^2 over one admissible axis a station                             (2)
 //! ```
 //!
@@ -54,11 +54,12 @@ pub struct AxisReach<'a> {
 }
 
 impl Margins {
-    /// Distance that a part must keep from an obstacle.
-    pub fn needed_mm(&self, part: FinishPart, obstacle: FinishObstacle) -> f64 {
+    /// Distance that a part must keep from an obstacle; `None` where it may cut.
+    pub fn needed_mm(&self, part: FinishPart, obstacle: FinishObstacle) -> Option<f64> {
         match (part, obstacle) {
-            (FinishPart::End | FinishPart::Flutes, FinishObstacle::Blade) => -self.gouge_mm,
-            _ => self.safety_mm,
+            (FinishPart::End | FinishPart::Flutes, FinishObstacle::Blade) => Some(-self.gouge_mm),
+            (FinishPart::End | FinishPart::Flutes, FinishObstacle::Stock) => None,
+            _ => Some(self.safety_mm),
         }
     }
 
@@ -79,6 +80,7 @@ impl AxisReach<'_> {
     }
 
     fn keeps(&self, location: &CutterLocation, piece: &MillPiece, body: &FinishBody) -> bool {
+        let Some(needed_mm) = self.margins.needed_mm(piece.part, body.obstacle) else { return true };
         let to_tool = upright(&location.axis);
         let pivot = (to_tool * self.mill.pivot(location)).into();
         let still = Motion::new(&Step { purpose: Purpose::Link, level: 0, from: pivot, to: pivot, about: None });
@@ -86,7 +88,7 @@ impl AxisReach<'_> {
         let sections = [piece.section];
         let search = Search { sections: &sections, motions: &[still], tree: &body.tree, turns: &turns };
         let turned_mm = piece.reach_mm * (self.turn_rad + SPARE_RAD);
-        let needed_mm = self.margins.needed_mm(piece.part, body.obstacle) + body.chord_mm + turned_mm;
+        let needed_mm = needed_mm + body.chord_mm + turned_mm;
         let least = search.least_until(self.margins.gap_mm(body.obstacle), [needed_mm, needed_mm]);
         least.bounds_mm[0] >= needed_mm
     }

@@ -13,6 +13,7 @@ use crate::vector::Point;
 
 use super::blisk::{Blisk, Revolution};
 use super::face::Face;
+use super::flaws::BladeSide;
 use super::slot::Blade;
 
 /// Corners, counter-clockwise seen from outside.
@@ -59,14 +60,54 @@ pub fn face(face: &Face, tolerance_mm: f64) -> Vec<Triangle> {
 
 /// Blade as a solid from its tip to `root_mm` below its lowest section, towards the axis.
 pub fn blade(blade: &Blade, root_mm: f64, tolerance_mm: f64) -> Vec<Triangle> {
+    let grid = grid(&[&blade.pressure, &blade.suction], tolerance_mm);
+    blade_over(&grid, root_mm, |side, u, v| match side {
+        BladeSide::Pressure => blade.pressure.point(u, v),
+        BladeSide::Suction => blade.suction.point(u, v),
+    })
+}
+
+/// Blade whose sides are displaced, as a solid: `point` of a side at (u, v). The grid is that of the blade without displacement within
+/// `tolerance_mm`, with steps of `step_mm` at most.
+pub fn displaced_blade(
+    blade: &Blade,
+    root_mm: f64,
+    [tolerance_mm, step_mm]: [f64; 2],
+    point: impl Fn(BladeSide, f64, f64) -> Point,
+) -> Vec<Triangle> {
     let [us, vs] = grid(&[&blade.pressure, &blade.suction], tolerance_mm);
-    let row = |face: &Face, v: f64| us.iter().map(|u| face.point(*u, v)).collect::<Vec<_>>();
-    let sides = [&blade.pressure, &blade.suction].map(|face| {
-        let mut rows: Vec<Vec<Point>> = vs.iter().map(|v| row(face, *v)).collect();
+    let apart_mm = |from: [f64; 2], to: [f64; 2]| {
+        let [from, to] = [from, to].map(|[u, v]| blade.pressure.point(u, v));
+        (to - from).norm()
+    };
+    let greatest = |way: &dyn Fn(f64) -> f64| PROBES.into_iter().map(way).fold(0.0, f64::max);
+    let us = divided(&us, |a, b| greatest(&|v| apart_mm([a, v], [b, v])) / step_mm);
+    let vs = divided(&vs, |a, b| greatest(&|u| apart_mm([u, a], [u, b])) / step_mm);
+    blade_over(&[us, vs], root_mm, point)
+}
+
+/// Solid over a grid of parameters.
+fn blade_over(
+    [us, vs]: &[Vec<f64>; 2],
+    root_mm: f64,
+    point: impl Fn(BladeSide, f64, f64) -> Point,
+) -> Vec<Triangle> {
+    let sides = [BladeSide::Pressure, BladeSide::Suction].map(|side| {
+        let row = |v: &f64| us.iter().map(|u| point(side, *u, *v)).collect::<Vec<_>>();
+        let mut rows: Vec<Vec<Point>> = vs.iter().map(row).collect();
         rows.insert(0, rows[0].iter().map(|point| below(point, root_mm)).collect());
         rows
     });
     solid_of(sides)
+}
+
+/// Parameters with each interval divided into equal parts; their number is rounded up.
+fn divided(at: &[f64], parts: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let between = at.windows(2).flat_map(|pair| {
+        let count = libm::ceil(parts(pair[0], pair[1])).max(1.0) as usize;
+        (1..=count).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / count as f64).collect::<Vec<_>>()
+    });
+    at.first().copied().into_iter().chain(between).collect()
 }
 
 /// Solid between two sides, given row by row from below.

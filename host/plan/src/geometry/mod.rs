@@ -48,6 +48,6 @@ pub mod step_file;
 
 pub mod slot;
 
-pub mod mesh;
-
 pub mod flaws;
+
+pub mod mesh;

@@ -25,8 +25,8 @@ pub struct EndMillJob<'a> {
     pub feed_max_mm_per_min: f64,
     /// Remark about the feeds.
     pub remark: &'a str,
-    /// `stock.stl` and `finished.stl` stand beside the file.
-    pub has_workpiece: bool,
+    /// Distance of the simulation's dexel rays, if `stock.stl` and `finished.stl` stand beside the file.
+    pub rays_mm: Option<f64>,
     /// Preset of the control.
     pub control: &'a str,
     /// Machine, if it is known.
@@ -74,11 +74,11 @@ impl EndMillJob<'_> {
             self.remark,
             length(self.feed_per_tooth_mm),
         );
-        if self.has_workpiece {
+        if let Some(rays_mm) = self.rays_mm {
             let _ = write!(
                 text,
                 "[workpiece]\nstl = \"stock.stl\"\nstl_units = \"mm\"\ntarget = \"finished.stl\"\nstep = {}\n\n",
-                length(0.5)
+                length(rays_mm)
             );
         }
         let _ = write!(

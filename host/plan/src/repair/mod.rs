@@ -27,3 +27,9 @@ pub mod regions;
 pub mod passes;
 
 pub mod plan;
+
+pub mod tool_path;
+
+pub mod prediction;
+
+pub mod solids;

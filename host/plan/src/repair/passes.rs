@@ -18,8 +18,8 @@ use crate::vector::{Point, Vector};
 const PROBES: usize = 17;
 /// Step of the differences in (1), as a share of a parameter's range.
 const DIFFERENCE: f64 = 1e-5;
-/// Greatest distance of points along a pass, and least one where the surface is examined between the probes.
-const STEPS_MM: [f64; 2] = [0.05, 1.0];
+/// Distance of points along a pass where the surface between the probes is too curved for the ball.
+const STEP_LEAST_MM: f64 = 0.05;
 /// Most points of all passes of one kind.
 const POINTS_MAX: usize = 2_000_000;
 
@@ -45,6 +45,8 @@ pub struct PassSettings {
     pub cusp_mm: f64,
     /// Chord error along a pass.
     pub chord_mm: f64,
+    /// Greatest distance of points along a pass.
+    pub step_mm: f64,
 }
 
 /// Lines u = const with the number of points on each.
@@ -88,11 +90,11 @@ pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) 
 
 /// A line u = const, measured in chords of the tolerance: equal parts of it are dense where it is curved.
 fn chords<'s>(surface: &'s impl Surface, u: f64, settings: &PassSettings) -> ArcLength<impl Fn(f64) -> f64 + 's> {
-    let PassSettings { ball_mm, chord_mm, .. } = *settings;
+    let PassSettings { ball_mm, chord_mm, step_mm, .. } = *settings;
     let per_parameter = move |v: f64| {
         let [_, along] = curvatures_per_mm(surface, [u, v]);
-        let chord = contact_chord(ball_mm, chord_mm, along).map_or(STEPS_MM[0], |chord| chord.surface_mm);
-        surface.jet([u, v]).v.norm() / chord.min(STEPS_MM[1])
+        let chord = contact_chord(ball_mm, chord_mm, along).map_or(STEP_LEAST_MM, |chord| chord.surface_mm);
+        surface.jet([u, v]).v.norm() / chord.min(step_mm)
     };
     ArcLength::new(surface.ranges()[1], per_parameter)
 }
@@ -105,23 +107,18 @@ fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
 }
 
 impl PassLines {
-    /// Contact points of each line, with what is left at a place; lines go to and fro by turns if `is_zigzag`.
+    /// Contact points of each line from the leading to the trailing edge, with what is left at a place.
     pub fn contacts(
         &self,
         surface: &impl Surface,
         left_mm: impl Fn([f64; 2], &Point) -> f64,
-        is_zigzag: bool,
     ) -> Vec<Vec<RepairContact>> {
-        let line = |(k, u): (usize, &f64)| {
+        let line = |u: &f64| {
             let curve = chords(surface, *u, &self.settings);
             let contact = |v: f64| contact(surface, [*u, v], &left_mm);
-            let mut line: Vec<RepairContact> = curve.equal_arcs(self.points).into_iter().map(contact).collect();
-            if is_zigzag && k % 2 == 1 {
-                line.reverse();
-            }
-            line
+            curve.equal_arcs(self.points).into_iter().map(contact).collect()
         };
-        self.us.iter().enumerate().map(line).collect()
+        self.us.iter().map(line).collect()
     }
 }
 

@@ -7,7 +7,7 @@ use super::border::square_to;
 use super::field::AllowanceField;
 use super::passes::{PassLines, PassSettings, RepairContact, layer_heights_mm, pass_lines, runs};
 use super::regions::{Region, RegionSettings, RepairBorder, RepairRegions, regions};
-use super::scan::{HeightSample, NominalSurface};
+use super::scan::{HeightField, HeightSample, NominalSurface};
 use crate::geometry::face::FaceError;
 use crate::geometry::surface::Surface;
 use crate::vector::Point;
@@ -103,8 +103,12 @@ pub struct RepairPlan {
     pub regions: RepairRegions,
     /// Allowance that finishing leaves at each node; `None` in the norm region.
     pub planned_mm: Vec<Vec<Option<f64>>>,
+    /// Heights of the measured surface.
+    pub heights: HeightField,
     /// Lines of the finish.
     pub lines: PassLines,
+    /// Contact points of the finish on whole lines.
+    pub whole: Vec<Vec<RepairContact>>,
     /// Finishing passes; of an island or a nick the runs on which they cut.
     pub finish: Vec<Vec<RepairContact>>,
     /// Rough layers, from the highest: their heights and the runs of contact points.
@@ -141,12 +145,12 @@ pub fn plan<S: Surface + Sync>(
         pass_lines(surface, found.allowance.from_u, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
     let region = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, point);
     let is_repaired = |at: [f64; 2], point: &Point| region(at, point) == Region::Repaired;
-    let passes = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)), true);
+    let whole = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)));
     // Beside an island or a nick the old surface stays; above c1 of a border from edge to edge everything is finished.
     let is_all = matches!(found.border, RepairBorder::Rising { .. });
     let is_finished =
         |contact: &RepairContact| is_all || region(contact.at, &surface.jet(contact.at).point) != Region::Norm;
-    let finish = passes.iter().flat_map(|line| runs(line, is_finished)).collect();
+    let finish = whole.iter().flat_map(|line| runs(line, is_finished)).collect();
     // A place of the weld that was not measured counts as standing above every layer.
     let stands_above = |contact: &RepairContact| {
         is_repaired(contact.at, &surface.jet(contact.at).point)
@@ -154,7 +158,20 @@ pub fn plan<S: Surface + Sync>(
     };
     let layers = layers(surface, &lines, settings, greatest_mm(&field, &found), stands_above);
     let removed_mm3 = removed_mm3(&field, &found, &planned_mm);
-    Ok(RepairPlan { layers, finish, lines, removed_mm3, planned_mm, regions: found, field })
+    Ok(RepairPlan { layers, finish, whole, lines, removed_mm3, planned_mm, regions: found, field, heights })
+}
+
+impl RepairPlan {
+    /// Allowance that finishing leaves at a place, also where it takes nothing: there that of the old blade.
+    pub fn left_mm(&self, at: [f64; 2], point: &Point) -> f64 {
+        let is_repaired = nearest_region(&self.field, &self.regions, at, point) == Region::Repaired;
+        self.regions.left_mm(at, point, is_repaired)
+    }
+
+    /// Allowance that stands at a place before; in a hole of the measurement that of the old blade.
+    pub fn standing_mm(&self, at: [f64; 2]) -> f64 {
+        self.heights.height_mm(at).unwrap_or(self.regions.allowance.old_mm)
+    }
 }
 
 /// Region of the node nearest to a place.
@@ -228,8 +245,8 @@ fn layers(
     stands_above: impl Fn(&RepairContact) -> bool,
 ) -> Vec<(f64, Vec<Vec<RepairContact>>)> {
     let layer = |height_mm: f64| {
-        let passes = lines.contacts(surface, |_, _| height_mm, true);
-        (height_mm, passes.iter().flat_map(|line| runs(line, &stands_above)).collect())
+        let whole = lines.contacts(surface, |_, _| height_mm);
+        (height_mm, whole.iter().flat_map(|line| runs(line, &stands_above)).collect())
     };
     layer_heights_mm(greatest_mm, settings.rough_mm, settings.depth_mm).into_iter().map(layer).collect()
 }

@@ -49,6 +49,7 @@ pub struct HeightSample {
 }
 
 /// Heights as a function of the nominal parameters.
+#[derive(Clone, Debug)]
 pub struct HeightField {
     samples: RTree<GeomWithData<[f64; 2], f64>>,
     lengths_mm: [f64; 2],

@@ -21,7 +21,7 @@ pub(super) const BESIDE_PITCHES: f64 = 0.75;
 /// Depth of the stock below the hub, mm.
 pub(super) const BELOW_HUB_MM: f64 = 5.0;
 /// Distance of the simulation's dexel rays, mm.
-const RAYS_MM: f64 = 0.5;
+pub(super) const RAYS_MM: f64 = 0.5;
 /// Control of the programs.
 pub(super) const CONTROL: &str = "fanuc-16i";
 

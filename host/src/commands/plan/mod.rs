@@ -91,12 +91,12 @@ struct Finish {
     json: bool,
 }
 
-/// Plan the milling of a repaired blade from measured points: allowance, regions, contact points (docs/repair.md)
+/// Plan the milling of a repaired blade from measured points to the NC program (docs/repair.md)
 #[derive(Debug, clap::Args)]
 struct Repair {
     /// The repair file
     repair: PathBuf,
-    /// Folder for allowance.csv, contacts.csv and report.html; created if it does not exist
+    /// Folder for the NC program, repair.apt, job.toml, stock.stl, finished.stl, allowance.csv, contacts.csv and report.html; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Print one JSON object (docs/json.md)

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
-use arcfeed_plan::finish::plan::MoveKind;
+use arcfeed_plan::finish::access::MoveKind;
+use arcfeed_plan::finish::passes::PassPoint;
+use arcfeed_plan::finish::proof::FinishClearance;
 use serde::Serialize;
 
 use super::result::{FinishResult, obstacle_word, part_word};
@@ -46,7 +48,7 @@ pub struct FinishFigures {
 pub struct FinishClearanceFigures {
     /// `end`, `flutes`, `neck`, `holder`.
     pub part: &'static str,
-    /// `blade`, `neighbours`, `hub`, `fixture`.
+    /// `blade`, `stock`, `neighbours`, `hub`, `fixture`.
     pub obstacle: &'static str,
     /// Lower bound.
     pub certified_mm: f64,
@@ -60,38 +62,51 @@ impl FinishFigures {
     /// Figures of a plan.
     pub fn of(result: &FinishResult) -> Self {
         let FinishResult { part, plan, .. } = result;
-        let cuts = plan.path.iter().zip(&result.cl.points).filter(|(step, _)| step.kind == MoveKind::Cut);
-        let feeds: Vec<f64> = cuts.filter_map(|(_, point)| point.feed_mm_per_min).collect();
-        let points = || plan.passes.iter().flatten();
-        let tilts: Vec<f64> =
-            points().map(|point| point.contact.normal.angle(&point.location.axis).to_degrees()).collect();
-        let clearances = result.clearances.iter().map(|found| FinishClearanceFigures {
-            part: part_word(found.part),
-            obstacle: obstacle_word(found.obstacle),
-            certified_mm: found.certified_mm,
-            needed_mm: found.needed_mm,
-            move_number: found.at + 2,
-        });
         FinishFigures {
             name: part.name.clone(),
             safe: result.refusal().is_none(),
             blades: part.blisk.blades,
             span: plan.span,
             passes: plan.passes.len(),
-            points: points().count(),
-            tilt_deg: range(&tilts).unwrap_or([0.0; 2]),
+            points: plan.passes.iter().map(Vec::len).sum(),
+            tilt_deg: tilts_deg(result),
             target_feed: result.target_mm_per_min,
-            feed: range(&feeds),
+            feed: feeds(result),
             limited_moves: result.limited,
             rotary_travel_deg: result.axes.travel_deg[1],
             minutes: result.minutes,
-            clearances: clearances.collect(),
+            clearances: clearances(result),
             findings: result.axes.findings.iter().map(|finding| finding.entry()).collect(),
         }
     }
 }
 
-fn range(values: &[f64]) -> Option<[f64; 2]> {
+/// Clearances of a plan.
+pub fn clearances(result: &FinishResult) -> Vec<FinishClearanceFigures> {
+    let figures = |found: &FinishClearance| FinishClearanceFigures {
+        part: part_word(found.part),
+        obstacle: obstacle_word(found.obstacle),
+        certified_mm: found.certified_mm,
+        needed_mm: found.needed_mm,
+        move_number: found.at + 1,
+    };
+    result.clearances.iter().map(figures).collect()
+}
+
+/// Least and greatest F of the cutting moves.
+pub fn feeds(result: &FinishResult) -> Option<[f64; 2]> {
+    let cuts = result.plan.path.iter().zip(&result.cl.points).filter(|(step, _)| step.kind == MoveKind::Cut);
+    range(&cuts.filter_map(|(_, point)| point.feed_mm_per_min).collect::<Vec<f64>>())
+}
+
+/// Least and greatest angle between the tool axis and the normal of the surface.
+pub fn tilts_deg(result: &FinishResult) -> [f64; 2] {
+    let tilt = |point: &PassPoint| point.contact.normal.angle(&point.location.axis).to_degrees();
+    range(&result.plan.passes.iter().flatten().map(tilt).collect::<Vec<f64>>()).unwrap_or([0.0; 2])
+}
+
+/// Least and greatest of some values; `None` of none.
+pub fn range(values: &[f64]) -> Option<[f64; 2]> {
     let first = *values.first()?;
     Some(values.iter().fold([first; 2], |[low, high], value| [low.min(*value), high.max(*value)]))
 }
@@ -116,11 +131,16 @@ pub fn text(figures: &FinishFigures) -> String {
             "  feed {target_feed:.1} mm/min wanted, F {low:.1} to {high:.1}; on {limited_moves} moves the machine's axes allow no more"
         );
     }
+    write_clearances(&mut text, &figures.clearances);
+    let _ = write!(text, "  time of the feed moves: {:.1} min", figures.minutes);
+    text
+}
+
+/// Writes a line for each clearance.
+pub fn write_clearances(text: &mut String, clearances: &[FinishClearanceFigures]) {
     let _ = writeln!(text, "  clearances of the whole mill, mm, at least (needed):");
-    for found in &figures.clearances {
+    for found in clearances {
         let FinishClearanceFigures { part, obstacle, certified_mm, needed_mm, .. } = found;
         let _ = writeln!(text, "    {part:<6} from {obstacle:<10} {certified_mm:>9.3} ({needed_mm:.3})");
     }
-    let _ = write!(text, "  time of the feed moves: {:.1} min", figures.minutes);
-    text
 }

@@ -11,14 +11,31 @@ use super::super::files::{CONTROL, file_stem, machine, machine_file, write_files
 use super::figures::FinishFigures;
 use super::page::{page, picture};
 use super::result::{FinishResult, TOLERANCE};
-use crate::post::nc::{Style, ToolStart, write as program};
+use crate::post::nc::{self, Style, ToolStart};
 
 /// Writes the plan's files into a folder.
 ///
 /// # Errors
 /// The program cannot be written for the machine, or a file cannot be written.
 pub fn write(result: &FinishResult, figures: &FinishFigures, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
-    let name = format!("{}.nc", file_stem(&result.part.name));
+    let (name, text) = program(result)?;
+    let remark = "The F words of the program keep the feed per tooth at the contact (docs/finish.md).";
+    let (cl, job, page) = (result.cl.write(), job(result, &name, remark, None), page(result, figures).to_string());
+    let files: [(&str, &[u8]); 5] = [
+        (&name, text.as_bytes()),
+        ("finish.apt", cl.as_bytes()),
+        ("job.toml", job.as_bytes()),
+        ("axes.svg", &picture(result).into_bytes()),
+        ("report.html", page.as_bytes()),
+    ];
+    write_files(folder, &files, inputs)
+}
+
+/// File name and text of the program.
+///
+/// # Errors
+/// The program cannot be written for the machine.
+pub fn program(result: &FinishResult) -> Result<(String, String), Failure> {
     let output = &result.part.output;
     let style = Style {
         name: &result.part.machine.name,
@@ -31,20 +48,13 @@ pub fn write(result: &FinishResult, figures: &FinishFigures, folder: &Path, inpu
             coolant: output.coolant,
         }),
     };
-    let (text, _) = program(&result.cl, &result.axes, &result.task, &style)
+    let (text, _) = nc::write(&result.cl, &result.axes, &result.task, &style)
         .map_err(|error| Failure::Input(format!("{}: move {error}", result.part.name)))?;
-    let (cl, job, page) = (result.cl.write(), job(result, &name), page(result, figures).to_string());
-    let files: [(&str, &[u8]); 5] = [
-        (&name, text.as_bytes()),
-        ("finish.apt", cl.as_bytes()),
-        ("job.toml", job.as_bytes()),
-        ("axes.svg", &picture(result).into_bytes()),
-        ("report.html", page.as_bytes()),
-    ];
-    write_files(folder, &files, inputs)
+    Ok((format!("{}.nc", file_stem(&result.part.name)), text))
 }
 
-fn job(result: &FinishResult, program: &str) -> String {
+/// Text of the job file; with `rays_mm` stock and finished part stand beside it.
+pub fn job(result: &FinishResult, program: &str, remark: &str, rays_mm: Option<f64>) -> String {
     let part = &result.part;
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
@@ -63,8 +73,8 @@ fn job(result: &FinishResult, program: &str) -> String {
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: feeds.fold(0.0, f64::max),
-        remark: "The F words of the program keep the feed per tooth at the contact (docs/finish.md).",
-        has_workpiece: false,
+        remark,
+        rays_mm,
         control: CONTROL,
         machine: machine(source, file.as_deref()),
     }

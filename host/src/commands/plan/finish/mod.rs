@@ -1,12 +1,12 @@
 //! `arcfeed plan finish`: reads the part, plans and proves, prints the figures and writes the files.
 
-mod result;
+pub mod result;
 
-mod figures;
+pub mod figures;
 
-mod page;
+pub mod page;
 
-mod files;
+pub mod files;
 
 use super::super::outcome::{Failure, say};
 use super::Finish;

@@ -2,7 +2,7 @@
 
 use arcfeed_kinematics::vector::Vector;
 
-use super::figures::FinishFigures;
+use super::figures::{FinishClearanceFigures, FinishFigures};
 use super::result::FinishResult;
 use crate::post::chart::chart;
 use crate::report::page::{Page, Section, escaped};
@@ -12,7 +12,7 @@ pub fn page(result: &FinishResult, figures: &FinishFigures) -> Page {
     let section = |heading: &str, body: String| Section { heading: heading.into(), body };
     let sections = vec![
         section("Verdict", verdict(figures)),
-        section("Clearances", clearances(figures)),
+        section("Clearances", clearances(&figures.clearances)),
         section("First rotary axis over the directions of the tool", picture(result)),
         section("Findings of the post-processor", findings(result)),
     ];
@@ -34,9 +34,9 @@ fn verdict(figures: &FinishFigures) -> String {
     )
 }
 
-fn clearances(figures: &FinishFigures) -> String {
+/// Table of clearances.
+pub fn clearances(figures: &[FinishClearanceFigures]) -> String {
     let rows: String = figures
-        .clearances
         .iter()
         .map(|found| {
             format!(
@@ -50,7 +50,8 @@ fn clearances(figures: &FinishFigures) -> String {
     )
 }
 
-fn findings(result: &FinishResult) -> String {
+/// List of the post-processor's findings.
+pub fn findings(result: &FinishResult) -> String {
     if result.axes.findings.is_empty() {
         return "<p>None.</p>".into();
     }

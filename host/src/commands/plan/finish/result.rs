@@ -5,11 +5,13 @@ use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_kinematics::linearise::Tolerance;
 use arcfeed_kinematics::singularity::RepairLimits;
 use arcfeed_kinematics::tip_feed::TipMove;
+use arcfeed_plan::finish::access::{BladeAccess, FinishMove, MoveKind};
 use arcfeed_plan::finish::feed::ContactFeed;
-use arcfeed_plan::finish::mill::{CutterLocation, FinishPart as MillPart};
+use arcfeed_plan::finish::mill::FinishPart as MillPart;
 use arcfeed_plan::finish::obstacles::{FinishObstacle, obstacles};
-use arcfeed_plan::finish::plan::{FinishMove, FinishPlan, MoveKind, Planner};
+use arcfeed_plan::finish::plan::{FinishPlan, Planner};
 use arcfeed_plan::finish::proof::{FinishClearance, FinishProof};
+use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::flaws::flaws;
 
 use crate::part::finish::FinishPart;
@@ -52,18 +54,16 @@ impl FinishResult {
     /// # Errors
     /// Describes why there is no plan.
     pub fn of(part: FinishPart) -> Result<Self, String> {
-        let found = flaws(&part.blisk, 0.0);
-        if !found.is_empty() {
-            let said: Vec<String> = found.iter().map(ToString::to_string).collect();
-            return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
-        }
+        check_rotor(&part.blisk)?;
         let bodies = obstacles(&part.blisk, &part.fixtures);
         let planner = Planner { blisk: &part.blisk, mill: &part.mill, needs: &part.needs, bodies: &bodies };
         let plan = planner.plan().map_err(|why| why.to_string())?;
-        let path: Vec<CutterLocation> = plan.path.iter().map(|step| step.location).collect();
-        let departure_rad = TOLERANCE.axis_deg.to_radians();
-        let proof = FinishProof { mill: &part.mill, bodies: &bodies, margins: part.needs.margins, departure_rad };
-        let clearances = proof.clearances(&path);
+        let clearances = clearances(&plan, &planner.access());
+        Ok(FinishResult::proven(part, plan, clearances))
+    }
+
+    /// Evaluates a plan of which the clearances are known.
+    pub fn proven(part: FinishPart, plan: FinishPlan, clearances: Vec<FinishClearance>) -> Self {
         let task = Task {
             machine: part.machine.machine,
             setup: part.setup,
@@ -77,7 +77,7 @@ impl FinishResult {
         let axes = AxisPlan::new(&cl, &task);
         let limited = limit_feeds(&mut cl, &axes, &task);
         let minutes = minutes(&cl);
-        Ok(FinishResult { part, plan, clearances, cl, task, axes, target_mm_per_min, limited, minutes })
+        FinishResult { part, plan, clearances, cl, task, axes, target_mm_per_min, limited, minutes }
     }
 
     /// Reason for which nothing is written.
@@ -97,6 +97,22 @@ impl FinishResult {
         let error = self.axes.findings.iter().find(|finding| finding.severity() == Severity::Error)?;
         Some(format!("{} cannot follow the path: move {}: {}", self.part.machine.name, error.line, error.what))
     }
+}
+
+/// Checks that a rotor has no flaw that keeps a planner from it.
+///
+/// # Errors
+/// Describes its flaws.
+pub fn check_rotor(blisk: &Blisk) -> Result<(), String> {
+    let said: Vec<String> = flaws(blisk, 0.0).iter().map(ToString::to_string).collect();
+    if said.is_empty() { Ok(()) } else { Err(format!("this rotor cannot be planned: {}", said.join("; "))) }
+}
+
+/// Clearances of the whole mill over the whole path, from above all obstacles and back; move k leads to the CL point of line k + 1.
+pub fn clearances(plan: &FinishPlan, access: &BladeAccess<'_>) -> Vec<FinishClearance> {
+    let BladeAccess { mill, bodies, needs, .. } = access;
+    let proof = FinishProof { mill, bodies, margins: needs.margins, departure_rad: TOLERANCE.axis_deg.to_radians() };
+    proof.clearances(&access.whole(&plan.path))
 }
 
 /// CL points; their lines are the numbers of the moves.
@@ -166,6 +182,7 @@ pub fn part_word(part: MillPart) -> &'static str {
 pub fn obstacle_word(obstacle: FinishObstacle) -> &'static str {
     match obstacle {
         FinishObstacle::Blade => "blade",
+        FinishObstacle::Stock => "stock",
         FinishObstacle::Neighbours => "neighbours",
         FinishObstacle::Hub => "hub",
         FinishObstacle::Fixture => "fixture",

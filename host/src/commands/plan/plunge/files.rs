@@ -10,7 +10,7 @@ use arcfeed_plan::output::stl::to_stl;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{
-    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, file_stem, machine, machine_file, write_files,
+    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files,
 };
 use super::figures::PlungeFigures;
 use super::page::page;
@@ -113,7 +113,7 @@ fn job(result: &PlungeResult, program: &str) -> String {
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min),
         remark: "Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.",
-        has_workpiece: true,
+        rays_mm: Some(RAYS_MM),
         control: CONTROL,
         machine: machine(source, file.as_deref()),
     }

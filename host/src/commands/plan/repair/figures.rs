@@ -7,19 +7,18 @@ use arcfeed_plan::repair::regions::{Region, RepairBorder};
 use arcfeed_plan::repair::registration::DIRECTIONS;
 use serde::Serialize;
 
+use super::super::finish::figures::{
+    FinishClearanceFigures, clearances, feeds, range, tilts_deg, write_clearances,
+};
 use super::result::RepairResult;
-
-/// Sentence about the program that is not written.
-pub const NO_PROGRAM: &str = "No NC program is written: the way of the whole mill along these contact points is not planned and not proven yet \
-                              (docs/repair.md)";
 
 /// Figures of one plan, `arcfeed plan repair --json` (docs/json.md). Lengths mm, angles degrees.
 #[derive(Debug, Serialize)]
 pub struct RepairFigures {
     /// Name of the repair.
     pub name: String,
-    /// NC program; none is written yet.
-    pub program: Option<String>,
+    /// The mill keeps all distances, and the machine follows the path.
+    pub safe: bool,
     /// Side.
     pub side: &'static str,
     /// Number of the blade.
@@ -48,6 +47,20 @@ pub struct RepairFigures {
     pub layers_mm: Vec<f64>,
     /// Volume to be taken in the repaired region and in the transition.
     pub removed_mm3: [f64; 2],
+    /// Least and greatest difference between the predicted result and the planned allowance, where something is taken.
+    pub predicted_mm: Option<[f64; 2]>,
+    /// Points of the path.
+    pub points_of_path: usize,
+    /// Least and greatest angle between the tool axis and the normal of the surface.
+    pub tilt_deg: [f64; 2],
+    /// Wanted feed.
+    pub target_feed: f64,
+    /// Least and greatest F of the cutting moves.
+    pub feed: Option<[f64; 2]>,
+    /// Time of the feed moves.
+    pub minutes: f64,
+    /// Clearances of the mill.
+    pub clearances: Vec<FinishClearanceFigures>,
 }
 
 /// Figures of a registration.
@@ -102,7 +115,7 @@ impl RepairFigures {
         let allowance = &plan.regions.allowance;
         RepairFigures {
             name: file.name.clone(),
-            program: None,
+            safe: result.path.refusal().is_none(),
             side: if file.side == BladeSide::Pressure { "pressure" } else { "suction" },
             blade: file.blade,
             points: file.points.len(),
@@ -117,8 +130,21 @@ impl RepairFigures {
             stepover_mm: plan.lines.steps_mm,
             layers_mm: plan.layers.iter().map(|(height_mm, _)| *height_mm).collect(),
             removed_mm3: plan.removed_mm3,
+            predicted_mm: predicted(result),
+            points_of_path: result.path.plan.passes.iter().map(Vec::len).sum(),
+            tilt_deg: tilts_deg(&result.path),
+            target_feed: result.path.target_mm_per_min,
+            feed: feeds(&result.path),
+            minutes: result.path.minutes,
+            clearances: clearances(&result.path),
         }
     }
+}
+
+/// Least and greatest difference between prediction and plan.
+fn predicted(result: &RepairResult) -> Option<[f64; 2]> {
+    let nodes = result.predicted_mm.iter().flatten().zip(result.plan.planned_mm.iter().flatten());
+    range(&nodes.filter_map(|(predicted, planned)| Some((*predicted)? - (*planned)?)).collect::<Vec<f64>>())
 }
 
 fn registration(result: &RepairResult) -> RegistrationFigures {
@@ -203,8 +229,25 @@ pub fn text(figures: &RepairFigures) -> String {
     );
     let _ = writeln!(
         text,
-        "to be taken: {:.1} mm3 in the repaired region, {:.2} mm3 in the transition\n{NO_PROGRAM}.",
+        "to be taken: {:.1} mm3 in the repaired region, {:.2} mm3 in the transition",
         figures.removed_mm3[0], figures.removed_mm3[1]
     );
+    write_path(&mut text, figures);
     text
+}
+
+/// Writes what is known of the mill's path.
+fn write_path(text: &mut String, figures: &RepairFigures) {
+    if let Some([low, high]) = figures.predicted_mm {
+        let _ = writeln!(text, "predicted result: {low:.4} .. {high:.4} mm above the planned allowance");
+    }
+    let RepairFigures { points_of_path, tilt_deg: [least, greatest], target_feed, minutes, .. } = figures;
+    let _ = writeln!(
+        text,
+        "path: {points_of_path} points, angle between tool axis and normal {least:.1} .. {greatest:.1} degrees, {minutes:.1} min of feed moves"
+    );
+    if let Some([low, high]) = figures.feed {
+        let _ = writeln!(text, "  feed {target_feed:.1} mm/min wanted, F {low:.1} to {high:.1}");
+    }
+    write_clearances(text, &figures.clearances);
 }

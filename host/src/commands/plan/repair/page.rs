@@ -2,9 +2,13 @@
 
 use std::fmt::Write as _;
 
-use super::figures::{NO_PROGRAM, RepairFigures, text};
+use super::figures::{RepairFigures, text};
+use super::super::finish::page::{clearances, findings, picture};
 use super::result::RepairResult;
 use crate::report::page::{Page, Section, escaped};
+
+/// Verdict of a plan whose proof holds.
+const VERDICT: &str = "The whole mill keeps its distances on every move, from above the part and back.";
 
 /// Width of a map; its height follows from the lattice.
 const WIDTH: f64 = 560.0;
@@ -16,11 +20,16 @@ pub fn page(result: &RepairResult, figures: &RepairFigures) -> Page {
     let before = map(result, |i, j| plan.field.rows[i][j].along_mm);
     let left = map(result, |i, j| plan.planned_mm[i][j].or(plan.field.rows[i][j].along_mm));
     let taken = map(result, |i, j| Some((plan.field.rows[i][j].along_mm? - plan.planned_mm[i][j]?).max(0.0)));
+    let predicted = map(result, |i, j| Some(result.predicted_mm[i][j]? - plan.planned_mm[i][j]?));
     let sections = vec![
-        section("Verdict", format!("<p>{}.</p>\n<pre>{}</pre>", escaped(NO_PROGRAM), escaped(&text(figures)))),
+        section("Verdict", format!("<p>{VERDICT}</p>\n<pre>{}</pre>", escaped(&text(figures)))),
         section("Allowance before", before),
         section("Allowance planned", left),
         section("Depth to be taken", taken),
+        section("Predicted result above the planned allowance", predicted),
+        section("Clearances", clearances(&figures.clearances)),
+        section("First rotary axis over the directions of the tool", picture(&result.path)),
+        section("Findings of the post-processor", findings(&result.path)),
     ];
     Page { title: format!("Repair: {}", figures.name), sections, viewer: None }
 }

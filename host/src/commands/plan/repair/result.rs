@@ -1,14 +1,22 @@
 //! Plan of a repair with the registration before it.
 
+use arcfeed_plan::finish::access::{BladeAccess, outward};
+use arcfeed_plan::finish::obstacles::{FinishBody, FinishObstacle, around};
 use arcfeed_plan::geometry::face::Face;
+use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::repair::blade::{NominalBlade, sides};
 use arcfeed_plan::repair::evenness::{AllowancePlace, EvenMotion, most_even};
 use arcfeed_plan::repair::field::AllowanceField;
 use arcfeed_plan::repair::plan::{RepairPlan, plan};
 use arcfeed_plan::repair::regions::{Region, regions};
+use arcfeed_plan::repair::prediction::predicted_mm;
 use arcfeed_plan::repair::registration::{NominalFoot, Registration, RegistrationSettings, RigidMotion, register};
+use arcfeed_plan::repair::solids::{LEFT_CHORD_MM, STOCK_CHORD_MM, left_blade, standing_blade};
+use arcfeed_plan::repair::tool_path::tool_path;
 use arcfeed_plan::vector::Point;
 
+use super::super::finish::result::{FinishResult, check_rotor, clearances};
+use crate::console::note;
 use crate::part::repair::RepairFile;
 
 /// Most points of a registration; of more points every k-th is taken.
@@ -28,6 +36,12 @@ pub struct RepairResult {
     pub used: usize,
     /// Plan.
     pub plan: RepairPlan,
+    /// Allowance that the finish is predicted to leave at each node.
+    pub predicted_mm: Vec<Vec<Option<f64>>>,
+    /// The blade as it stands before, and as it will be.
+    pub solids: [Vec<Triangle>; 2],
+    /// Path of the mill with its proof and its feeds.
+    pub path: FinishResult,
 }
 
 impl RepairResult {
@@ -36,8 +50,9 @@ impl RepairResult {
     /// # Errors
     /// Describes why there is no plan.
     pub fn of(file: RepairFile) -> Result<Self, String> {
-        let faces = sides(&file.blisk, file.blade);
-        let blade = NominalBlade::new([&faces[0], &faces[1]], &file.blisk);
+        check_rotor(&file.part.blisk)?;
+        let faces = sides(&file.part.blisk, file.blade);
+        let blade = NominalBlade::new([&faces[0], &faces[1]], &file.part.blisk);
         blade.check(&file.points, file.blade, file.stylus_mm).map_err(|fault| fault.to_string())?;
         let registration = registration(&file, &blade, &faces[0])?;
         let mut points: Vec<Point> = file.points.iter().map(|point| registration.motion.moved(point)).collect();
@@ -51,8 +66,39 @@ impl RepairResult {
         }
         let samples = blade.heights(&points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
         let plan = plan(blade.side(file.side), &samples, &file.settings).map_err(|why| why.to_string())?;
-        Ok(RepairResult { registration, even, used: samples.len(), plan, file })
+        let predicted_mm = predicted_mm(&plan, file.part.mill.radius_mm);
+        note(format_args!("planning the path, then proving every move of the whole mill"));
+        let solids = [standing_blade, left_blade].map(|solid| solid(&file.part.blisk, file.blade, file.side, &plan));
+        let path = path(&file, &plan, &solids, &faces[0])?;
+        Ok(RepairResult { registration, even, used: samples.len(), plan, predicted_mm, solids, path, file })
     }
+}
+
+/// Path of the mill, with its proof against the blade as it will be; neck and holder keep their distance from the weld, too.
+fn path(
+    file: &RepairFile,
+    plan: &RepairPlan,
+    [standing, left]: &[Vec<Triangle>; 2],
+    face: &Face,
+) -> Result<FinishResult, String> {
+    let mut part = file.part.clone();
+    part.name.clone_from(&file.name);
+    part.needs.sampling.tolerance_mm /= 2.0;
+    let own = vec![
+        FinishBody::fixed(FinishObstacle::Blade, left.clone(), LEFT_CHORD_MM),
+        FinishBody::fixed(FinishObstacle::Stock, standing.clone(), STOCK_CHORD_MM),
+    ];
+    let bodies = around(&part.blisk, file.blade, own, &part.fixtures);
+    let access = BladeAccess {
+        mill: &part.mill,
+        needs: &part.needs,
+        bodies: &bodies,
+        outward: outward(face),
+        blank_radius_mm: part.blisk.blank.radius_mm,
+    };
+    let path = tool_path(plan, &access).map_err(|why| why.to_string())?;
+    let clearances = clearances(&path, &access);
+    Ok(FinishResult::proven(part, path, clearances))
 }
 
 fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Result<Registration, String> {
