@@ -58,4 +58,6 @@ pub mod screen;
 
 pub mod report;
 
+pub mod web;
+
 pub mod commands;

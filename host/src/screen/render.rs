@@ -187,7 +187,7 @@ mod tests {
         let mut view = view();
         (view.executed, view.sent, view.characters, view.is_taken) = (Some(9), 16, 210, Some(false));
         (view.state, view.xoffs, view.elapsed_s, view.left_s) = (State::Stopped, 3, 61.4, 75.0);
-        view.machine = Machine { override_percent: Some(112), chip_ratio: Some(0.993), alarm: None };
+        view.machine = Machine { override_percent: Some(112), chip_ratio: Some(0.993), ..Machine::default() };
         (view.strip, view.has_chips) = ([0, 50, 99, 99, 150, 200].into(), true);
         let shown = picture(&view, 72, 20);
         let wanted = include_str!("golden.txt");

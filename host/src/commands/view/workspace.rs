@@ -1,0 +1,400 @@
+//! Temporary folder of the page: the program, its job, and what arcfeed makes of them.
+//!
+//! The commands run as processes of their own, so a browser gets the words that a terminal gets, and a run can be stopped.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+use toml::de::DeValue;
+
+use super::super::outcome::{Failure, file_failure};
+use crate::job::questions;
+use crate::toml_values::walk;
+
+/// Longest name of a program.
+const NAME_MAX: usize = 64;
+/// Time between two looks at a running command.
+const PERIOD: Duration = Duration::from_millis(20);
+/// Most bytes of messages that are shown.
+const MESSAGES_MAX: usize = 64 * 1024;
+
+/// Folder and state, shared by all browsers.
+pub struct Workspace {
+    folder: PathBuf,
+    files: Mutex<Files>,
+    running: Mutex<Running>,
+}
+
+/// Program and job.
+#[derive(Clone, Debug, Default)]
+struct Files {
+    program: Option<PathBuf>,
+    job: Option<PathBuf>,
+    /// The job is a file of the command line, which the page does not change.
+    is_fixed: bool,
+    messages: String,
+}
+
+#[derive(Default)]
+struct Running {
+    /// A command of a browser is under way.
+    is_taken: bool,
+    child: Option<Child>,
+    is_closed: bool,
+}
+
+/// State for the page.
+#[derive(Debug, Serialize)]
+pub struct PageState {
+    program: Option<String>,
+    /// Text of the job.
+    job: Option<String>,
+    is_fixed: bool,
+    questions: Vec<OpenQuestion>,
+    /// Messages of the last command.
+    messages: String,
+    has_report: bool,
+}
+
+/// Value that the job needs from a person.
+#[derive(Debug, Serialize)]
+struct OpenQuestion {
+    key: String,
+    /// Line and column of the `"?"`, counted from 1.
+    line: usize,
+    column: usize,
+    /// Comment above it.
+    help: String,
+}
+
+/// Values of the form, as options of `arcfeed init`; an empty one is left out.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FormValues {
+    tool: String,
+    teeth: String,
+    feed_per_tooth: String,
+    spindle: String,
+    max: String,
+    mode: String,
+    milling: String,
+}
+
+/// File that a browser may fetch.
+#[derive(Clone, Copy, Debug)]
+pub enum Output {
+    Report,
+    Adapted,
+    Job,
+}
+
+impl Workspace {
+    /// Workspace in an empty folder.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        let folder = folder.canonicalize()?;
+        for part in ["in", "out"] {
+            std::fs::create_dir(folder.join(part))?;
+        }
+        Ok(Workspace { folder, files: Mutex::default(), running: Mutex::default() })
+    }
+
+    /// Begins with a job or a program of the command line.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn open(&self, path: &Path) -> Result<(), Failure> {
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let absolute = path.canonicalize().map_err(|error| file_failure(path, &error))?;
+            *self.files() = Files { job: Some(absolute), is_fixed: true, ..Files::default() };
+            self.adapt();
+            return Ok(());
+        }
+        let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.take(&name, &bytes).map_err(|error| file_failure(path, &error))
+    }
+
+    /// Takes a program in place of the one before, and proposes a job.
+    ///
+    /// # Errors
+    /// The disk is full.
+    pub fn take(&self, name: &str, program: &[u8]) -> io::Result<()> {
+        for part in ["in", "out"] {
+            std::fs::remove_dir_all(self.folder.join(part))?;
+            std::fs::create_dir(self.folder.join(part))?;
+        }
+        let path = self.folder.join("in").join(plain_name(name));
+        std::fs::write(&path, program)?;
+        *self.files() = Files { job: Some(path.with_extension("toml")), program: Some(path), ..Files::default() };
+        self.propose(&FormValues::default());
+        Ok(())
+    }
+
+    /// Proposes a job by `arcfeed init` with these values.
+    pub fn propose(&self, values: &FormValues) {
+        let Files { program: Some(program), job: Some(job), .. } = self.files().clone() else { return };
+        let mut arguments = vec!["init".into(), "--force".into(), name(&program), "--output".into(), name(&job)];
+        arguments.extend(values.options());
+        self.clear_output();
+        self.command(&arguments);
+    }
+
+    /// Adapts and simulates with this text as the job.
+    ///
+    /// # Errors
+    /// The text cannot be written.
+    pub fn adapt_with(&self, text: &str) -> io::Result<()> {
+        let files = self.files().clone();
+        if let Some(job) = files.job.filter(|_| !files.is_fixed) {
+            if let Some(path) = foreign_file(text, &self.folder.join("in")) {
+                let message = format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
+                self.files().messages = message;
+                return Ok(());
+            }
+            std::fs::write(job, text)?;
+        }
+        self.adapt();
+        Ok(())
+    }
+
+    /// Adapts and simulates the job.
+    fn adapt(&self) {
+        let Some(job) = self.files().job.clone() else { return };
+        self.clear_output();
+        let [report, adapted] = [Output::Report, Output::Adapted].map(|output| self.path(output));
+        let text = |path: PathBuf| path.to_string_lossy().into_owned();
+        let is_fixed = self.files().is_fixed;
+        let job = if is_fixed { text(job) } else { name(&job) };
+        self.command(&["adapt".into(), job, "--output".into(), text(adapted), "--report".into(), text(report)]);
+    }
+
+    /// Runs arcfeed in the folder of the program; its messages are kept.
+    fn command(&self, arguments: &[String]) {
+        let messages = self.run(arguments).unwrap_or_else(|error| format!("arcfeed does not start: {error}"));
+        self.files().messages = messages;
+    }
+
+    fn run(&self, arguments: &[String]) -> io::Result<String> {
+        let log = self.folder.join("messages");
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(File::create(&log)?);
+        command.current_dir(self.folder.join("in"));
+        {
+            let mut running = self.running();
+            if running.is_closed {
+                return Ok("the page has ended".into());
+            }
+            running.child = Some(command.spawn()?);
+        }
+        let ended = loop {
+            let ended = match &mut self.running().child {
+                Some(child) => child.try_wait()?,
+                None => return Ok("stopped".into()),
+            };
+            match ended {
+                Some(status) => break status,
+                None => std::thread::sleep(PERIOD),
+            }
+        };
+        self.running().child = None;
+        let mut messages = std::fs::read(&log)?;
+        messages.truncate(MESSAGES_MAX);
+        let messages = String::from_utf8_lossy(&messages).into_owned();
+        Ok(if ended.success() || !messages.is_empty() { messages } else { format!("arcfeed: {ended}") })
+    }
+
+    /// Takes the workspace for a command; `false` if another browser has it.
+    pub fn begin(&self) -> bool {
+        !std::mem::replace(&mut self.running().is_taken, true)
+    }
+
+    /// Gives the workspace back.
+    pub fn end(&self) {
+        self.running().is_taken = false;
+    }
+
+    /// Stops the running command.
+    pub fn stop(&self) {
+        if let Some(mut child) = self.running().child.take() {
+            let _has_ended = child.kill();
+            let _reaped = child.wait();
+        }
+    }
+
+    /// Stops everything for good.
+    pub fn close(&self) {
+        self.running().is_closed = true;
+        self.stop();
+    }
+
+    /// State for the page.
+    pub fn state(&self) -> PageState {
+        let files = self.files().clone();
+        let job = files.job.as_ref().and_then(|path| std::fs::read_to_string(path).ok());
+        let questions = job.as_deref().map(open_questions).unwrap_or_default();
+        PageState {
+            program: files.program.or_else(|| files.job.clone()).map(|path| name(&path)),
+            job,
+            is_fixed: files.is_fixed,
+            questions,
+            messages: files.messages,
+            has_report: self.path(Output::Report).exists(),
+        }
+    }
+
+    /// Content of a file, and its name for a download.
+    ///
+    /// # Errors
+    /// There is none yet.
+    pub fn read(&self, output: Output) -> io::Result<(Vec<u8>, String)> {
+        let files = self.files().clone();
+        let stem = files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
+        let stem = plain_name(&stem);
+        let extension = files.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
+        match output {
+            Output::Report => Ok((std::fs::read(self.path(output))?, format!("{stem}.html"))),
+            Output::Adapted => {
+                Ok((std::fs::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
+            }
+            Output::Job => Ok((std::fs::read(files.job.unwrap_or_default())?, format!("{stem}.toml"))),
+        }
+    }
+
+    fn path(&self, output: Output) -> PathBuf {
+        let name = match output {
+            Output::Report => "report.html",
+            Output::Adapted => "adapted.nc",
+            Output::Job => "job.toml",
+        };
+        self.folder.join("out").join(name)
+    }
+
+    /// An old result does not stay beside a new job.
+    fn clear_output(&self) {
+        for output in [Output::Report, Output::Adapted] {
+            let _was_not_there = std::fs::remove_file(self.path(output));
+        }
+    }
+
+    fn files(&self) -> MutexGuard<'_, Files> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn running(&self) -> MutexGuard<'_, Running> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl FormValues {
+    /// Options, each in one word with its value, so that no value is an option.
+    fn options(&self) -> impl Iterator<Item = String> {
+        let FormValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling } = self;
+        let several = [("tool", tool), ("teeth", teeth), ("feed-per-tooth", feed_per_tooth)];
+        // One value for all tools, or T1=10 T3=6.
+        let several = several.into_iter().flat_map(|(option, values)| values.split_whitespace().map(move |v| (option, v)));
+        let single = [("spindle", spindle), ("max", max), ("mode", mode), ("milling", milling)];
+        let single = single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
+        several.chain(single).map(|(option, value)| format!("--{option}={value}"))
+    }
+}
+
+/// Last part of a path, as text.
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Name of a program without a folder and without characters of meaning; `.toml` is that of jobs.
+fn plain_name(name: &str) -> String {
+    let allowed = |letter: &char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
+    let name: String = name.rsplit(['/', '\\']).next().unwrap_or_default().chars().filter(allowed).take(NAME_MAX).collect();
+    let name = name.trim_start_matches(['.', '-']);
+    match name.strip_suffix(".toml").unwrap_or(name) {
+        "" => "program.nc".into(),
+        name => name.into(),
+    }
+}
+
+/// First value of a job that is the name of a file outside a folder.
+fn foreign_file(text: &str, folder: &Path) -> Option<String> {
+    let mut found = None;
+    walk(text, &mut |_, _, value| {
+        if let DeValue::String(string) = value.get_ref()
+            && let Ok(path) = folder.join(string.as_ref()).canonicalize()
+            && path.parent() != Some(folder)
+        {
+            found.get_or_insert_with(|| string.to_string());
+        }
+    });
+    found
+}
+
+fn open_questions(text: &str) -> Vec<OpenQuestion> {
+    let lines: Vec<&str> = text.lines().collect();
+    let help = |line: usize| {
+        let above = lines[..line.saturating_sub(1).min(lines.len())].iter().rev();
+        let mut comments: Vec<&str> = above.map_while(|line| line.strip_prefix("# ")).collect();
+        comments.reverse();
+        comments.join(" ").trim_start_matches("QUESTION: ").to_owned()
+    };
+    let question = |question: questions::Question| {
+        let [line, column] = question.place;
+        OpenQuestion { key: question.key, line, column, help: help(line) }
+    };
+    questions::open(text).into_iter().map(question).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_a_plain_file_of_the_folder() {
+        for (given, wanted) in [
+            ("part.nc", "part.nc"),
+            ("../../etc/passwd", "passwd"),
+            ("C:\\NC\\O1546 (2).TAP", "O15462.TAP"),
+            (".profile", "profile"),
+            ("--json", "json"),
+            ("job.toml", "job"),
+            ("..", "program.nc"),
+            ("", "program.nc"),
+        ] {
+            assert_eq!(plain_name(given), wanted, "{given}");
+        }
+    }
+
+    #[test]
+    fn a_job_names_no_file_outside_the_folder() {
+        let scratch = tempfile::tempdir().unwrap();
+        let folder = scratch.path().canonicalize().unwrap().join("in");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("part.nc"), "M30\n").unwrap();
+        std::fs::write(scratch.path().join("secret"), "").unwrap();
+        let foreign = |value: &str| foreign_file(&format!("units = \"mm\"\n[a]\nb = [\"{value}\"]\n"), &folder);
+        assert_eq!(foreign("part.nc"), None);
+        assert_eq!(foreign("mm/min"), None);
+        for path in ["../secret", "/dev/null", "part.nc/../../secret", ".."] {
+            assert_eq!(foreign(path).is_some(), folder.join(path).exists(), "{path}");
+        }
+        assert!(foreign("../secret").is_some() && foreign("/dev/null").is_some());
+    }
+
+    #[test]
+    fn a_question_has_the_comment_above_it() {
+        let text = "a = 1\n# not this one\n\n# QUESTION: how many\n# teeth cut?\nteeth = \"?\"\n";
+        let [question] = open_questions(text).try_into().unwrap();
+        assert_eq!((question.key.as_str(), question.line, question.column), ("teeth", 6, 9));
+        assert_eq!(question.help, "how many teeth cut?");
+    }
+
+    #[test]
+    fn no_value_of_the_form_is_an_option_of_its_own() {
+        let values = FormValues { tool: "T1=10 T3=--json".into(), max: " 120 ".into(), ..FormValues::default() };
+        assert_eq!(values.options().collect::<Vec<_>>(), ["--tool=T1=10", "--tool=T3=--json", "--max=120"]);
+    }
+}
