@@ -153,14 +153,18 @@ fn browsers_on_a_simulated_line_change_no_figure_and_see_position_line_and_chip(
     check_updates(&seen);
     let snapshots = seen[0].iter().map(|(_, snapshot)| snapshot);
     // N144 runs about the centre that I and J give from the end of N142, on the radius 4.43706 in.
-    let on_arc: Vec<&Value> = snapshots.filter(|now| now["block"].as_str().is_some_and(|b| b.starts_with("N144G3"))).collect();
+    let on_arc: Vec<&Value> =
+        snapshots.filter(|now| now["block"].as_str().is_some_and(|b| b.starts_with("N144G3"))).collect();
     assert!(!on_arc.is_empty(), "the block was under way for seconds");
     for now in on_arc {
         let [x, y] = [0, 1].map(|axis| now["position"][axis].as_f64().expect("a position"));
         let radius = ((x - 0.2495).powi(2) + (y - 8.3369).powi(2)).sqrt();
         // The axes reach the arc after the control has begun it: they lag.
         assert!((radius - 4.43706).abs() < 5e-3 && now["line"] == 19, "{radius}: {now}");
-        assert!(now["feed"].as_f64() > Some(0.0) && now["override_percent"].is_u64() && now["board"].is_null(), "{now}");
+        assert!(
+            now["feed"].as_f64() > Some(0.0) && now["override_percent"].is_u64() && now["board"].is_null(),
+            "{now}"
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use arcfeed_units::Micros;
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::dnc::transmission::Transmission;
 use crate::dnc::{Sender, State};
@@ -21,6 +21,8 @@ pub struct View {
     pub title: String,
     /// Program that is sent.
     pub program: Arc<Listing>,
+    /// Unit of lengths that are shown.
+    pub unit: LengthUnit,
     /// Index of the line that the control executes, if the control reports it.
     pub executed: Option<usize>,
     /// The executed line is a lower bound: it comes from the control's reports.
@@ -155,6 +157,7 @@ impl View {
     pub fn new(title: String, program: Listing, chars_per_s: f64) -> Self {
         View {
             title,
+            unit: LengthUnit::Mm,
             left_s: program.left_s(0),
             program: Arc::new(program),
             executed: None,
@@ -225,6 +228,16 @@ impl View {
     pub fn at_control(&self) -> Option<usize> {
         let end = self.program.ends.get(self.executed?)?;
         Some(self.characters.saturating_sub(*end))
+    }
+
+    /// X, Y, Z of the tool's tip, if the machine reports it.
+    pub fn position(&self) -> Option<[f64; 3]> {
+        self.machine.position_mm.map(|position| position.map(|mm| mm / self.unit.mm()))
+    }
+
+    /// Feed along the path per minute, if the machine reports it.
+    pub fn feed(&self) -> Option<f64> {
+        self.machine.feed_mm_per_min.map(|feed| feed / self.unit.mm())
     }
 
     /// The present note, or the warning.

@@ -10,8 +10,9 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::reply::{Reply, begin_events};
 use super::request::Request;
-use super::server::{Reply, Server, Site, begin_events, warn_of_network};
+use super::server::{Server, Site, warn_of_network};
 use super::snapshot::Snapshot;
 use crate::screen::view::Command;
 

@@ -1,14 +1,17 @@
 //! Pages that arcfeed serves to browsers: an HTTP server for a few of them, and the live page of a transmission.
 //!
-//! A page shows what a [snapshot](snapshot) has; the sender only puts a new one in the place of the last.
+//! A page shows what a [snapshot] has; the sender only puts a new one in the place of the last.
 
 pub mod snapshot;
 
 #[cfg(feature = "web")]
-pub mod server;
+pub mod reply;
 
 #[cfg(feature = "web")]
-mod request;
+pub mod request;
+
+#[cfg(feature = "web")]
+pub mod server;
 
 #[cfg(feature = "web")]
 mod live_page;

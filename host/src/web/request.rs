@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpStream};
 use std::time::{Duration, Instant};
 
-use super::server::Reply;
+use super::reply::Reply;
 
 /// Longest head of a request.
 const HEAD_MAX: usize = 8 * 1024;
@@ -115,7 +115,8 @@ impl Request {
     /// It is longer than `max`, which is answered, or its sender is gone.
     pub fn body(&mut self, max: usize) -> io::Result<Vec<u8>> {
         if self.length > max {
-            Reply::text("413 Content Too Large", &format!("at most {max} bytes are read here")).write(&mut self.stream)?;
+            Reply::text("413 Content Too Large", &format!("at most {max} bytes are read here"))
+                .write(&mut self.stream)?;
             close(&mut self.stream)?;
             return Err(io::Error::other("too large"));
         }
@@ -233,7 +234,9 @@ mod tests {
         }
         let with = |origin: &str| request("/0123456789abcdef/", &format!("{host}Origin: {origin}\r\n"));
         assert!(with("http://127.0.0.1:8080").is_ok());
-        for origin in ["null", "http://localhost:8080", "https://127.0.0.1:8080", "http://127.0.0.1:80", "http://a.example"] {
+        for origin in
+            ["null", "http://localhost:8080", "https://127.0.0.1:8080", "http://127.0.0.1:80", "http://a.example"]
+        {
             assert!(with(origin).is_err_and(|why| why.contains("origins")), "{origin}");
         }
     }

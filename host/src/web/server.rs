@@ -5,14 +5,12 @@
 //! pass their address on. Hosts other than the server's own address are refused, so that no foreign page reaches it
 //! under a name of its own (DNS rebinding), as are requests from pages of other origins. There is no encryption.
 
-use std::fmt::Write as _;
-use std::io::{self, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::io;
+use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::request::Gate;
-pub use super::request::Request;
+use super::request::{Gate, Request};
 use crate::console::note;
 
 /// Most connections at a time; others are closed at once.
@@ -23,10 +21,6 @@ const WRITE_TIMEOUT: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(100);
 /// Bytes of the key.
 const KEY_BYTES: usize = 16;
-
-/// Fields of every answer: the address with the key goes nowhere, and no other page shows this one in a frame.
-const FIELDS: &str = "Connection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
-                      X-Content-Type-Options: nosniff\r\nX-Frame-Options: SAMEORIGIN\r\nCross-Origin-Resource-Policy: same-origin\r\n";
 
 /// Pages and commands behind a server.
 pub trait Site: Send + Sync + 'static {
@@ -41,19 +35,6 @@ pub trait Site: Send + Sync + 'static {
 #[derive(Debug)]
 pub struct Server {
     gate: Arc<Gate>,
-}
-
-/// Complete answer.
-#[derive(Clone, Debug)]
-pub struct Reply<'b> {
-    /// Status code and its words.
-    pub status: &'static str,
-    /// Type of the body.
-    pub kind: &'static str,
-    /// Name under which a browser saves it.
-    pub file_name: Option<String>,
-    /// Body.
-    pub body: &'b [u8],
 }
 
 impl Server {
@@ -73,46 +54,14 @@ impl Server {
     pub fn url(&self) -> String {
         let mut address = self.gate.address;
         if address.ip().is_unspecified() {
-            address.set_ip(if address.is_ipv4() { [127, 0, 0, 1].into() } else { std::net::Ipv6Addr::LOCALHOST.into() });
+            address.set_ip(if address.is_ipv4() {
+                [127, 0, 0, 1].into()
+            } else {
+                std::net::Ipv6Addr::LOCALHOST.into()
+            });
         }
         format!("http://{address}/{}/", self.gate.key)
     }
-}
-
-impl<'b> Reply<'b> {
-    /// Page.
-    pub fn html(body: &'b [u8]) -> Self {
-        Reply { status: "200 OK", kind: "text/html; charset=utf-8", file_name: None, body }
-    }
-
-    /// Sentence.
-    pub fn text(status: &'static str, body: &'b str) -> Self {
-        Reply { status, kind: "text/plain; charset=utf-8", file_name: None, body: body.as_bytes() }
-    }
-
-    /// Writes the whole answer.
-    ///
-    /// # Errors
-    /// The browser is gone, or takes nothing.
-    pub fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
-        let Reply { status, kind, file_name, body } = self;
-        let mut head = format!("HTTP/1.1 {status}\r\n{FIELDS}Content-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
-        if let Some(name) = file_name {
-            let _in_memory = write!(head, "Content-Disposition: attachment; filename=\"{name}\"\r\n");
-        }
-        head += "\r\n";
-        stream.write_all(head.as_bytes())?;
-        stream.write_all(body)
-    }
-}
-
-/// Begins an answer whose events follow, each as it happens.
-///
-/// # Errors
-/// The browser is gone, or takes nothing.
-pub fn begin_events(stream: &mut TcpStream) -> io::Result<()> {
-    stream.set_nodelay(true)?;
-    stream.write_all(format!("HTTP/1.1 200 OK\r\n{FIELDS}Content-Type: text/event-stream\r\n\r\n").as_bytes())
 }
 
 /// Warns if others than this computer reach an address.

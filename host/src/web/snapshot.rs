@@ -1,6 +1,5 @@
 //! State of a transmission for the live page, in the job's unit; no I/O.
 
-use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
 use crate::dnc::State;
@@ -61,7 +60,7 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// State that a view shows.
-    pub fn new(view: &View, unit: LengthUnit) -> Self {
+    pub fn new(view: &View) -> Self {
         let lines = &view.program.lines;
         let source = |index: usize| lines.get(index).map(|(source, _)| *source).filter(|source| *source > 0);
         let machine = &view.machine;
@@ -82,8 +81,8 @@ impl Snapshot {
             is_taken: view.is_taken,
             stops: view.xoffs,
             damaged: view.damaged,
-            position: machine.position_mm.map(|position| position.map(|mm| mm / unit.mm())),
-            feed: machine.feed_mm_per_min.map(|feed| feed / unit.mm()),
+            position: view.position(),
+            feed: view.feed(),
             override_percent: machine.override_percent,
             chip_ratio: machine.chip_ratio,
             alarm: machine.alarm.clone(),

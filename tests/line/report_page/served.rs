@@ -8,7 +8,8 @@ use super::{has_browser, has_node, node};
 const SLOT: &str = "examples/ibr-slot/job.toml";
 
 /// A round pocket and no word about its tool.
-const PROGRAM: &str = "%\nO1\nG21G17G90G94\nS3000M3\nN1G0X0.Y0.Z5.\nN2G1Z-2.F300.\nN3G1X10.F600.\nN4G3I-10.\nN5G0Z5.\nN6M30\n%\n";
+const PROGRAM: &str =
+    "%\nO1\nG21G17G90G94\nS3000M3\nN1G0X0.Y0.Z5.\nN2G1Z-2.F300.\nN3G1X10.F600.\nN4G3I-10.\nN5G0Z5.\nN6M30\n%\n";
 
 #[test]
 fn a_live_page_shows_the_machine_and_holds_resumes_and_aborts() {
@@ -19,9 +20,8 @@ fn a_live_page_shows_the_machine_and_holds_resumes_and_aborts() {
     let scratch = Scratch::new(test);
     // Slowly, so that it lasts as long as a browser without a graphics card needs.
     let stream = Running::start(&scratch, "stream", &["stream", SLOT, "--port", "sim:", "--baudrate", "300", "--web"]);
-    let url = wait_for("the address", || {
-        Some(stream.said().split_once("live page: ")?.1.split_once('\n')?.0.to_owned())
-    });
+    let url =
+        wait_for("the address", || Some(stream.said().split_once("live page: ")?.1.split_once('\n')?.0.to_owned()));
     println!("{}", node(&["test/live.mjs", &url, &scratch.path("live.png")]));
     let ended = stream.end();
     assert!(ended.code == Some(130) && ended.err.contains("stopped by the operator"), "{}", ended.err);

@@ -5,7 +5,7 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
-use arcfeed_units::{LengthUnit, Micros};
+use arcfeed_units::Micros;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::super::outcome::{Failure, file_failure};
@@ -37,7 +37,7 @@ pub struct LiveDisplay {
 struct ShownView {
     view: View,
     screen: Option<Screen>,
-    page: Option<(LivePage, LengthUnit)>,
+    page: Option<LivePage>,
     due: Instant,
     sample_due: Instant,
 }
@@ -73,8 +73,8 @@ impl LiveDisplay {
     }
 
     /// Shows the view on a live page, too.
-    pub fn on_page(mut self, view: View, page: LivePage, unit: LengthUnit) -> Self {
-        self.shown.get_or_insert_with(|| ShownView::new(view, None)).page = Some((page, unit));
+    pub fn on_page(mut self, view: View, page: LivePage) -> Self {
+        self.shown.get_or_insert_with(|| ShownView::new(view, None)).page = Some(page);
         self
     }
 
@@ -181,15 +181,15 @@ impl ShownView {
         if let Some(screen) = &self.screen {
             screen.show(view);
         }
-        if let Some((page, unit)) = &self.page {
-            page.show(Snapshot::new(view, *unit));
+        if let Some(page) = &self.page {
+            page.show(Snapshot::new(view));
         }
     }
 
     /// Command from the keys or from a browser.
     fn command(&self) -> Option<Command> {
         let key = self.screen.as_ref().and_then(Screen::command);
-        key.or_else(|| self.page.as_ref().and_then(|(page, _)| page.command()))
+        key.or_else(|| self.page.as_ref().and_then(LivePage::command))
     }
 }
 

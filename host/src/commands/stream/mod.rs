@@ -2,9 +2,9 @@
 
 mod live_display;
 
-mod live_path;
-
 pub(super) mod preparation;
+
+mod live_path;
 
 mod board_session;
 
@@ -322,6 +322,7 @@ impl Stream {
             let times_s = ready.loads(sender.transmission()).iter().map(|load| load.time_s).collect::<Vec<_>>();
             let listing = Listing::new(sender.transmission(), &times_s);
             let mut view = View::new(title.clone(), listing, ready.chars_per_s() * sender.share());
+            view.unit = ready.file.job.unit;
             view.notes.clone_from(&ready.notes);
             view.journal = journal.map(|path| path.display().to_string());
             view
@@ -337,7 +338,7 @@ impl Stream {
             LiveDisplay::bar(sender.progress().1)
         };
         if let Some((view, page)) = page.take() {
-            live = live.on_page(view, page, ready.file.job.unit);
+            live = live.on_page(view, page);
         }
         match &self.log {
             Some(path) => live.logging(path, &title, opened, sender),
@@ -356,7 +357,7 @@ impl Stream {
         view: View,
     ) -> Result<(View, LivePage), Failure> {
         let page = live_path::page(ready, sender.transmission(), &view.title);
-        let opened = LivePage::open(address, page, Snapshot::new(&view, ready.file.job.unit));
+        let opened = LivePage::open(address, page, Snapshot::new(&view));
         let page = opened.map_err(|error| Failure::Usage(format!("--web {address}: {error}")))?;
         note(format_args!("live page: {}", page.url()));
         Ok((view, page))

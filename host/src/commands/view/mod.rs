@@ -1,10 +1,10 @@
 //! `arcfeed view`: a page on which a program is adapted: dropped in, completed by a form, simulated, downloaded.
 
 #[cfg(feature = "web")]
-mod site;
+mod workspace;
 
 #[cfg(feature = "web")]
-mod workspace;
+mod site;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -51,7 +51,8 @@ impl ViewCommand {
             workspace.open(path)?;
         }
         let site = Arc::new(ViewSite(Arc::clone(&workspace)));
-        let server = Server::start(self.web, site).map_err(|error| Failure::Usage(format!("--web {}: {error}", self.web)))?;
+        let server =
+            Server::start(self.web, site).map_err(|error| Failure::Usage(format!("--web {}: {error}", self.web)))?;
         warn_of_network(self.web);
         say(format_args!("page: {}", server.url()));
         while !interrupted.load(Ordering::Relaxed) {

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::workspace::{FormValues, Output, Workspace};
 use crate::report::page::viewer::start_page;
-use crate::web::server::{Reply, Request, Site};
+use crate::web::reply::Reply;
+use crate::web::request::Request;
+use crate::web::server::Site;
 
 /// Largest program, bytes.
 const PROGRAM_MAX: usize = 64 << 20;
@@ -30,7 +32,8 @@ impl Site for ViewSite {
             }
             (true, "program" | "init" | "run") => {
                 if !workspace.begin() {
-                    return request.reply(&Reply::text("409 Conflict", "another run is under way: wait for it, or stop it"));
+                    return request
+                        .reply(&Reply::text("409 Conflict", "another run is under way: wait for it, or stop it"));
                 }
                 let done = self.work(request);
                 workspace.end();

@@ -152,7 +152,8 @@ impl Workspace {
         let files = self.files().clone();
         if let Some(job) = files.job.filter(|_| !files.is_fixed) {
             if let Some(path) = foreign_file(text, &self.folder.join("in")) {
-                let message = format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
+                let message =
+                    format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
                 self.files().messages = message;
                 return Ok(());
             }
@@ -253,7 +254,8 @@ impl Workspace {
     /// There is none yet.
     pub fn read(&self, output: Output) -> io::Result<(Vec<u8>, String)> {
         let files = self.files().clone();
-        let stem = files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
+        let stem =
+            files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
         let stem = plain_name(&stem);
         let extension = files.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
         match output {
@@ -296,9 +298,11 @@ impl FormValues {
         let FormValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling } = self;
         let several = [("tool", tool), ("teeth", teeth), ("feed-per-tooth", feed_per_tooth)];
         // One value for all tools, or T1=10 T3=6.
-        let several = several.into_iter().flat_map(|(option, values)| values.split_whitespace().map(move |v| (option, v)));
+        let several =
+            several.into_iter().flat_map(|(option, values)| values.split_whitespace().map(move |v| (option, v)));
         let single = [("spindle", spindle), ("max", max), ("mode", mode), ("milling", milling)];
-        let single = single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
+        let single =
+            single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
         several.chain(single).map(|(option, value)| format!("--{option}={value}"))
     }
 }
@@ -311,7 +315,8 @@ fn name(path: &Path) -> String {
 /// Name of a program without a folder and without characters of meaning; `.toml` is that of jobs.
 fn plain_name(name: &str) -> String {
     let allowed = |letter: &char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
-    let name: String = name.rsplit(['/', '\\']).next().unwrap_or_default().chars().filter(allowed).take(NAME_MAX).collect();
+    let name: String =
+        name.rsplit(['/', '\\']).next().unwrap_or_default().chars().filter(allowed).take(NAME_MAX).collect();
     let name = name.trim_start_matches(['.', '-']);
     match name.strip_suffix(".toml").unwrap_or(name) {
         "" => "program.nc".into(),
