@@ -134,8 +134,12 @@ fn check_updates(seen: &[Seen]) {
         let (got, span_s) = (browser.len() as u64 - 1, last.0.as_secs_f64());
         println!("{got} of {made} snapshots in {span_s:.2} s: {:.1} a second", got as f64 / span_s);
         assert!(last.1["is_over"] == true && browser.windows(2).all(|pair| number(&pair[0].1) < number(&pair[1].1)));
-        // The last one does not wait for its turn.
-        assert!(made as f64 <= UPDATES_PER_S * span_s + 3.0 && got * 10 >= made * 9, "{got} of {made} in {span_s} s");
+        // The last one does not wait for its turn. A computer that is busy makes fewer.
+        let most = UPDATES_PER_S * span_s;
+        assert!(
+            made as f64 <= most + 3.0 && made as f64 >= most / 2.0 && got * 10 >= made * 9,
+            "{got} of {made} in {span_s} s"
+        );
     }
 }
 

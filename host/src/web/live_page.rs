@@ -76,6 +76,18 @@ impl LivePage {
         }
     }
 
+    /// Shows the last state, and waits a moment until the browsers have taken it.
+    pub fn end(&mut self, last: Snapshot) {
+        let mut latest = self.shared.lock();
+        latest.replace(Snapshot { is_over: true, ..last });
+        self.shared.changed.notify_all();
+        let until = Instant::now() + FAREWELL_MAX;
+        while latest.watching > 0 && Instant::now() < until {
+            let left = until.saturating_duration_since(Instant::now());
+            latest = self.shared.changed.wait_timeout(latest, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
     /// Command from a browser, each once.
     pub fn command(&self) -> Option<Command> {
         self.commands.try_recv().ok()
@@ -83,15 +95,11 @@ impl LivePage {
 }
 
 impl Drop for LivePage {
+    /// After an error nobody has ended the page.
     fn drop(&mut self) {
-        let mut latest = self.shared.lock();
-        let snapshot = Snapshot { is_over: true, ..(*latest.snapshot).clone() };
-        latest.replace(snapshot);
-        self.shared.changed.notify_all();
-        let until = Instant::now() + FAREWELL_MAX;
-        while latest.watching > 0 && Instant::now() < until {
-            let left = until.saturating_duration_since(Instant::now());
-            latest = self.shared.changed.wait_timeout(latest, left).unwrap_or_else(PoisonError::into_inner).0;
+        let snapshot = Arc::clone(&self.shared.lock().snapshot);
+        if !snapshot.is_over {
+            self.end((*snapshot).clone());
         }
     }
 }

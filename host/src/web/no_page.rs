@@ -27,6 +27,9 @@ impl LivePage {
     /// Shows nothing.
     pub fn show(&self, _snapshot: Snapshot) {}
 
+    /// Shows nothing.
+    pub fn end(&mut self, _last: Snapshot) {}
+
     /// Never returns a command.
     pub fn command(&self) -> Option<Command> {
         None

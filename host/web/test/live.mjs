@@ -14,6 +14,7 @@ const until = (page, words) => page.waitForFunction((words) => document.getEleme
 /** All pages show the machine, and move with it. */
 async function follows() {
     for (const page of pages) {
+        page.setDefaultTimeout(90_000);
         await page.goto(url);
         await page.waitForFunction(() => document.documentElement.dataset.viewer === 'ready');
         await page.waitForFunction(() => document.querySelector('.row.current') && !document.getElementById('hold').disabled);

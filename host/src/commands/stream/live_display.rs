@@ -135,6 +135,9 @@ impl LiveDisplay {
         self.write_events(port, sender);
         if let Some(shown) = &mut self.shown {
             shown.update(port, sender, executed);
+            if let Some(page) = &mut shown.page {
+                page.end(Snapshot::new(&shown.view));
+            }
         }
     }
 
@@ -170,7 +173,9 @@ impl ShownView {
 
     fn update(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) {
         let (view, now) = (&mut self.view, Instant::now());
-        self.due = now + if self.page.is_some() { PAGE_PERIOD } else { PERIOD };
+        let period = if self.page.is_some() { PAGE_PERIOD } else { PERIOD };
+        // From when it was due, so that the waits of the sending loop do not add up.
+        self.due = (self.due + period).max(now);
         view.is_least = port.blocks_executed().is_none();
         view.update(port.now(), sender, executed, port.machine());
         view.damaged = port.line_errors().map(|errors| errors.total());

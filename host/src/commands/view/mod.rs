@@ -1,6 +1,9 @@
 //! `arcfeed view`: a page on which a program is adapted: dropped in, completed by a form, simulated, downloaded.
 
 #[cfg(feature = "web")]
+mod input;
+
+#[cfg(feature = "web")]
 mod workspace;
 
 #[cfg(feature = "web")]

@@ -3,7 +3,8 @@
 use std::io;
 use std::sync::Arc;
 
-use super::workspace::{FormValues, Output, Workspace};
+use super::input::FormValues;
+use super::workspace::{Output, Workspace};
 use crate::report::page::viewer::start_page;
 use crate::web::reply::Reply;
 use crate::web::request::Request;
