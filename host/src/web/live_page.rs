@@ -44,7 +44,7 @@ struct Shared {
 #[derive(Debug)]
 struct Latest {
     snapshot: Arc<Snapshot>,
-    /// Browsers that are told of each snapshot.
+    /// Browsers that receive each snapshot.
     watching: usize,
 }
 

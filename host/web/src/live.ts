@@ -96,7 +96,7 @@ export class Live {
             ['Left', `${now.line === null ? 'at least' : 'about'} ${clock(now.left_s)}`],
             ['Control', taken],
             ['At the control', known(now.at_control, (count) => `${now.is_least ? 'at most ' : ''}${count} characters`)],
-            ['Stops', `${now.stops} times`],
+            ['Stops', String(now.stops)],
             ['Damaged', known(now.damaged, (count) => `${count} characters`)],
             ['Board', now.board ?? 'none'],
             ['Journal', now.journal ?? 'none'],

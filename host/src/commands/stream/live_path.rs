@@ -1,15 +1,22 @@
 //! Live page of a transmission: the planned path in the viewer, at the programmed feeds.
 
+use std::net::SocketAddr;
+
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, S_PER_MIN, US_PER_S};
 
+use super::super::outcome::Failure;
 use super::super::simulate::path_trace::TracePoint;
 use super::super::simulate::viewer::{outline, path_columns};
 use super::preparation::PreparedProgram;
+use crate::console::note;
 use crate::dnc::transmission::Transmission;
 use crate::post::walk::point_at;
 use crate::report::page::Page;
 use crate::report::page::viewer::{RunPath, ViewerData};
+use crate::screen::view::View;
+use crate::web::LivePage;
+use crate::web::snapshot::Snapshot;
 
 /// Largest distance of an arc from the chords in its place.
 const TOLERANCE_MM: f64 = 1e-2;
@@ -18,8 +25,24 @@ const CHORDS_MAX: f64 = 256.0;
 /// Most points of the path; of a longer one, points within cuts are left out.
 const POINTS_MAX: usize = 1 << 18;
 
+/// Serves the live page at an address, which is printed.
+///
+/// # Errors
+/// Nothing can listen there.
+pub fn serve(
+    ready: &PreparedProgram,
+    sending: &Transmission,
+    address: SocketAddr,
+    view: View,
+) -> Result<(View, LivePage), Failure> {
+    let opened = LivePage::open(address, page(ready, sending, &view.title), Snapshot::new(&view));
+    let page = opened.map_err(|error| Failure::Usage(format!("--web {address}: {error}")))?;
+    note(format_args!("live page: {}", page.url()));
+    Ok((view, page))
+}
+
 /// Page without values: they come while the program is sent.
-pub fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String {
+fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String {
     let job = &ready.file.job;
     let lines: Vec<Option<usize>> = sending.lines().iter().map(|line| Some(line.source).filter(|n| *n > 0)).collect();
     let mut columns = path_columns(job.unit, &thinned(path(ready, sending)), &lines);

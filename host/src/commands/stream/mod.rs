@@ -47,8 +47,6 @@ use crate::port::url::{Base, PortUrl};
 use crate::report::figures::{LineErrorFigures, LinkFigures, ReportFigures, RunReport};
 use crate::report::print_output;
 use crate::screen::view::{Listing, View};
-use crate::web::LivePage;
-use crate::web::snapshot::Snapshot;
 use board_session::{Arming, BoardSession};
 use live_display::{LiveDisplay, need_terminal};
 use logbook::Logbook;
@@ -327,7 +325,8 @@ impl Stream {
             view.journal = journal.map(|path| path.display().to_string());
             view
         };
-        let mut page = self.web.map(|address| self.page(ready, sender, address, view())).transpose()?;
+        let mut page =
+            self.web.map(|address| live_path::serve(ready, sender.transmission(), address, view())).transpose()?;
         let mut live = if self.tui {
             let mut view = view();
             view.notes.extend(page.iter().map(|(_, page)| format!("note: the live page is {}", page.url())));
@@ -344,23 +343,6 @@ impl Stream {
             Some(path) => live.logging(path, &title, opened, sender),
             None => Ok(live),
         }
-    }
-}
-
-impl Stream {
-    /// Live page at an address, which is printed.
-    fn page(
-        &self,
-        ready: &PreparedProgram,
-        sender: &Sender,
-        address: SocketAddr,
-        view: View,
-    ) -> Result<(View, LivePage), Failure> {
-        let page = live_path::page(ready, sender.transmission(), &view.title);
-        let opened = LivePage::open(address, page, Snapshot::new(&view));
-        let page = opened.map_err(|error| Failure::Usage(format!("--web {address}: {error}")))?;
-        note(format_args!("live page: {}", page.url()));
-        Ok((view, page))
     }
 }
 

@@ -4,7 +4,7 @@ use std::io;
 use std::sync::Arc;
 
 use super::input::FormValues;
-use super::workspace::{Output, Workspace};
+use super::workspace::{PageFile, Workspace};
 use crate::report::page::viewer::start_page;
 use crate::web::reply::Reply;
 use crate::web::request::Request;
@@ -24,9 +24,9 @@ impl Site for ViewSite {
         match (request.is_post, request.path.as_str()) {
             (false, "") => request.reply(&Reply::html(start_page().as_bytes())),
             (false, "state") => self.state(request),
-            (false, "report") => self.file(request, Output::Report),
-            (false, "adapted") => self.file(request, Output::Adapted),
-            (false, "job") => self.file(request, Output::Job),
+            (false, "report") => self.file(request, PageFile::Report),
+            (false, "adapted") => self.file(request, PageFile::Adapted),
+            (false, "job") => self.file(request, PageFile::Job),
             (true, "stop") => {
                 workspace.stop();
                 request.reply(&Reply::text("202 Accepted", ""))
@@ -64,12 +64,12 @@ impl ViewSite {
         request.reply(&Reply { status: "200 OK", kind: "application/json", file_name: None, body: &state })
     }
 
-    fn file(&self, request: Request, output: Output) -> io::Result<()> {
+    fn file(&self, request: Request, output: PageFile) -> io::Result<()> {
         let Ok((bytes, name)) = self.0.read(output) else {
             return request.reply(&Reply::text("404 Not Found", "there is none yet"));
         };
         match output {
-            Output::Report => request.reply(&Reply::html(&bytes)),
+            PageFile::Report => request.reply(&Reply::html(&bytes)),
             _ => {
                 let kind = "text/plain; charset=utf-8";
                 request.reply(&Reply { status: "200 OK", kind, file_name: Some(name), body: &bytes })

@@ -59,7 +59,7 @@ pub struct PageState {
 
 /// File that a browser may fetch.
 #[derive(Clone, Copy, Debug)]
-pub enum Output {
+pub enum PageFile {
     Report,
     Adapted,
     Job,
@@ -139,7 +139,7 @@ impl Workspace {
     fn adapt(&self) {
         let Some(job) = self.files().job.clone() else { return };
         self.clear_output();
-        let [report, adapted] = [Output::Report, Output::Adapted].map(|output| self.path(output));
+        let [report, adapted] = [PageFile::Report, PageFile::Adapted].map(|output| self.path(output));
         let text = |path: PathBuf| path.to_string_lossy().into_owned();
         let is_fixed = self.files().is_fixed;
         let job = if is_fixed { text(job) } else { name(&job) };
@@ -216,7 +216,7 @@ impl Workspace {
             is_fixed: files.is_fixed,
             questions,
             messages: files.messages,
-            has_report: self.path(Output::Report).exists(),
+            has_report: self.path(PageFile::Report).exists(),
         }
     }
 
@@ -224,33 +224,33 @@ impl Workspace {
     ///
     /// # Errors
     /// There is none yet.
-    pub fn read(&self, output: Output) -> io::Result<(Vec<u8>, String)> {
+    pub fn read(&self, output: PageFile) -> io::Result<(Vec<u8>, String)> {
         let files = self.files().clone();
         let stem =
             files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
         let stem = plain_name(&stem);
         let extension = files.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
         match output {
-            Output::Report => Ok((std::fs::read(self.path(output))?, format!("{stem}.html"))),
-            Output::Adapted => {
+            PageFile::Report => Ok((std::fs::read(self.path(output))?, format!("{stem}.html"))),
+            PageFile::Adapted => {
                 Ok((std::fs::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
             }
-            Output::Job => Ok((std::fs::read(files.job.unwrap_or_default())?, format!("{stem}.toml"))),
+            PageFile::Job => Ok((std::fs::read(files.job.unwrap_or_default())?, format!("{stem}.toml"))),
         }
     }
 
-    fn path(&self, output: Output) -> PathBuf {
+    fn path(&self, output: PageFile) -> PathBuf {
         let name = match output {
-            Output::Report => "report.html",
-            Output::Adapted => "adapted.nc",
-            Output::Job => "job.toml",
+            PageFile::Report => "report.html",
+            PageFile::Adapted => "adapted.nc",
+            PageFile::Job => "job.toml",
         };
         self.folder.join("out").join(name)
     }
 
     /// An old result does not stay beside a new job.
     fn clear_output(&self) {
-        for output in [Output::Report, Output::Adapted] {
+        for output in [PageFile::Report, PageFile::Adapted] {
             let _was_not_there = std::fs::remove_file(self.path(output));
         }
     }
