@@ -60,4 +60,6 @@ pub mod screen;
 
 pub mod report;
 
+pub mod web;
+
 pub mod commands;

@@ -4,9 +4,9 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
-    measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
-    simulate::Simulate, stream::Stream, sweep::Sweep, verify::Verify,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure,
+    parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate,
+    stream::Stream, verify::Verify, view::ViewCommand,
 };
 use clap::{Parser, Subcommand};
 
@@ -29,8 +29,9 @@ enum Command {
     Adapt(Adapt),
     Plan(PlanCommand),
     Post(Post),
-    Stream(Stream),
+    Stream(Box<Stream>),
     Verify(Verify),
+    View(ViewCommand),
     Simulate(Simulate),
     Sweep(Sweep),
     Measure(Measure),
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Post(command) => command.run(),
         Command::Stream(command) => command.run(),
         Command::Verify(command) => command.run(),
+        Command::View(command) => command.run(),
         Command::Simulate(command) => command.run(),
         Command::Sweep(command) => command.run(),
         Command::Measure(command) => command.run(),

@@ -14,7 +14,7 @@ OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR
 
 await build({
     absWorkingDir: import.meta.dirname,
-    entryPoints: { viewer: 'src/main.ts' },
+    entryPoints: { viewer: 'src/main.ts', start: 'src/start.ts' },
     outdir: process.argv[2] ?? '.',
     bundle: true,
     minify: true,

@@ -10,6 +10,8 @@ mod dnc;
 
 mod json_docs;
 
+mod live_page;
+
 mod output_files;
 
 mod plain_build;
@@ -33,6 +35,8 @@ mod assertions;
 mod streaming;
 
 mod traces;
+
+mod view_page;
 
 mod tap;
 

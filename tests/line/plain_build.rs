@@ -10,7 +10,7 @@ use arcfeed_tests::root;
 const JOB: &str = "examples/ibr-slot/job.toml";
 
 /// Crates that only parts of the feature `full` need.
-const LEFT_OUT: [&str; 5] = ["arcfeed-plan", "defmt-decoder", "parquet", "ratatui", "regex"];
+const LEFT_OUT: [&str; 6] = ["arcfeed-plan", "defmt-decoder", "httparse", "parquet", "ratatui", "regex"];
 
 fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO"));
@@ -65,13 +65,15 @@ fn it_does_the_main_job() {
 
 #[test]
 fn what_it_leaves_out_says_which_feature_has_it_and_how_to_build_that() {
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 8] = [
         ("plan", &["plan", "cup-mill", "examples/blisk-19/PART.toml"]),
         ("board-log", &["board", "loop://", "log", "--elf", "image.elf"]),
         ("hwgrep", &["ports", "usb"]),
         ("hwgrep", &["stream", JOB, "--port", "hwgrep://usb"]),
         ("parquet", &["simulate", JOB, "--trace", "run.parquet"]),
         ("tui", &["stream", JOB, "--port", "sim:", "--tui"]),
+        ("web", &["stream", JOB, "--port", "sim:", "--web"]),
+        ("web", &["view"]),
     ];
     for (feature, arguments) in cases {
         let output = run(arguments);
@@ -88,6 +90,8 @@ fn what_it_leaves_out_says_which_feature_has_it_and_how_to_build_that() {
 fn its_help_shows_what_it_leaves_out() {
     for (arguments, word) in [
         (&["--help"][..], "plan"),
+        (&["--help"], "view"),
+        (&["stream", "--help"], "--web"),
         (&["board", "--help"], "log"),
         (&["stream", "--help"], "--tui"),
         (&["ports", "--help"], "REGEXP"),

@@ -52,6 +52,10 @@ pub struct Machine {
     pub chip_ratio: Option<f64>,
     /// Cause of a stop, in words.
     pub alarm: Option<String>,
+    /// X, Y, Z of the tool's tip in the workpiece's coordinates.
+    pub position_mm: Option<[f64; 3]>,
+    /// Feed along the path.
+    pub feed_mm_per_min: Option<f64>,
 }
 
 /// Byte line to a control: a serial port, a socket, or a simulated one.

@@ -49,3 +49,5 @@ pub mod serve;
 pub mod ports;
 
 pub mod plan;
+
+pub mod view;

@@ -45,7 +45,7 @@ pub(super) mod listing;
 
 mod run_findings;
 
-mod viewer;
+pub(super) mod viewer;
 
 pub(super) mod page;
 

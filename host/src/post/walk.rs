@@ -111,8 +111,8 @@ pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
     })
 }
 
-/// Point of a segment's path.
-fn point_at(segment: &Segment, part: f64) -> Vector {
+/// Point of a segment's path, mm.
+pub fn point_at(segment: &Segment, part: f64) -> Vector {
     let [from, to] = [segment.start, segment.end].map(|pose| pose.linear.map(Nm::to_mm));
     let mut point = sum(from, scaled(difference(to, from), part));
     if let Path::Arc(arc) = &segment.path {

@@ -1,5 +1,6 @@
 //! Draws the screen.
 
+use arcfeed_units::LengthUnit;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -38,13 +39,24 @@ pub fn render(frame: &mut Frame<'_>, view: &View) {
     let style = if view.state == State::Held { Style::new().fg(Color::Yellow) } else { Style::new() };
     frame.render_widget(Line::styled(format!(" {}", view.words()), style.add_modifier(Modifier::BOLD)), state);
     let (words, colour) = match &view.machine.alarm {
-        Some(words) => (format!(" ALARM {words}"), Color::Red),
-        None if view.executed.is_some() && !view.is_least => (" no alarm".into(), Color::Reset),
+        Some(words) => (format!(" ALARM {words}{}", place(view)), Color::Red),
+        None if view.executed.is_some() && !view.is_least => (format!(" no alarm{}", place(view)), Color::Reset),
         None => (" alarms: look at the control, its line does not report them".into(), Color::Reset),
     };
     frame.render_widget(Line::styled(words, Style::new().fg(colour)), alarm);
     frame.render_widget(Paragraph::new(words_of_note), note);
     frame.render_widget(keys_line(view), keys);
+}
+
+/// Position and feed behind the alarm, if the machine reports them.
+fn place(view: &View) -> String {
+    let digits = if view.unit == LengthUnit::Inch { 4 } else { 3 };
+    let position = view.position().map_or(String::new(), |[x, y, z]| {
+        // Adding zero takes the sign off a zero.
+        let [x, y, z] = [x, y, z].map(|at| libm::round(at * 1e4) / 1e4 + 0.0);
+        format!("   X{x:.digits$} Y{y:.digits$} Z{z:.digits$}")
+    });
+    position + &view.feed().map_or(String::new(), |feed| format!("   F{feed:.1}"))
 }
 
 /// Warning, or note from before the start, wrapped to the width.
@@ -187,7 +199,8 @@ mod tests {
         let mut view = view();
         (view.executed, view.sent, view.characters, view.is_taken) = (Some(9), 16, 210, Some(false));
         (view.state, view.xoffs, view.elapsed_s, view.left_s) = (State::Stopped, 3, 61.4, 75.0);
-        view.machine = Machine { override_percent: Some(112), chip_ratio: Some(0.993), alarm: None };
+        view.machine = Machine { override_percent: Some(112), chip_ratio: Some(0.993), ..Machine::default() };
+        (view.machine.position_mm, view.machine.feed_mm_per_min) = (Some([12.5, -1e-9, -3.0]), Some(412.0));
         (view.strip, view.has_chips) = ([0, 50, 99, 99, 150, 200].into(), true);
         let shown = picture(&view, 72, 20);
         let wanted = include_str!("golden.txt");

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use arcfeed_units::Micros;
+use arcfeed_units::{LengthUnit, Micros};
 
 use crate::dnc::transmission::Transmission;
 use crate::dnc::{Sender, State};
@@ -21,6 +21,8 @@ pub struct View {
     pub title: String,
     /// Program that is sent.
     pub program: Arc<Listing>,
+    /// Unit of lengths that are shown.
+    pub unit: LengthUnit,
     /// Index of the line that the control executes, if the control reports it.
     pub executed: Option<usize>,
     /// The executed line is a lower bound: it comes from the control's reports.
@@ -47,6 +49,10 @@ pub struct View {
     pub left_s: f64,
     /// Damaged characters from the control since the line was opened, if the port reports them.
     pub damaged: Option<u64>,
+    /// Journal of the run.
+    pub journal: Option<String>,
+    /// State of the feed board, if one takes part.
+    pub board: Option<&'static str>,
     /// Notes from before the start, shown one after the other.
     pub notes: Vec<String>,
     /// Latest warning, shown instead of the notes.
@@ -151,6 +157,7 @@ impl View {
     pub fn new(title: String, program: Listing, chars_per_s: f64) -> Self {
         View {
             title,
+            unit: LengthUnit::Mm,
             left_s: program.left_s(0),
             program: Arc::new(program),
             executed: None,
@@ -165,6 +172,8 @@ impl View {
             has_chips: false,
             elapsed_s: 0.0,
             damaged: None,
+            journal: None,
+            board: None,
             notes: Vec::new(),
             warning: None,
             question: None,
@@ -185,16 +194,21 @@ impl View {
         self.xoffs = sender.counters().xoff_count;
         self.elapsed_s = now.to_s();
         self.left_s = self.time_left_s(now);
-        let chip = machine.chip_ratio.map(|ratio| libm::round(1e2 * ratio) as u64);
+        self.machine = machine;
+    }
+
+    /// Adds a sample to the strip.
+    pub fn sample(&mut self) {
+        let chip = self.machine.chip_ratio.map(|ratio| libm::round(1e2 * ratio) as u64);
         if chip.is_some() && !self.has_chips {
             // Chip thicknesses and overrides are not mixed in one strip.
             self.strip.clear();
             self.has_chips = true;
         }
-        let sample = if self.has_chips { Some(chip.unwrap_or(0)) } else { machine.override_percent.map(u64::from) };
+        let percent = self.machine.override_percent.map(u64::from);
+        let sample = if self.has_chips { Some(chip.unwrap_or(0)) } else { percent };
         self.strip.extend(sample);
         self.strip.drain(..self.strip.len().saturating_sub(STRIP_MAX));
-        self.machine = machine;
     }
 
     fn time_left_s(&self, now: Micros) -> f64 {
@@ -216,7 +230,17 @@ impl View {
         Some(self.characters.saturating_sub(*end))
     }
 
-    /// The current note or warning.
+    /// X, Y, Z of the tool's tip, if the machine reports it.
+    pub fn position(&self) -> Option<[f64; 3]> {
+        self.machine.position_mm.map(|position| position.map(|mm| mm / self.unit.mm()))
+    }
+
+    /// Feed along the path per minute, if the machine reports it.
+    pub fn feed(&self) -> Option<f64> {
+        self.machine.feed_mm_per_min.map(|feed| feed / self.unit.mm())
+    }
+
+    /// The present note, or the warning.
     pub fn note(&self) -> Option<&str> {
         let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
         self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)
@@ -313,8 +337,9 @@ mod tests {
         let mut view = View::new(String::new(), Listing::new(&sending, &[0.0; 3]), 100.0);
         let sender = Sender::new(sending, line);
         for chip_ratio in [None, Some(0.5), None, Some(0.996)] {
-            let machine = Machine { override_percent: Some(120), chip_ratio, alarm: None };
+            let machine = Machine { override_percent: Some(120), chip_ratio, ..Machine::default() };
             view.update(Micros(0), &sender, Some(0), machine);
+            view.sample();
         }
         assert_eq!((view.strip, view.has_chips), (VecDeque::from([50, 0, 100]), true));
     }

@@ -4,6 +4,7 @@ import { Scale, written, type ScaleName } from './colors';
 import { Curves, type Along, type Quantity } from './curves';
 import { read, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
+import { Live, type Follower } from './live';
 import { Pairing, Run } from './run';
 import { PathScene, type ViewName } from './scene';
 
@@ -29,7 +30,7 @@ function element<T extends HTMLElement>(id: string): T {
     return found as T;
 }
 
-class Viewer {
+class Viewer implements Follower {
     private readonly runs: Run[];
     private readonly quantities: Quantity[];
     private readonly pairing: Pairing | null;
@@ -139,8 +140,17 @@ class Viewer {
         if (index !== undefined) this.select(this.run, this.run.middle(index), 'listing');
     }
 
+    /** Shows where the machine is: at the place, or in the first move of the line. */
+    follow(line: number | null, place: [number, number, number] | null): void {
+        const { run } = this;
+        const first = line === null ? undefined : run.ofLine.get(line);
+        if (first !== undefined) this.select(run, place ? run.nearest(first, place) : run.middle(first), 'machine');
+        else if (line !== null) this.listing.mark(line, true);
+        if (place) this.scene?.moveTool(run, place);
+    }
+
     /** Makes this the moment everywhere. */
-    private select(run: Run, time: number, source: 'scene' | 'curves' | 'listing' | 'scrub' | 'start'): void {
+    private select(run: Run, time: number, source: 'scene' | 'curves' | 'listing' | 'scrub' | 'start' | 'machine'): void {
         this.run = run;
         this.time = Math.min(Math.max(time, run.begin), run.end);
         for (const run of this.runs) this.scene?.moveTool(run, run.placeAt(this.timeOf(run)));
@@ -411,15 +421,20 @@ class Viewer {
 
 async function start(): Promise<void> {
     const state = element('viewer-state');
+    const isLive = document.getElementById('live') !== null;
+    document.body.classList.toggle('is-live', isLive);
+    let [data, viewer]: [ReportData | null, Viewer | null] = [null, null];
     try {
-        new Viewer(await read(element('arcfeed-data').textContent ?? ''));
+        data = await read(element('arcfeed-data').textContent ?? '');
+        viewer = new Viewer(data);
         state.remove();
         document.documentElement.dataset.viewer = 'ready';
     } catch (error) {
         element('viewer').hidden = true;
         state.textContent = `The viewer cannot show this run (${error instanceof Error ? error.message : error}); the figures are below.`;
-        throw error;
+        if (!isLive) throw error;
     }
+    if (isLive) new Live(viewer, data?.unit ?? '');
 }
 
 void start();

@@ -73,6 +73,22 @@ export class Run {
         return this.place.map((axis) => (i > 0 ? axis[i - 1] + (axis[i] - axis[i - 1]) * part : axis[i])) as [number, number, number];
     }
 
+    /** Time of the place nearest to another one, among the moves of the line that begins at a point. */
+    nearest(first: number, [x, y, z]: [number, number, number]): number {
+        let best = { distance: Infinity, time: this.middle(first) };
+        for (let i = first; i < this.points && Object.is(this.line[i], this.line[first]); i++) {
+            const from = this.place.map((axis) => axis[i - 1]);
+            const way = this.place.map((axis, k) => axis[i] - from[k]);
+            const offset = [x - from[0], y - from[1], z - from[2]];
+            const dot = (a: number[], b: number[]) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            const length = dot(way, way);
+            const part = length > 0 ? Math.min(Math.max(dot(offset, way) / length, 0), 1) : 0;
+            const distance = Math.hypot(...offset.map((value, k) => value - part * way[k]));
+            if (distance < best.distance) best = { distance, time: this.time[i - 1] + part * (this.time[i] - this.time[i - 1]) };
+        }
+        return best.time;
+    }
+
     lengthAt(time: number): number {
         const i = this.indexAt(time);
         return i > 0 ? this.length[i - 1] + (this.length[i] - this.length[i - 1]) * this.part(i, time) : 0;

@@ -1,6 +1,6 @@
 // The path in three dimensions: lines coloured by a quantity, the tool, the remaining heights, axes and views.
 import {
-    AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
+    AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
     LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Points, PointsMaterial, Scene, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -49,6 +49,8 @@ export class PathScene {
     private readonly center = new Vector3();
     private readonly low = new Vector3();
     private readonly high = new Vector3();
+    /** Box of the remaining stock. */
+    private readonly stock: [Vector3, Vector3] = [new Vector3(), new Vector3()];
     private radius = 1;
     /** Half of the width and of the height of the cutting path as seen in the last view. */
     private seen: [number, number] = [1, 1];
@@ -87,7 +89,7 @@ export class PathScene {
         this.camera.zoom = 1;
         this.controls.update();
         this.camera.updateMatrixWorld();
-        this.seen = this.extent();
+        this.frame(name === 'iso' && this.heights?.visible ? [[this.low, this.high], this.stock] : [[this.low, this.high]]);
         this.resize();
     }
 
@@ -244,15 +246,23 @@ export class PathScene {
         }
     }
 
-    private extent(): [number, number] {
-        const extent: [number, number] = [0, 0];
-        for (let corner = 0; corner < 8; corner++) {
-            const pick = (axis: number) => (corner & (1 << axis) ? this.high : this.low).getComponent(axis);
-            const seen = this.local(pick(0), pick(1), pick(2)).applyMatrix4(this.camera.matrixWorldInverse);
-            extent[0] = Math.max(extent[0], Math.abs(seen.x));
-            extent[1] = Math.max(extent[1], Math.abs(seen.y));
+    /** Moves the camera across its direction so that these boxes are in the middle, and measures them there. */
+    private frame(boxes: [Vector3, Vector3][]): void {
+        const seen = new Box3();
+        for (const [low, high] of boxes) {
+            for (let corner = 0; corner < 8; corner++) {
+                const pick = (axis: number) => (corner & (1 << axis) ? high : low).getComponent(axis);
+                seen.expandByPoint(this.local(pick(0), pick(1), pick(2)).applyMatrix4(this.camera.matrixWorldInverse));
+            }
         }
-        return extent;
+        const middle = seen.getCenter(new Vector3()).setZ(0).transformDirection(this.camera.matrixWorld);
+        const { x, y } = seen.getCenter(new Vector3());
+        middle.multiplyScalar(Math.hypot(x, y));
+        this.controls.target.add(middle);
+        this.camera.position.add(middle);
+        this.controls.update();
+        this.camera.updateMatrixWorld();
+        this.seen = [(seen.max.x - seen.min.x) / 2, (seen.max.y - seen.min.y) / 2];
     }
 
     private local(x: number, y: number, z: number): Vector3 {
@@ -300,6 +310,10 @@ export class PathScene {
     /** Surface through the middles of the cells. */
     private surface({ columns, lowest, step, values }: NonNullable<ReportData['heights']>): Mesh {
         const rows = values.length / columns;
+        const known = values.filter((z) => !Number.isNaN(z));
+        const [bottom, top] = [known.reduce((a, b) => Math.min(a, b), this.low.z), known.reduce((a, b) => Math.max(a, b), this.low.z)];
+        this.stock[0].set(lowest[0], lowest[1], bottom);
+        this.stock[1].set(lowest[0] + columns * step, lowest[1] + rows * step, top);
         const positions = new Float32Array(3 * values.length);
         values.forEach((height, cell) => {
             const [x, y] = [lowest[0] + (cell % columns + 0.5) * step, lowest[1] + (Math.floor(cell / columns) + 0.5) * step];

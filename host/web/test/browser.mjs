@@ -1,5 +1,7 @@
-// A headless browser with WebGL but without a graphics card, and a report opened in it.
-import { existsSync } from 'node:fs';
+// A headless browser with WebGL but without a graphics card, a report opened in it, and checks of any page.
+import assert from 'node:assert/strict';
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
@@ -14,4 +16,45 @@ export async function launch(viewport) {
 export async function open(page, report) {
     await page.goto(pathToFileURL(report).href);
     await page.waitForFunction(() => document.documentElement.dataset.viewer === 'ready', null, { timeout: 60_000 });
+}
+
+/** Messages on the console and requests of a page, from now on. */
+export function watch(page) {
+    const [messages, requests] = [[], []];
+    page.on('console', (message) => messages.push(message.text()));
+    page.on('pageerror', (error) => messages.push(error.message));
+    page.on('request', (request) => requests.push(request.url()));
+    return { messages, requests };
+}
+
+/** axe-core finds nothing serious in the page as it is. */
+export async function accessible(page, name) {
+    await page.evaluate(readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8'));
+    const { violations, passes } = await page.evaluate(() => globalThis.axe.run({ iframes: false }));
+    const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
+    console.log(`axe-core, ${name}: ${passes.length} rules passed, ${violations.length} findings, ${serious.length} serious`);
+    const lines = serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`);
+    assert.deepEqual(lines, []);
+}
+
+/** Pixels of the picture that are not of its most frequent colour, and the number of colours, with few steps each. */
+export async function pixels(page) {
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    const counts = await page.evaluate(() => {
+        const path = document.getElementById('path');
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [path.width, path.height];
+        const context = copy.getContext('2d');
+        context.drawImage(path, 0, 0);
+        const { data } = context.getImageData(0, 0, copy.width, copy.height);
+        const counts = {};
+        for (let at = 0; at < data.length; at += 4) {
+            const color = [data[at] >> 4, data[at + 1] >> 4, data[at + 2] >> 4].join();
+            counts[color] = (counts[color] ?? 0) + 1;
+        }
+        return counts;
+    });
+    const background = Math.max(...Object.values(counts));
+    const all = Object.values(counts).reduce((a, b) => a + b, 0);
+    return { counts, drawn: all - background, colors: Object.keys(counts).length };
 }

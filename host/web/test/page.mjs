@@ -2,16 +2,12 @@
 // is known about the program itself: a line, the places and the chips on it.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { launch, open } from './browser.mjs';
+import { accessible, launch, open, pixels, watch } from './browser.mjs';
 
 const [report, factsFile, screenshot] = process.argv.slice(2);
 const facts = JSON.parse(readFileSync(factsFile, 'utf8'));
 const { browser, page } = await launch({ width: 1200, height: 900 });
-const [messages, requests] = [[], []];
-page.on('console', (message) => messages.push(message.text()));
-page.on('pageerror', (error) => messages.push(error.message));
-page.on('request', (request) => requests.push(request.url()));
+const { messages, requests } = watch(page);
 
 const text = (selector) => page.locator(selector).innerText();
 const choose = (id, value) => page.locator(`#${id}`).selectOption(value);
@@ -26,27 +22,7 @@ async function values(run) {
     }, run);
 }
 
-/** Number of pixels of the picture by colour, with few steps a colour. */
-async function colors() {
-    await settle();
-    const counts = await page.evaluate(() => {
-        const path = document.getElementById('path');
-        const copy = document.createElement('canvas');
-        [copy.width, copy.height] = [path.width, path.height];
-        const context = copy.getContext('2d');
-        context.drawImage(path, 0, 0);
-        const { data } = context.getImageData(0, 0, copy.width, copy.height);
-        const counts = {};
-        for (let at = 0; at < data.length; at += 4) {
-            const color = [data[at] >> 4, data[at + 1] >> 4, data[at + 2] >> 4].join();
-            counts[color] = (counts[color] ?? 0) + 1;
-        }
-        return counts;
-    });
-    const background = Math.max(...Object.values(counts));
-    const all = Object.values(counts).reduce((a, b) => a + b, 0);
-    return { counts, drawn: all - background, colors: Object.keys(counts).length };
-}
+const colors = () => pixels(page);
 
 const close = (actual, wanted, tolerance, what) =>
     assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual}, not ${wanted} within ${tolerance}`);
@@ -201,21 +177,15 @@ async function keys() {
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
 }
 
-/** axe-core in both themes. */
-async function accessible() {
-    await page.evaluate(readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8'));
+async function inBothThemes() {
     for (const theme of ['light', 'dark']) {
-        const { violations, passes } = await page.evaluate(() => globalThis.axe.run());
-        const serious = violations.filter(({ impact }) => impact === 'serious' || impact === 'critical');
-        console.log(`axe-core, ${theme}: ${passes.length} rules passed, ${violations.length} findings, ${serious.length} serious`);
-        const lines = serious.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join(' | ')}`);
-        assert.deepEqual(lines, []);
+        await accessible(page, theme);
         await page.locator('#theme').click();
     }
 }
 
 try {
-    for (const step of [opens, agrees, links, switches, findings, keys, accessible]) {
+    for (const step of [opens, agrees, links, switches, findings, keys, inBothThemes]) {
         await step();
         console.log(`${step.name}: passed`);
     }

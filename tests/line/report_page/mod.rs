@@ -3,6 +3,8 @@
 //! `host/web/test/page.mjs` drives the browser. The facts that it looks for come from closed forms of the program and from the figures of
 //! `simulate --json`, which do not go through the page.
 
+mod served;
+
 use std::path::Path;
 use std::process::Command;
 
@@ -176,7 +178,7 @@ fn the_bundle_is_that_of_its_sources() {
     let scratch = Scratch::new(test);
     node(&["build.mjs", &scratch.path("built")]);
     node(&["node_modules/typescript/bin/tsc", "--noEmit"]);
-    for file in ["viewer.js", "viewer.css"] {
+    for file in ["viewer.js", "viewer.css", "start.js"] {
         let built = std::fs::read(scratch.path(&format!("built/{file}"))).expect("built");
         let kept = std::fs::read(root().join(WEB).join(file)).expect("in the repository");
         assert!(built == kept, "{WEB}/{file} is not built from its sources: `npm ci && npm run build` there");

@@ -60,11 +60,12 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
         heights: after.cutter.as_ref().map(|cutter| heights(cutter, job.unit)),
         findings: findings(report, job.unit, chips),
         lines: listing.lines.clone(),
+        is_live: false,
     }
 }
 
-fn run(unit: LengthUnit, name: &'static str, observer: &RunObserver, lines: &[Option<usize>]) -> RunPath {
-    let points = observer.trace.points();
+/// Columns of a path; `lines` has the line of the program for each block.
+pub fn path_columns(unit: LengthUnit, points: &[TracePoint], lines: &[Option<usize>]) -> Vec<Column> {
     let is_inch = unit == LengthUnit::Inch;
     let (position, feed) = if is_inch { (1e-5, 1e-2) } else { (1e-4, 1e-1) };
     let feed_unit = if is_inch { "in/min" } else { "mm/min" };
@@ -73,7 +74,7 @@ fn run(unit: LengthUnit, name: &'static str, observer: &RunObserver, lines: &[Op
     };
     let in_unit = |mm: f64| mm / unit.mm();
     let line = |point: &TracePoint| lines.get((point.block as usize).checked_sub(1)?).copied().flatten();
-    let mut columns = vec![
+    vec![
         column("time", "s", 1e-3, &|point| Some(point.at.to_s())),
         column("x", unit.label(), position, &|point| Some(in_unit(point.position_mm[0]))),
         column("y", unit.label(), position, &|point| Some(in_unit(point.position_mm[1]))),
@@ -84,7 +85,12 @@ fn run(unit: LengthUnit, name: &'static str, observer: &RunObserver, lines: &[Op
         column("feed", feed_unit, feed, &|point| Some(in_unit(point.feed_mm_per_min)).filter(|_| !point.is_rapid)),
         column("chip", "", 1e-3, &|point| point.chip_ratio),
         column("override", "%", 1.0, &|point| Some(f64::from(point.percent))),
-    ];
+    ]
+}
+
+fn run(unit: LengthUnit, name: &'static str, observer: &RunObserver, lines: &[Option<usize>]) -> RunPath {
+    let points = observer.trace.points();
+    let mut columns = path_columns(unit, points, lines);
     let mut add = |name, unit, quantum, windows: Vec<Window>| {
         columns.push(Column::new(ColumnHead { name, unit, quantum }, largest(points, &windows)));
     };
@@ -119,7 +125,7 @@ fn largest(points: &[TracePoint], windows: &[Window]) -> Vec<Option<f64>> {
 }
 
 /// Closed outline: of the cutting solid if there is one, otherwise a cylinder or a ring of an assumed height.
-fn outline(tool: &JobTool, cutter: Option<&StockCutter>, unit: LengthUnit) -> Vec<[f64; 2]> {
+pub fn outline(tool: &JobTool, cutter: Option<&StockCutter>, unit: LengthUnit) -> Vec<[f64; 2]> {
     let own =
         |radii: [f64; 2], height: f64| vec![[radii[1], 0.0], [radii[0], 0.0], [radii[0], height], [radii[1], height]];
     let outline_mm = match (cutter, tool) {

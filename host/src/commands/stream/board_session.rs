@@ -120,6 +120,11 @@ impl<'p> BoardSession<'p> {
         None
     }
 
+    /// State of the board, if there is one.
+    pub fn state(&self) -> Option<&'static str> {
+        Some(self.board.as_ref()?.report().map_or("silent", |report| words::state(report.state)))
+    }
+
     /// Messages for a person, each once.
     pub fn take_messages(&mut self) -> Vec<String> {
         std::mem::take(&mut self.said)

@@ -97,6 +97,7 @@ impl Stream {
             ("--journal", self.journal.is_some()),
             ("--resume", self.resume.is_wanted()),
             ("--tui", self.tui),
+            ("--web", self.web.is_some()),
             ("--log", self.log.is_some()),
             ("--speed", self.speed.is_some()),
             ("--executed", self.executed.is_some()),

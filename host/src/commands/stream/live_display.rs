@@ -1,4 +1,4 @@
-//! Display while a program is sent: the screen, or a progress bar on a terminal; and the log of events.
+//! Display while a program is sent: the screen, or a progress bar on a terminal; the live page; and the log of events.
 
 use std::fs::File;
 use std::io::{IsTerminal, Write};
@@ -18,15 +18,28 @@ use crate::port::Port;
 use crate::port::clock::iso_8601;
 use crate::screen::Screen;
 use crate::screen::view::{Command, View};
+use crate::web::LivePage;
+use crate::web::snapshot::Snapshot;
 
-/// Wall time between two redraws.
+/// Wall time between two states of the screen, and between two samples of its strip.
 const PERIOD: Duration = Duration::from_millis(100);
+/// Wall time between two states of the live page.
+const PAGE_PERIOD: Duration = Duration::from_millis(50);
 
 /// Display of a transmission while it runs, with the event log.
 pub struct LiveDisplay {
     bar: Option<ProgressBar>,
-    screen: Option<(Screen, View, Instant)>,
+    shown: Option<ShownView>,
     log: Option<EventLog>,
+}
+
+/// View, and the places that show it.
+struct ShownView {
+    view: View,
+    screen: Option<Screen>,
+    page: Option<LivePage>,
+    due: Instant,
+    sample_due: Instant,
 }
 
 struct EventLog {
@@ -41,12 +54,12 @@ impl LiveDisplay {
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}") {
             bar.set_style(style);
         }
-        LiveDisplay { bar: Some(bar), screen: None, log: None }
+        LiveDisplay { bar: Some(bar), shown: None, log: None }
     }
 
     /// Display that shows nothing.
     pub fn nothing() -> Self {
-        LiveDisplay { bar: None, screen: None, log: None }
+        LiveDisplay { bar: None, shown: None, log: None }
     }
 
     /// Screen on the whole terminal.
@@ -56,7 +69,13 @@ impl LiveDisplay {
     pub fn screen(view: View) -> Result<Self, Failure> {
         let failed = |error: std::io::Error| Failure::Usage(format!("--tui: {error}"));
         let screen = Screen::open(view.clone()).map_err(failed)?;
-        Ok(LiveDisplay { bar: None, screen: Some((screen, view, Instant::now())), log: None })
+        Ok(LiveDisplay { bar: None, shown: Some(ShownView::new(view, Some(screen))), log: None })
+    }
+
+    /// Shows the view on a live page, too.
+    pub fn on_page(mut self, view: View, page: LivePage) -> Self {
+        self.shown.get_or_insert_with(|| ShownView::new(view, None)).page = Some(page);
+        self
     }
 
     /// Writes the events into a file, too.
@@ -84,13 +103,14 @@ impl LiveDisplay {
     /// Shows a warning at once: on the screen, or on stderr, and in the log.
     pub fn warn(&mut self, now: Micros, warning: String) {
         self.log_lines(now, std::slice::from_ref(&warning));
-        match (&mut self.screen, &self.bar) {
-            (Some((_, view, due)), _) => {
-                view.warning = Some(warning);
-                *due = Instant::now();
-            }
-            (None, Some(bar)) if !bar.is_hidden() => bar.println(warning),
-            (None, _) => note(format_args!("{warning}")),
+        if let Some(shown) = &mut self.shown {
+            shown.view.warning = Some(warning.clone());
+            shown.due = Instant::now();
+        }
+        match &self.bar {
+            _ if self.shown.as_ref().is_some_and(|shown| shown.screen.is_some()) => {}
+            Some(bar) if !bar.is_hidden() => bar.println(warning),
+            _ => note(format_args!("{warning}")),
         }
     }
 
@@ -103,15 +123,29 @@ impl LiveDisplay {
             let damage = if damaged > 0 { format!(", {damaged} damaged characters") } else { String::new() };
             bar.set_message(format!("{}{damage}", words(sender.state())));
         }
-        let (screen, view, due) = self.screen.as_mut()?;
-        if Instant::now() >= *due {
-            *due = Instant::now() + PERIOD;
-            view.is_least = port.blocks_executed().is_none();
-            view.update(port.now(), sender, executed, port.machine());
-            view.damaged = port.line_errors().map(|errors| errors.total());
-            screen.show(view);
+        let shown = self.shown.as_mut()?;
+        if Instant::now() >= shown.due {
+            shown.update(port, sender, executed);
         }
-        screen.command()
+        shown.command()
+    }
+
+    /// Shows the last state.
+    pub fn show_end(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) {
+        self.write_events(port, sender);
+        if let Some(shown) = &mut self.shown {
+            shown.update(port, sender, executed);
+            if let Some(page) = &mut shown.page {
+                page.end(Snapshot::new(&shown.view));
+            }
+        }
+    }
+
+    /// State of the feed board from now on.
+    pub fn set_board(&mut self, state: Option<&'static str>) {
+        if let Some(shown) = &mut self.shown {
+            shown.view.board = state;
+        }
     }
 
     fn write_events(&mut self, port: &dyn Port, sender: &Sender) {
@@ -129,6 +163,38 @@ impl LiveDisplay {
             // A full disk is no reason to leave the tool standing in the cut.
             self.log = None;
         }
+    }
+}
+
+impl ShownView {
+    fn new(view: View, screen: Option<Screen>) -> Self {
+        ShownView { view, screen, page: None, due: Instant::now(), sample_due: Instant::now() }
+    }
+
+    fn update(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) {
+        let (view, now) = (&mut self.view, Instant::now());
+        let period = if self.page.is_some() { PAGE_PERIOD } else { PERIOD };
+        // From when it was due, so that the waits of the sending loop do not add up.
+        self.due = (self.due + period).max(now);
+        view.is_least = port.blocks_executed().is_none();
+        view.update(port.now(), sender, executed, port.machine());
+        view.damaged = port.line_errors().map(|errors| errors.total());
+        if now >= self.sample_due {
+            self.sample_due = now + PERIOD;
+            view.sample();
+        }
+        if let Some(screen) = &self.screen {
+            screen.show(view);
+        }
+        if let Some(page) = &self.page {
+            page.show(Snapshot::new(view));
+        }
+    }
+
+    /// Command from the keys or from a browser.
+    fn command(&self) -> Option<Command> {
+        let key = self.screen.as_ref().and_then(Screen::command);
+        key.or_else(|| self.page.as_ref().and_then(LivePage::command))
     }
 }
 

@@ -4,6 +4,8 @@ mod live_display;
 
 pub(super) mod preparation;
 
+mod live_path;
+
 mod board_session;
 
 mod logbook;
@@ -22,6 +24,7 @@ mod simulator;
 
 mod linuxcnc;
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -38,6 +41,7 @@ use crate::board::line::{BAUDRATE, BoardLine};
 use crate::console::note;
 use crate::dnc::Sender;
 use crate::dnc::outbox::Outbox;
+use crate::features::not_built_in;
 use crate::port::Port;
 use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
@@ -76,10 +80,14 @@ pub struct Stream {
     /// Show program, line and machine on the whole terminal, with keys to hold, resume and abort (docs/tui.md)
     #[arg(long, conflicts_with = "json")]
     tui: bool,
+    /// Serve a live page to browsers on this computer, with buttons to hold, resume and abort (docs/web.md); with IP:PORT at
+    /// that address
+    #[arg(long, value_name = "IP:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
+    web: Option<SocketAddr>,
     /// Write the events here, one per line: DC1, DC3, blocks, hold, alarms
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Simulated seconds per second of wall time (sim: only); without it 1 with --tui, otherwise as fast as possible
+    /// Simulated seconds per second of wall time (sim: only); without it 1 with --tui or --web, otherwise as fast as possible
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
     speed: Option<u32>,
     /// Write the blocks that the control executed here (sim: only)
@@ -113,6 +121,9 @@ impl Stream {
         }
         if self.tui {
             need_terminal()?;
+        }
+        if self.web.is_some() && cfg!(not(feature = "web")) {
+            return Err(Failure::Usage(format!("--web: {}", not_built_in("the live page", "web"))));
         }
         let mut ready = PreparedProgram::load(&self.input, &self.line, !self.keep_comments)?;
         self.check_mode(&ready.file.job.policy)?;
@@ -300,7 +311,7 @@ impl Stream {
         (port, sender): (&dyn Port, &Sender),
         (logbook, board_session): (Logbook, BoardSession<'p>),
     ) -> Result<SendServices<'p>, Failure> {
-        let live = self.live(ready, sender, port.opened())?;
+        let live = self.live(ready, sender, (port.opened(), logbook.path()))?;
         let (dnc, reports) = (&ready.file.dnc, ready.reports.clone());
         let timeout = (dnc.xoff_timeout > Micros(0)).then_some(dnc.xoff_timeout);
         Ok(SendServices { logbook, live, echo: ReportMonitor::new(reports, dnc.read_ahead, timeout), board_session })
@@ -311,21 +322,33 @@ impl Stream {
         &self,
         ready: &PreparedProgram,
         sender: &Sender,
-        opened: Option<SystemTime>,
+        (opened, journal): (Option<SystemTime>, Option<&Path>),
     ) -> Result<LiveDisplay, Failure> {
         let program = ready.file.program.file_name().unwrap_or_default().to_string_lossy();
         let title = format!("{program} to {}", self.port.text);
-        let live = if self.tui {
+        let view = || {
             let times_s = ready.loads(sender.transmission()).iter().map(|load| load.time_s).collect::<Vec<_>>();
             let listing = Listing::new(sender.transmission(), &times_s);
             let mut view = View::new(title.clone(), listing, ready.chars_per_s() * sender.share());
+            view.unit = ready.file.job.unit;
             view.notes.clone_from(&ready.notes);
+            view.journal = journal.map(|path| path.display().to_string());
+            view
+        };
+        let mut page =
+            self.web.map(|address| live_path::serve(ready, sender.transmission(), address, view())).transpose()?;
+        let mut live = if self.tui {
+            let mut view = view();
+            view.notes.extend(page.iter().map(|(_, page)| format!("note: the live page is {}", page.url())));
             LiveDisplay::screen(view)?
         } else if self.json {
             LiveDisplay::nothing()
         } else {
             LiveDisplay::bar(sender.progress().1)
         };
+        if let Some((view, page)) = page.take() {
+            live = live.on_page(view, page);
+        }
         match &self.log {
             Some(path) => live.logging(path, &title, opened, sender),
             None => Ok(live),

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use arcfeed_control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::simulation::PlannedConditions;
 use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
+use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Micros, S_PER_MIN};
 
 use super::super::executed_blocks::check_expanded;
@@ -165,10 +166,15 @@ impl PreparedProgram {
 
     /// Length and execution time of each line, at the programmed feed.
     pub fn loads(&self, sending: &Transmission) -> Vec<BlockLoad> {
+        self.moves(sending).map(|(load, _)| load).collect()
+    }
+
+    /// Execution time of each line at the programmed feed, and its move.
+    pub fn moves(&self, sending: &Transmission) -> impl Iterator<Item = (BlockLoad, Option<Segment>)> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
         let mut reader = self.power_on().reader();
-        let loads = (0..sending.lines().len()).map(|index| {
+        (0..sending.lines().len()).map(move |index| {
             let text = sending.line_text(index).unwrap_or_default();
             let read = if index == 0 || sending.is_of_report(index) {
                 None
@@ -177,20 +183,20 @@ impl PreparedProgram {
             };
             let dwell = read.as_ref().and_then(|read| read.step.dwell).map_or(0.0, Micros::to_s);
             let Some(segment) = read.and_then(|read| read.segment) else {
-                return BlockLoad::of_time(text.len(), dwell);
+                return (BlockLoad::of_time(text.len(), dwell), None);
             };
             let speed_mm_per_s = match segment.feed {
                 Feed::PerMinute(feed) => feed.to_mm() / S_PER_MIN * segment.length_mm() / segment.feed_length_mm(),
                 Feed::InverseTime(times) => segment.length_mm() * times as f64 / PER_MIN_SCALE as f64 / S_PER_MIN,
                 Feed::Missing => rapid_mm_per_s,
             };
-            if segment.length_mm() > 0.0 && speed_mm_per_s > 0.0 {
+            let load = if segment.length_mm() > 0.0 && speed_mm_per_s > 0.0 {
                 BlockLoad::of_move(text.len(), segment.length_mm(), speed_mm_per_s, acceleration)
             } else {
                 BlockLoad::of_time(text.len(), dwell)
-            }
-        });
-        loads.collect()
+            };
+            (load, Some(segment))
+        })
     }
 
     /// Characters per second on the line.

@@ -111,7 +111,7 @@ pub fn send(
     let ended = send_all(port, sender, &mut outbox, &mut services);
     let known = executed(port, sender, &services.echo);
     let SendServices { mut logbook, mut live, echo, board_session } = services;
-    live.show(port, sender, known);
+    live.show_end(port, sender, known);
     // The terminal is restored before any message.
     drop(live);
     let is_stopped = match &ended {
@@ -165,6 +165,7 @@ fn send_all(
         let known = executed(port, sender, echo);
         logbook.follow(sender, known)?;
         // Before the turn: a control that has waited gets characters at once when it continues.
+        live.set_board(board_session.state());
         match live.show(port, sender, known) {
             Some(Command::Hold) => sender.hold(),
             Some(Command::Resume) => sender.resume(),

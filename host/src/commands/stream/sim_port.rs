@@ -6,7 +6,7 @@ use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_units::Micros;
+use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
 use super::super::outcome::Failure;
 use super::super::simulate::control::control_settings;
@@ -167,11 +167,15 @@ impl<D: OverrideSource> Port for SimPort<D> {
 
     fn machine(&self) -> Machine {
         let control = self.simulation.control();
+        let origin = self.simulation.context().origin.linear.map(Nm::to_mm);
+        let [x, y, z, ..] = control.actual_axes();
         let alarm = control.alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
         Machine {
             override_percent: Some(control.override_percent()),
             chip_ratio: self.simulation.meter().last_ratio(),
             alarm: alarm.map(|alarm| alarm.to_string()),
+            position_mm: Some([x - origin[0], y - origin[1], z - origin[2]]),
+            feed_mm_per_min: Some(control.speed_mm_per_s() * S_PER_MIN),
         }
     }
 

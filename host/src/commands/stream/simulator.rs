@@ -199,6 +199,6 @@ impl Stream {
 
     /// Simulated seconds per second; `None`: as fast as possible.
     fn tempo(&self) -> Option<u32> {
-        self.speed.or(self.tui.then_some(1))
+        self.speed.or((self.tui || self.web.is_some()).then_some(1))
     }
 }

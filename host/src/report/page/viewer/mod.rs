@@ -24,9 +24,14 @@ const LEVEL: u8 = 6;
 const SCRIPT: &str = include_str!("../../../../web/viewer.js");
 const STYLE: &str = include_str!("../../../../web/viewer.css");
 const BODY: &str = include_str!("../../../../web/viewer.html");
+const START_SCRIPT: &str = include_str!("../../../../web/start.js");
+const START_BODY: &str = include_str!("../../../../web/start.html");
+const LIVE_BODY: &str = include_str!("../../../../web/live.html");
 
 /// Nothing is loaded from elsewhere, and nothing is sent.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+/// Addition for a served page: it gets its data from its own server. Browsers ask for no icon.
+const SERVED: [&str; 2] = ["; connect-src 'self'", "<link rel=\"icon\" href=\"data:,\">\n"];
 
 /// Data of the viewer; lengths in the job's unit.
 #[derive(Clone, Debug)]
@@ -45,6 +50,8 @@ pub struct ViewerData {
     pub findings: Vec<RunFinding>,
     /// Lines of the program, each with its text as sent if that differs.
     pub lines: Vec<[Vec<u8>; 2]>,
+    /// The page is served, and shows a run that goes on.
+    pub is_live: bool,
 }
 
 /// Path of a run with the values along it, as columns of equal length.
@@ -110,14 +117,26 @@ struct HeightsHeader {
     column: ColumnHead,
 }
 
+/// Page that takes a program and shows its report, for a server.
+pub fn start_page() -> String {
+    let [connects, icon] = SERVED;
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>arcfeed</title>\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{connects}; frame-src 'self'\">\n{icon}<style>\n{STYLE}</style>\n</head>\n\
+         <body class=\"start\">\n{START_BODY}<script>\n{START_SCRIPT}</script>\n</body>\n</html>\n"
+    )
+}
+
 impl ViewerData {
     /// The viewer as HTML: one part for the head of the page, one for its body.
     pub fn html(&self) -> [String; 2] {
-        let head =
-            format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<style>\n{STYLE}</style>\n");
+        let ([connects, icon], live) = if self.is_live { (SERVED, LIVE_BODY) } else { Default::default() };
+        let head = format!(
+            "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{connects}\">\n{icon}<style>\n{STYLE}</style>\n"
+        );
         let data = base64(&compress_to_vec_zlib(&self.bytes(), LEVEL));
         let body = format!(
-            "{BODY}<script type=\"text/plain\" id=\"arcfeed-data\">{data}</script>\n<script>\n{SCRIPT}</script>\n"
+            "{live}{BODY}<script type=\"text/plain\" id=\"arcfeed-data\">{data}</script>\n<script>\n{SCRIPT}</script>\n"
         );
         [head, body]
     }

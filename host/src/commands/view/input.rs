@@ -1,0 +1,144 @@
+//! Input of the page: values of the form, names of files, open questions of the job.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use toml::de::DeValue;
+
+use crate::job::questions;
+use crate::toml_values::walk;
+
+/// Longest name of a program.
+const NAME_MAX: usize = 64;
+
+/// Value that the job needs from a person.
+#[derive(Debug, Serialize)]
+pub struct OpenQuestion {
+    key: String,
+    /// Line and column of the `"?"`, counted from 1.
+    line: usize,
+    column: usize,
+    /// Comment above it.
+    help: String,
+}
+
+/// Values of the form, as options of `arcfeed init`; an empty one is left out.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FormValues {
+    tool: String,
+    teeth: String,
+    feed_per_tooth: String,
+    spindle: String,
+    max: String,
+    mode: String,
+    milling: String,
+}
+
+impl FormValues {
+    /// Options, each in one word with its value, so that no value is an option.
+    pub fn options(&self) -> impl Iterator<Item = String> {
+        let FormValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling } = self;
+        let several = [("tool", tool), ("teeth", teeth), ("feed-per-tooth", feed_per_tooth)];
+        // One value for all tools, or T1=10 T3=6.
+        let several =
+            several.into_iter().flat_map(|(option, values)| values.split_whitespace().map(move |v| (option, v)));
+        let single = [("spindle", spindle), ("max", max), ("mode", mode), ("milling", milling)];
+        let single =
+            single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
+        several.chain(single).map(|(option, value)| format!("--{option}={value}"))
+    }
+}
+
+/// Name of a program without a folder and without characters of meaning; `.toml` is that of jobs.
+pub fn plain_name(name: &str) -> String {
+    let allowed = |letter: &char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
+    let name: String =
+        name.rsplit(['/', '\\']).next().unwrap_or_default().chars().filter(allowed).take(NAME_MAX).collect();
+    let name = name.trim_start_matches(['.', '-']);
+    match name.strip_suffix(".toml").unwrap_or(name) {
+        "" => "program.nc".into(),
+        name => name.into(),
+    }
+}
+
+/// First value of a job that is the name of a file outside a folder.
+pub fn foreign_file(text: &str, folder: &Path) -> Option<String> {
+    let mut found = None;
+    walk(text, &mut |_, _, value| {
+        if let DeValue::String(string) = value.get_ref()
+            && let Ok(path) = folder.join(string.as_ref()).canonicalize()
+            && !path.starts_with(folder)
+        {
+            found.get_or_insert_with(|| string.to_string());
+        }
+    });
+    found
+}
+
+/// Open questions of a job, each with the comment above it.
+pub fn open_questions(text: &str) -> Vec<OpenQuestion> {
+    let lines: Vec<&str> = text.lines().collect();
+    let help = |line: usize| {
+        let above = lines[..line.saturating_sub(1).min(lines.len())].iter().rev();
+        let mut comments: Vec<&str> = above.map_while(|line| line.strip_prefix("# ")).collect();
+        comments.reverse();
+        comments.join(" ").trim_start_matches("QUESTION: ").to_owned()
+    };
+    let question = |question: questions::Question| {
+        let [line, column] = question.place;
+        OpenQuestion { key: question.key, line, column, help: help(line) }
+    };
+    questions::open(text).into_iter().map(question).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_a_plain_file_of_the_folder() {
+        for (given, wanted) in [
+            ("part.nc", "part.nc"),
+            ("../../etc/passwd", "passwd"),
+            ("C:\\NC\\O1546 (2).TAP", "O15462.TAP"),
+            (".profile", "profile"),
+            ("--json", "json"),
+            ("job.toml", "job"),
+            ("..", "program.nc"),
+            ("", "program.nc"),
+        ] {
+            assert_eq!(plain_name(given), wanted, "{given}");
+        }
+    }
+
+    #[test]
+    fn a_job_names_no_file_outside_the_folder() {
+        let scratch = tempfile::tempdir().unwrap();
+        let folder = scratch.path().canonicalize().unwrap().join("in");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("part.nc"), "M30\n").unwrap();
+        std::fs::write(scratch.path().join("secret"), "").unwrap();
+        let foreign = |value: &str| foreign_file(&format!("units = \"mm\"\n[a]\nb = [\"{value}\"]\n"), &folder);
+        assert_eq!(foreign("part.nc"), None);
+        assert_eq!(foreign("mm/min"), None);
+        for path in ["../secret", "/dev/null", "part.nc/../../secret", ".."] {
+            assert_eq!(foreign(path).is_some(), folder.join(path).exists(), "{path}");
+        }
+        assert!(foreign("../secret").is_some() && foreign("/dev/null").is_some());
+    }
+
+    #[test]
+    fn a_question_has_the_comment_above_it() {
+        let text = "a = 1\n# not this one\n\n# QUESTION: how many\n# teeth cut?\nteeth = \"?\"\n";
+        let [question] = open_questions(text).try_into().unwrap();
+        assert_eq!((question.key.as_str(), question.line, question.column), ("teeth", 6, 9));
+        assert_eq!(question.help, "how many teeth cut?");
+    }
+
+    #[test]
+    fn no_value_of_the_form_is_an_option_of_its_own() {
+        let values = FormValues { tool: "T1=10 T3=--json".into(), max: " 120 ".into(), ..FormValues::default() };
+        assert_eq!(values.options().collect::<Vec<_>>(), ["--tool=T1=10", "--tool=T3=--json", "--max=120"]);
+    }
+}

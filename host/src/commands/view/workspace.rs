@@ -1,0 +1,270 @@
+//! Temporary folder of the page: the program, its job, and what arcfeed makes of them.
+//!
+//! The commands run as processes of their own, so a browser gets the words that a terminal gets, and a run can be stopped.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::super::outcome::{Failure, file_failure};
+use super::input::{FormValues, OpenQuestion, foreign_file, open_questions, plain_name};
+
+/// Time between two looks at a running command.
+const PERIOD: Duration = Duration::from_millis(20);
+/// Most bytes of messages that are shown.
+const MESSAGES_MAX: usize = 64 * 1024;
+
+/// Folder and state, shared by all browsers.
+pub struct Workspace {
+    folder: PathBuf,
+    files: Mutex<Files>,
+    running: Mutex<Running>,
+}
+
+/// Program and job.
+#[derive(Clone, Debug, Default)]
+struct Files {
+    program: Option<PathBuf>,
+    job: Option<PathBuf>,
+    /// The job is a file of the command line, which the page does not change.
+    is_fixed: bool,
+    messages: String,
+}
+
+#[derive(Default)]
+struct Running {
+    /// A command of a browser is under way.
+    is_taken: bool,
+    child: Option<Child>,
+    is_closed: bool,
+}
+
+/// State for the page.
+#[derive(Debug, Serialize)]
+pub struct PageState {
+    program: Option<String>,
+    /// Text of the job.
+    job: Option<String>,
+    is_fixed: bool,
+    questions: Vec<OpenQuestion>,
+    /// Messages of the last command.
+    messages: String,
+    has_report: bool,
+}
+
+/// File that a browser may fetch.
+#[derive(Clone, Copy, Debug)]
+pub enum PageFile {
+    Report,
+    Adapted,
+    Job,
+}
+
+impl Workspace {
+    /// Workspace in an empty folder.
+    pub fn new(folder: &Path) -> io::Result<Self> {
+        let folder = folder.canonicalize()?;
+        for part in ["in", "out"] {
+            std::fs::create_dir(folder.join(part))?;
+        }
+        Ok(Workspace { folder, files: Mutex::default(), running: Mutex::default() })
+    }
+
+    /// Begins with a job or a program of the command line.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn open(&self, path: &Path) -> Result<(), Failure> {
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let absolute = path.canonicalize().map_err(|error| file_failure(path, &error))?;
+            *self.files() = Files { job: Some(absolute), is_fixed: true, ..Files::default() };
+            self.adapt();
+            return Ok(());
+        }
+        let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        self.take(&name, &bytes).map_err(|error| file_failure(path, &error))
+    }
+
+    /// Takes a program in place of the one before, and proposes a job.
+    ///
+    /// # Errors
+    /// The disk is full.
+    pub fn take(&self, name: &str, program: &[u8]) -> io::Result<()> {
+        for part in ["in", "out"] {
+            std::fs::remove_dir_all(self.folder.join(part))?;
+            std::fs::create_dir(self.folder.join(part))?;
+        }
+        let path = self.folder.join("in").join(plain_name(name));
+        std::fs::write(&path, program)?;
+        *self.files() = Files { job: Some(path.with_extension("toml")), program: Some(path), ..Files::default() };
+        self.propose(&FormValues::default());
+        Ok(())
+    }
+
+    /// Proposes a job by `arcfeed init` with these values.
+    pub fn propose(&self, values: &FormValues) {
+        let Files { program: Some(program), job: Some(job), .. } = self.files().clone() else { return };
+        let mut arguments = vec!["init".into(), "--force".into(), name(&program), "--output".into(), name(&job)];
+        arguments.extend(values.options());
+        self.clear_output();
+        self.command(&arguments);
+    }
+
+    /// Adapts and simulates with this text as the job.
+    ///
+    /// # Errors
+    /// The text cannot be written.
+    pub fn adapt_with(&self, text: &str) -> io::Result<()> {
+        let files = self.files().clone();
+        if let Some(job) = files.job.filter(|_| !files.is_fixed) {
+            if let Some(path) = foreign_file(text, &self.folder.join("in")) {
+                let message =
+                    format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
+                self.files().messages = message;
+                return Ok(());
+            }
+            std::fs::write(job, text)?;
+        }
+        self.adapt();
+        Ok(())
+    }
+
+    /// Adapts and simulates the job.
+    fn adapt(&self) {
+        let Some(job) = self.files().job.clone() else { return };
+        self.clear_output();
+        let [report, adapted] = [PageFile::Report, PageFile::Adapted].map(|output| self.path(output));
+        let text = |path: PathBuf| path.to_string_lossy().into_owned();
+        let is_fixed = self.files().is_fixed;
+        let job = if is_fixed { text(job) } else { name(&job) };
+        self.command(&["adapt".into(), job, "--output".into(), text(adapted), "--report".into(), text(report)]);
+    }
+
+    /// Runs arcfeed in the folder of the program; its messages are kept.
+    fn command(&self, arguments: &[String]) {
+        let messages = self.run(arguments).unwrap_or_else(|error| format!("arcfeed does not start: {error}"));
+        self.files().messages = messages;
+    }
+
+    fn run(&self, arguments: &[String]) -> io::Result<String> {
+        let log = self.folder.join("messages");
+        let mut command = Command::new(std::env::current_exe()?);
+        command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(File::create(&log)?);
+        command.current_dir(self.folder.join("in"));
+        {
+            let mut running = self.running();
+            if running.is_closed {
+                return Ok("the page has ended".into());
+            }
+            running.child = Some(command.spawn()?);
+        }
+        let ended = loop {
+            let ended = match &mut self.running().child {
+                Some(child) => child.try_wait()?,
+                None => return Ok("stopped".into()),
+            };
+            match ended {
+                Some(status) => break status,
+                None => std::thread::sleep(PERIOD),
+            }
+        };
+        self.running().child = None;
+        let mut messages = std::fs::read(&log)?;
+        messages.truncate(MESSAGES_MAX);
+        let messages = String::from_utf8_lossy(&messages).into_owned();
+        Ok(if ended.success() || !messages.is_empty() { messages } else { format!("arcfeed: {ended}") })
+    }
+
+    /// Takes the workspace for a command; `false` if another browser has it.
+    pub fn begin(&self) -> bool {
+        !std::mem::replace(&mut self.running().is_taken, true)
+    }
+
+    /// Gives the workspace back.
+    pub fn end(&self) {
+        self.running().is_taken = false;
+    }
+
+    /// Stops the running command.
+    pub fn stop(&self) {
+        if let Some(mut child) = self.running().child.take() {
+            let _has_ended = child.kill();
+            let _reaped = child.wait();
+        }
+    }
+
+    /// Stops everything for good.
+    pub fn close(&self) {
+        self.running().is_closed = true;
+        self.stop();
+    }
+
+    /// State for the page.
+    pub fn state(&self) -> PageState {
+        let files = self.files().clone();
+        let job = files.job.as_ref().and_then(|path| std::fs::read_to_string(path).ok());
+        let questions = job.as_deref().map(open_questions).unwrap_or_default();
+        PageState {
+            program: files.program.or_else(|| files.job.clone()).map(|path| name(&path)),
+            job,
+            is_fixed: files.is_fixed,
+            questions,
+            messages: files.messages,
+            has_report: self.path(PageFile::Report).exists(),
+        }
+    }
+
+    /// Content of a file, and its name for a download.
+    ///
+    /// # Errors
+    /// There is none yet.
+    pub fn read(&self, output: PageFile) -> io::Result<(Vec<u8>, String)> {
+        let files = self.files().clone();
+        let stem =
+            files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
+        let stem = plain_name(&stem);
+        let extension = files.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
+        match output {
+            PageFile::Report => Ok((std::fs::read(self.path(output))?, format!("{stem}.html"))),
+            PageFile::Adapted => {
+                Ok((std::fs::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
+            }
+            PageFile::Job => Ok((std::fs::read(files.job.unwrap_or_default())?, format!("{stem}.toml"))),
+        }
+    }
+
+    fn path(&self, output: PageFile) -> PathBuf {
+        let name = match output {
+            PageFile::Report => "report.html",
+            PageFile::Adapted => "adapted.nc",
+            PageFile::Job => "job.toml",
+        };
+        self.folder.join("out").join(name)
+    }
+
+    /// An old result does not stay beside a new job.
+    fn clear_output(&self) {
+        for output in [PageFile::Report, PageFile::Adapted] {
+            let _was_not_there = std::fs::remove_file(self.path(output));
+        }
+    }
+
+    fn files(&self) -> MutexGuard<'_, Files> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn running(&self) -> MutexGuard<'_, Running> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Last part of a path, as text.
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,37 @@
+//! Stand-in for the live page in a build without the feature `web`.
+
+use std::io;
+use std::net::SocketAddr;
+
+use super::snapshot::Snapshot;
+use crate::screen::view::Command;
+
+/// Live page that cannot exist.
+#[derive(Debug)]
+pub enum LivePage {}
+
+impl LivePage {
+    /// Always fails; `stream --web` reports the reason before this call.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn open(_address: SocketAddr, _page: String, _first: Snapshot) -> io::Result<Self> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    /// Empty.
+    pub fn url(&self) -> String {
+        String::new()
+    }
+
+    /// Shows nothing.
+    pub fn show(&self, _snapshot: Snapshot) {}
+
+    /// Shows nothing.
+    pub fn end(&mut self, _last: Snapshot) {}
+
+    /// Never returns a command.
+    pub fn command(&self) -> Option<Command> {
+        None
+    }
+}

@@ -1,0 +1,59 @@
+//! Answers of the server.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::net::TcpStream;
+
+/// Fields of every answer: the address with the key goes nowhere, and no other page shows this one in a frame.
+const FIELDS: &str = "Connection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
+                      X-Content-Type-Options: nosniff\r\nX-Frame-Options: SAMEORIGIN\r\nCross-Origin-Resource-Policy: same-origin\r\n";
+
+/// Complete answer.
+#[derive(Clone, Debug)]
+pub struct Reply<'b> {
+    /// Status code and its words.
+    pub status: &'static str,
+    /// Type of the body.
+    pub kind: &'static str,
+    /// Name under which a browser saves it.
+    pub file_name: Option<String>,
+    /// Body.
+    pub body: &'b [u8],
+}
+
+impl<'b> Reply<'b> {
+    /// Page.
+    pub fn html(body: &'b [u8]) -> Self {
+        Reply { status: "200 OK", kind: "text/html; charset=utf-8", file_name: None, body }
+    }
+
+    /// Sentence.
+    pub fn text(status: &'static str, body: &'b str) -> Self {
+        Reply { status, kind: "text/plain; charset=utf-8", file_name: None, body: body.as_bytes() }
+    }
+
+    /// Writes the whole answer.
+    ///
+    /// # Errors
+    /// The browser is gone, or takes nothing.
+    pub fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
+        let Reply { status, kind, file_name, body } = self;
+        let mut head =
+            format!("HTTP/1.1 {status}\r\n{FIELDS}Content-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
+        if let Some(name) = file_name {
+            let _in_memory = write!(head, "Content-Disposition: attachment; filename=\"{name}\"\r\n");
+        }
+        head += "\r\n";
+        stream.write_all(head.as_bytes())?;
+        stream.write_all(body)
+    }
+}
+
+/// Begins an answer whose events follow, each as it happens.
+///
+/// # Errors
+/// The browser is gone, or takes nothing.
+pub fn begin_events(stream: &mut TcpStream) -> io::Result<()> {
+    stream.set_nodelay(true)?;
+    stream.write_all(format!("HTTP/1.1 200 OK\r\n{FIELDS}Content-Type: text/event-stream\r\n\r\n").as_bytes())
+}

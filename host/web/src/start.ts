@@ -1,0 +1,154 @@
+// Page that takes a program, completes its job and shows its report: host/src/commands/view.
+
+interface Question {
+    key: string;
+    line: number;
+    column: number;
+    help: string;
+}
+
+/** State as the server has it. */
+interface State {
+    program: string | null;
+    job: string | null;
+    is_fixed: boolean;
+    questions: Question[];
+    messages: string;
+    has_report: boolean;
+}
+
+function element<T extends HTMLElement>(id: string): T {
+    return document.getElementById(id) as T;
+}
+
+let state: State | null = null;
+
+/** Shows the state; the report only if it is a new one. */
+function show(next: State, isNewReport: boolean): void {
+    state = next;
+    element('state').textContent = '';
+    element('program').textContent = next.program ?? '';
+    const hasJob = next.job !== null;
+    element('values-part').hidden = !hasJob || next.is_fixed;
+    element('job-part').hidden = !hasJob;
+    const job = element<HTMLTextAreaElement>('job');
+    job.value = next.job ?? '';
+    job.readOnly = next.is_fixed;
+    element('questions').replaceChildren(...next.questions.map(field));
+    element('messages').hidden = next.messages.trim() === '';
+    element('messages').textContent = next.messages;
+    element('report-part').hidden = !next.has_report;
+    const report = element<HTMLIFrameElement>('report');
+    if (!next.has_report) report.removeAttribute('src');
+    else if (isNewReport) report.src = `report?${Date.now()}`;
+    document.documentElement.dataset.state = 'ready';
+}
+
+/** Field of an open question. */
+function field({ key, help }: Question): HTMLElement {
+    const [label, input, hint] = [document.createElement('label'), document.createElement('input'), document.createElement('span')];
+    input.name = key;
+    input.autocomplete = 'off';
+    hint.className = 'hint';
+    hint.textContent = help;
+    label.append(`${key} `, input, hint);
+    return label;
+}
+
+/** An answer as TOML: numbers, truth values, lists and tables as they are, all else as text. */
+function toToml(answer: string): string {
+    const isValue = /^([+-]?\d[\d_]*(\.\d+)?([eE][+-]?\d+)?|true|false|\[.*\]|\{.*\})$/s.test(answer);
+    return isValue ? answer : JSON.stringify(answer);
+}
+
+/** Text of the job with the answers in the places of its open questions. */
+function answered(): string {
+    const text = element<HTMLTextAreaElement>('job').value;
+    // A text that was changed by hand has its own places.
+    if (!state || text !== state.job) return text;
+    const lines = text.split('\n');
+    for (const { key, line, column } of [...state.questions].reverse()) {
+        const input = element<HTMLFormElement>('questions').elements.namedItem(key) as HTMLInputElement | null;
+        const answer = input?.value.trim();
+        if (!answer) continue;
+        const characters = [...lines[line - 1]];
+        characters.splice(column - 1, 3, toToml(answer));
+        lines[line - 1] = characters.join('');
+    }
+    return lines.join('\n');
+}
+
+/** Sends something, and shows the state that follows. */
+async function post(path: string, body: BodyInit, words: string): Promise<void> {
+    const began = performance.now();
+    const clock = () => (element('elapsed').textContent = `${((performance.now() - began) / 1000).toFixed(0)} s`);
+    const timer = setInterval(clock, 500);
+    element('state').textContent = words;
+    document.documentElement.dataset.state = 'busy';
+    busy(true);
+    try {
+        const answer = await fetch(path, { method: 'POST', body });
+        if (answer.ok) show(await answer.json(), true);
+        else failed(await answer.text());
+    } catch {
+        failed('No connection to arcfeed: start `arcfeed view` again, and open the address that it prints.');
+    } finally {
+        clearInterval(timer);
+        element('elapsed').textContent = '';
+        busy(false);
+    }
+}
+
+function busy(isBusy: boolean): void {
+    element<HTMLButtonElement>('stop').disabled = !isBusy;
+    for (const button of document.querySelectorAll<HTMLButtonElement>('#run, #values button')) button.disabled = isBusy;
+}
+
+function failed(words: string): void {
+    element('state').textContent = words;
+    document.documentElement.dataset.state = 'failed';
+}
+
+function take(file: File | undefined): void {
+    if (file) void post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+}
+
+function controls(): void {
+    const drop = element('drop');
+    drop.addEventListener('dragover', (event) => {
+        event.preventDefault();
+        drop.classList.add('over');
+    });
+    drop.addEventListener('dragleave', () => drop.classList.remove('over'));
+    drop.addEventListener('drop', (event) => {
+        event.preventDefault();
+        drop.classList.remove('over');
+        take(event.dataTransfer?.files[0]);
+    });
+    // A file that misses the zone would be opened in place of the page.
+    addEventListener('dragover', (event) => event.preventDefault());
+    addEventListener('drop', (event) => event.preventDefault());
+    const file = element<HTMLInputElement>('file');
+    file.addEventListener('change', () => take(file.files?.[0]));
+    const values = element<HTMLFormElement>('values');
+    values.addEventListener('submit', (event) => {
+        event.preventDefault();
+        void post('init', JSON.stringify(Object.fromEntries(new FormData(values))), 'Proposing the job …');
+    });
+    element('questions').addEventListener('submit', (event) => {
+        event.preventDefault();
+        element('run').click();
+    });
+    element('run').addEventListener('click', () => void post('run', answered(), 'Adapting and simulating …'));
+    element('stop').addEventListener('click', () => void fetch('stop', { method: 'POST' }));
+}
+
+async function start(): Promise<void> {
+    const isDark = matchMedia('(prefers-color-scheme: dark)').matches;
+    document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+    controls();
+    const answer = await fetch('state');
+    show(await answer.json(), true);
+}
+
+void start();
