@@ -253,10 +253,11 @@ fn along_a_centrifugal_hub_the_axes_are_those_of_the_closed_form() {
 #[test]
 fn a_centrifugal_passage_is_planned_proven_and_left_without_pillars() {
     let blisk = centrifugal();
-    let (field, mill) = (Field::new(&blisk), mill(5.0));
+    let (field, mill) = (Field::new(&blisk), mill(7.0));
     let plan = passage(&blisk, &field, &mill).plan().unwrap();
     assert_eq!(families(&plan), [PlungeFamily::Hub]);
     assert_proven(&blisk, &mill, &plan);
+    let flat_mm = mill.radius_mm - mill.corner_radius_mm;
     let sin_pitch = libm::sincos(core::f64::consts::PI / 8.0);
     let lifted_mm = plan.plunges.iter().map(|plunge| plunge.lift_mm).fold(0.0, f64::max);
     let mut random = fastrand::Rng::with_seed(27);
@@ -265,7 +266,7 @@ fn a_centrifugal_passage_is_planned_proven_and_left_without_pillars() {
         // The end's edge keeps the allowance from the bowl, whose distance is one from a circle.
         for k in 0..32 {
             let (sin, cos) = libm::sincos(f64::from(k) / 32.0 * core::f64::consts::TAU);
-            let rim = plunge.tip + plunge.to_tool.inverse() * Vector::new(4.6 * cos, 4.6 * sin, 0.0);
+            let rim = plunge.tip + plunge.to_tool.inverse() * Vector::new(flat_mm * cos, flat_mm * sin, 0.0);
             let bowl_mm = BOWL_MM[0] - libm::hypot(rim.z, libm::hypot(rim.x, rim.y) - BOWL_MM[0] - BOWL_MM[1]);
             least_mm = least_mm.min(bowl_mm);
         }

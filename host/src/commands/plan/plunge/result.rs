@@ -109,11 +109,15 @@ fn rotary(part: &PlungePart, plan: &PassagePlan) -> Result<[AngleRelation; 2], S
     };
     let angles = || plan.plunges.iter().map(|plunge| tool_angles_rad(&plunge.to_tool));
     let angle_rad = angles().next().map_or(0.0, |[angle_rad, _]| angle_rad);
-    let (here, beside, above) = (at([angle_rad, 0.0])?, at([angle_rad + TURN_RAD, 0.0])?, at([angle_rad, TURN_RAD])?);
+    let (here, beside) = (at([angle_rad, 0.0])?, at([angle_rad + TURN_RAD, 0.0])?);
+    // A may end where the tool lies across the rotor's axis. Without either neighbour no plunge is tilted, or the range refuses it below.
+    let up = at([angle_rad, TURN_RAD]).map(|above| above.tilt_deg - here.tilt_deg);
+    let raised_deg =
+        up.or_else(|_| at([angle_rad, -TURN_RAD]).map(|below| here.tilt_deg - below.tilt_deg)).unwrap_or(1.0);
     let sign = |turned_deg: f64| libm::remainder(turned_deg, 360.0).signum();
     let index_sign = sign(beside.index_deg - here.index_deg);
     let relations = [
-        AngleRelation { sign: sign(above.tilt_deg - here.tilt_deg), zero_deg: here.tilt_deg },
+        AngleRelation { sign: sign(raised_deg), zero_deg: here.tilt_deg },
         AngleRelation { sign: index_sign, zero_deg: here.index_deg - index_sign * angle_rad.to_degrees() },
     ];
     // The steepest axes to either side are the farthest positions of A.
