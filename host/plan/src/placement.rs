@@ -109,19 +109,33 @@ pub fn placement(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placement, 
 /// # Errors
 /// The first place that they do not reach.
 pub fn check_travel(machine: &Machine, path: &SlotPath, tool_mm: f64) -> Result<(), PlacementError> {
+    let places = path.steps().into_iter().flat_map(|step| {
+        let level = step.level;
+        step.places(TRAVEL_SAMPLES).into_iter().map(move |place| (place, level))
+    });
+    check_places(machine, places, tool_mm, |level| format!("level {} of the slot", level + 1))
+}
+
+/// Checks that X, Y and Z reach places of a program, as [`check_travel`] does; `name` says which part of it a place belongs to.
+///
+/// # Errors
+/// The first place that they do not reach.
+pub fn check_places<N>(
+    machine: &Machine,
+    places: impl Iterator<Item = ([f64; 3], N)>,
+    tool_mm: f64,
+    name: impl Fn(N) -> String,
+) -> Result<(), PlacementError> {
     let crossing_mm = crossing(machine)?;
-    for step in path.steps() {
-        for place in step.places(TRAVEL_SAMPLES) {
-            let lift_mm = [0.0, 0.0, tool_mm];
-            for (index, axis) in machine.linear().iter().enumerate() {
-                let Some(range_mm @ [low_mm, high_mm]) = axis.range_mm else { continue };
-                let to_mm = place[index] + lift_mm[index] + crossing_mm[index];
-                let beyond_mm = (to_mm - high_mm).max(low_mm - to_mm);
-                if beyond_mm > SAME_MM {
-                    let place = format!("level {} of the slot", step.level + 1);
-                    let axis = ['X', 'Y', 'Z'][index];
-                    return Err(PlacementError::Travel { axis, to_mm, beyond_mm, range_mm, tool_mm, place });
-                }
+    for (place, part) in places {
+        let lift_mm = [0.0, 0.0, tool_mm];
+        for (index, axis) in machine.linear().iter().enumerate() {
+            let Some(range_mm @ [low_mm, high_mm]) = axis.range_mm else { continue };
+            let to_mm = place[index] + lift_mm[index] + crossing_mm[index];
+            let beyond_mm = (to_mm - high_mm).max(low_mm - to_mm);
+            if beyond_mm > SAME_MM {
+                let axis = ['X', 'Y', 'Z'][index];
+                return Err(PlacementError::Travel { axis, to_mm, beyond_mm, range_mm, tool_mm, place: name(part) });
             }
         }
     }

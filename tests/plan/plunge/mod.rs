@@ -16,4 +16,6 @@ mod stock;
 
 mod executed;
 
+mod families;
+
 mod command;

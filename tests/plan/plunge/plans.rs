@@ -2,6 +2,7 @@
 
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::generator::{Hand, Rotor};
+use arcfeed_plan::plunge::assembly::ball_mm;
 use arcfeed_plan::plunge::boundary::{Circles, boundary};
 use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::infeasibility::PlungeInfeasible;
@@ -34,7 +35,15 @@ fn mill(radius_mm: f64) -> PlungeMill {
 }
 
 fn plan(blisk: &Blisk, field: &Field, mill: &PlungeMill) -> Result<PassagePlan, PlungeInfeasible> {
-    Passage { blisk, field, mill, needs: &NEEDS, turning_mm: blisk.blank.radius_mm }.plan()
+    Passage {
+        blisk,
+        field,
+        mill,
+        needs: &NEEDS,
+        turning_mm: blisk.blank.radius_mm,
+        turning_ball_mm: ball_mm(&blisk.blank),
+    }
+    .plan()
 }
 
 /// Samples of both blades beside the passage.
@@ -126,7 +135,9 @@ fn a_tool_below_the_largest_one_is_planned_and_one_above_it_refused() {
     let blisk = rotor_b();
     let field = Field::new(&blisk);
     let any = mill(6.0);
-    let looked = Passage { blisk: &blisk, field: &field, mill: &any, needs: &NEEDS, turning_mm: 95.0 }.largest();
+    let looked =
+        Passage { blisk: &blisk, field: &field, mill: &any, needs: &NEEDS, turning_mm: 95.0, turning_ball_mm: 100.0 }
+            .largest();
     let least = looked.iter().min_by(|a, b| a.radius_mm.total_cmp(&b.radius_mm)).unwrap();
     assert!(plan(&blisk, &field, &mill(least.radius_mm - 0.05)).is_ok());
     let refused = plan(&blisk, &field, &mill(least.radius_mm + 0.05)).unwrap_err();

@@ -9,6 +9,7 @@ use arcfeed_dexel::solid::Block;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_dexel::workpiece::Stock;
 use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::plunge::assembly::ball_mm;
 use arcfeed_plan::plunge::boundary::Boundary;
 use arcfeed_plan::plunge::field::{Field, WallSide};
 use arcfeed_plan::plunge::line::Fit;
@@ -51,7 +52,16 @@ impl Planned {
         let needs = PlungeRequirements { allowance_mm, cusp_mm, fit: Fit::Gap, clearance_mm: 5.0, relief_mm: 0.2 };
         let field = Field::new(&blisk);
         let turning_mm = blisk.blank.radius_mm;
-        let plan = Passage { blisk: &blisk, field: &field, mill: &mill, needs: &needs, turning_mm }.plan().unwrap();
+        let plan = Passage {
+            blisk: &blisk,
+            field: &field,
+            mill: &mill,
+            needs: &needs,
+            turning_mm,
+            turning_ball_mm: ball_mm(&blisk.blank),
+        }
+        .plan()
+        .unwrap();
         Planned { blisk, field, mill, needs, plan }
     }
 

@@ -7,12 +7,11 @@
 //! F = n z f_z                       flat end: the chip is the feed per tooth, however wide the cut        (1)
 //! ```
 //!
-//! The index angle is rounded to the control's resolution first, and the places are computed for the rounded angle.
+//! The angles of the rotary axes are rounded to the control's resolution first, and the places are computed for the rounded angles.
 
 use arcfeed_units::{LengthUnit, MM_PER_INCH};
-use nalgebra::Rotation3;
+use nalgebra::{Matrix3, Rotation3};
 
-use crate::frame::slot_frame;
 use crate::output::words::{Format, Sheet, degrees, microdegrees};
 use crate::plunge::plan::Plunge;
 use crate::vector::{Point, Vector};
@@ -33,16 +32,24 @@ pub struct PlungeFeeds {
     pub approach_mm_per_min: f64,
 }
 
-/// Relation of the indexing axis to the angle about the rotor's axis.
+/// Relation of a rotary axis to an angle of the tool in the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IndexAxis {
-    /// Degrees of the axis per degree of the tool axis' angle: 1 or -1.
+pub struct AngleRelation {
+    /// Degrees of the axis per degree of the angle: 1 or -1.
     pub sign: f64,
     /// Position of the axis for a tool axis along x of the part.
     pub zero_deg: f64,
 }
 
-/// Settings of a plunging program.
+impl AngleRelation {
+    /// Position of the axis as a control reads it, and the angle that it presents, degrees.
+    fn rounded_deg(&self, angle_rad: f64) -> [f64; 2] {
+        let axis_deg = libm::round((self.sign * angle_rad.to_degrees() + self.zero_deg) * 1e3) / 1e3;
+        [axis_deg, self.sign * (axis_deg - self.zero_deg)]
+    }
+}
+
+/// Settings of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeSetup {
     /// O number.
@@ -57,10 +64,10 @@ pub struct PlungeSetup {
     pub rev_per_min: f64,
     /// M8 and M9.
     pub coolant: bool,
-    /// A, the same for all plunges.
-    pub tilt_deg: f64,
-    /// B
-    pub index: IndexAxis,
+    /// A, by the angle of the tool's axis from planes across the rotor's; without such plunges the same for all.
+    pub tilt: AngleRelation,
+    /// B, by the angle about the rotor's axis.
+    pub index: AngleRelation,
     /// Number of passages.
     pub passages: u32,
     /// Feeds.
@@ -126,10 +133,25 @@ fn passage_turn(passage_rad: f64) -> Rotation3<f64> {
     Rotation3::from_axis_angle(&Vector::z_axis(), passage_rad)
 }
 
-/// Text of the NC program: the plunges of one passage, repeated in all passages.
+/// Angles of a tool whose frame has x along the circumference: of its axis about the rotor's, and from planes across it.
+pub fn tool_angles_rad(to_tool: &Rotation3<f64>) -> [f64; 2] {
+    let (x, axis) = (to_tool.matrix().row(0), to_tool.matrix().row(2));
+    [libm::atan2(-x[0], x[1]), libm::atan2(axis[2], libm::hypot(axis[0], axis[1]))]
+}
+
+/// Rotation from the part frame into that of a tool at these angles: the slot frame (frame.rs), also along the rotor's axis.
+fn presented([index_rad, tilt_rad]: [f64; 2]) -> Rotation3<f64> {
+    let ((sin, cos), (up, out)) = (libm::sincos(index_rad), libm::sincos(tilt_rad));
+    let x = Vector::new(-sin, cos, 0.0);
+    let y = Vector::new(-up * cos, -up * sin, out);
+    let z = Vector::new(out * cos, out * sin, up);
+    Rotation3::from_matrix_unchecked(Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]))
+}
+
+/// Text of the program for the plunges of one passage in all passages.
 pub fn write(plunges: &[Plunge], setup: &PlungeSetup) -> String {
     let format = Format { unit: setup.unit };
-    let mut writer = Writer { setup, format, sheet: Sheet::new(format), at: None, index: None };
+    let mut writer = Writer { setup, format, sheet: Sheet::new(format), at: None, angles: [None; 2] };
     writer.header();
     let pitch_rad = core::f64::consts::TAU / f64::from(setup.passages);
     for passage in 0..setup.passages {
@@ -148,8 +170,8 @@ struct Writer<'s> {
     sheet: Sheet,
     /// X, Y, Z as written; `None` before the first.
     at: Option<[i64; 3]>,
-    /// B as written.
-    index: Option<i64>,
+    /// A and B as written.
+    angles: [Option<i64>; 2],
 }
 
 impl Writer<'_> {
@@ -171,29 +193,27 @@ impl Writer<'_> {
     }
 
     fn plunge(&mut self, plunge: &Plunge, passage_rad: f64) {
-        let IndexAxis { sign, zero_deg } = self.setup.index;
-        let angle_rad = libm::atan2(plunge.axis.y, plunge.axis.x) + passage_rad;
-        let index_deg = libm::round((sign * angle_rad.to_degrees() + zero_deg) * 1e3) / 1e3;
-        let (sin, cos) = libm::sincos((sign * (index_deg - zero_deg)).to_radians());
-        let Some(turn) = slot_frame(&Vector::new(cos, sin, 0.0)) else { return };
+        let [index_rad, tilt_rad] = tool_angles_rad(&plunge.to_tool);
+        let [index_deg, angle_deg] = self.setup.index.rounded_deg(index_rad + passage_rad);
+        let [tilt_deg, lean_deg] = self.setup.tilt.rounded_deg(tilt_rad);
+        let turn = presented([angle_deg, lean_deg].map(f64::to_radians));
         for (number, step) in plunge_moves(plunge, &self.setup.feeds).iter().enumerate() {
             let place = turn * in_part(plunge, &step.to, passage_rad);
             let to = [place.x, place.y, place.z].map(|mm| self.format.steps(mm));
-            if number == 0 { self.above(to, index_deg) } else { self.straight(to, step.feed_mm_per_min) }
+            if number == 0 { self.above(to, [tilt_deg, index_deg]) } else { self.straight(to, step.feed_mm_per_min) }
         }
     }
 
     /// Rapid above a plunge, with the rotary axes.
-    fn above(&mut self, to: [i64; 3], index_deg: f64) {
+    fn above(&mut self, to: [i64; 3], angles_deg: [f64; 2]) {
         let first = self.at.is_none();
         let mut words = format!("{}{}", self.sheet.word('X', to[0]), self.sheet.word('Y', to[1]));
-        if first && microdegrees(self.setup.tilt_deg) != 0 {
-            words += &format!("A{}", degrees(self.setup.tilt_deg));
-        }
-        let turned = Some(microdegrees(index_deg));
-        if self.index != turned {
-            self.index = turned;
-            words += &format!("B{}", degrees(index_deg));
+        for (letter, (written, angle_deg)) in ['A', 'B'].into_iter().zip(self.angles.iter_mut().zip(angles_deg)) {
+            let turned = Some(microdegrees(angle_deg));
+            if *written != turned {
+                *written = turned;
+                words += &format!("{letter}{}", degrees(angle_deg));
+            }
         }
         if first {
             self.sheet.motion("G0", &words, None);
@@ -233,5 +253,26 @@ impl Writer<'_> {
         }
         ["M5", "G91G28Z.0", "G49", "G28X.0Y.0", "G90", "M30"].iter().for_each(|words| self.sheet.block(words));
         self.sheet.line("%");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::slot_frame;
+
+    #[test]
+    fn the_angles_of_a_tool_present_its_frame() {
+        for (index, tilt) in [(0.3, 0.0), (-2.0, 0.7), (3.0, -1.5)] {
+            let (out, up) = (libm::cos(tilt), libm::sin(tilt));
+            let turn = slot_frame(&Vector::new(out * libm::cos(index), out * libm::sin(index), up)).unwrap();
+            let found = tool_angles_rad(&turn);
+            assert!((found[0] - index).abs() < 1e-12 && (found[1] - tilt).abs() < 1e-12, "{found:?}");
+            assert!((presented(found).matrix() - turn.matrix()).norm() < 1e-12);
+        }
+        // Along the rotor's axis, where there is no slot frame, x stays along the circumference.
+        let along = presented([0.4, core::f64::consts::FRAC_PI_2]);
+        assert!((along.inverse() * Vector::z() - Vector::z()).norm() < 1e-12);
+        assert!((tool_angles_rad(&along)[0] - 0.4).abs() < 1e-12);
     }
 }

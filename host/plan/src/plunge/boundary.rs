@@ -80,14 +80,19 @@ impl WallSamples {
         let line = |wall: &[CurveSample]| tangent_line(wall, fit).map(|line| clear_of_curve(line, wall));
         let lines = [line(&self.walls[0])?, line(&self.walls[1])?];
         let on = |radius_mm: f64| Some([crossing(&lines[0], 1.0, radius_mm)?, crossing(&lines[1], -1.0, radius_mm)?]);
-        let touching = [(0, 1.0), (1, -1.0)].map(|(side, sign)| {
-            let gap = |sample: &CurveSample| lines[side].at_mm(sample.along_mm) - sample.height_mm;
-            let nearest = self.walls[side].iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
-            nearest.map_or(Flat::origin(), |sample| Flat::new(sign * sample.height_mm, sample.along_mm))
-        });
+        let touching = touching(&lines, &self.walls);
         let (roof, floor) = (on(circles.roof_mm)?, on(circles.floor_mm)?);
         Some(Boundary { middle_rad: self.middle_rad, lines, roof, floor, touching })
     }
+}
+
+/// Places of both walls nearest to their lines.
+pub(super) fn touching(lines: &[SupportLine; 2], walls: &[Vec<CurveSample>; 2]) -> [Flat; 2] {
+    [(0, 1.0), (1, -1.0)].map(|(side, sign): (usize, f64)| {
+        let gap = |sample: &CurveSample| lines[side].at_mm(sample.along_mm) - sample.height_mm;
+        let nearest = walls[side].iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        nearest.map_or(Flat::origin(), |sample| Flat::new(sign * sample.height_mm, sample.along_mm))
+    })
 }
 
 /// Angle of a wall at the radius nearest to a given one.
@@ -116,7 +121,7 @@ fn sample(place: &WallPlace, middle_rad: f64, sign: f64, tip_mm: f64) -> CurveSa
 }
 
 /// The line moved off the wall by as much as the wall stands above its samples: between three of them it is a parabola.
-fn clear_of_curve(line: SupportLine, samples: &[CurveSample]) -> SupportLine {
+pub(super) fn clear_of_curve(line: SupportLine, samples: &[CurveSample]) -> SupportLine {
     let above = |sample: &CurveSample| sample.height_mm - line.at_mm(sample.along_mm);
     let peak = |three: &[CurveSample]| {
         let [a, b, c] = [0, 1, 2].map(|k| above(&three[k]));

@@ -14,8 +14,8 @@
 
 use crate::vector::{Flat, Point, Vector};
 
-use super::boundary::Boundary;
 use super::mill::PlungeMill;
+use super::section::PlungeSection;
 
 /// Axis of a plunge, part frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +38,9 @@ pub fn spacing_max_mm(mill: &PlungeMill, row_mm: f64) -> Option<f64> {
 }
 
 /// Columns of a plane from the left to the right, no farther apart than `spacing_mm` at the roof.
-pub fn columns(boundary: &Boundary, z_mm: f64, spacing_mm: f64) -> Vec<Column> {
+pub fn columns(PlungeSection { plane, boundary }: &PlungeSection, spacing_mm: f64) -> Vec<Column> {
     let pieces = pieces(boundary.widths_mm(), spacing_mm);
-    let at = |[left, right]: &[Flat; 2], share: f64| boundary.to_part(&(left + (right - left) * share), z_mm);
+    let at = |[left, right]: &[Flat; 2], share: f64| plane.point(&(left + (right - left) * share));
     let shares = (0..=pieces).map(|j| if pieces == 0 { 0.5 } else { f64::from(j) / f64::from(pieces) });
     let column = |share: f64| {
         let (roof, floor) = (at(&boundary.roof, share), at(&boundary.floor, share));

@@ -29,6 +29,8 @@ const SPACING_MM: f64 = 0.3;
 const STRIDE_MM: f64 = 0.02;
 /// Precision of the wall, mm.
 const PRECISION_MM: f64 = 1e-10;
+/// Rounding of a turned point, mm.
+const SAME_POINT_MM: f64 = 1e-9;
 /// Pieces of a side, in both directions, whose corners are the blade's points from which a search starts.
 const SHEET: u32 = 40;
 /// Most steps of one search.
@@ -90,9 +92,16 @@ impl Field {
 
     /// Distance of a point from the blade of a wall, at least, and the blade's nearest point.
     pub fn distance(&self, side: WallSide, point: &Point) -> (f64, Point) {
+        self.distance_after(side, point, None)
+    }
+
+    /// The same, quicker where the nearest point of a place beside this one is known.
+    pub fn distance_after(&self, side: WallSide, point: &Point, last: Option<Point>) -> (f64, Point) {
         let turn = Rotation3::from_axis_angle(&Vector::z_axis(), self.turn_rad(side));
+        // The nearest point is not farther than a known one; rounding must not exclude that.
+        let within_mm = last.map_or(f64::INFINITY, |on| (point - on).norm() + SAME_POINT_MM);
         let (found_mm, on) =
-            nearest(&self.tree, &(turn.inverse() * point), f64::INFINITY).unwrap_or((f64::INFINITY, *point));
+            nearest(&self.tree, &(turn.inverse() * point), within_mm).unwrap_or((f64::INFINITY, *point));
         (found_mm - CHORD_MM, turn * on)
     }
 

@@ -20,6 +20,45 @@ pub enum PlungeInfeasible {
         /// Largest diameter that passes in all planes; `None` if none does.
         largest_mm: Option<f64>,
     },
+    /// The mill does not pass from a face of the blank, where it does not pass radially.
+    #[error("at z {z_mm:.2} mm the mill does not pass radially, nor from the face of the blank in the plane at radius {radius_mm:.2} mm: \
+        {missing_mm:.3} mm are missing between ({}) and ({}); {}", place(&.touching[0]), place(&.touching[1]), face_remedy(*.largest_mm))]
+    FaceTooNarrow {
+        /// Place along the rotor's axis up to which it is to reach.
+        z_mm: f64,
+        /// Distance of the plane from the rotor's axis.
+        radius_mm: f64,
+        /// Missing width.
+        missing_mm: f64,
+        /// Points of both blades.
+        touching: [Point; 2],
+        /// Largest diameter that passes from there; `None` if none does.
+        largest_mm: Option<f64>,
+    },
+    /// The mill does not pass in a plane through the hub's normal.
+    #[error("in the plane through the hub's normal at z {z_mm:.2} mm, radius {radius_mm:.2} mm, the mill does not pass: \
+        {missing_mm:.3} mm are missing between ({}) and ({}); {}", place(&.touching[0]), place(&.touching[1]), remedy(*.largest_mm))]
+    HubTooNarrow {
+        /// Place of the hub's point along the rotor's axis.
+        z_mm: f64,
+        /// Its distance from that axis.
+        radius_mm: f64,
+        /// Missing width.
+        missing_mm: f64,
+        /// Points of both blades.
+        touching: [Point; 2],
+        /// Largest diameter that passes in all these planes; `None` if none does.
+        largest_mm: Option<f64>,
+    },
+    /// Plunges from a face or along the hub's normals with a core.
+    #[error(
+        "plunging from the blank's faces and along a centrifugal hub is planned for mills that cut up to their axis: take one with `core_radius` 0 \
+         (it is {core_mm:.3} mm)"
+    )]
+    CoreLeft {
+        /// Radius of the core.
+        core_mm: f64,
+    },
     /// A plane has no boundary axes.
     #[error("at z {z_mm:.2} mm no boundary axes were found: the blades do not bound the passage there")]
     NoBoundary {
@@ -72,6 +111,13 @@ pub enum PlungeInfeasible {
 
 fn place(point: &Point) -> String {
     format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
+}
+
+fn face_remedy(largest_mm: Option<f64>) -> String {
+    match largest_mm {
+        Some(diameter_mm) => format!("the largest mill that passes from there has a diameter of {diameter_mm:.2} mm"),
+        None => "no mill passes from there".into(),
+    }
 }
 
 fn remedy(largest_mm: Option<f64>) -> String {

@@ -18,6 +18,8 @@ pub mod field;
 
 pub mod boundary;
 
+pub mod section;
+
 pub mod mill;
 
 pub mod column;
@@ -27,6 +29,14 @@ pub mod infeasibility;
 pub mod passage;
 
 pub mod rows;
+
+pub mod faces;
+
+pub mod centrifugal;
+
+mod material;
+
+pub mod assembly;
 
 pub mod plan;
 

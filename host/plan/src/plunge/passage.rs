@@ -41,6 +41,8 @@ pub struct Passage<'p> {
     pub needs: &'p PlungeRequirements,
     /// Radius about the rotor's axis within which everything lies that turns with the part, mm.
     pub turning_mm: f64,
+    /// Radius about the point where the rotary axes cross within which everything lies that turns, mm.
+    pub turning_ball_mm: f64,
 }
 
 impl Passage<'_> {

@@ -14,12 +14,15 @@ use nalgebra::Rotation3;
 use crate::frame::slot_frame;
 use crate::vector::{Point, Vector};
 
+use super::assembly::Assembly;
 use super::boundary::{Boundary, LargestTool};
-use super::column::{Column, columns, spacing_max_mm};
+use super::centrifugal::{HubFamily, is_centrifugal};
+use super::column::Column;
+use super::faces::{BlankFace, FaceFamily, radial_stretch};
 use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
 use super::passage::{Passage, PlungeRequirements};
-use super::rows::Rows;
+use super::section::{Midway, PlungeSection, SectionPlane, Sections};
 
 /// Largest angle between the tool's axis and the hub's normal, degrees.
 const ANGLE_MAX_DEG: f64 = 60.0;
@@ -46,11 +49,28 @@ pub struct Plunge {
     pub lean_rad: f64,
 }
 
+/// Family of planes of plunges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlungeFamily {
+    /// Across the rotor's axis; the mill comes from the blank's rim.
+    Radial,
+    /// Along the rotor's axis, from the lower face of the blank (faces.rs).
+    LowerFace,
+    /// The same from the upper face.
+    UpperFace,
+    /// Through the hub's normals (centrifugal.rs).
+    Hub,
+}
+
 /// Plane and its boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungePlane {
-    /// Place along the rotor's axis, mm.
+    /// Family.
+    pub family: PlungeFamily,
+    /// Place of its origin along the rotor's axis, mm; 0 for planes along that axis.
     pub z_mm: f64,
+    /// Distance of its origin from the rotor's axis, mm; 0 for planes across it.
+    pub radius_mm: f64,
     /// Boundary axes.
     pub boundary: Boundary,
     /// Columns.
@@ -82,36 +102,89 @@ impl Plunge {
     }
 }
 
+/// Planes across the rotor's axis, by their place along it.
+struct Radial<'p> {
+    passage: &'p Passage<'p>,
+    largest: &'p [LargestTool],
+}
+
+impl Sections for Radial<'_> {
+    fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
+        let boundary = self.passage.boundary(at_mm).ok_or(PlungeInfeasible::NoBoundary { z_mm: at_mm })?;
+        Ok(PlungeSection { plane: SectionPlane::radial(at_mm, boundary.middle_rad), boundary })
+    }
+
+    fn too_narrow(&self, PlungeSection { plane, boundary }: &PlungeSection) -> PlungeInfeasible {
+        self.passage.too_narrow(plane.origin.z, boundary, self.largest)
+    }
+}
+
 impl Passage<'_> {
     /// Plan of the passage.
     ///
     /// # Errors
     /// The mill does not pass, or its core would stand on material.
     pub fn plan(&self) -> Result<PassagePlan, PlungeInfeasible> {
+        if is_centrifugal(self.blisk, self.field.ends_mm) {
+            return self.along_hub();
+        }
         let largest = self.largest();
         let range_mm = self.range_mm()?;
-        let rows = Rows { passage: self, range_mm }.places()?;
-        let (mut planes, mut plunges, mut from_left) = (Vec::new(), Vec::new(), true);
-        for row in rows {
-            let (z_mm, axes) = (row.z_mm, row.boundary);
-            if axes.room_mm() < 0.0 {
-                return Err(self.too_narrow(z_mm, &axes, &largest));
+        let radial = Radial { passage: self, largest: &largest };
+        let mut assembly = Assembly::new(self);
+        match assembly.add(&radial, range_mm, PlungeFamily::Radial) {
+            Ok(()) => Ok(assembly.plan(largest)),
+            Err(why @ (PlungeInfeasible::TooNarrow { .. } | PlungeInfeasible::NoBoundary { .. })) => {
+                let found = radial_stretch(self, range_mm).map_err(|_| why)?;
+                self.with_faces(&radial, range_mm, found)
             }
-            let spacing_mm = spacing_max_mm(self.mill, row.distance_mm)
-                .ok_or(PlungeInfeasible::Rows { row_mm: row.distance_mm, core_mm: self.mill.core_radius_mm })?;
-            let mut found = columns(&axes, z_mm, spacing_mm);
-            let count = found.len();
-            if !from_left {
-                found.reverse(); // (1)
-            }
-            from_left = !from_left;
-            for column in &found {
-                plunges.push(self.plunge(planes.len(), column, &axes, z_mm)?);
-            }
-            let spacing_mm = axes.widths_mm()[0] / (count.max(2) - 1) as f64;
-            planes.push(PlungePlane { z_mm, boundary: axes, columns: count, spacing_mm, step_ratio: row.step_ratio });
+            Err(why) => Err(why),
         }
-        Ok(PassagePlan { planes, plunges, largest })
+    }
+
+    /// Plan along the hub's normals.
+    fn along_hub(&self) -> Result<PassagePlan, PlungeInfeasible> {
+        self.whole_end()?;
+        let midway = Midway::new(self.blisk);
+        let family = HubFamily::new(self, &midway);
+        let mut assembly = Assembly::new(self);
+        assembly.add(&family, family.range_mm(), PlungeFamily::Hub)?;
+        Ok(assembly.plan(Vec::new()))
+    }
+
+    /// Plan from the faces beyond the stretch in which the mill passes radially, and in that stretch.
+    fn with_faces(
+        &self,
+        radial: &Radial<'_>,
+        [from_mm, to_mm]: [f64; 2],
+        stretch_mm: Option<[f64; 2]>,
+    ) -> Result<PassagePlan, PlungeInfeasible> {
+        self.whole_end()?;
+        let midway = Midway::new(self.blisk);
+        let middle_mm = f64::midpoint(from_mm, to_mm);
+        let [low_mm, high_mm] = stretch_mm.unwrap_or([middle_mm; 2]);
+        // The ends of the mills from a face lie within what the others cut.
+        let overlap_mm = self.mill.radius_mm;
+        let from = |face, inner_mm| FaceFamily { passage: self, midway: &midway, face, inner_mm };
+        let lower = from(BlankFace::Lower, (low_mm + overlap_mm).min(to_mm));
+        let upper = from(BlankFace::Upper, (high_mm - overlap_mm).max(from_mm));
+        let mut assembly = Assembly::new(self);
+        if low_mm > from_mm {
+            assembly.add(&lower, lower.range_mm(), PlungeFamily::LowerFace)?;
+        }
+        if let Some(stretch_mm) = stretch_mm {
+            assembly.add(radial, stretch_mm, PlungeFamily::Radial)?;
+        }
+        if high_mm < to_mm {
+            assembly.add(&upper, upper.range_mm(), PlungeFamily::UpperFace)?;
+        }
+        Ok(assembly.plan(radial.largest.to_vec()))
+    }
+
+    /// The mill cuts with its whole end.
+    fn whole_end(&self) -> Result<(), PlungeInfeasible> {
+        let core_mm = self.mill.core_radius_mm;
+        if core_mm > 0.0 { Err(PlungeInfeasible::CoreLeft { core_mm }) } else { Ok(()) }
     }
 
     /// First and last plane: on the faces of the blank, with the core beside it, or where the blades come near.
@@ -136,7 +209,14 @@ impl Passage<'_> {
         PlungeInfeasible::TooNarrow { z_mm, missing_mm: -axes.room_mm(), touching, largest_mm }
     }
 
-    fn plunge(&self, plane: usize, column: &Column, axes: &Boundary, z_mm: f64) -> Result<Plunge, PlungeInfeasible> {
+    /// Plunge down to the hub with its allowance.
+    pub(super) fn plunge(
+        &self,
+        plane: usize,
+        column: &Column,
+        axes: &Boundary,
+        z_mm: f64,
+    ) -> Result<Plunge, PlungeInfeasible> {
         let PlungeRequirements { allowance_mm, clearance_mm, relief_mm, .. } = *self.needs;
         let hub = &self.blisk.hub;
         // Along the axis from below the floor to the roof: the last place on the hub with its allowance.

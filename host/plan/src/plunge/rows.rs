@@ -15,6 +15,7 @@ use super::boundary::Boundary;
 use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
 use super::passage::Passage;
+use super::section::{PlungeSection, Sections};
 use super::step::{curvature_across_per_mm, stepover};
 
 /// Distance of the grid's planes, mm.
@@ -24,31 +25,31 @@ const SAMPLES: [usize; 2] = [24, 8];
 /// Share of the allowed step that is used: the steps are interpolated.
 const USED_RATIO: f64 = 0.98;
 
-/// Planes between two places.
+/// Planes of a family between two places.
 pub struct Rows<'r> {
     /// Passage.
     pub passage: &'r Passage<'r>,
-    /// First and last plane, mm.
+    /// Family.
+    pub family: &'r dyn Sections,
+    /// Coordinates of the first and the last plane, mm.
     pub range_mm: [f64; 2],
 }
 
 /// Plane of plunges.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// Place along the rotor's axis, mm.
-    pub z_mm: f64,
-    /// Boundary axes.
-    pub boundary: Boundary,
+    /// Plane and its boundary axes.
+    pub section: PlungeSection,
     /// Distance from the plane before, square to the axes, at most, mm.
     pub distance_mm: f64,
     /// That distance over the one allowed by the cusp, at most.
     pub step_ratio: f64,
 }
 
-/// Grid plane: place, boundary axes, allowed steps at T1 to T4.
+/// Grid plane: coordinate, boundary axes, allowed steps at T1 to T4.
 struct GridPlane {
-    z_mm: f64,
-    boundary: Boundary,
+    at_mm: f64,
+    section: PlungeSection,
     steps_mm: [f64; 4],
 }
 
@@ -59,7 +60,7 @@ impl Rows<'_> {
     /// A plane has no boundary axes, or the cusp does not fit.
     pub fn places(&self) -> Result<Vec<Row>, PlungeInfeasible> {
         let [from_mm, to_mm] = self.range_mm;
-        let count = libm::ceil((to_mm - from_mm) / GRID_MM).max(1.0) as usize;
+        let count = libm::ceil((to_mm - from_mm).abs() / GRID_MM).max(1.0) as usize;
         let place = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
         let grid = (0..=count).map(|index| self.grid_plane(place(index))).collect::<Result<Vec<_>, _>>()?;
         // Number of allowed steps up to each grid plane.
@@ -74,7 +75,7 @@ impl Rows<'_> {
                 return Ok(rows);
             }
         }
-        Err(PlungeInfeasible::Cusp { z_mm: from_mm, cusp_mm: self.passage.needs.cusp_mm })
+        Err(PlungeInfeasible::Cusp { z_mm: grid[0].section.plane.origin.z, cusp_mm: self.passage.needs.cusp_mm })
     }
 
     /// Planes in equal steps of the allowed ones, measured.
@@ -86,31 +87,31 @@ impl Rows<'_> {
             let share = steps[count] * index as f64 / pieces as f64;
             let piece = steps.partition_point(|known| *known < share).clamp(1, count);
             let within = ((share - steps[piece - 1]) / (steps[piece] - steps[piece - 1])).clamp(0.0, 1.0);
-            let here = self.grid_plane(grid[piece - 1].z_mm + (grid[piece].z_mm - grid[piece - 1].z_mm) * within)?;
+            let here = self.grid_plane(grid[piece - 1].at_mm + (grid[piece].at_mm - grid[piece - 1].at_mm) * within)?;
             let (distance_mm, step_ratio) =
                 before.as_ref().map_or((0.0, 0.0), |last| (largest_mm(last, &here), ratio(last, &here)));
-            rows.push(Row { z_mm: here.z_mm, boundary: here.boundary, distance_mm, step_ratio });
+            rows.push(Row { section: here.section, distance_mm, step_ratio });
             before = Some(here);
         }
         Ok(rows)
     }
 
-    fn grid_plane(&self, z_mm: f64) -> Result<GridPlane, PlungeInfeasible> {
-        let boundary = self.passage.boundary(z_mm).ok_or(PlungeInfeasible::NoBoundary { z_mm })?;
+    fn grid_plane(&self, at_mm: f64) -> Result<GridPlane, PlungeInfeasible> {
+        let section = self.family.at(at_mm)?;
         let mut steps_mm = [0.0; 4];
         for (corner, step_mm) in steps_mm.iter_mut().enumerate() {
-            *step_mm = self.step_mm(&boundary, z_mm, corner)?;
+            *step_mm = self.step_mm(&section, corner)?;
         }
-        Ok(GridPlane { z_mm, boundary, steps_mm })
+        Ok(GridPlane { at_mm, section, steps_mm })
     }
 
     /// Allowed step at T1 to T4.
-    fn step_mm(&self, axes: &Boundary, z_mm: f64, corner: usize) -> Result<f64, PlungeInfeasible> {
+    fn step_mm(&self, section: &PlungeSection, corner: usize) -> Result<f64, PlungeInfeasible> {
         let Passage { blisk, field, mill, needs, .. } = self.passage;
         let (side, index) = if corner.is_multiple_of(2) { (WallSide::Left, 0) } else { (WallSide::Right, 1) };
-        let (_, on_blade) = field.distance(side, &axes.to_part(&place(axes, corner), z_mm));
+        let (_, on_blade) = field.distance(side, &place(section, corner));
         let turn = nalgebra::Rotation3::from_axis_angle(&Vector::z_axis(), -field.pitch_rad * f64::from(index));
-        let (on_first, axis) = (turn * on_blade, turn * axis(axes, z_mm, usize::from(index == 1)));
+        let (on_first, axis) = (turn * on_blade, turn * axis(section, usize::from(index == 1)));
         let faces = [&blisk.pressure, &blisk.suction].map(|face| (face, nearest_place(face, &on_first)));
         let (face, at) = if faces[0].1.value < faces[1].1.value { faces[0] } else { faces[1] };
         let [u, v] = at.at;
@@ -120,6 +121,7 @@ impl Rows<'_> {
         let found = stepover(mill.radius_mm, needs.cusp_mm, offset);
         // Beside one plunge the core lies in its hole, and no cut is wider than the mill's edges allow.
         let most_mm = mill.width_max_mm.min(mill.radius_mm - mill.core_radius_mm);
+        let z_mm = section.plane.origin.z;
         found.map(|step| step.axes_mm.min(most_mm)).ok_or(PlungeInfeasible::Cusp { z_mm, cusp_mm: needs.cusp_mm })
     }
 }
@@ -136,22 +138,21 @@ fn nearest_place(face: &Face, point: &Point) -> Minimum {
 }
 
 /// T1 to T4.
-fn place(axes: &Boundary, corner: usize) -> crate::vector::Flat {
-    if corner < 2 { axes.roof[corner] } else { axes.floor[corner - 2] }
+fn place(section: &PlungeSection, corner: usize) -> Point {
+    let Boundary { roof, floor, .. } = &section.boundary;
+    section.plane.point(if corner < 2 { &roof[corner] } else { &floor[corner - 2] })
 }
 
 /// Direction of the left (0) or right (1) boundary axis.
-fn axis(axes: &Boundary, z_mm: f64, side: usize) -> Vector {
-    let [floor, roof] = [axes.floor[side], axes.roof[side]].map(|place| axes.to_part(&place, z_mm));
-    (roof - floor).normalize()
+fn axis(section: &PlungeSection, side: usize) -> Vector {
+    (place(section, side) - place(section, side + 2)).normalize()
 }
 
 /// Distances at T1 to T4 of two planes, square to their axes.
 fn distances_mm(from: &GridPlane, to: &GridPlane) -> [f64; 4] {
     [0, 1, 2, 3].map(|corner| {
-        let way = to.boundary.to_part(&place(&to.boundary, corner), to.z_mm)
-            - from.boundary.to_part(&place(&from.boundary, corner), from.z_mm);
-        let along = axis(&from.boundary, from.z_mm, corner % 2);
+        let way = place(&to.section, corner) - place(&from.section, corner);
+        let along = axis(&from.section, corner % 2);
         (way - along * way.dot(&along)).norm()
     })
 }

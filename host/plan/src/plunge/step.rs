@@ -39,8 +39,8 @@ pub fn stepover(radius_mm: f64, cusp_mm: f64, curvature_per_mm: f64) -> Option<S
     if d_mm * rho_mm <= 0.0 {
         return None;
     }
-    // 1 - cos(th / 2), without the cancellation of a nearly flat wall.
-    let versine = (radius_mm * radius_mm - (d_mm - q_mm) * (d_mm - q_mm)) / (2.0 * d_mm * q_mm);
+    // 1 - cos(th / 2), without the cancellation of a nearly flat wall: d - q is R - h.
+    let versine = cusp_mm * (2.0 * radius_mm - cusp_mm) / (2.0 * d_mm * q_mm);
     if !(0.0..=2.0).contains(&versine) {
         return None;
     }

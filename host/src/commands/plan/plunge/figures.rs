@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use arcfeed_plan::plunge::machinability::SideMeasures;
 use arcfeed_plan::plunge::mill::MillPart;
+use arcfeed_plan::plunge::plan::PlungeFamily;
 use serde::Serialize;
 
 use super::super::figures::obstacle_word;
@@ -60,8 +61,12 @@ pub struct SideFigures {
 /// Plane.
 #[derive(Debug, Serialize)]
 pub struct PlaneFigures {
-    /// Place along the rotor's axis.
+    /// `radial`, `lower-face`, `upper-face`, `hub`.
+    pub family: &'static str,
+    /// Place of its origin along the rotor's axis; 0 for planes along that axis.
     pub z_mm: f64,
+    /// Distance of its origin from the rotor's axis; 0 for planes across it.
+    pub radius_mm: f64,
     /// Widths between the boundary axes at roof and floor.
     pub width_mm: [f64; 2],
     /// Tilts of the boundary axes from the middle.
@@ -108,7 +113,9 @@ impl PlungeFigures {
         let PlungeResult { part, machinability, plan, proof, .. } = result;
         let least_mm = plan.largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);
         let planes = plan.planes.iter().map(|plane| PlaneFigures {
+            family: family_word(plane.family),
             z_mm: plane.z_mm,
+            radius_mm: plane.radius_mm,
             width_mm: plane.boundary.widths_mm(),
             tilt_deg: plane.boundary.tilts_rad().map(f64::to_degrees),
             left_over_mm: plane.boundary.gaps_mm(),
@@ -162,6 +169,16 @@ fn side(measures: &SideMeasures) -> SideFigures {
     }
 }
 
+/// Name of a family in the JSON and on the page.
+fn family_word(family: PlungeFamily) -> &'static str {
+    match family {
+        PlungeFamily::Radial => "radial",
+        PlungeFamily::LowerFace => "lower-face",
+        PlungeFamily::UpperFace => "upper-face",
+        PlungeFamily::Hub => "hub",
+    }
+}
+
 /// Name in the JSON and on the page.
 pub fn mill_part_word(part: MillPart) -> &'static str {
     match part {
@@ -181,8 +198,17 @@ pub fn text(figures: &PlungeFigures) -> String {
         figures.plunges,
         figures.diameter_mm
     );
+    let is_radial = figures.planes.iter().all(|plane| plane.family == "radial");
     if let Some(largest_mm) = figures.largest_diameter_mm {
-        let _ = write!(text, " (the largest that passes: {largest_mm:.2} mm)");
+        let whither = if is_radial { "passes" } else { "passes radially" };
+        let _ = write!(text, " (the largest that {whither}: {largest_mm:.2} mm)");
+    }
+    if !is_radial {
+        let count = |family: &str| figures.planes.iter().filter(|plane| plane.family == family).count();
+        let counted = ["radial", "lower-face", "upper-face", "hub"].map(|family| (family, count(family)));
+        let named: Vec<String> =
+            counted.iter().filter(|(_, count)| *count > 0).map(|(family, count)| format!("{count} {family}")).collect();
+        let _ = write!(text, "\n  planes: {}", named.join(", "));
     }
     let _ = writeln!(text, "\n  side      twist, degrees   bend, degrees   sag, mm   depth, mm");
     for (name, side) in ["pressure", "suction"].iter().zip(&figures.sides) {

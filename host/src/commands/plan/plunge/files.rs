@@ -53,8 +53,8 @@ fn setup(result: &PlungeResult) -> PlungeSetup {
         tool: part.output.tool,
         rev_per_min: part.feeds.rev_per_min,
         coolant: part.output.coolant,
-        tilt_deg: result.tilt_deg,
-        index: result.index,
+        tilt: result.rotary[0],
+        index: result.rotary[1],
         passages: part.blisk.blades,
         feeds: result.feeds,
     }

@@ -81,12 +81,14 @@ fn planes(figures: &PlungeFigures) -> String {
     let pair = |[one, other]: [f64; 2]| format!("{one:.2} / {other:.2}");
     let rows = figures.planes.iter().map(|plane| {
         let cells = [pair(plane.width_mm), pair(plane.tilt_deg), pair(plane.left_over_mm), plane.columns.to_string()];
-        let z = format!("{:.3}", plane.z_mm);
+        let first = [plane.family.to_owned(), format!("{:.3}", plane.z_mm), format!("{:.3}", plane.radius_mm)];
         let last = [format!("{:.2}", plane.spacing_mm), format!("{:.2}", plane.step_ratio)];
-        [z].into_iter().chain(cells).chain(last).collect()
+        first.into_iter().chain(cells).chain(last).collect()
     });
     let heads = [
+        "family",
         "z, mm",
+        "radius, mm",
         "width at roof / floor, mm",
         "tilt left / right, degrees",
         "left over left / right, mm",
@@ -114,9 +116,8 @@ fn clearances(figures: &PlungeFigures) -> String {
 /// Axes from their tips to the blank, and the outlines of both blades.
 fn picture(result: &PlungeResult) -> String {
     let blisk = &result.part.blisk;
-    let roof_mm = blisk.blank.radius_mm;
     let axes = result.plan.plunges.iter().map(|plunge| {
-        let top = plunge.tip + plunge.axis * (roof_mm - plunge.tip.xy().coords.norm());
+        let top = plunge.tip + plunge.axis * (plunge.roof_mm[0] - (plunge.to_tool * plunge.tip).z);
         vec![[plunge.tip.x, plunge.tip.y], [top.x, top.y]]
     });
     let share = |k: u32| f64::from(k) / f64::from(OUTLINE);

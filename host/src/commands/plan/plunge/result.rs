@@ -1,12 +1,15 @@
 //! Plan of plunges with its proof, the machinability of the passage, and the position of the rotary axes.
 
+use arcfeed_kinematics::machine::Machine;
 use arcfeed_plan::cup_mill::side::edges;
 use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::flaws::flaws;
-use arcfeed_plan::output::plunge_nc::{IndexAxis, PlungeFeeds, plunging_min};
-use arcfeed_plan::placement::{any_table, placement};
+use arcfeed_plan::output::plunge_nc::{AngleRelation, PlungeFeeds, plunging_min, tool_angles_rad};
+use arcfeed_plan::placement::{PlacementError, any_table, check_places, placement};
+use arcfeed_plan::plunge::assembly::{ball_mm, corner_mm};
 use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::machinability::{SideMeasures, Widths, camber_twist_rad, widths};
+use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::Passage;
 use arcfeed_plan::plunge::plan::PassagePlan;
 use arcfeed_plan::plunge::proof::{PlungeProof, prove};
@@ -14,8 +17,12 @@ use arcfeed_plan::vector::Vector;
 
 use crate::part::plunge::PlungePart;
 
-/// Difference of two tool axes by which the sense of the indexing axis is found, rad.
+/// Difference of two tool axes by which the sense of a rotary axis is found, rad.
 const TURN_RAD: f64 = 0.01;
+/// Angle of a tool's axis up to which its frame follows from it alone, rad; beyond, it lies along the rotor's.
+const STEEPEST_RAD: f64 = core::f64::consts::FRAC_PI_2 - 1e-5;
+/// Difference of positions of an axis that are the same, degrees.
+const SAME_DEG: f64 = 0.01;
 
 /// Measures of the passage.
 pub struct Machinability {
@@ -37,10 +44,8 @@ pub struct PlungeResult {
     pub plan: PassagePlan,
     /// Proof of the plan.
     pub proof: PlungeProof,
-    /// A
-    pub tilt_deg: f64,
-    /// B
-    pub index: IndexAxis,
+    /// A and B.
+    pub rotary: [AngleRelation; 2],
     /// Feeds.
     pub feeds: PlungeFeeds,
     /// Time of the feed moves of one passage.
@@ -64,9 +69,11 @@ impl PlungeResult {
             .iter()
             .map(|[low, high]| libm::hypot(low.x.abs().max(high.x.abs()), low.y.abs().max(high.y.abs())));
         let turning_mm = corners.fold(part.blisk.blank.radius_mm, f64::max);
-        let passage = Passage { blisk: &part.blisk, field: &field, mill: &part.mill, needs: &part.needs, turning_mm };
+        let turning_ball_mm = part.fixtures.iter().map(corner_mm).fold(ball_mm(&part.blisk.blank), f64::max);
+        let (blisk, mill, needs) = (&part.blisk, &part.mill, &part.needs);
+        let passage = Passage { blisk, field: &field, mill, needs, turning_mm, turning_ball_mm };
         let plan = passage.plan().map_err(|why| why.to_string())?;
-        let (tilt_deg, index) = rotary(&part, &plan)?;
+        let rotary = rotary(&part, &plan)?;
         let proof = prove(&part.blisk, &part.mill, &plan.plunges, part.needs.allowance_mm, &part.fixtures);
         let cutting = f64::from(part.mill.teeth) * part.feeds.per_tooth_mm * part.feeds.rev_per_min;
         let feeds = PlungeFeeds {
@@ -74,7 +81,7 @@ impl PlungeResult {
             approach_mm_per_min: part.feeds.approach_mm_per_min.unwrap_or(cutting),
         };
         let passage_min = plunging_min(&plan.plunges, &feeds);
-        Ok(PlungeResult { machinability: machinability(&part), plan, proof, tilt_deg, index, feeds, passage_min, part })
+        Ok(PlungeResult { machinability: machinability(&part), plan, proof, rotary, feeds, passage_min, part })
     }
 }
 
@@ -90,19 +97,49 @@ fn machinability(part: &PlungePart) -> Machinability {
     }
 }
 
-/// Positions of the rotary axes: the tool's axis lies across the rotor's, so one of them stands still.
-fn rotary(part: &PlungePart, plan: &PassagePlan) -> Result<(f64, IndexAxis), String> {
+/// Relations of the rotary axes to the tool's angles, for a machine that reaches all plunges with them and with X, Y and Z.
+fn rotary(part: &PlungePart, plan: &PassagePlan) -> Result<[AngleRelation; 2], String> {
     let any = any_table().map_err(|error| format!("{error:?}"))?;
     let machine = part.machine.as_ref().map_or(&any, |file| &file.machine);
-    let at = |angle_rad: f64| {
-        let (sin, cos) = libm::sincos(angle_rad);
-        let turn = slot_frame(&Vector::new(cos, sin, 0.0)).ok_or("the tool's axis lies along the rotor's")?;
+    let at = |[angle_rad, tilt_rad]: [f64; 2]| {
+        let ((sin, cos), (up, out)) = (libm::sincos(angle_rad), libm::sincos(tilt_rad));
+        let turn =
+            slot_frame(&Vector::new(out * cos, out * sin, up)).ok_or("the tool's axis lies along the rotor's")?;
         placement(machine, &turn).map_err(|error| error.to_string())
     };
-    let axis = plan.plunges.first().map_or(Vector::x(), |plunge| plunge.axis);
-    let angle_rad = libm::atan2(axis.y, axis.x);
-    let (here, beside) = (at(angle_rad)?, at(angle_rad + TURN_RAD)?);
-    let turned_deg = libm::remainder(beside.index_deg - here.index_deg, 360.0);
-    let sign = turned_deg.signum();
-    Ok((here.tilt_deg, IndexAxis { sign, zero_deg: here.index_deg - sign * angle_rad.to_degrees() }))
+    let angles = || plan.plunges.iter().map(|plunge| tool_angles_rad(&plunge.to_tool));
+    let angle_rad = angles().next().map_or(0.0, |[angle_rad, _]| angle_rad);
+    let (here, beside) = (at([angle_rad, 0.0])?, at([angle_rad + TURN_RAD, 0.0])?);
+    // A may end where the tool lies across the rotor's axis. Without either neighbour no plunge is tilted, or the range refuses it below.
+    let up = at([angle_rad, TURN_RAD]).map(|above| above.tilt_deg - here.tilt_deg);
+    let raised_deg =
+        up.or_else(|_| at([angle_rad, -TURN_RAD]).map(|below| here.tilt_deg - below.tilt_deg)).unwrap_or(1.0);
+    let sign = |turned_deg: f64| libm::remainder(turned_deg, 360.0).signum();
+    let index_sign = sign(beside.index_deg - here.index_deg);
+    let relations = [
+        AngleRelation { sign: sign(raised_deg), zero_deg: here.tilt_deg },
+        AngleRelation { sign: index_sign, zero_deg: here.index_deg - index_sign * angle_rad.to_degrees() },
+    ];
+    // The steepest axes to either side are the farthest positions of A.
+    for tilt_rad in
+        [angles().map(|[_, tilt]| tilt).fold(0.0, f64::min), angles().map(|[_, tilt]| tilt).fold(0.0, f64::max)]
+    {
+        let found = at([angle_rad, tilt_rad.clamp(-STEEPEST_RAD, STEEPEST_RAD)])?;
+        let expected_deg = relations[0].sign * tilt_rad.to_degrees() + relations[0].zero_deg;
+        if libm::remainder(found.tilt_deg - expected_deg, 360.0).abs() > SAME_DEG {
+            return Err(PlacementError::Range { tilt_deg: expected_deg }.to_string());
+        }
+    }
+    check_reach(part, plan, machine)?;
+    Ok(relations)
+}
+
+/// X, Y and Z reach all plunges of the first passage; in the others the table presents the same places.
+fn check_reach(part: &PlungePart, plan: &PassagePlan, machine: &Machine) -> Result<(), String> {
+    let PlungeMill { length_mm, neck_mm, holder_mm, .. } = &part.mill;
+    let tool_mm = length_mm + neck_mm.iter().chain(holder_mm).map(|[_, length_mm]| length_mm).sum::<f64>();
+    let places = plan.plunges.iter().enumerate().flat_map(|(number, plunge)| {
+        plunge.places().into_iter().map(move |place| ([place.x, place.y, place.z], number))
+    });
+    check_places(machine, places, tool_mm, |number| format!("plunge {}", number + 1)).map_err(|error| error.to_string())
 }

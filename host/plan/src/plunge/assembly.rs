@@ -1,0 +1,173 @@
+//! Plunges of planes of one family after the other: rows, columns, order.
+
+use nalgebra::{Matrix3, Rotation3};
+
+use crate::frame::slot_frame;
+use crate::geometry::blisk::Blank;
+use crate::vector::{Point, Vector};
+
+use super::boundary::LargestTool;
+use super::column::{Column, columns, spacing_max_mm};
+use super::infeasibility::PlungeInfeasible;
+use super::material::roof_mm;
+use super::passage::Passage;
+use super::plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
+use super::rows::Rows;
+use super::section::{PlungeSection, SectionPlane, Sections};
+
+/// Points of a corner's circle that stand off the hub.
+const RIM_POINTS: u32 = 128;
+/// Precision of the lift, mm.
+const LIFT_PRECISION_MM: f64 = 1e-3;
+
+/// Plan of a passage while its families are added; state.
+pub struct Assembly<'a> {
+    passage: &'a Passage<'a>,
+    planes: Vec<PlungePlane>,
+    plunges: Vec<Plunge>,
+    from_left: bool,
+}
+
+impl<'a> Assembly<'a> {
+    /// Plan without planes.
+    pub fn new(passage: &'a Passage<'a>) -> Self {
+        Assembly { passage, planes: Vec::new(), plunges: Vec::new(), from_left: true }
+    }
+
+    /// Adds planes of a family between two coordinates.
+    ///
+    /// # Errors
+    /// The mill does not pass, or neighbouring plunges would leave material between them.
+    pub fn add(
+        &mut self,
+        sections: &dyn Sections,
+        range_mm: [f64; 2],
+        family: PlungeFamily,
+    ) -> Result<(), PlungeInfeasible> {
+        let Passage { mill, .. } = self.passage;
+        for row in (Rows { passage: self.passage, family: sections, range_mm }).places()? {
+            let PlungeSection { plane, boundary } = row.section;
+            if boundary.room_mm() < 0.0 {
+                return Err(sections.too_narrow(&row.section));
+            }
+            let spacing_mm = spacing_max_mm(mill, row.distance_mm)
+                .ok_or(PlungeInfeasible::Rows { row_mm: row.distance_mm, core_mm: mill.core_radius_mm })?;
+            let mut found = columns(&row.section, spacing_mm);
+            let count = found.len();
+            if !self.from_left {
+                found.reverse(); // plan.rs (1)
+            }
+            self.from_left = !self.from_left;
+            let number = self.planes.len();
+            for column in &found {
+                self.plunges.push(match family {
+                    PlungeFamily::Radial => self.passage.plunge(number, column, &boundary, plane.origin.z)?,
+                    PlungeFamily::Hub => self.on_hub(number, column, &row.section)?,
+                    PlungeFamily::LowerFace | PlungeFamily::UpperFace => self.from_face(number, column, &plane),
+                });
+            }
+            self.planes.push(PlungePlane {
+                family,
+                z_mm: plane.origin.z,
+                radius_mm: libm::hypot(plane.origin.x, plane.origin.y),
+                boundary,
+                columns: count,
+                spacing_mm: boundary.widths_mm()[0] / (count.max(2) - 1) as f64,
+                step_ratio: row.step_ratio,
+            });
+        }
+        Ok(())
+    }
+
+    /// Plan with these planes. Where the tool's axis leaves the planes across the rotor's, it turns and moves only above all that may turn below it:
+    /// the ball about the point where the rotary axes cross.
+    pub fn plan(self, largest: Vec<LargestTool>) -> PassagePlan {
+        let Assembly { passage, planes, mut plunges, .. } = self;
+        if planes.iter().any(|plane| plane.family != PlungeFamily::Radial) {
+            let clear_mm = passage.turning_ball_mm.max(passage.turning_mm) + passage.needs.clearance_mm;
+            plunges.iter_mut().for_each(|plunge| plunge.clear_mm = clear_mm);
+        }
+        PassagePlan { planes, plunges, largest }
+    }
+
+    /// Plunge of a plane through the hub's normal.
+    fn on_hub(&self, number: usize, column: &Column, section: &PlungeSection) -> Result<Plunge, PlungeInfeasible> {
+        let Passage { blisk, mill, .. } = self.passage;
+        let plunge = self.passage.plunge(number, column, &section.boundary, section.plane.origin.z)?;
+        let more_mm = self.hollow_mm(&plunge);
+        let tip = plunge.tip + plunge.axis * more_mm;
+        Ok(Plunge {
+            tip,
+            lift_mm: plunge.lift_mm + more_mm,
+            roof_mm: roof_mm(&blisk.blank, &tip, &plunge.axis, mill.radius_mm),
+            to_tool: tool_frame(&column.axis, &section.plane),
+            relief_mm: 0.0,
+            ..plunge
+        })
+    }
+
+    /// Further lift of a mill whose end meets the hub's allowance on a hollow: the lift on a plane (mill.rs) is too small there. The circle of the corner's
+    /// centres stands off the hub by allowance and corner radius.
+    fn hollow_mm(&self, plunge: &Plunge) -> f64 {
+        let Passage { blisk, mill, needs, .. } = self.passage;
+        let corner_mm = mill.corner_radius_mm;
+        let turn = plunge.to_tool.inverse();
+        let circle = (0..RIM_POINTS).map(|point| {
+            let (sin, cos) = libm::sincos(f64::from(point) / f64::from(RIM_POINTS) * core::f64::consts::TAU);
+            let from_mm = mill.radius_mm - corner_mm;
+            plunge.tip + turn * Vector::new(cos * from_mm, sin * from_mm, corner_mm)
+        });
+        let circle: Vec<Point> = circle.collect();
+        let stands = |way_mm: f64| {
+            circle
+                .iter()
+                .all(|point| blisk.hub.height_mm(&(point + plunge.axis * way_mm)) >= needs.allowance_mm + corner_mm)
+        };
+        let (mut low, mut high) = (0.0, mill.radius_mm);
+        if stands(low) {
+            return 0.0;
+        }
+        while high - low > LIFT_PRECISION_MM {
+            let middle = f64::midpoint(low, high);
+            if stands(middle) { high = middle } else { low = middle }
+        }
+        high
+    }
+
+    /// Plunge from a face: the mill's end stands on the plane of the ends.
+    fn from_face(&self, number: usize, column: &Column, plane: &SectionPlane) -> Plunge {
+        let Passage { blisk, mill, needs, turning_mm, .. } = self.passage;
+        let lean = blisk.hub.normal(&column.floor).dot(&column.axis).clamp(-1.0, 1.0);
+        Plunge {
+            plane: number,
+            axis: column.axis,
+            to_tool: tool_frame(&column.axis, plane),
+            tip: column.floor,
+            clear_mm: turning_mm + needs.clearance_mm,
+            roof_mm: roof_mm(&blisk.blank, &column.floor, &column.axis, mill.radius_mm),
+            relief_mm: 0.0,
+            lift_mm: 0.0,
+            lean_rad: libm::acos(lean),
+        }
+    }
+}
+
+/// Frame of a tool: the slot frame (frame.rs), which along the rotor's axis has x along the circumference of a plane.
+fn tool_frame(axis: &Vector, plane: &SectionPlane) -> Rotation3<f64> {
+    slot_frame(axis).unwrap_or_else(|| {
+        let (z, x) = (*axis, plane.across);
+        let y = z.cross(&x);
+        Rotation3::from_matrix_unchecked(Matrix3::from_rows(&[x.transpose(), y.transpose(), z.transpose()]))
+    })
+}
+
+/// Distance from the rotor's origin within which a blank lies, mm.
+pub fn ball_mm(blank: &Blank) -> f64 {
+    let [low_mm, high_mm] = blank.faces_mm.map(f64::abs);
+    libm::hypot(blank.radius_mm, low_mm.max(high_mm))
+}
+
+/// Distance from the rotor's origin of a box's farthest corner, mm.
+pub fn corner_mm([low, high]: &[Point; 2]) -> f64 {
+    Vector::from_fn(|axis, _| low[axis].abs().max(high[axis].abs())).norm()
+}
