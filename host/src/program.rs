@@ -44,7 +44,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arcfeed_nc::block::{LineKind, Reading};
+use arcfeed_nc::block::{LineKind, Parsed, Reading};
 use arcfeed_nc::machining::Machining;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
@@ -139,7 +139,18 @@ impl ProgramLine {
         has_code.then(|| Diagnostic::of_line(1, &self.text, diagnostic::NO_LABEL))
     }
 
-    /// Whether the control counts the line as a block: anything but `%` and an empty line.
+    /// It was read as a block, without a comment.
+    fn has_no_comment(&self) -> bool {
+        let is_bare = |parsed: &Parsed| parsed.line == LineKind::Block && !parsed.has_comment;
+        self.meaning.as_ref().is_some_and(|meaning| is_bare(&meaning.parsed))
+    }
+
+    /// A chamfer or a rounded corner follows its move.
+    fn ends_in_corner(&self) -> bool {
+        self.meaning.as_ref().is_some_and(|meaning| meaning.step.corner.is_some())
+    }
+
+    /// The control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == LineKind::ProgramMark);
         !self.text.is_empty() && !is_mark

@@ -12,7 +12,7 @@ use rayon::slice::ParallelSliceMut;
 use super::dexel::{Dexel, Interval, NOWHERE, Taken};
 use super::lattice::Lattice;
 use super::level::Losses;
-use super::sweep::{Pass, Reach, RowCut};
+use super::sweep::{LayersCut, Pass, Reach, RowCut};
 
 /// All rays along one axis.
 #[derive(Clone, Debug)]
@@ -35,6 +35,8 @@ struct RowRays<'a> {
     dexels: &'a mut [Dexel],
     first_tile: usize,
     tiles: Vec<Tile>,
+    /// Columns whose rays have all lost an interval, and that interval.
+    alike: (Range<usize>, Interval),
     taken: Taken,
 }
 
@@ -96,20 +98,33 @@ impl Grid {
         let (axis, lattice) = (self.axis, self.lattice);
         let [width, _] = lattice.size(axis);
         let [column_axis, row_axis] = Lattice::across(axis);
-        let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
-        let touched = united(rows.iter().cloned());
+        let touched = united(passes.iter().map(|pass| pass.cells(&lattice, row_axis)));
         let columns = united(passes.iter().map(|pass| pass.cells(&lattice, column_axis)));
         let column_mm = lattice.centers_mm(column_axis);
+        let (layers, passes) = layers_and_others(passes, &lattice);
+        let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
         let cut_row = |(index, dexels): (usize, &mut [Dexel])| {
             let row = touched.start + index;
             let row_mm = lattice.center_mm(row_axis, row);
             let mut rays = RowRays::new(dexels, &columns, passes.len() > 1);
+            for layers in layers.iter().filter(|layers| layers.rows.contains(&row)) {
+                rays.lose_each(layers.first, &layers.losses);
+            }
             for (pass, _) in passes.iter().zip(&rows).filter(|(_, rows)| rows.contains(&row)) {
                 let Some(reach) = pass.reach(&lattice, row_mm) else { continue };
+                let alike = |(columns_mm, loss): (Interval, Interval)| {
+                    (lattice.cells_between(column_axis, columns_mm.from_mm, columns_mm.to_mm), loss)
+                };
                 match pass.row_cut(row_mm) {
-                    RowCut::Axial(row) => rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column)))),
+                    RowCut::Axial(row) => {
+                        let reach = rays.lose_alike(&reach, alike(row.alike()));
+                        rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column))));
+                    }
                     RowCut::Layer(row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
-                    RowCut::Upright(mut row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Upright(mut row) => {
+                        let reach = rays.lose_alike(&reach, alike(row.alike()));
+                        rays.lose(&reach, |column| row.losses(column_mm(column)));
+                    }
                     RowCut::Rays(pass) => rays.cut(&reach, |column, dexel| {
                         let point_mm = point_mm(&lattice, axis, [column, row]);
                         if !pass.may_cut(&point_mm, dexel) {
@@ -131,6 +146,19 @@ impl Grid {
     }
 }
 
+/// Cuts that are the same in many rows, as few as they can be put into, and the passes that make no such cut.
+fn layers_and_others<'p, 'a>(passes: &'p [Pass<'a>], lattice: &Lattice) -> (Vec<LayersCut>, Vec<&'p Pass<'a>>) {
+    let (mut layers, mut others) = (Vec::<LayersCut>::new(), Vec::new());
+    for pass in passes {
+        match pass.layers_cut(lattice) {
+            Some(cut) if layers.last_mut().is_some_and(|last| last.add(&cut)) => {}
+            Some(cut) => layers.push(cut),
+            None => others.push(pass),
+        }
+    }
+    (layers, others)
+}
+
 /// From the first to the last of some ranges.
 fn united(ranges: impl Iterator<Item = Range<usize>>) -> Range<usize> {
     let all = ranges.filter(|range| !range.is_empty());
@@ -143,7 +171,39 @@ impl<'a> RowRays<'a> {
         let first_tile = columns.start / TILE;
         let tiles = if is_tiled { columns.end.div_ceil(TILE) - first_tile } else { 0 };
         let tile = Tile { extent: EVERYWHERE, is_stale: true };
-        RowRays { dexels, first_tile, tiles: vec![tile; tiles], taken: Taken::default() }
+        RowRays { dexels, first_tile, tiles: vec![tile; tiles], alike: (0..0, NOWHERE), taken: Taken::default() }
+    }
+
+    /// Takes one interval from each ray, from a column on.
+    fn lose_each(&mut self, first: usize, losses: &[Interval]) {
+        for (dexel, loss) in self.dexels[first..].iter_mut().zip(losses) {
+            if dexel.meets(loss) {
+                self.taken.add(&dexel.take(*loss));
+            }
+        }
+    }
+
+    /// Takes the same interval from the rays of some columns in reach, as far as they may still have it; returns the reach
+    /// without these columns.
+    fn lose_alike(&mut self, reach: &Reach, (columns, loss): (Range<usize>, Interval)) -> Reach {
+        if columns.is_empty() {
+            return reach.clone();
+        }
+        let (known, lost) = self.alike.clone();
+        let is_lost = lost.from_mm <= loss.from_mm && loss.to_mm <= lost.to_mm;
+        if !(is_lost && known.start <= columns.start && columns.end <= known.end) {
+            let goes_on = lost == loss && known.start <= columns.end && columns.start <= known.end;
+            let known = if goes_on { known } else { columns.start..columns.start };
+            for part in [columns.start..known.start.max(columns.start), known.end.min(columns.end)..columns.end] {
+                for dexel in &mut self.dexels[part] {
+                    if dexel.meets(&loss) {
+                        self.taken.add(&dexel.take(loss));
+                    }
+                }
+            }
+            self.alike = (known.start.min(columns.start)..known.end.max(columns.end), loss);
+        }
+        reach.without(&columns)
     }
 
     /// Takes what rays lose, by their columns.

@@ -21,13 +21,17 @@
 
 use super::dexel::{Interval, NOWHERE};
 use super::flat::Row;
+use super::lattice::Lattice;
 use super::monotone::{MonotonePart, Radii};
 use super::section::Sweep;
 
 /// Intervals that a ray loses, at most two; an unused one ends before it begins.
 pub type Losses = [Interval; 2];
 
-/// Monotone part of a tool in a straight move perpendicular to its axis, which is a lattice axis.
+/// Distance from a border of a part beyond which rounding cannot show on which side of it a ray is.
+const BORDER_MM: f64 = 1e-4;
+
+/// Part of a tool in a straight move square to its own axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Level<'a> {
     part: &'a MonotonePart,
@@ -37,6 +41,8 @@ pub struct Level<'a> {
     sign: f64,
     /// Both ends of the way; all coordinates, that along the axis without meaning.
     ends_mm: [[f64; 3]; 2],
+    /// The way for lines along the rays or, of rays along the axis, along the columns.
+    band: Band,
 }
 
 /// The way in the plane of a line along x and of y across it.
@@ -59,6 +65,8 @@ pub struct AxialRow<'a> {
     /// The way along columns and rows, and divided by the square of its length.
     way_mm: [f64; 2],
     per_way: [f64; 2],
+    /// Coordinates of the columns whose rays lose all heights, and these.
+    alike: (Interval, Interval),
 }
 
 /// A row of rays across the tool's axis, all at one height.
@@ -80,13 +88,15 @@ pub struct UprightRow<'a> {
 }
 
 impl<'a> Level<'a> {
-    /// Prepares a part for a move; `None` if its axis is not one of the lattice's or the move is not perpendicular to
-    /// it.
-    pub fn new(part: &'a MonotonePart, sweep: &Sweep) -> Option<Self> {
+    /// Prepares a part on a way, for rays along an axis; `None` if the tool's axis is not one of the lattice's or the way is
+    /// not perpendicular to it.
+    pub fn new(part: &'a MonotonePart, sweep: &Sweep, ray_axis: usize) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_level = sweep.from_mm[axis] == sweep.to_mm[axis];
         let ends_mm = [sweep.from_mm, sweep.to_mm];
-        is_level.then_some(Level { part, axis, tip_mm: sweep.from_mm[axis], sign: sweep.axis[axis], ends_mm })
+        let line_axis = if ray_axis == axis { Lattice::across(axis)[0] } else { ray_axis };
+        let band = Band::new(ends_mm.map(|end_mm| [end_mm[line_axis], end_mm[3 - line_axis - axis]]));
+        is_level.then_some(Level { part, axis, tip_mm: sweep.from_mm[axis], sign: sweep.axis[axis], ends_mm, band })
     }
 
     /// Index of the lattice axis that is parallel to the tool's axis.
@@ -108,18 +118,16 @@ impl<'a> Level<'a> {
             };
             return Some(Row { across: within(column_axis), hollow: None, along: within(ray_axis) });
         }
-        // A line along the columns, or a ray, in the plane of the way.
-        let band = self.band(if ray_axis == self.axis { column_axis } else { ray_axis }, row_axis);
-        let chord = band.chord(row_mm, outer_mm)?;
+        let chord = self.band.chord(row_mm, outer_mm)?;
         if ray_axis != self.axis {
             // Only where the part is wide enough to come to the row.
-            let [low_mm, high_mm] = band.ends_mm.map(|[_, off_mm]| off_mm);
+            let [low_mm, high_mm] = self.band.ends_mm.map(|[_, off_mm]| off_mm);
             let off_mm = (low_mm - row_mm).max(row_mm - high_mm).max(0.0);
             let across = wider(self.stretch(&self.part.wide(off_mm)?), margin_mm);
             return Some(Row { across, hollow: None, along: chord });
         }
         // A ray on the hole's border is asked.
-        let hollow = inner_mm.and_then(|inner_mm| band.hollow(row_mm, (inner_mm - margin_mm).max(0.0)));
+        let hollow = inner_mm.and_then(|inner_mm| self.band.hollow(row_mm, (inner_mm - margin_mm).max(0.0)));
         Some(Row { across: chord, hollow, along: heights })
     }
 
@@ -129,25 +137,40 @@ impl<'a> Level<'a> {
         let [from_mm, to_mm] = self.ends_mm;
         let way_mm = [column_axis, row_axis].map(|axis| to_mm[axis] - from_mm[axis]);
         let square = way_mm[0] * way_mm[0] + way_mm[1] * way_mm[1];
+        let narrowest_mm = self.part.narrowest_mm();
+        let has_core = narrowest_mm > 0.0 && !self.part.is_hollow();
+        let core = if has_core { self.band.chord(row_mm, narrowest_mm) } else { None };
         AxialRow {
             level: self,
             columns_mm: self.ends_mm.map(|end_mm| end_mm[column_axis]),
             offs_mm: self.ends_mm.map(|end_mm| row_mm - end_mm[row_axis]),
             way_mm,
             per_way: if square > 0.0 { way_mm.map(|part| part / square) } else { [0.0; 2] },
+            alike: core.zip(self.part.wide(narrowest_mm)).map_or((NOWHERE, NOWHERE), |(chord, heights)| {
+                (wider(chord, -BORDER_MM), self.stretch(&heights))
+            }),
         }
     }
 
+    /// Interval that a ray across the axis loses at every height of the part, by its coordinate, if all rows lose the same.
+    pub fn layer_loss(&self) -> Option<impl Fn(f64) -> Interval> {
+        let Radii { outer_mm, inner_mm: None } = self.part.upright()? else { return None };
+        Some(move |column_mm| self.band.chord(column_mm, outer_mm).unwrap_or(NOWHERE))
+    }
+
+    /// Whether the part is there at a coordinate along the axis.
+    pub fn is_at(&self, at_mm: f64) -> bool {
+        self.part.radii(self.height_mm(at_mm), &mut 0).is_some()
+    }
+
     /// A row of rays at one height, across the tool's axis.
-    pub fn layer_row(&self, ray_axis: usize, row_mm: f64) -> LayerRow {
-        let band = self.band(ray_axis, 3 - ray_axis - self.axis);
-        LayerRow { band, radii: self.part.radii(self.height_mm(row_mm), &mut 0) }
+    pub fn layer_row(&self, row_mm: f64) -> LayerRow {
+        LayerRow { band: self.band, radii: self.part.radii(self.height_mm(row_mm), &mut 0) }
     }
 
     /// A row of rays one above the other, across the tool's axis.
-    pub fn upright_row(&self, ray_axis: usize, row_mm: f64) -> UprightRow<'_> {
-        let band = self.band(ray_axis, 3 - ray_axis - self.axis);
-        UprightRow { level: self, band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
+    pub fn upright_row(&self, row_mm: f64) -> UprightRow<'_> {
+        UprightRow { level: self, band: self.band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
     }
 
     /// Height of a coordinate along the axis.
@@ -161,10 +184,6 @@ impl<'a> Level<'a> {
     fn stretch(&self, heights: &Interval) -> Interval {
         let [from_mm, to_mm] = [heights.from_mm, heights.to_mm].map(|height_mm| self.tip_mm + height_mm * self.sign);
         Interval::between(from_mm, to_mm)
-    }
-
-    fn band(&self, line_axis: usize, off_axis: usize) -> Band {
-        Band::new(self.ends_mm.map(|end_mm| [end_mm[line_axis], end_mm[off_axis]]))
     }
 }
 
@@ -237,6 +256,11 @@ fn clamped_ratio(part: f64) -> f64 {
 }
 
 impl AxialRow<'_> {
+    /// Coordinates of columns whose rays lose the same interval, and that interval.
+    pub fn alike(&self) -> (Interval, Interval) {
+        self.alike
+    }
+
     /// Interval that the ray at a column loses; it ends before it begins if the ray loses nothing. (1)
     #[inline]
     pub fn loss(&self, column_mm: f64) -> Interval {
@@ -265,6 +289,14 @@ impl LayerRow {
 }
 
 impl UprightRow<'_> {
+    /// Coordinates of columns whose rays lose the same interval, and that interval.
+    pub fn alike(&self) -> (Interval, Interval) {
+        let Some(Radii { outer_mm, inner_mm: None }) = self.level.part.upright() else { return (NOWHERE, NOWHERE) };
+        let [low_mm, high_mm] = self.level.part.heights_mm();
+        let columns = self.level.stretch(&Interval::new(low_mm, high_mm));
+        (wider(columns, -BORDER_MM), self.band.chord(self.off_mm, outer_mm).unwrap_or(NOWHERE))
+    }
+
     /// Intervals that the ray at a column loses.
     #[inline]
     pub fn losses(&mut self, column_mm: f64) -> Losses {

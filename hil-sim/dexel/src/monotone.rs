@@ -133,7 +133,22 @@ impl MonotonePart {
         Radii { outer_mm, inner_mm: self.inner.as_ref().and_then(|wall| wall.pieces.last()).map(|piece| -piece.to_mm) }
     }
 
-    /// Whether the part has a hole.
+    /// The smallest radius of the outside.
+    pub fn narrowest_mm(&self) -> f64 {
+        self.outer.pieces.first().map_or(0.0, |piece| piece.from_mm)
+    }
+
+    /// Radii at all heights, if its walls are upright.
+    pub fn upright(&self) -> Option<Radii> {
+        let Slab { outer_mm: [outer_mm, _], inner_mm, .. } = *self.slabs.first()?;
+        let radii = Radii { outer_mm, inner_mm: inner_mm.map(|[inner_mm, _]| inner_mm) };
+        let is_alike = |slab: &Slab| {
+            slab.outer_mm == [radii.outer_mm; 2] && slab.inner_mm == radii.inner_mm.map(|inner_mm| [inner_mm; 2])
+        };
+        self.slabs.iter().all(is_alike).then_some(radii)
+    }
+
+    /// Whether it has a hole.
     pub fn is_hollow(&self) -> bool {
         self.inner.is_some()
     }

@@ -73,7 +73,50 @@ pub enum RowCut<'a> {
     Rays(&'a Pass<'a>),
 }
 
-/// Rays of one row that a pass can meet, and the range of each that it can meet.
+/// A cut that is the same in all of these rows.
+#[derive(Clone, Debug)]
+pub struct LayersCut {
+    /// Rows.
+    pub rows: Range<usize>,
+    /// Column of the first loss.
+    pub first: usize,
+    /// Interval that a ray loses, column by column; one that ends before it begins is none.
+    pub losses: Vec<Interval>,
+}
+
+impl LayersCut {
+    /// Adds another cut of the same rows. Returns whether every ray still loses one interval; otherwise nothing is added.
+    pub fn add(&mut self, other: &LayersCut) -> bool {
+        let (columns, others) = (self.columns(), other.columns());
+        let all = columns.start.min(others.start)..columns.end.max(others.end);
+        let is_one = |column: usize| {
+            let (one, next) = (self.at(column), other.at(column));
+            let is_empty = |loss: &Interval| loss.from_mm > loss.to_mm;
+            is_empty(&one) || is_empty(&next) || one.from_mm <= next.to_mm && next.from_mm <= one.to_mm
+        };
+        if self.rows != other.rows || !all.clone().all(is_one) {
+            return false;
+        }
+        let both = |column: usize| {
+            let (one, next) = (self.at(column), other.at(column));
+            Interval::new(one.from_mm.min(next.from_mm), one.to_mm.max(next.to_mm))
+        };
+        self.losses = all.clone().map(both).collect();
+        self.first = all.start;
+        true
+    }
+
+    fn columns(&self) -> Range<usize> {
+        self.first..self.first + self.losses.len()
+    }
+
+    fn at(&self, column: usize) -> Interval {
+        let index = column.checked_sub(self.first);
+        index.and_then(|index| self.losses.get(index)).copied().unwrap_or(NOWHERE)
+    }
+}
+
+/// The rays of one row that a pass can meet, and where on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// Columns of the row, in two parts with a hollow between them.
@@ -83,7 +126,15 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// All columns of the row that the pass can meet.
+    /// The same but for these columns.
+    pub fn without(&self, columns: &Range<usize>) -> Self {
+        let [first, last] = self.parts();
+        let (start, end) = (first.start, last.end);
+        let [low, high] = [columns.start.clamp(start, end), columns.end.clamp(start, end)];
+        Reach { columns: [start..low, high..end], along: self.along }
+    }
+
+    /// All columns of the row that it can meet.
     pub fn columns(&self) -> impl Iterator<Item = usize> {
         self.parts().into_iter().flatten()
     }
@@ -104,7 +155,7 @@ pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass
             Pass { ray_axis, corners_mm, motion_mm: sweep.motion_mm(), shape }
         };
         let levels = tool.parts().iter().filter_map(|part| {
-            let level = Level::new(part, sweep)?;
+            let level = Level::new(part, sweep, ray_axis)?;
             Some(pass(part.heights_mm(), part.extreme_radii().outer_mm, Shape::Level(level)))
         });
         let before = passes.len();
@@ -186,12 +237,23 @@ impl Pass<'_> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
         match &self.shape {
             Shape::Slab(_) => RowCut::Rays(self),
-            Shape::Level(level) if level.axis() == row_axis => RowCut::Layer(level.layer_row(self.ray_axis, row_mm)),
-            Shape::Level(level) if level.axis() == column_axis => {
-                RowCut::Upright(level.upright_row(self.ray_axis, row_mm))
-            }
+            Shape::Level(level) if level.axis() == row_axis => RowCut::Layer(level.layer_row(row_mm)),
+            Shape::Level(level) if level.axis() == column_axis => RowCut::Upright(level.upright_row(row_mm)),
             Shape::Level(level) => RowCut::Axial(level.axial_row(column_axis, row_mm)),
         }
+    }
+
+    /// The same cut in many rows; `None` if it is not the same, or of two intervals a ray.
+    pub fn layers_cut(&self, lattice: &Lattice) -> Option<LayersCut> {
+        let [column_axis, row_axis] = Lattice::across(self.ray_axis);
+        let Shape::Level(level) = &self.shape else { return None };
+        let loss = if level.axis() == row_axis { level.layer_loss()? } else { return None };
+        let (columns, column_mm) = (self.cells(lattice, column_axis), lattice.centers_mm(column_axis));
+        let (mut rows, row_mm) = (self.cells(lattice, row_axis), lattice.centers_mm(row_axis));
+        // The box is wider than the part.
+        rows.start += rows.clone().take_while(|row| !level.is_at(row_mm(*row))).count();
+        rows.end -= rows.clone().rev().take_while(|row| !level.is_at(row_mm(*row))).count();
+        Some(LayersCut { rows, first: columns.start, losses: columns.map(|column| loss(column_mm(column))).collect() })
     }
 
     /// Intervals that a ray loses on a level; `None` for single slabs.

@@ -85,7 +85,7 @@ impl DecimalSurvey {
         if step.dwell.is_some() || step.sets_data {
             return;
         }
-        let is_arc = step.motion.is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
+        let is_arc = step.motion.as_ref().is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
         for word in &meaning.parsed.block.words {
             let group = match word.letter {
                 b'G' => {

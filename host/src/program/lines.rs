@@ -16,6 +16,7 @@ pub struct LineReader {
     reader: Reader,
     reading: Reading,
     skipping: BlockDeleteReader,
+    has_slashes: bool,
     count: usize,
     has_begun: bool,
     has_ended: bool,
@@ -56,6 +57,7 @@ impl LineReader {
             reader: Reader::with(settings, tables).at_unknown_position(),
             reading: settings.reading,
             skipping: BlockDeleteReader::default(),
+            has_slashes: true,
             count: 0,
             has_begun: false,
             has_ended: false,
@@ -63,7 +65,13 @@ impl LineReader {
         }
     }
 
-    /// The control after the lines read so far.
+    /// The same control for a program that has, or has not, a `/` anywhere.
+    #[must_use]
+    pub fn with_slashes(self, has_slashes: bool) -> Self {
+        LineReader { has_slashes, ..self }
+    }
+
+    /// The control.
     pub fn control(&self) -> &Reader {
         &self.reader
     }
@@ -91,7 +99,9 @@ impl LineReader {
             (line.meaning, line.skipping) = (None, None);
             return line.set_state(&self.reader);
         }
-        self.skipping.fork(text, &self.reader);
+        if self.has_slashes {
+            self.skipping.fork(text, &self.reader);
+        }
         match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
             Ok(()) => line.meaning.iter().for_each(|understood| self.note(text, understood, found)),
             Err(fault) => {

@@ -22,8 +22,8 @@ pub struct MoveCounts {
 impl MoveCounts {
     /// Counts the moves of one more block.
     pub fn add(&mut self, block: &InterpretedLine) {
-        if let Some(motion) = block.segment.and(block.step.motion) {
-            self.add_move(&motion);
+        if let (Some(motion), Some(_)) = (&block.step.motion, &block.segment) {
+            self.add_move(motion);
         }
         for act in block.step.series.iter().flat_map(|series| series.actions()) {
             if let SeriesAction::Move(motion) = act {

@@ -111,7 +111,7 @@ impl PathSummary {
     pub fn add_line(&mut self, line: &ProgramLine) {
         self.lines += 1;
         let before = self.current;
-        let comment = comment_in(&line.text);
+        let comment = if line.has_no_comment() { None } else { comment_in(&line.text) };
         self.add_comment(comment);
         match &line.meaning {
             Some(meaning) => self.add_block(self.lines, meaning, line.machining, line.origin),
@@ -255,8 +255,12 @@ impl PathSummary {
     }
 
     fn include(&mut self, axis: usize, value: f64) {
-        let [low, high] = self.extents[axis].unwrap_or([value; 2]);
-        self.extents[axis] = Some([low.min(value), high.max(value)]);
+        let [low, high] = self.extents[axis].get_or_insert([value; 2]);
+        if value < *low {
+            *low = value;
+        } else if value > *high {
+            *high = value;
+        }
     }
 
     /// Tools that make moves.

@@ -11,6 +11,7 @@ use arcfeed_nc::settings::{Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
 use arcfeed_nc_macro::variables::OutsideValues;
+use memchr::memchr;
 
 use super::contour_check::contour_diagnostics;
 use super::lines::LineReader;
@@ -140,14 +141,15 @@ impl Source {
     pub fn lines(&self) -> SourceLines<'_> {
         SourceLines {
             rest: Lines::new(&self.bytes),
-            reader: self.reader(),
+            reader: self.reader().with_slashes(memchr(b'/', &self.bytes).is_some()),
             line: ProgramLine::default(),
             found: Vec::new(),
         }
     }
 
-    /// Counts the content of the program, passes each line to `line`, and reports its diagnostics, in order of place,
-    /// with the line's text. As a `run` the program also has to begin with `%`, and to end.
+    /// Counts the content of the program, passes each line to `line`, and reports its diagnostics with the line's text, in
+    /// order of place. As a `run` the program also has to begin with `%`, and to end, and its contours are checked: their
+    /// diagnostics come last.
     pub fn survey(
         &self,
         is_run: bool,
@@ -155,23 +157,26 @@ impl Source {
         mut each: impl FnMut(Diagnostic, &[u8]),
     ) -> ProgramSummary {
         let (mut lines, mut summary) = (self.lines(), ProgramSummary::default());
-        let contours = if is_run { contour_diagnostics(&self.bytes, self.settings, self.tables) } else { Vec::new() };
-        let mut contours = contours.into_iter().peekable();
+        let mut has_contours = false;
         while lines.read_next() {
-            let SourceLines { line: read, found, .. } = &mut lines;
+            let SourceLines { line: read, found, reader, .. } = &mut lines;
+            has_contours |= reader.control().modal().compensation.is_some() || read.ends_in_corner();
             if is_run && summary.lines == 0 {
                 read.missing_label().into_iter().for_each(|lost| each(lost, &read.text));
             }
             summary.add(read);
             line(read);
-            while let Some(of_contour) = contours.next_if(|diagnostic| diagnostic.line == summary.lines) {
-                found.push(of_contour);
-            }
             found.drain(..).for_each(|diagnostic| each(diagnostic, &read.text));
         }
         if is_run && summary.blocks > 0 && !summary.may_end {
             let last = &lines.line.text;
             each(Diagnostic::of_fault(summary.lines, last, Fault::alarm(Alarm::EndOfRecord, 0)), last);
+        }
+        if is_run && has_contours {
+            for found in contour_diagnostics(&self.bytes, self.settings, self.tables) {
+                let text = Lines::new(&self.bytes).nth(found.line - 1).map_or(&[][..], |raw| raw.text);
+                each(found, text);
+            }
         }
         summary
     }

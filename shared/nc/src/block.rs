@@ -91,6 +91,8 @@ pub struct Parsed {
     pub line: LineKind,
     /// Block of the line; without words for marks and titles.
     pub block: Block,
+    /// Whether the block has a comment.
+    pub has_comment: bool,
     /// The first [`NOTICES_MAX`] notices.
     pub notices: Vec<Notice, NOTICES_MAX>,
 }
@@ -196,7 +198,8 @@ impl Parsed {
     }
 
     fn read_words(&mut self, text: &[u8], reading: Reading, words: &mut Words<'_>) -> Result<(), Fault> {
-        let Parsed { line, block, notices } = self;
+        let Parsed { line, block, has_comment, notices } = self;
+        *has_comment = false;
         notices.clear();
         block.clear();
         if reading == Reading::Lenient && is_title(text) {
@@ -228,6 +231,7 @@ impl Parsed {
                 }
                 Token::ProgramMark => return Err(Fault::alarm(Alarm::IllegalAddress, column(start))),
                 Token::Comment { text: body, closed } => {
+                    *has_comment = true;
                     check_comment(body, start + 1, reading, notices)?;
                     if !closed {
                         push(notices, NoticeKind::UnclosedComment, column(start));

@@ -17,9 +17,16 @@ const SAME_RATIO: f64 = 1e-9;
 /// Intervals shorter than this remain between two sweeps by rounding.
 const SLIVER_MM: f64 = 1e-9;
 
-/// Lowered intervals of a ray, in order, each with its remaining height.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PartialHeights(Vec<Column>);
+/// Columns that a search looks at, one after the other, before it halves the rest.
+const NEAR: usize = 6;
+
+/// Columns of a ray: its lowered intervals, in order.
+#[derive(Clone, Debug, Default)]
+pub struct PartialHeights {
+    lowered: Vec<Column>,
+    /// Column that was found last: the next cut is mostly near.
+    near: usize,
+}
 
 /// Interval of constant height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,21 +93,21 @@ impl PartialHeights {
     fn remove_beside(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> Option<f64> {
         let Dexel::One(piece) = material else { return None };
         let on = piece.common(span);
-        let low = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
-        let Column { on: is_low, top_ratio } = *self.0.get(low)?;
+        let low = self.first_behind(span.from_mm);
+        let Column { on: is_low, top_ratio } = *self.lowered.get(low)?;
         if top_ratio != depth_band.foot_ratio || !depth_band.cuts(1.0) {
             return None;
         }
         let chip = if is_low.from_mm <= on.from_mm {
-            let is_last = self.0.get(low + 1).is_none_or(|next| next.on.from_mm > on.to_mm);
+            let is_last = self.lowered.get(low + 1).is_none_or(|next| next.on.from_mm > on.to_mm);
             is_last.then_some(Interval { from_mm: is_low.to_mm, ..on })
         } else {
-            let is_first = low.checked_sub(1).is_none_or(|before| self.0[before].on.to_mm < on.from_mm);
+            let is_first = low.checked_sub(1).is_none_or(|before| self.lowered[before].on.to_mm < on.from_mm);
             let is_at_end = is_low.from_mm <= on.to_mm && on.to_mm <= is_low.to_mm;
             (is_first && is_at_end).then_some(Interval { to_mm: is_low.from_mm, ..on })
         };
         let chip = chip.filter(|chip| chip.length_mm() > 0.0)?;
-        let all = &mut self.0[low].on;
+        let all = &mut self.lowered[low].on;
         *all = Interval::new(all.from_mm.min(chip.from_mm), all.to_mm.max(chip.to_mm));
         Some(chip.length_mm() * depth_band.cut_ratio(1.0))
     }
@@ -108,7 +115,7 @@ impl PartialHeights {
     /// Length of the material, each interval times its height fraction.
     pub fn length_mm(&self, material: &Dexel) -> f64 {
         let missing = |column: &Column| column.on.length_mm() * (1.0 - column.top_ratio);
-        match material.extent().filter(|_| !self.0.is_empty()) {
+        match material.extent().filter(|_| !self.lowered.is_empty()) {
             None => material.length_mm(),
             Some(all) => {
                 material.length_mm() - self.columns(material, &all).map(|column| missing(&column)).sum::<f64>()
@@ -138,19 +145,20 @@ impl PartialHeights {
 
     /// Height of the material at a coordinate.
     pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
-        let first = self.0.partition_point(|column| column.on.to_mm <= at_mm);
-        let column = self.0.get(first).filter(|column| column.on.from_mm <= at_mm);
+        let first = self.first_behind(at_mm);
+        let column = self.lowered.get(first).filter(|column| column.on.from_mm <= at_mm);
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
     /// Whether all material of a span is already so low that an edge removes nothing.
-    pub fn is_already_lowered(&self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> bool {
+    pub fn is_already_lowered(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
             Dexel::One(piece) => piece.common(span),
             _ => *span,
         };
-        let first = self.0.partition_point(|column| column.on.to_mm <= from_mm);
-        for Column { on, top_ratio } in &self.0[first..] {
+        let first = self.first_behind(from_mm);
+        self.near = first;
+        for Column { on, top_ratio } in &self.lowered[first..] {
             if from_mm >= to_mm || on.from_mm > from_mm || depth_band.cuts(*top_ratio) {
                 break;
             }
@@ -166,14 +174,14 @@ impl PartialHeights {
 
     /// The column that contains a whole span.
     fn over(&self, span: &Interval) -> Option<&Column> {
-        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
-        self.0.get(first).filter(|column| column.on.from_mm <= span.from_mm && span.to_mm <= column.on.to_mm)
+        let first = self.first_behind(span.from_mm);
+        self.lowered.get(first).filter(|column| column.on.from_mm <= span.from_mm && span.to_mm <= column.on.to_mm)
     }
 
     /// Whether any column overlaps a span.
     fn meets(&self, span: &Interval) -> bool {
-        let first = self.0.partition_point(|column| column.on.to_mm <= span.from_mm);
-        self.0.get(first).is_some_and(|column| column.on.from_mm < span.to_mm)
+        let first = self.first_behind(span.from_mm);
+        self.lowered.get(first).is_some_and(|column| column.on.from_mm < span.to_mm)
     }
 
     /// First, or last, interval of a span where the material is higher than `above_ratio` of the layer, as in
@@ -193,30 +201,45 @@ impl PartialHeights {
 
     /// Material of a span as columns, in order.
     fn columns<'a>(&'a self, material: &'a Dexel, within: &'a Interval) -> Columns<'a> {
-        let first = self.0.partition_point(|column| column.on.to_mm <= within.from_mm);
-        Columns { heights: &self.0[first..], pieces: material.intervals(), within, whole: None }
+        let first = self.first_behind(within.from_mm);
+        Columns { heights: &self.lowered[first..], pieces: material.intervals(), within, whole: None }
+    }
+
+    /// Index of the first column that ends behind a coordinate.
+    fn first_behind(&self, at_mm: f64) -> usize {
+        let ends_before = |column: &Column| column.on.to_mm <= at_mm;
+        let (before, behind) = self.lowered.split_at(self.near.min(self.lowered.len()));
+        if before.last().is_none_or(ends_before) {
+            let (next, rest) = behind.split_at(NEAR.min(behind.len()));
+            let found = next.iter().position(|column| !ends_before(column));
+            return before.len() + found.unwrap_or_else(|| next.len() + rest.partition_point(ends_before));
+        }
+        let (rest, last) = before.split_at(before.len().saturating_sub(NEAR));
+        let found = last.iter().rposition(ends_before).map(|index| rest.len() + index + 1);
+        found.unwrap_or_else(|| rest.partition_point(ends_before))
     }
 
     /// Replaces the columns of an interval by one column, or by none; joins it to a neighbour of the same height.
     fn set(&mut self, on: Interval, top_ratio: Option<f64>) {
-        let first = self.0.partition_point(|column| column.on.to_mm <= on.from_mm);
-        let end = self.0.partition_point(|column| column.on.from_mm < on.to_mm).max(first);
+        let first = self.first_behind(on.from_mm);
+        let end = first + self.lowered[first..].iter().take_while(|column| column.on.from_mm < on.to_mm).count();
+        self.near = first;
         if first == end && top_ratio.is_none_or(|top_ratio| self.extend(first, on, top_ratio)) {
             return;
         }
         let before =
-            self.0[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
+            self.lowered[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
         let after =
-            self.0[first..end].last().map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
+            self.lowered[first..end].last().map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
         let rests = [before, top_ratio.map(|top_ratio| (on, top_ratio)), after].into_iter().flatten();
         let rests = rests.filter(|(on, _)| on.length_mm() > 0.0).map(|(on, top_ratio)| Column { on, top_ratio });
-        self.0.splice(first..end, rests);
+        self.lowered.splice(first..end, rests);
         let mut at = first.saturating_sub(1);
-        while at < first + 3 && at + 1 < self.0.len() {
-            let (one, next) = (self.0[at], self.0[at + 1]);
+        while at < first + 3 && at + 1 < self.lowered.len() {
+            let (one, next) = (self.lowered[at], self.lowered[at + 1]);
             if one.on.to_mm == next.on.from_mm && one.top_ratio == next.top_ratio {
-                self.0[at].on.to_mm = next.on.to_mm;
-                self.0.remove(at + 1);
+                self.lowered[at].on.to_mm = next.on.to_mm;
+                self.lowered.remove(at + 1);
             } else {
                 at += 1;
             }
@@ -227,12 +250,12 @@ impl PartialHeights {
     /// there was one.
     fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
         let is_same = |column: &Column| column.top_ratio == top_ratio;
-        let before = next.checked_sub(1).filter(|last| self.0[*last].on.to_mm == on.from_mm && is_same(&self.0[*last]));
-        let is_joined = self.0.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
+        let before = next.checked_sub(1).filter(|last| self.lowered[*last].on.to_mm == on.from_mm && is_same(&self.lowered[*last]));
+        let is_joined = self.lowered.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
         match before {
-            Some(before) if is_joined => self.0[before].on.to_mm = self.0.remove(next).on.to_mm,
-            Some(before) => self.0[before].on.to_mm = on.to_mm,
-            None if is_joined => self.0[next].on.from_mm = on.from_mm,
+            Some(before) if is_joined => self.lowered[before].on.to_mm = self.lowered.remove(next).on.to_mm,
+            Some(before) => self.lowered[before].on.to_mm = on.to_mm,
+            None if is_joined => self.lowered[next].on.from_mm = on.from_mm,
             None => return false,
         }
         true
@@ -338,7 +361,7 @@ mod tests {
             assert_eq!(taken, taken_mm, "{depth_band:?}");
             assert_eq!(heights.length_mm(&material), left_mm, "{depth_band:?}");
         }
-        assert_eq!((material, heights), (Dexel::Empty, PartialHeights::default()));
+        assert!(material == Dexel::Empty && heights.lowered.is_empty());
     }
 
     #[test]
@@ -363,7 +386,7 @@ mod tests {
                 "{from_mm}"
             );
         }
-        assert_eq!(heights.0, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
+        assert_eq!(heights.lowered, [Column { on: Interval::new(1.0, 10.0), top_ratio: 0.25 }]);
         assert_eq!(material, Dexel::One(Interval::new(0.0, 10.0)));
     }
 
@@ -374,7 +397,7 @@ mod tests {
         for (from_mm, to_mm, foot_ratio) in [(2.0, 4.0, 0.75), (4.0, 5.0, 0.5), (5.0, 6.0, 0.5)] {
             heights.remove(&mut material, Interval::new(from_mm, to_mm), &END(foot_ratio, 1.0));
         }
-        assert_eq!(heights.0.len(), 2, "equal neighbours are one");
+        assert_eq!(heights.lowered.len(), 2, "equal neighbours are one");
         let interval = |(from, to)| Interval::new(from, to);
         let all = Interval::new(-1.0, 11.0);
         assert_eq!(*heights.section(&material, &all, 0.5), [(0.0, 4.0), (6.0, 10.0)].map(interval));
