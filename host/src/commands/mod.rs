@@ -43,3 +43,5 @@ pub mod serve;
 pub mod ports;
 
 pub mod plan;
+
+pub mod call;
