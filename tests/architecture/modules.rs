@@ -13,8 +13,15 @@ const SINGLE: &str = "shared/units/src";
 
 /// Roots of crates, `lib.rs` or `main.rs` in them.
 fn roots() -> Vec<&'static str> {
-    let others =
-        ["host/port/src", "host/dnc/src", "host/src", "host/plan/src", "tests/xtask/src", "tests/architecture"];
+    let others = [
+        "host/port/src",
+        "host/dnc/src",
+        "host/src",
+        "host/plan/src",
+        "host/python/src",
+        "tests/xtask/src",
+        "tests/architecture",
+    ];
     [&CHIP[..], &SIMULATOR, &others].concat()
 }
 

@@ -57,7 +57,7 @@ use crate::program::{Program, ProgramLine, may_have_contours};
 use known::KeptLines;
 pub use known::Known;
 pub use line_plan::LinePlan;
-pub use planned_block::PlannedBlock;
+pub use planned_block::{BlockLaw, PlannedBlock};
 pub use reason::PlanReason;
 use rewrite::Leak;
 pub use writer::PlannedLine;

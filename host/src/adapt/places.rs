@@ -1,7 +1,7 @@
 //! Places of the tool along a move, for laws. Constants of the move are computed once.
 
 use arcfeed_law::Place;
-use arcfeed_nc::segment::{ArcAngles, Segment};
+use arcfeed_nc::segment::{Arc, ArcAngles, Segment};
 use arcfeed_units::Nm;
 
 /// Positions of the tool along a move, at which laws are evaluated.
@@ -27,9 +27,7 @@ impl MovePlaces {
     /// Places along a move.
     pub fn of(segment: &Segment) -> Self {
         let shape = match segment.arc() {
-            Some(arc) => {
-                Shape::Arc { angles: arc.angles(), turn: f32::from(arc.turn.sign()), radius_mm: arc.radius_mm() as f32 }
-            }
+            Some(arc) => return MovePlaces::on_arc(arc),
             None => {
                 let [x, y, _] = segment.start.linear.map(Nm::to_mm);
                 let [to_x, to_y, _] = segment.end.linear.map(Nm::to_mm);
@@ -41,7 +39,13 @@ impl MovePlaces {
         MovePlaces { feed_length_mm: segment.feed_length_mm(), shape }
     }
 
-    /// Length along which the control measures F, mm.
+    /// Places along an arc.
+    pub fn on_arc(arc: &Arc) -> Self {
+        let (angles, turn, radius_mm) = (arc.angles(), f32::from(arc.turn.sign()), arc.radius_mm() as f32);
+        MovePlaces { feed_length_mm: arc.length_mm(), shape: Shape::Arc { angles, turn, radius_mm } }
+    }
+
+    /// Length along which F counts, mm.
     pub fn feed_length_mm(&self) -> f64 {
         self.feed_length_mm
     }

@@ -76,6 +76,17 @@ pub struct PlannedBlock {
     pub end_percent: u8,
 }
 
+/// Law of a block.
+#[derive(Clone, Debug)]
+pub struct BlockLaw<'j> {
+    /// Its cut rule, with the target of the move if the target follows the program.
+    pub rule: Cow<'j, CutRule>,
+    /// The move for which the law is evaluated.
+    pub segment: Segment,
+    /// The law.
+    pub law: SegmentLaw,
+}
+
 impl PlannedBlock {
     /// A move with its programmed feed, before a rule is looked up.
     pub fn new(line: usize, segment: Segment) -> Self {
@@ -111,6 +122,20 @@ impl PlannedBlock {
         let rule = job.rules.get(self.rule?)?;
         let side = self.contour.and_then(|place| place.side);
         Some(side.map_or(Cow::Borrowed(rule), |side| Cow::Owned(rule.on_side(side))))
+    }
+
+    /// Its law at a speed of the teeth, if a cut rule matches it.
+    pub fn law<'j>(&self, job: &'j Job, teeth_per_min: f64) -> Option<BlockLaw<'j>> {
+        let rule = self.cut_rule(job)?;
+        let segment = self.law_segment(&rule);
+        let of_block = job.tool_of(&rule).follows_program.then(|| {
+            let programmed = self.programmed().map_or(0.0, Nm::to_mm) * (1.0 + F32_MARGIN);
+            let feed_per_tooth = Some(MmPerTooth((programmed / teeth_per_min) as f32));
+            CutRule { feed_per_tooth, ..rule.clone().into_owned() }
+        });
+        let rule = of_block.map_or(rule, Cow::Owned);
+        let law = SegmentLaw::with_engagement(&segment, Some(&rule), self.along.as_ref(), job);
+        Some(BlockLaw { rule, segment, law })
     }
 
     /// The move for which its law is evaluated. The moves around a corner before an outside arc are lines with the same F,
@@ -234,16 +259,9 @@ pub fn govern_descent(
 /// Evaluates the law of the block's rule along its move, and sets the block's feed and reason. Returns the answers in
 /// all cells if the move may be divided into pieces.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
-    let rule = block.cut_rule(job)?;
-    let setup = job.tool_of(&rule);
-    let segment = block.law_segment(&rule);
+    let setup = job.tool_of(job.rules.get(block.rule?)?);
     let teeth_per_min = f64::from(spindle.0) * f64::from(setup.tool.active_teeth());
-    let of_block = setup.follows_program.then(|| {
-        let programmed = block.programmed().map_or(0.0, Nm::to_mm) * (1.0 + F32_MARGIN);
-        CutRule { feed_per_tooth: Some(MmPerTooth((programmed / teeth_per_min) as f32)), ..rule.clone().into_owned() }
-    });
-    let rule = of_block.as_ref().unwrap_or(&rule);
-    let law = SegmentLaw::with_engagement(&segment, Some(rule), block.along.as_ref(), job);
+    let BlockLaw { rule, segment, law } = block.law(job, teeth_per_min)?;
     let mut knots_mm = Vec::new();
     law.knots_mm(&mut |mm| knots_mm.push(f64::from(mm)));
     let places = MovePlaces::of(&segment);
@@ -252,12 +270,12 @@ pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: Len
     let profile = Profile::ask(&law, &places, &knots_mm, &cells);
     let demand = plan_feed(block, &profile, job, (spindle, teeth_per_min, unit))?;
     if matches!(block.reason, PlanReason::Law | PlanReason::LawInPart)
-        && is_at_floor(setup.law, job.feed_per_tooth_of(rule), &demand)
+        && is_at_floor(setup.law, job.feed_per_tooth_of(&rule), &demand)
     {
         block.reason = PlanReason::LawFloor;
     }
     if let Some(place) = block.contour.filter(|place| place.feed_ratio < 1.0) {
-        let line_mm_per_min = f64::from(job.feed_per_tooth_of(rule).0) * teeth_per_min;
+        let line_mm_per_min = f64::from(job.feed_per_tooth_of(&rule).0) * teeth_per_min;
         block.leave_to_control(&place, line_mm_per_min, unit);
     }
     has_pieces.then_some(profile)

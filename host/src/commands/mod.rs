@@ -50,4 +50,4 @@ pub mod ports;
 
 pub mod plan;
 
-pub mod view;
+pub mod call;

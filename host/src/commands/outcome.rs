@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::adapt::rewrite::may_leak;
 use crate::adapt::unused_rules::{RuleUse, unused_rules};
-use crate::console::{note, print};
+use crate::console::{self, note, print};
 use crate::dnc::outbox::LineError;
 use crate::file_error::FileError;
 use crate::job::JobFile;
@@ -115,8 +115,11 @@ pub fn file_failure(path: &Path, error: &std::io::Error) -> Failure {
 /// Writes a file completely, or leaves everything unchanged.
 ///
 /// # Errors
-/// It cannot be written.
+/// It cannot be written, or the caller of the command has stopped it.
 pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
+    if console::capture().is_some_and(|capture| capture.is_stopped()) {
+        return Err(Failure::Stopped(format!("stopped by the caller: {} is not written", path.display())));
+    }
     output::write_whole(path, text).map_err(|error| file_failure(path, &error))
 }
 

@@ -241,6 +241,14 @@ impl Simulate {
     }
 }
 
+/// Writes the surface of a stock, in millimetres, in the format that the suffix names.
+///
+/// # Errors
+/// No such format, nothing is left of the stock, or the file cannot be written.
+pub fn write_surface(stock: &Stock, path: &Path) -> Result<(), Failure> {
+    SurfaceFormat::of(path)?.write(stock, path)
+}
+
 /// Adds the material that both runs removed; returns the deviations from the job's target, and the marks on walls.
 fn add_cuts(
     report: &mut RunReport,

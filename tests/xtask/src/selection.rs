@@ -85,8 +85,8 @@ impl Selection {
         }
     }
 
-    /// Whether the chip's image and the boards are checked too: only once for all parts.
-    pub fn has_chip(&self) -> bool {
+    /// Whether the chip's image, the boards and the Python package are checked too: only once for all parts.
+    pub fn has_others(&self) -> bool {
         match self {
             Selection::All => true,
             Selection::Quick => false,

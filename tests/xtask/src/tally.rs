@@ -18,6 +18,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::command::{Failure, announce, build_dir, cargo, failed, not_started, program, run};
+use crate::python::Checked;
 use crate::selection::Selection;
 
 /// Names the file to which a test appends a line for what it could not check.
@@ -51,6 +52,18 @@ impl Tally {
                 (Some("failed"), Some(number)) => self.failed += number,
                 (Some("ignored"), Some(number)) => self.ignored += number,
                 _ => {}
+            }
+        }
+    }
+
+    /// Adds the tests of the Python package.
+    pub fn add_python(&mut self, checked: Checked) {
+        match checked {
+            Checked::Passed(tests) => self.passed += tests,
+            // A test that skips itself counts as passed, and is taken off in the sum.
+            Checked::Skipped(message) => {
+                self.passed += 1;
+                self.skipped.push(message);
             }
         }
     }

@@ -19,7 +19,7 @@ use super::move_log::MoveLog;
 use super::path_trace::PathTrace;
 use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
-use crate::console::is_captured;
+use crate::console::{self, Progress};
 
 /// Longest simulated run: a program that takes longer does not end.
 const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
@@ -61,7 +61,9 @@ impl RunObserver {
     /// A file cannot be written.
     pub fn write_tables(&mut self, files: &TraceFiles, locator: Option<BlockLocator>) -> Result<(), Failure> {
         // A process that a signal ends would leave its unfinished files behind.
-        let _watched = on_interrupt();
+        if console::capture().is_none() {
+            let _watched = on_interrupt();
+        }
         self.tables = Some(files.begin(self.loads.as_mut(), locator)?);
         Ok(())
     }
@@ -91,19 +93,35 @@ impl RunObserver {
     }
 
     fn observe(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
+        self.report_to_caller(simulation)?;
         if let Some(cutter) = &mut self.cutter {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
         self.record(simulation);
         let Some(tables) = &mut self.tables else { return Ok(()) };
-        if on_interrupt().load(Ordering::Relaxed) {
+        if console::capture().is_none() && on_interrupt().load(Ordering::Relaxed) {
             return Err(Failure::Stopped("stopped by the operator: no table of the trace is written".into()));
         }
         tables.take_failure().map_or(Ok(()), Err)
     }
 
-    /// Processes a period of a run without a workpiece.
+    /// Progress for the caller of a command that runs as a function, who may also stop it.
+    fn report_to_caller(&self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
+        let Some(capture) = console::capture() else { return Ok(()) };
+        if capture.is_stopped() {
+            return Err(Failure::Stopped("stopped by the caller".into()));
+        }
+        if self.shows {
+            capture.set_progress(Progress {
+                blocks: simulation.control().executed().len(),
+                time_s: simulation.now().to_s(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Processes a period without the workpiece.
     pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
@@ -147,8 +165,9 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
         result: observer.run(simulation),
         ended: Instant::now(),
     };
+    let capture = console::capture();
     thread::scope(|scope| {
-        let other = scope.spawn(|| run(second, other));
+        let other = scope.spawn(|| console::captured(capture, || run(second, other)));
         let one = run(first, one);
         [one, other.join().unwrap_or_else(|panic| resume_unwind(panic))]
     })
@@ -164,9 +183,8 @@ pub fn run_observed(
     takes_long: Option<&str>,
     mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let bar = takes_long
-        .filter(|_| !is_captured())
-        .map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
+    let shown = takes_long.filter(|_| console::capture().is_none());
+    let bar = shown.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
     for period in 0_u64.. {
         if simulation.is_done() {
             break;

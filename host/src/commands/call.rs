@@ -1,0 +1,80 @@
+//! Commands as functions, for callers in the same process: the Python package ([docs/python.md](../../../docs/python.md)).
+//!
+//! A command gets the words of the command line, so that a function can do what the program does, with the same figures.
+//! [`captured`](crate::console::captured) keeps its output from the streams of the process.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use arcfeed_law::SegmentLaw;
+use arcfeed_nc::segment::Segment;
+use clap::Parser;
+
+use super::adapt::Adapt;
+use super::check::Check;
+use super::init::Init;
+use super::job_input::load_text;
+use super::outcome::Failure;
+use super::plan::PlanCommand;
+use super::simulate::Simulate;
+use crate::adapt::{BlockLaw, Known, adapt_with};
+use crate::plural::counted;
+
+/// Commands that a caller can run as functions: they need no terminal and no line.
+#[derive(Debug, Parser)]
+#[command(name = "arcfeed")]
+enum Function {
+    Check(Check),
+    Init(Init),
+    Adapt(Adapt),
+    Plan(PlanCommand),
+    Simulate(Simulate),
+}
+
+/// Law of a move of a program, with the move.
+#[derive(Clone, Debug)]
+pub struct LineLaw {
+    /// Move for which the law is evaluated.
+    pub segment: Segment,
+    /// Law.
+    pub law: SegmentLaw,
+}
+
+/// Runs a command: its name, then its options and arguments.
+///
+/// # Errors
+/// Those of the command; words that it does not know.
+pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<(), Failure> {
+    let words = std::iter::once("arcfeed".into()).chain(words);
+    let function = Function::try_parse_from(words).map_err(|error| Failure::Usage(error.to_string()))?;
+    match function {
+        Function::Check(command) => command.run(),
+        Function::Init(command) => command.run(),
+        Function::Adapt(command) => command.run(),
+        Function::Plan(command) => command.run(),
+        Function::Simulate(command) => command.run(),
+    }
+}
+
+/// The law of the first move on a line of a job's program, counted from 1.
+///
+/// # Errors
+/// The job or its program is at fault; no cut rule matches a move on this line.
+pub fn law_of_line(job: &Path, line: usize) -> Result<LineLaw, Failure> {
+    let (file, source, _) = load_text(job)?;
+    let program = source.whole().map_err(Failure::Input)?;
+    let adapted = adapt_with(&program, &file.job, Known::of(&file));
+    let path = program.path.display();
+    let refusal = |why: &str| Failure::Input(format!("{path}:{line}:1: error: {why}"));
+    let block = adapted.blocks.iter().find(|block| source.line_in_file(block.line) == line);
+    let Some(block) = block else {
+        let lines = counted(program.lines.len(), "line");
+        return Err(refusal(&format!("no block with a move is on this line (the program has {lines}); name another")));
+    };
+    let law = block.law(&file.job, block.teeth_per_min.unwrap_or(f64::NAN));
+    let Some(BlockLaw { segment, law, .. }) = law else {
+        let reason = block.reason.label();
+        return Err(refusal(&format!("no law governs this move ({reason}); name another, or add a [[cut]] for it to the job")));
+    };
+    Ok(LineLaw { segment, law })
+}
