@@ -85,6 +85,13 @@ pub fn captured<T>(capture: Option<Arc<Capture>>, part: impl FnOnce() -> T) -> T
     part()
 }
 
+/// Does a part of a command on this thread, and returns its lines for stdout. Those for stderr are dropped.
+pub fn printed_by<T>(part: impl FnOnce() -> T) -> (T, String) {
+    let capture = Arc::new(Capture::default());
+    let result = captured(Some(Arc::clone(&capture)), part);
+    (result, capture.take_printed())
+}
+
 /// Prints a line on stdout.
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::super::outcome::{Failure, file_failure, read_source};
 use super::super::simulate::assertions::Assertion;
 use super::sweep_file::Campaign;
 use crate::checksum::fingerprint as hash;
-use crate::console::captured;
+use crate::console::printed_by;
 use crate::job::JobFile;
 use crate::port::url::{Base, PortUrl};
 use crate::report::figures::RunReport;
@@ -83,7 +83,7 @@ fn check_values(
         }
     }
     // Warnings of the job are those of every run.
-    let (read, _) = captured(|| read_source(&campaign.job, file));
+    let (read, _) = printed_by(|| read_source(&campaign.job, file));
     read.map(drop).map_err(|failure| complaint(failure.into_message().0))
 }
 

@@ -11,7 +11,7 @@ use super::super::simulate::Simulate;
 use super::super::stream::Stream;
 use super::row::{Row, RunEnd};
 use super::sweep_file::{Campaign, Placed, RunKind};
-use crate::console::captured;
+use crate::console::printed_by;
 use crate::file_error::FileError;
 use crate::key_values::KeyValue;
 
@@ -109,7 +109,7 @@ impl Campaign {
     /// A figure of the campaign is no key of a run.
     pub fn row(&self, run: u64) -> Result<Option<Row>, FileError> {
         let part = || catch_unwind(AssertUnwindSafe(|| self.repeat_run(run, true)));
-        let (result, [out, _]) = captured(part);
+        let (result, out) = printed_by(part);
         let report: Option<Value> = out.lines().last().and_then(|line| serde_json::from_str(line).ok());
         let (status, message) = match result {
             Err(panic) => (RunEnd::Panicked, panic_message(&*panic)),
