@@ -120,11 +120,8 @@ fn the_simulated_cut_leaves_what_was_planned_and_the_old_surface() {
     assert!(simulated.status.success());
 
     let places = places(&folder);
-    let norm: Vec<f64> = places
-        .iter()
-        .filter(|place| place.region == "norm")
-        .map(|place| place.before_mm - place.after_mm)
-        .collect();
+    let norm: Vec<f64> =
+        places.iter().filter(|place| place.region == "norm").map(|place| place.before_mm - place.after_mm).collect();
     let taken = norm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     println!("{} places of the norm region: {:.2} um taken at most", norm.len(), 1000.0 * taken);
     let off: Vec<(f64, &Place)> = places
