@@ -45,7 +45,8 @@ fn neither_contact_nor_end_is_faster_than_its_bound_on_any_program() {
             let minutes = tip_mm / f;
             // The ball's centre, or the middle of the corner's circle, lies on the axis at the height of the corner's radius.
             let pivots = [&from, &to].map(|at| at.location.tip + at.location.axis * mill.corner_radius_mm);
-            let (contact_mm, pivot_mm) = ((to.contact.point - from.contact.point).norm(), (pivots[1] - pivots[0]).norm());
+            let (contact_mm, pivot_mm) =
+                ((to.contact.point - from.contact.point).norm(), (pivots[1] - pivots[0]).norm());
             moves += 1;
             // F has thousandths and is at least one: of a tip that all but stands the bounds are below it.
             if f > 0.0015 {

@@ -35,7 +35,16 @@ fn the_example_leaves_the_old_surface_and_writes_its_program() {
     let mut names: Vec<String> =
         std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    let expected = ["allowance.csv", "contacts.csv", "finished.stl", "job.toml", "repair.apt", "repaired-blade.nc", "report.html", "stock.stl"];
+    let expected = [
+        "allowance.csv",
+        "contacts.csv",
+        "finished.stl",
+        "job.toml",
+        "repair.apt",
+        "repaired-blade.nc",
+        "report.html",
+        "stock.stl",
+    ];
     assert_eq!(names, expected);
 
     let table = std::fs::read_to_string(format!("{folder}/allowance.csv")).unwrap();

@@ -87,11 +87,7 @@ pub fn displaced_blade(
 }
 
 /// Solid over a grid of parameters.
-fn blade_over(
-    [us, vs]: &[Vec<f64>; 2],
-    root_mm: f64,
-    point: impl Fn(BladeSide, f64, f64) -> Point,
-) -> Vec<Triangle> {
+fn blade_over([us, vs]: &[Vec<f64>; 2], root_mm: f64, point: impl Fn(BladeSide, f64, f64) -> Point) -> Vec<Triangle> {
     let sides = [BladeSide::Pressure, BladeSide::Suction].map(|side| {
         let row = |v: &f64| us.iter().map(|u| point(side, *u, *v)).collect::<Vec<_>>();
         let mut rows: Vec<Vec<Point>> = vs.iter().map(row).collect();

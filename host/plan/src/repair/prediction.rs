@@ -9,25 +9,27 @@
 //!
 //! Source: ours; geometry.
 
-use super::passes::RepairContact;
-use super::plan::RepairPlan;
-use crate::vector::{Point, Vector};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
+
+use super::field::FieldNode;
+use super::passes::RepairContact;
+use super::plan::RepairPlan;
+use crate::vector::{Point, Vector};
 
 /// Allowance that is left at each node of the lattice; `None` where nothing was measured. (1)
 pub fn predicted_mm(plan: &RepairPlan, ball_mm: f64) -> Vec<Vec<Option<f64>>> {
     let centre = |at: &RepairContact| at.point + at.normal * ball_mm;
     let entry = |centre: Point| GeomWithData::new([centre.x, centre.y, centre.z], centre);
     let centres = RTree::bulk_load(plan.finish.iter().flatten().map(centre).map(entry).collect());
-    let left = |node: &super::field::FieldNode| {
+    let left = |node: &FieldNode| {
         let standing_mm = node.along_mm?;
-        let near = centres.locate_within_distance(
-            (node.point + node.normal * standing_mm.max(0.0)).into(),
-            4.0 * ball_mm * ball_mm,
-        );
-        Some(near.filter_map(|ball| entered_mm(node.point, node.normal, ball.data, ball_mm)).fold(standing_mm, f64::min))
+        let near = centres
+            .locate_within_distance((node.point + node.normal * standing_mm.max(0.0)).into(), 4.0 * ball_mm * ball_mm);
+        Some(
+            near.filter_map(|ball| entered_mm(node.point, node.normal, ball.data, ball_mm)).fold(standing_mm, f64::min),
+        )
     };
     plan.field.rows.par_iter().map(|row| row.iter().map(left).collect()).collect()
 }

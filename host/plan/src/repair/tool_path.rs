@@ -80,12 +80,7 @@ fn examined(plan: &RepairPlan, access: &BladeAccess<'_>, is_forward: bool) -> Ve
 }
 
 /// Tool axes at the contact points of a line, in its own order.
-fn along(
-    line: &[RepairContact],
-    program: &AxisProgram,
-    access: &BladeAccess<'_>,
-    is_forward: bool,
-) -> Vec<Vector> {
+fn along(line: &[RepairContact], program: &AxisProgram, access: &BladeAccess<'_>, is_forward: bool) -> Vec<Vector> {
     let mut axes = program.axes(&frames(line, access, is_forward), access.mill.corner_radius_mm);
     if !is_forward {
         axes.reverse();

@@ -3,13 +3,12 @@
 use std::fmt::Write as _;
 
 use arcfeed_plan::geometry::flaws::BladeSide;
+use arcfeed_plan::repair::field::FieldNode;
 use arcfeed_plan::repair::regions::{Region, RepairBorder};
 use arcfeed_plan::repair::registration::DIRECTIONS;
 use serde::Serialize;
 
-use super::super::finish::figures::{
-    FinishClearanceFigures, clearances, feeds, range, tilts_deg, write_clearances,
-};
+use super::super::finish::figures::{FinishClearanceFigures, clearances, feeds, range, tilts_deg, write_clearances};
 use super::result::RepairResult;
 
 /// Figures of one plan, `arcfeed plan repair --json` (docs/json.md). Lengths mm, angles degrees.
@@ -141,10 +140,16 @@ impl RepairFigures {
     }
 }
 
-/// Least and greatest difference between prediction and plan.
+/// Least and greatest difference between prediction and plan, where more stands than is planned.
 fn predicted(result: &RepairResult) -> Option<[f64; 2]> {
-    let nodes = result.predicted_mm.iter().flatten().zip(result.plan.planned_mm.iter().flatten());
-    range(&nodes.filter_map(|(predicted, planned)| Some((*predicted)? - (*planned)?)).collect::<Vec<f64>>())
+    let plan = &result.plan;
+    let nodes = plan.field.nodes().zip(result.predicted_mm.iter().flatten()).zip(plan.planned_mm.iter().flatten());
+    let above = |((node, predicted), planned): ((&FieldNode, &Option<f64>), &Option<f64>)| {
+        let planned_mm = (*planned)?;
+        node.along_mm.filter(|standing_mm| *standing_mm > planned_mm)?;
+        Some((*predicted)? - planned_mm)
+    };
+    range(&nodes.filter_map(above).collect::<Vec<f64>>())
 }
 
 fn registration(result: &RepairResult) -> RegistrationFigures {

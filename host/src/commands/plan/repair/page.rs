@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::figures::{RepairFigures, text};
 use super::super::finish::page::{clearances, findings, picture};
+use super::figures::{RepairFigures, text};
 use super::result::RepairResult;
 use crate::report::page::{Page, Section, escaped};
 
