@@ -281,3 +281,81 @@ fn point_mm(lattice: &Lattice, axis: usize, at: [usize; 2]) -> Vector {
     }
     point_mm
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::section::Sweep;
+    use crate::solid::Block;
+    use crate::sweep::passes;
+    use crate::tool::Tool;
+    use crate::workpiece::Stock;
+
+    const UP: Vector = [0.0, 0.0, 1.0];
+
+    /// Straight moves one after the other, on levels of which some follow one another.
+    fn zigzag(count: u32) -> Vec<Sweep> {
+        let mut seed = 1_u32;
+        let mut next = |below: u32| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 16) % below
+        };
+        let mut at = [0.0, 0.0, 4.0];
+        let mut sweeps = Vec::new();
+        for _ in 0..count {
+            let from_mm = at;
+            // Multiples of half a step, so that borders of the tool are often on rays.
+            at = match next(4) {
+                0 => [at[0] + 0.125 * f64::from(next(9)), at[1], at[2]],
+                1 => [at[0], at[1] + 0.125 * f64::from(next(9)), at[2]],
+                2 => [f64::from(next(80)) * 0.125, f64::from(next(80)) * 0.125, at[2]],
+                _ => [at[0] - 0.37, at[1] + 0.21, at[2]],
+            };
+            sweeps.push(Sweep { from_mm, to_mm: at, axis: UP });
+            if next(10) == 0 {
+                at[2] = 1.0 + 0.125 * f64::from(next(24));
+            }
+        }
+        sweeps
+    }
+
+    #[test]
+    fn sweeps_of_one_call_leave_to_the_bit_what_they_leave_one_by_one() {
+        let block = Block { lowest_mm: [0.0; 3], highest_mm: [10.0, 9.0, 5.0] };
+        let tools = [
+            Tool::cylinder(2.0, 3.0).unwrap(),
+            Tool::ball(1.5, 4.0, 0.01).unwrap(),
+            Tool::ring([2.0, 1.25], 0.25, 3.0, 0.01).unwrap(),
+        ];
+        let sweeps = zigzag(400);
+        for tool in &tools {
+            for axis in 0..3 {
+                let whole = Stock::new(&block, 0.25, 1 << 24).unwrap().grids()[axis].clone();
+                let mut one_by_one = whole.clone();
+                let single: f64 = sweeps.iter().map(|sweep| one_by_one.cut(&passes(tool, &[*sweep], axis))).sum();
+                for size in [2, 7, 50] {
+                    let mut together = whole.clone();
+                    let mm3: f64 = sweeps.chunks(size).map(|some| together.cut(&passes(tool, some, axis))).sum();
+                    assert_eq!(together.dexels(), one_by_one.dexels(), "{axis} {size}");
+                    assert!((mm3 - single).abs() < 1e-9 * single && single > 10.0, "{mm3} {single}");
+                }
+                // Each ray by itself, as the way that takes any pass has it.
+                let mut ray_by_ray = whole.clone();
+                let [width, _] = whole.lattice.size(axis);
+                let [_, row_axis] = Lattice::across(axis);
+                for pass in passes(tool, &sweeps, axis) {
+                    for row in pass.rows(&whole.lattice) {
+                        let Some(reach) = pass.reach(&whole.lattice, whole.lattice.center_mm(row_axis, row)) else {
+                            continue;
+                        };
+                        for column in reach.columns() {
+                            let point_mm = point_mm(&whole.lattice, axis, [column, row]);
+                            pass.cut(point_mm, &reach, &mut ray_by_ray.dexels[row * width + column]);
+                        }
+                    }
+                }
+                assert_eq!(ray_by_ray.dexels(), one_by_one.dexels(), "{axis}");
+            }
+        }
+    }
+}

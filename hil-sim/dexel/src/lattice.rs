@@ -121,7 +121,7 @@ impl Lattice {
         // A cast from float to whole number truncates and saturates: it is the next one down, 0 below that.
         let (from, to) = (place(from_mm), place(to_mm));
         let below = from as usize;
-        let first = below + usize::from((below as f64) < from);
+        let first = below.saturating_add(usize::from((below as f64) < from));
         let end = if to >= 0.0 { (to as usize).saturating_add(1) } else { 0 };
         first.min(self.cells[axis])..end.min(self.cells[axis]).max(first.min(self.cells[axis]))
     }

@@ -146,9 +146,9 @@ impl<'a> Level<'a> {
             offs_mm: self.ends_mm.map(|end_mm| row_mm - end_mm[row_axis]),
             way_mm,
             per_way: if square > 0.0 { way_mm.map(|part| part / square) } else { [0.0; 2] },
-            alike: core.zip(self.part.wide(narrowest_mm)).map_or((NOWHERE, NOWHERE), |(chord, heights)| {
-                (wider(chord, -BORDER_MM), self.stretch(&heights))
-            }),
+            alike: core
+                .zip(self.part.wide(narrowest_mm))
+                .map_or((NOWHERE, NOWHERE), |(chord, heights)| (wider(chord, -BORDER_MM), self.stretch(&heights))),
         }
     }
 

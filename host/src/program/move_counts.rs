@@ -25,7 +25,8 @@ impl MoveCounts {
         if let (Some(motion), Some(_)) = (&block.step.motion, &block.segment) {
             self.add_move(motion);
         }
-        for act in block.step.series.iter().flat_map(|series| series.actions()) {
+        let Some(series) = &block.step.series else { return };
+        for act in series.actions() {
             if let SeriesAction::Move(motion) = act {
                 self.add_move(&motion);
             }

@@ -120,7 +120,10 @@ impl PathSummary {
         let words = line.meaning.as_ref().map(|meaning| &meaning.parsed.block);
         let selected = words.and_then(|words| words.word(b'T')).and_then(|word| word.number.as_whole());
         let loaded = self.current.filter(|_| self.current != before).and_then(|(number, _)| number);
-        self.comments.notes.read(self.lines, comment.unwrap_or_default(), selected.or(loaded));
+        let change = selected.or(loaded);
+        if comment.is_some() || change.is_some() {
+            self.comments.notes.read(self.lines, comment.unwrap_or_default(), change);
+        }
     }
 
     /// Notes the comment of the next line of the file.
@@ -172,15 +175,15 @@ impl PathSummary {
             }
         };
         block.segment.iter().for_each(&mut add);
-        if block.step.series.is_some() {
+        if let Some(series) = &block.step.series {
             series_segments(block).for_each(|segment| add(&segment));
-        }
-        for act in block.step.series.iter().flat_map(|series| series.actions()) {
-            match act {
-                SeriesAction::Dwell(time) => self.dwell = self.dwell.after(time),
-                // A tapping cycle turns the spindle itself.
-                SeriesAction::Spindle(_) => turns = true,
-                SeriesAction::Move(_) => {}
+            for act in series.actions() {
+                match act {
+                    SeriesAction::Dwell(time) => self.dwell = self.dwell.after(time),
+                    // A tapping cycle turns the spindle itself.
+                    SeriesAction::Spindle(_) => turns = true,
+                    SeriesAction::Move(_) => {}
+                }
             }
         }
         self.dwell = block.step.dwell.into_iter().fold(self.dwell, Micros::after);

@@ -381,6 +381,8 @@ mod tests {
         let commented = block("N10G1X1. (ROUGH) (AND MORE");
         assert_eq!(commented.code_len, 8);
         assert!(block("(=====)").is_empty());
+        let has_comment = |text: &str| parse_line(text.as_bytes(), Reading::Lenient).unwrap().has_comment;
+        assert!(has_comment("G1(A)X1.") && has_comment("(") && has_comment("g1x1.(a)") && !has_comment("N10G1X1."));
         assert!(block("").is_empty());
         assert!(!block("#5204=0").is_empty());
     }

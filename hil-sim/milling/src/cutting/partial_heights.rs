@@ -227,10 +227,12 @@ impl PartialHeights {
         if first == end && top_ratio.is_none_or(|top_ratio| self.extend(first, on, top_ratio)) {
             return;
         }
-        let before =
-            self.lowered[first..end].first().map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
-        let after =
-            self.lowered[first..end].last().map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
+        let before = self.lowered[first..end]
+            .first()
+            .map(|column| (Interval { to_mm: on.from_mm, ..column.on }, column.top_ratio));
+        let after = self.lowered[first..end]
+            .last()
+            .map(|column| (Interval { from_mm: on.to_mm, ..column.on }, column.top_ratio));
         let rests = [before, top_ratio.map(|top_ratio| (on, top_ratio)), after].into_iter().flatten();
         let rests = rests.filter(|(on, _)| on.length_mm() > 0.0).map(|(on, top_ratio)| Column { on, top_ratio });
         self.lowered.splice(first..end, rests);
@@ -250,7 +252,9 @@ impl PartialHeights {
     /// there was one.
     fn extend(&mut self, next: usize, on: Interval, top_ratio: f64) -> bool {
         let is_same = |column: &Column| column.top_ratio == top_ratio;
-        let before = next.checked_sub(1).filter(|last| self.lowered[*last].on.to_mm == on.from_mm && is_same(&self.lowered[*last]));
+        let before = next
+            .checked_sub(1)
+            .filter(|last| self.lowered[*last].on.to_mm == on.from_mm && is_same(&self.lowered[*last]));
         let is_joined = self.lowered.get(next).is_some_and(|after| after.on.from_mm == on.to_mm && is_same(after));
         match before {
             Some(before) if is_joined => self.lowered[before].on.to_mm = self.lowered.remove(next).on.to_mm,
@@ -414,5 +418,20 @@ mod tests {
         );
         assert_eq!(heights.mean_ratio(&material, &Interval::new(3.0, 5.0)), 0.625);
         assert_eq!([1.0, 4.5, 11.0].map(|at| heights.top_ratio(&material, at)), [Some(1.0), Some(0.5), None]);
+    }
+
+    #[test]
+    fn a_search_finds_the_same_column_wherever_the_last_one_was() {
+        let column = |n: u32| Column { on: Interval::new(f64::from(n), f64::from(n) + 0.5), top_ratio: 0.5 };
+        for count in [0, 1, 2, 7, 40] {
+            let lowered: Vec<Column> = (0..count).map(column).collect();
+            for near in 0..=count as usize + 1 {
+                let heights = PartialHeights { lowered: lowered.clone(), near };
+                for at_mm in (-1..2 * count as i32 + 3).map(|half| f64::from(half) / 2.0) {
+                    let found = lowered.iter().filter(|column| column.on.to_mm <= at_mm).count();
+                    assert_eq!(heights.first_behind(at_mm), found, "{count} {near} {at_mm}");
+                }
+            }
+        }
     }
 }
