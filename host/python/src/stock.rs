@@ -73,6 +73,7 @@ impl Stock {
     /// Upright cylinder that stands on `center`, the middle of its bottom.
     #[staticmethod]
     #[pyo3(signature = (center, *, radius, height, step, memory_max_bytes=1_073_741_824))]
+    #[allow(clippy::too_many_arguments, reason = "they have names in Python")]
     fn cylinder(
         py: Python<'_>,
         center: [f64; 3],
@@ -117,6 +118,7 @@ impl Stock {
     /// The same along an arc or helix about the vertical line through `center`, by `angle_deg` (positive
     /// counter-clockwise) and `rise` upwards. The chords stay within a fiftieth of the step.
     #[pyo3(signature = (tool, start, center, angle_deg, *, rise=0.0))]
+    #[allow(clippy::too_many_arguments, reason = "they have names in Python")]
     fn cut_arc(
         &mut self,
         py: Python<'_>,
