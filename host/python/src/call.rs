@@ -45,7 +45,9 @@ pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>) ->
     let result = loop {
         match wait(py, &mut receiver, LOOK_EVERY) {
             Ok(result) => break result,
-            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("a defect of arcfeed: it panicked")),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("a defect of arcfeed: it panicked"));
+            }
             Err(RecvTimeoutError::Timeout) => {}
         }
         let now = capture.progress();

@@ -196,7 +196,9 @@ fn from_python(value: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(number.into());
     }
     let items = value.try_iter().map_err(|_| {
-        PyTypeError::new_err("a value of a job is a text, a number, a flag, a list or a dict of such; found another type")
+        PyTypeError::new_err(
+            "a value of a job is a text, a number, a flag, a list or a dict of such; found another type",
+        )
     })?;
     let values: PyResult<Array> = items.map(|value| from_python(&value?)).collect();
     Ok(values?.into())

@@ -143,7 +143,7 @@ impl Law {
 /// Arc about the origin in X and Y.
 fn arc(radius_mm: f64, start_deg: f64, sweep_deg: f64) -> Arc {
     let at = |deg: f64| {
-        let (sin, cos) = deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(deg.to_radians());
         [Nm::from_mm(radius_mm * cos), Nm::from_mm(radius_mm * sin)]
     };
     let turn = if sweep_deg > 0.0 { Turn::Ccw } else { Turn::Cw };

@@ -17,8 +17,6 @@ use pyo3::prelude::*;
 
 use super::call::exception;
 
-/// Memory that a stock may take unless its maker allows another amount.
-const MEMORY_MAX_BYTES: usize = 1 << 30;
 /// Tolerance of chords, as a fraction of the step between rays.
 const TOLERANCE_RATIO: f64 = 1.0 / 50.0;
 /// Tolerance of the rounded parts of tools, mm.
@@ -61,7 +59,7 @@ pub struct Stock(workpiece::Stock);
 impl Stock {
     /// Block between two corners, by rays `step` apart.
     #[staticmethod]
-    #[pyo3(signature = (lowest, highest, *, step, memory_max_bytes=MEMORY_MAX_BYTES))]
+    #[pyo3(signature = (lowest, highest, *, step, memory_max_bytes=1_073_741_824))]
     fn block(
         py: Python<'_>,
         lowest: [f64; 3],
@@ -74,7 +72,8 @@ impl Stock {
 
     /// Upright cylinder that stands on `center`, the middle of its bottom.
     #[staticmethod]
-    #[pyo3(signature = (center, *, radius, height, step, memory_max_bytes=MEMORY_MAX_BYTES))]
+    #[pyo3(signature = (center, *, radius, height, step, memory_max_bytes=1_073_741_824))]
+    #[allow(clippy::too_many_arguments, reason = "they have names in Python")]
     fn cylinder(
         py: Python<'_>,
         center: [f64; 3],
@@ -91,7 +90,7 @@ impl Stock {
 
     /// Solid in an STL file, text or binary, in mm.
     #[staticmethod]
-    #[pyo3(signature = (path, *, step, memory_max_bytes=MEMORY_MAX_BYTES))]
+    #[pyo3(signature = (path, *, step, memory_max_bytes=1_073_741_824))]
     fn stl(py: Python<'_>, path: PathBuf, step: f64, memory_max_bytes: usize) -> PyResult<Self> {
         let file = std::fs::File::open(&path)?;
         let mesh = py.detach(|| read_stl(std::io::BufReader::new(file)));
@@ -119,6 +118,7 @@ impl Stock {
     /// The same along an arc or helix about the vertical line through `center`, by `angle_deg` (positive
     /// counter-clockwise) and `rise` upwards. The chords stay within a fiftieth of the step.
     #[pyo3(signature = (tool, start, center, angle_deg, *, rise=0.0))]
+    #[allow(clippy::too_many_arguments, reason = "they have names in Python")]
     fn cut_arc(
         &mut self,
         py: Python<'_>,

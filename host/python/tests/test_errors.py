@@ -32,7 +32,7 @@ def test_a_remedy_is_apart_from_the_fault(tmp_path: Path) -> None:
 
 def test_a_fault_of_a_program_has_its_place(tmp_path: Path) -> None:
     program = tmp_path / "ibr-slot.nc"
-    program.write_text("%\nO1\nG21 G90 G1 X1. F100.\nG2 X2. Y0. I9. J0.\nM30\n%\n", encoding="utf-8")
+    program.write_text("%\nO1\nG21 G90 G17 G94 G0 X0. Y0. Z0.\nG2 X2. Y0. I9. J0. F100.\nM30\n%\n", encoding="utf-8")
     error = raised(tmp_path / "job.toml", SLOT.read_text(encoding="utf-8"))
     assert (error.file, error.line) == (str(program), 4) and error.column
 

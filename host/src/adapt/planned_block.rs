@@ -79,7 +79,7 @@ pub struct PlannedBlock {
 /// Law of a block.
 #[derive(Clone, Debug)]
 pub struct BlockLaw<'j> {
-    /// Its cut rule, with the target of the move if the target follows the program.
+    /// Cut rule of the block, with the target of the move if the target follows the program.
     pub rule: Cow<'j, CutRule>,
     /// The move for which the law is evaluated.
     pub segment: Segment,
@@ -124,7 +124,7 @@ impl PlannedBlock {
         Some(side.map_or(Cow::Borrowed(rule), |side| Cow::Owned(rule.on_side(side))))
     }
 
-    /// Its law at a speed of the teeth, if a cut rule matches it.
+    /// Law of the block at a speed of the teeth, if a cut rule matches it.
     pub fn law<'j>(&self, job: &'j Job, teeth_per_min: f64) -> Option<BlockLaw<'j>> {
         let rule = self.cut_rule(job)?;
         let segment = self.law_segment(&rule);

@@ -74,7 +74,9 @@ pub fn law_of_line(job: &Path, line: usize) -> Result<LineLaw, Failure> {
     let law = block.law(&file.job, block.teeth_per_min.unwrap_or(f64::NAN));
     let Some(BlockLaw { segment, law, .. }) = law else {
         let reason = block.reason.label();
-        return Err(refusal(&format!("no law governs this move ({reason}); name another, or add a [[cut]] for it to the job")));
+        return Err(refusal(&format!(
+            "no law governs this move ({reason}); name another, or add a [[cut]] for it to the job"
+        )));
     };
     Ok(LineLaw { segment, law })
 }

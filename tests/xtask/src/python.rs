@@ -47,7 +47,11 @@ pub fn check() -> Result<Checked, Failure> {
             PACKAGES.join(", "),
             failure.what
         );
-        return if std::env::var_os("CI").is_some() { Err(Failure::new(message)) } else { Ok(Checked::Skipped(message)) };
+        return if std::env::var_os("CI").is_some() {
+            Err(Failure::new(message))
+        } else {
+            Ok(Checked::Skipped(message))
+        };
     }
     let wheel = build(&environment)?;
     let wheel = wheel.to_string_lossy();
@@ -73,7 +77,8 @@ fn build(environment: &Path) -> Result<PathBuf, Failure> {
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels).map_err(|error| Failure::new(format!("{}: {error}", wheels.display())))?;
     }
-    let mut pip = python(environment, &["-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "--no-index"]);
+    let mut pip =
+        python(environment, &["-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "--no-index"]);
     pip.arg("--wheel-dir").arg(&wheels).arg(folder());
     // maturin is found in the environment, and shares the build directory with the tests.
     let path = std::env::var_os("PATH").unwrap_or_default();

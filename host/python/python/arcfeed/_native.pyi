@@ -6,6 +6,8 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = ["JobText", "Law", "Stock", "Tool", "run"]
+
 def run(
     words: Sequence[str], progress: Callable[[int, float], object] | None = None
 ) -> tuple[str, list[str], tuple[str, str] | None]: ...
