@@ -13,16 +13,19 @@ const HALF_MM: f64 = 2.0;
 /// Distance by which the other plan stays clear of it, mm.
 const CLEAR_MM: f64 = 6.0;
 
-/// Least distance of the tool from a point of the part over sampled poses, mm.
-fn distance_mm(valued: &ValuedPlan, tool: &CupMill, point: &Point) -> f64 {
+/// Sampled poses of a plan.
+fn poses_of(valued: &ValuedPlan) -> Vec<Point> {
+    valued.plan.path.steps().iter().flat_map(|step| poses(step, 2.0)).collect()
+}
+
+/// Whether the tool stays clear of a point of the part in all these poses of a plan.
+fn is_clear(valued: &ValuedPlan, poses: &[Point], tool: &CupMill, point: &Point) -> bool {
     let at = valued.plan.turn * point;
-    let poses = valued.plan.path.steps().iter().flat_map(|step| poses(step, 2.0)).collect::<Vec<_>>();
-    let off = |pose: &Point| {
+    poses.iter().all(|pose| {
         let (radius_mm, height_mm) = ((at.xy() - pose.xy()).norm(), at.z - pose.z);
         let parts = [ToolPart::Ring, ToolPart::Body, ToolPart::Holder];
-        parts.map(|part| tool.distance_of_mm(part, radius_mm, height_mm)).into_iter().fold(f64::INFINITY, f64::min)
-    };
-    poses.iter().map(off).fold(f64::INFINITY, f64::min)
+        parts.into_iter().all(|part| tool.distance_of_mm(part, radius_mm, height_mm) > CLEAR_MM)
+    })
 }
 
 #[test]
@@ -40,7 +43,8 @@ fn a_plan_whose_proof_fails_gives_way_to_the_next_one() {
         let (sin, cos) = libm::sincos(f64::from(k) * core::f64::consts::TAU / 72.0);
         first.turn.inverse() * Point::new(lowest.x + middle_mm * cos, lowest.y + middle_mm * sin, lowest.z + 10.0)
     });
-    let free = |point: &Point| ranked[1..].iter().any(|other| distance_mm(other, &tool, point) > CLEAR_MM);
+    let others: Vec<_> = ranked[1..].iter().map(|other| (other, poses_of(other))).collect();
+    let free = |point: &Point| others.iter().any(|(other, poses)| is_clear(other, poses, &tool, point));
     let point = around.into_iter().find(free).expect("a point that only the best plan meets");
     let by = nalgebra::Vector3::repeat(HALF_MM);
     let small = [[point - by, point + by]];

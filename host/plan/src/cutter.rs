@@ -108,5 +108,5 @@ impl CupMill {
 fn outside(place: [f64; 2], low: [f64; 2], high: [f64; 2]) -> f64 {
     let beyond = |axis: usize| (low[axis] - place[axis]).max(place[axis] - high[axis]);
     let (across, up) = (beyond(0), beyond(1));
-    if across < 0.0 && up < 0.0 { across.max(up) } else { libm::hypot(across.max(0.0), up.max(0.0)) }
+    if across > 0.0 && up > 0.0 { libm::hypot(across, up) } else { across.max(up) }
 }

@@ -99,8 +99,11 @@ impl Planned {
 
     /// Whether the mill reaches a point on a plunge: in the hole, or in that which the step off the wall widens.
     fn is_reached(&self, plunge: &Plunge, point: &Point) -> bool {
-        let off = plunge.to_tool * point - plunge.to_tool * plunge.tip;
+        let off = plunge.to_tool * (point - plunge.tip);
         let (radius_mm, corner_mm, relief_mm) = (self.mill.radius_mm, self.mill.corner_radius_mm, plunge.relief_mm);
+        if off.y.abs() > radius_mm || off.x.abs() > radius_mm + relief_mm.abs() {
+            return false;
+        }
         let is_in = |x: f64, up: f64| {
             let across_mm = (libm::hypot(x, off.y) - (radius_mm - corner_mm)).max(0.0);
             up >= 0.0 && libm::hypot(across_mm, (corner_mm - up).max(0.0)) <= corner_mm

@@ -56,11 +56,9 @@ const BUILD: [&str; 9] =
 /// # Errors
 /// The first of these that does not hold.
 pub fn check() -> Result<(), Failure> {
-    announce("firmware for the chip");
-    run(&mut cargo(&BUILD))?;
     announce("crates of the firmware");
     check_crates()?;
-    announce("firmware with core alone, neither std nor alloc");
+    announce("firmware for the chip with core alone, neither std nor alloc");
     build_with_core_alone()
 }
 
@@ -95,7 +93,10 @@ fn build_with_core_alone() -> Result<(), Failure> {
     // Encoded: the path may hold blanks.
     build.env("CARGO_ENCODED_RUSTFLAGS", format!("--sysroot\u{1f}{}", sysroot.display()));
     run(&mut build).map_err(|failure| Failure {
-        what: format!("the firmware needs more than core, see the error above: {}", failure.what),
+        what: format!(
+            "the firmware does not build for the chip, or needs more than core, see the error above: {}",
+            failure.what
+        ),
         ..failure
     })
 }

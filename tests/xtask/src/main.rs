@@ -4,9 +4,8 @@
 //! target    the chip's Rust target, installed where it is missing        target.rs
 //! packages  emulator, browser, packages of Python and npm, where missing  packages.rs, unpack.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
-//! tests     built beside the boards, then run, results added up          tally.rs, selection.rs
-//! python    the Python package: wheel, types, tests                      python.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
+//! tests     built beside these two, then run, results added up           tally.rs, selection.rs
 //! ```
 //!
 //! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output
@@ -86,20 +85,19 @@ fn ended(result: Result<(), Failure>) -> ExitCode {
 fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
     let packages = packages::install();
-    let has_chip = target.is_ok() && selection.has_others();
-    // The two builds share no folder, and neither keeps all cores busy by itself.
-    let (boards, built) = thread::scope(|scope| {
-        let boards = scope.spawn(|| if has_chip { boards::check() } else { Ok(()) });
+    let has_chip = target.is_ok() && selection.has_chip();
+    // The builds for the chip share no folder with that of the tests, and neither keeps all cores busy by itself.
+    let ([boards, firmware], built) = thread::scope(|scope| {
+        let chip = scope.spawn(|| if has_chip { [boards::check(), firmware::check()] } else { [Ok(()), Ok(())] });
         let built = tally::build();
-        (boards.join().unwrap_or_else(|_| Err(Failure::new("the boards' check panicked"))), built)
+        let panicked = || Err(Failure::new("a check of the boards or the firmware panicked"));
+        (chip.join().unwrap_or_else(|_| [panicked(), panicked()]), built)
     });
     let (mut tally, tests) = match built {
         Ok(()) => tally::test_workspace(selection),
         Err(failure) => (Tally::default(), Err(failure)),
     };
-    let python = if selection.has_others() { python::check().map(|checked| tally.add_python(checked)) } else { Ok(()) };
-    let firmware = if has_chip { firmware::check() } else { Ok(()) };
-    let steps = [packages, tests, python, target, boards, firmware];
+    let steps = [packages, tests, target, boards, firmware];
     let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);

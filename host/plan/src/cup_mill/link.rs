@@ -67,11 +67,11 @@ impl Line<'_> {
     fn worst(&self, walls: &[&Patch]) -> (f64, f64) {
         let mut worst = (PLACES[0], f64::NEG_INFINITY);
         for wall in walls {
-            let roughly = |share: &f64| {
-                let gaps = wall.thinned(STRIDE).map(|point| self.gap_mm(*share, point));
-                gaps.fold(f64::INFINITY, f64::min)
-            };
-            let share = PLACES.into_iter().min_by(|a, b| roughly(a).total_cmp(&roughly(b))).unwrap_or(PLACES[0]);
+            let roughly = PLACES.map(|share| {
+                let gaps = wall.thinned(STRIDE).map(|point| self.gap_mm(share, point));
+                (share, gaps.fold(f64::INFINITY, f64::min))
+            });
+            let (share, _) = roughly.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((PLACES[0], 0.0));
             let gap_mm = wall.least(|point| self.gap_mm(share, point)).map_or(f64::INFINITY, |least| least.value);
             if -gap_mm > worst.1 {
                 worst = (share, -gap_mm);

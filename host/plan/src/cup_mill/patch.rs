@@ -91,9 +91,8 @@ impl Patch {
     }
 
     fn thinned_places(&self, stride: usize) -> impl Iterator<Item = &([f64; 2], Point)> {
-        let row = self.steps[1] + 1;
-        let is_kept = move |index: usize| (index / row).is_multiple_of(stride) && (index % row).is_multiple_of(stride);
-        self.samples.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, sample)| sample)
+        let rows = self.samples.chunks(self.steps[1] + 1).step_by(stride);
+        rows.flat_map(move |row| row.iter().step_by(stride))
     }
 
     /// Minimum of a function over the points. Places where it is infinite are ignored.

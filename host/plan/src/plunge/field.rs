@@ -16,10 +16,9 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
 use crate::proof::bodies;
-use crate::proof::spheres::Tree;
 use crate::vector::{Point, Vector};
 
-use super::distance::nearest;
+use super::distance::SlabTree;
 
 /// Largest distance of the triangles from the blade, mm.
 const CHORD_MM: f64 = 0.002;
@@ -38,7 +37,7 @@ const STEPS_MAX: usize = 2000;
 
 /// Blades of a rotor.
 pub struct Field {
-    tree: Tree,
+    tree: SlabTree,
     /// Points of the first blade: radius, place along the rotor's axis, angle about it.
     sheet: Vec<[f64; 3]>,
     /// Angle from one blade to the next.
@@ -81,7 +80,7 @@ struct Wall<'f> {
 impl Field {
     /// Field of a rotor's blades.
     pub fn new(blisk: &Blisk) -> Self {
-        let tree = Tree::new(bodies::blade(blisk, CHORD_MM));
+        let tree = SlabTree::new(bodies::blade(blisk, CHORD_MM));
         let corners = || tree.triangles().iter().flatten();
         let range = |value: fn(&Point) -> f64| {
             corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
@@ -101,7 +100,7 @@ impl Field {
         // The nearest point is not farther than a known one; rounding must not exclude that.
         let within_mm = last.map_or(f64::INFINITY, |on| (point - on).norm() + SAME_POINT_MM);
         let (found_mm, on) =
-            nearest(&self.tree, &(turn.inverse() * point), within_mm).unwrap_or((f64::INFINITY, *point));
+            self.tree.nearest(&(turn.inverse() * point), f64::INFINITY).unwrap_or((f64::INFINITY, *point));
         (found_mm - CHORD_MM, turn * on)
     }
 
@@ -159,7 +158,7 @@ impl Wall<'_> {
         let (sin, cos) = libm::sincos(angle_rad - self.turn_rad);
         let point = Point::new(radius_mm * cos, radius_mm * sin, self.z_mm);
         let within_mm = (point - self.last.get()).norm() * (1.0 + 1e-12) + 1e-12;
-        let (found_mm, on) = nearest(&self.field.tree, &point, within_mm).unwrap_or((within_mm, self.last.get()));
+        let (found_mm, on) = self.field.tree.nearest(&point, within_mm).unwrap_or((within_mm, self.last.get()));
         self.last.set(on);
         found_mm - CHORD_MM - self.distance_mm
     }
