@@ -153,11 +153,11 @@ fn row_of(line: &[u8]) -> Option<Row> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commands::sweep::row::RunEnd;
+    use crate::commands::sweep::row::RunStatus;
 
     fn row(run: u64) -> Row {
         let figures = vec![Some(0.1_f64.to_bits()), None];
-        Row { run, status: RunEnd::Stopped, message: "PS0010 \"é\"".into(), figures }
+        Row { run, status: RunStatus::Stopped, message: "PS0010 \"é\"".into(), figures }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use super::super::simulate::assertions::Verdict;
 use super::super::simulate::junit;
 use super::axis::SweepAxis;
 use super::journal::{RowPlace, read, row_at};
-use super::row::{Row, RunEnd};
+use super::row::{Row, RunStatus};
 use super::sweep_file::Campaign;
 use crate::output::PendingFile;
 use crate::trace::table::{Cell, Kind, Table, TableColumn};
@@ -59,7 +59,7 @@ pub struct FailingRun {
     /// Number.
     pub run: u64,
     /// End.
-    pub status: RunEnd,
+    pub status: RunStatus,
     /// Message.
     pub message: String,
     /// Command that repeats it.
@@ -115,7 +115,7 @@ impl<'c> Results<'c> {
         let columns = Columns::new(self.campaign);
         let table = Table { name: "runs", suffix: "", columns: &columns.columns() };
         std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
-        let ends = RunEnd::ALL.map(|status| (status.name(), 0)).into();
+        let ends = RunStatus::ALL.map(|status| (status.name(), 0)).into();
         let mut summary = Summary { runs: self.places.len(), ends, ..Summary::default() };
         for part in 0..self.campaign.runs.div_ceil(PART_RUNS) {
             let path = folder.join(format!("part-{:05}.{}", part + 1, format.suffix()));
@@ -144,7 +144,7 @@ impl<'c> Results<'c> {
     fn write_junit(&mut self, path: &Path, summary: &Summary) -> std::io::Result<()> {
         let mut file = BufWriter::new(PendingFile::begin(path)?);
         let class = self.campaign.path.display().to_string();
-        let failures = summary.count(RunEnd::Failed).min(summary.unaccepted);
+        let failures = summary.count(RunStatus::Failed).min(summary.unaccepted);
         let counts = [summary.runs, failures, summary.unaccepted - failures];
         file.write_all(junit::begin(&format!("arcfeed sweep {class}"), counts, 0.0).as_bytes())?;
         for index in 0..self.places.len() {
@@ -154,7 +154,7 @@ impl<'c> Results<'c> {
             let cause = || format!("{}; repeat: {}", row.message, self.campaign.repeat(row.run));
             let verdict = match row.status {
                 status if self.campaign.accept.contains(&status) => Verdict::Passed,
-                RunEnd::Failed => Verdict::Failed(cause()),
+                RunStatus::Failed => Verdict::Failed(cause()),
                 _ => Verdict::Missing(cause()),
             };
             file.write_all(
@@ -180,7 +180,7 @@ impl Summary {
         }
     }
 
-    fn count(&self, status: RunEnd) -> usize {
+    fn count(&self, status: RunStatus) -> usize {
         self.ends.get(status.name()).copied().unwrap_or_default()
     }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum RunEnd {
+pub enum RunStatus {
     /// It ended, and every assertion holds.
     Passed,
     /// An assertion does not hold, or its figure is missing.
@@ -18,18 +18,19 @@ pub enum RunEnd {
     Panicked,
 }
 
-impl RunEnd {
+impl RunStatus {
     /// All of them.
-    pub const ALL: [RunEnd; 5] = [RunEnd::Passed, RunEnd::Failed, RunEnd::Stopped, RunEnd::Refused, RunEnd::Panicked];
+    pub const ALL: [RunStatus; 5] =
+        [RunStatus::Passed, RunStatus::Failed, RunStatus::Stopped, RunStatus::Refused, RunStatus::Panicked];
 
     /// Name in tables and in SWEEP.toml.
     pub const fn name(self) -> &'static str {
         match self {
-            RunEnd::Passed => "passed",
-            RunEnd::Failed => "failed",
-            RunEnd::Stopped => "stopped",
-            RunEnd::Refused => "refused",
-            RunEnd::Panicked => "panicked",
+            RunStatus::Passed => "passed",
+            RunStatus::Failed => "failed",
+            RunStatus::Stopped => "stopped",
+            RunStatus::Refused => "refused",
+            RunStatus::Panicked => "panicked",
         }
     }
 
@@ -40,7 +41,7 @@ impl RunEnd {
 
     /// All names, for messages.
     pub fn names() -> String {
-        Self::ALL.map(RunEnd::name).join(", ")
+        Self::ALL.map(RunStatus::name).join(", ")
     }
 }
 
@@ -51,7 +52,7 @@ pub struct Row {
     /// Number of the run, from 1.
     pub run: u64,
     /// End.
-    pub status: RunEnd,
+    pub status: RunStatus,
     /// Message of the command, in one line; empty for a run that passed.
     pub message: String,
     /// Bits of the figures of double precision, in the order of the sweep file; `None` where the run has no such figure.

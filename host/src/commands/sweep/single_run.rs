@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::super::outcome::Failure;
 use super::super::simulate::Simulate;
 use super::super::stream::Stream;
-use super::row::{Row, RunEnd};
+use super::row::{Row, RunStatus};
 use super::sweep_file::{Campaign, Placed, RunKind};
 use crate::console::printed_by;
 use crate::file_error::FileError;
@@ -112,15 +112,15 @@ impl Campaign {
         let (result, out) = printed_by(part);
         let report: Option<Value> = out.lines().last().and_then(|line| serde_json::from_str(line).ok());
         let (status, message) = match result {
-            Err(panic) => (RunEnd::Panicked, panic_message(&*panic)),
-            Ok(Ok(())) => (RunEnd::Passed, String::new()),
+            Err(panic) => (RunStatus::Panicked, panic_message(&*panic)),
+            Ok(Ok(())) => (RunStatus::Passed, String::new()),
             Ok(Err(Failure::Stopped(_))) => return Ok(None),
             Ok(Err(failure)) => {
                 let (message, code) = failure.into_message();
                 let status = match (code, &report) {
-                    (INPUT, Some(_)) => RunEnd::Failed,
-                    (3 | 4, _) => RunEnd::Stopped,
-                    _ => RunEnd::Refused,
+                    (INPUT, Some(_)) => RunStatus::Failed,
+                    (3 | 4, _) => RunStatus::Stopped,
+                    _ => RunStatus::Refused,
                 };
                 (status, message)
             }

@@ -11,7 +11,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::axis::{Choice, Literal, SweepAxis, Values};
-use super::row::RunEnd;
+use super::row::RunStatus;
 use crate::file_error::FileError;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
@@ -66,7 +66,7 @@ pub struct Campaign {
     /// Keys of figures to keep, in the JSON of a run.
     pub figures: Vec<Placed>,
     /// Ends that count as good.
-    pub accept: Vec<RunEnd>,
+    pub accept: Vec<RunStatus>,
     /// Axes: the names whose values differ from run to run.
     pub axes: Vec<SweepAxis>,
     /// Number of runs.
@@ -136,7 +136,8 @@ fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
         _ => RunKind::Simulate,
     };
     let accept = top.accept.iter().map(|placed| {
-        RunEnd::named(&placed.text).ok_or_else(|| (placed.offset, format!("no such end; write {}", RunEnd::names())))
+        RunStatus::named(&placed.text)
+            .ok_or_else(|| (placed.offset, format!("no such end; write {}", RunStatus::names())))
     });
     let accept = accept.collect::<Result<Vec<_>, _>>()?;
     let runs = top.count_runs()?;
@@ -148,7 +149,7 @@ fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
         kind,
         assertions: top.assertions,
         figures: top.figures,
-        accept: if accept.is_empty() { vec![RunEnd::Passed] } else { accept },
+        accept: if accept.is_empty() { vec![RunStatus::Passed] } else { accept },
         axes: top.axes,
         runs,
     })
