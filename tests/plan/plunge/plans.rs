@@ -9,7 +9,7 @@ use arcfeed_plan::plunge::infeasibility::PlungeInfeasible;
 use arcfeed_plan::plunge::line::Fit;
 use arcfeed_plan::plunge::mill::{MillPart, PlungeMill};
 use arcfeed_plan::plunge::passage::{Passage, PlungeRequirements};
-use arcfeed_plan::plunge::plan::{PassagePlan, Plunge};
+use arcfeed_plan::plunge::passage_plan::{PassagePlan, Plunge};
 use arcfeed_plan::plunge::proof::{PlungeProof, prove};
 use arcfeed_plan::proof::clearance::Obstacle;
 use arcfeed_plan::vector::{Point, Vector};

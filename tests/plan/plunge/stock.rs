@@ -15,7 +15,7 @@ use arcfeed_plan::plunge::field::{Field, WallSide};
 use arcfeed_plan::plunge::line::Fit;
 use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::{Passage, PlungeRequirements};
-use arcfeed_plan::plunge::plan::{PassagePlan, Plunge};
+use arcfeed_plan::plunge::passage_plan::{PassagePlan, Plunge};
 use arcfeed_plan::vector::{Point, Vector};
 use arcfeed_tests::of_full_set;
 

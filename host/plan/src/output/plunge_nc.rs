@@ -13,7 +13,7 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 use nalgebra::{Matrix3, Rotation3};
 
 use crate::output::words::{Format, Sheet, degrees, microdegrees};
-use crate::plunge::plan::Plunge;
+use crate::plunge::passage_plan::Plunge;
 use crate::vector::{Point, Vector};
 
 /// Distance from the material at which the approach ends, and from the tip at which the feed is reduced, mm.

@@ -11,7 +11,7 @@ use super::column::{Column, columns, spacing_max_mm};
 use super::infeasibility::PlungeInfeasible;
 use super::material::roof_mm;
 use super::passage::Passage;
-use super::plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
+use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionPlane, Sections};
 

@@ -18,13 +18,15 @@ pub mod field;
 
 pub mod boundary;
 
+pub mod infeasibility;
+
 pub mod section;
 
 pub mod mill;
 
 pub mod column;
 
-pub mod infeasibility;
+mod material;
 
 pub mod passage;
 
@@ -34,7 +36,7 @@ pub mod faces;
 
 pub mod centrifugal;
 
-mod material;
+pub mod passage_plan;
 
 pub mod assembly;
 

@@ -16,7 +16,7 @@ use crate::proof::spheres::Tree;
 use crate::vector::{Point, Vector};
 
 use super::mill::{MillPart, PlungeMill};
-use super::plan::Plunge;
+use super::passage_plan::Plunge;
 
 /// Largest distance of triangles from the surfaces, mm.
 const CHORD_MM: f64 = 0.005;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use arcfeed_plan::plunge::machinability::SideMeasures;
 use arcfeed_plan::plunge::mill::MillPart;
-use arcfeed_plan::plunge::plan::PlungeFamily;
+use arcfeed_plan::plunge::passage_plan::PlungeFamily;
 use serde::Serialize;
 
 use super::super::figures::obstacle_word;

@@ -11,7 +11,7 @@ use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::machinability::{SideMeasures, Widths, camber_twist_rad, widths};
 use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::Passage;
-use arcfeed_plan::plunge::plan::PassagePlan;
+use arcfeed_plan::plunge::passage_plan::PassagePlan;
 use arcfeed_plan::plunge::proof::{PlungeProof, prove};
 use arcfeed_plan::vector::Vector;
 
