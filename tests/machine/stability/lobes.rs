@@ -151,7 +151,7 @@ fn the_best_speeds_are_the_highest_of_the_range_and_lie_in_the_machines() {
 #[test]
 fn what_the_theory_does_not_know_is_refused_with_its_place() {
     let scratch = Scratch::new("lobes-refused");
-    let Some(Table { milling, .. }) = tables().into_iter().nth(0) else { panic!("a table") };
+    let Some(Table { milling, .. }) = tables().into_iter().next() else { panic!("a table") };
     let text = job(&milling);
     for (old, new, words) in [
         ("modes = [\n", "pitch = [170, 190]\nmodes = [\n", "uneven `pitch`"),

@@ -63,7 +63,7 @@ impl<'a> Assembly<'a> {
                 self.plunges.push(match family {
                     PlungeFamily::Radial => self.passage.plunge(number, column, &boundary, plane.origin.z)?,
                     PlungeFamily::Hub => self.on_hub(number, column, &row.section)?,
-                    PlungeFamily::LowerFace | PlungeFamily::UpperFace => self.from_face(number, column, &plane),
+                    PlungeFamily::LowerFace | PlungeFamily::UpperFace => self.face_plunge(number, column, &plane),
                 });
             }
             self.planes.push(PlungePlane {
@@ -135,7 +135,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Plunge from a face: the mill's end stands on the plane of the ends.
-    fn from_face(&self, number: usize, column: &Column, plane: &SectionPlane) -> Plunge {
+    fn face_plunge(&self, number: usize, column: &Column, plane: &SectionPlane) -> Plunge {
         let Passage { blisk, mill, needs, turning_mm, .. } = self.passage;
         let lean = blisk.hub.normal(&column.floor).dot(&column.axis).clamp(-1.0, 1.0);
         Plunge {

@@ -162,13 +162,12 @@ fn apart_mm(from: [f64; 2], to: [f64; 2]) -> f64 {
 
 impl Sections for HubFamily<'_> {
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
-        let Passage { blisk, field, mill, needs, .. } = self.passage;
+        let Passage { blisk, mill, needs, .. } = self.passage;
         let (plane, middle_rad) = self.plane(at_mm);
         let tip_mm = self.tip_mm(&plane).max(needs.allowance_mm + mill.radius_mm);
         let exit_mm = exit_mm(&blisk.blank, &plane.origin, &plane.up).unwrap_or(tip_mm);
         let heights = SectionHeights { floor_mm: needs.allowance_mm, edge_mm: tip_mm, roof_mm: tip_mm.max(exit_mm) };
-        let distance_mm = mill.radius_mm + needs.allowance_mm;
-        let found = boundary(field, self.midway, &plane, &heights, [distance_mm, middle_rad], needs.fit);
+        let found = boundary(self.passage, self.midway, &plane, &heights, middle_rad);
         let boundary = found.ok_or(PlungeInfeasible::NoBoundary { z_mm: plane.origin.z })?;
         Ok(PlungeSection { plane, boundary })
     }

@@ -148,7 +148,7 @@ pub(super) fn touched(passage: &Passage<'_>, plane: &SectionPlane, boundary: &Bo
 
 impl Sections for FaceFamily<'_> {
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
-        let Passage { field, mill, needs, .. } = self.passage;
+        let Passage { field, mill, .. } = self.passage;
         let ([low_mm, high_mm], outward) = (field.ends_mm, self.outward());
         let edge_mm = if self.face == BlankFace::Lower { low_mm } else { high_mm };
         // The middle direction is linear between hub and tip, so that the planes change evenly.
@@ -168,9 +168,8 @@ impl Sections for FaceFamily<'_> {
             edge_mm: (outward * edge_mm).max(outward * self.inner_mm + mill.radius_mm),
             roof_mm: outward * self.blank_face_mm(),
         };
-        let distance_mm = mill.radius_mm + needs.allowance_mm;
         let beside = plane(at_mm.min(tip_mm));
-        let found = boundary(field, self.midway, &beside, &heights, [distance_mm, middle_rad], needs.fit)
+        let found = boundary(self.passage, self.midway, &beside, &heights, middle_rad)
             .ok_or(PlungeInfeasible::NoBoundary { z_mm: self.inner_mm })?;
         Ok(PlungeSection { plane: plane(at_mm), boundary: found })
     }

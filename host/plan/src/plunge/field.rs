@@ -99,8 +99,7 @@ impl Field {
         let turn = Rotation3::from_axis_angle(&Vector::z_axis(), self.turn_rad(side));
         // The nearest point is not farther than a known one; rounding must not exclude that.
         let within_mm = last.map_or(f64::INFINITY, |on| (point - on).norm() + SAME_POINT_MM);
-        let (found_mm, on) =
-            self.tree.nearest(&(turn.inverse() * point), f64::INFINITY).unwrap_or((f64::INFINITY, *point));
+        let (found_mm, on) = self.tree.nearest(&(turn.inverse() * point), within_mm).unwrap_or((f64::INFINITY, *point));
         (found_mm - CHORD_MM, turn * on)
     }
 

@@ -20,15 +20,15 @@ pub mod boundary;
 
 pub mod infeasibility;
 
-pub mod section;
-
 pub mod mill;
+
+pub mod passage;
+
+pub mod section;
 
 pub mod column;
 
 mod material;
-
-pub mod passage;
 
 pub mod rows;
 

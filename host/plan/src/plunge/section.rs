@@ -20,7 +20,8 @@ use crate::vector::{Flat, Point, Vector};
 use super::boundary::{Boundary, clear_of_curve, touching};
 use super::field::{Field, WallSide};
 use super::infeasibility::PlungeInfeasible;
-use super::line::{CurveSample, Fit, tangent_line};
+use super::line::{CurveSample, tangent_line};
+use super::passage::Passage;
 
 /// Distance of neighbouring samples of a wall, mm.
 const SPACING_MM: f64 = 0.3;
@@ -153,15 +154,16 @@ fn radius_mm(point: &Point) -> f64 {
     libm::hypot(point.x, point.y)
 }
 
-/// Boundary axes in a plane at a distance from the blades. `None` if a wall has no line.
+/// Boundary axes of a passage's mill in a plane, whose middle is at an angle about the rotor's axis. `None` if a wall has no
+/// line.
 pub fn boundary(
-    field: &Field,
+    Passage { field, mill, needs, .. }: &Passage<'_>,
     midway: &Midway,
     plane: &SectionPlane,
     heights: &SectionHeights,
-    [distance_mm, middle_rad]: [f64; 2],
-    fit: Fit,
+    middle_rad: f64,
 ) -> Option<Boundary> {
+    let distance_mm = mill.radius_mm + needs.allowance_mm;
     let SectionHeights { floor_mm, edge_mm, roof_mm } = *heights;
     let end_mm = edge_mm + distance_mm;
     let count = libm::ceil((end_mm - floor_mm) / SPACING_MM).max(2.0) as usize;
@@ -181,7 +183,7 @@ pub fn boundary(
         };
         along_mm.clone().into_par_iter().filter_map(sample).collect::<Vec<_>>()
     });
-    let line = |wall: &[CurveSample]| tangent_line(wall, fit).map(|line| clear_of_curve(line, wall));
+    let line = |wall: &[CurveSample]| tangent_line(wall, needs.fit).map(|line| clear_of_curve(line, wall));
     let lines = [line(&walls[0])?, line(&walls[1])?];
     let at =
         |along_mm: f64| [Flat::new(lines[0].at_mm(along_mm), along_mm), Flat::new(-lines[1].at_mm(along_mm), along_mm)];

@@ -22,13 +22,14 @@ mod run_page;
 
 mod simulator;
 
+mod checks;
+
 mod linuxcnc;
 
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use arcfeed_model::job::FeedPolicy;
 use arcfeed_units::Micros;
 
 use super::job_input::JobInput;
@@ -41,7 +42,6 @@ use crate::board::line::{BAUDRATE, BoardLine};
 use crate::console::note;
 use crate::dnc::Sender;
 use crate::dnc::outbox::Outbox;
-use crate::features::not_built_in;
 use crate::port::Port;
 use crate::port::open::open;
 use crate::port::url::{Base, PortUrl};
@@ -122,9 +122,7 @@ impl Stream {
         if self.tui {
             need_terminal()?;
         }
-        if self.web.is_some() && cfg!(not(feature = "web")) {
-            return Err(Failure::Usage(format!("--web: {}", not_built_in("the live page", "web"))));
-        }
+        self.check_line_options()?;
         let mut ready = PreparedProgram::load(&self.input, &self.line, !self.keep_comments)?;
         self.check_mode(&ready.file.job.policy)?;
         let is_sim = self.port.base == Base::Sim;
@@ -135,27 +133,6 @@ impl Stream {
         let tables = trace.as_ref().map(TraceFiles::paths).into_iter().flatten().collect::<Vec<_>>();
         outputs.extend(tables.iter().map(|path| Some(path.as_path())).chain(self.port.files().map(Some)));
         refuse_inputs(&outputs, &ready.file.inputs(&self.input.job))?;
-        if self.executed.is_some() && !is_sim {
-            let message = "--executed: a control on a serial line does not say what it executed; drop the option";
-            return Err(Failure::Input(message.into()));
-        }
-        let needs_sim = [
-            ("--report", self.report.is_some()),
-            ("--trace", trace.is_some()),
-            ("--assert", !self.assertions.is_empty()),
-        ];
-        for (option, is_given) in needs_sim {
-            if is_given && !is_sim {
-                return Err(Failure::Usage(format!(
-                    "{option}: a control on a serial line does not say where its axes are; drop the option, or use sim:"
-                )));
-            }
-        }
-        if self.speed.is_some() && !is_sim {
-            return Err(Failure::Usage(
-                "--speed: only the control in software (sim:) has a speed; drop the option".into(),
-            ));
-        }
         let line = ready.line_use(&self.port);
         let (sending, start, reports) = if self.resume.is_wanted() {
             self.resume.prepare(self, &ready)?
@@ -180,23 +157,6 @@ impl Stream {
         let port = open(&self.port, &ready.file.serial)?;
         let logbook = journal(&mut sender)?;
         self.to_serial(&ready, port, sender, (logbook, board_session))
-    }
-
-    /// Checks that the feed mode and the board belong together.
-    fn check_mode(&self, policy: &FeedPolicy) -> Result<(), Failure> {
-        let message = match (policy, &self.board) {
-            (FeedPolicy::RewriteOnly(_), Some(_)) => {
-                "--board: in the mode rewrite-only the feeds are in the F words, and a board has nothing to do: write safe-base or \
-                 override-only as the mode, or drop the option"
-            }
-            (FeedPolicy::SafeBase | FeedPolicy::OverrideOnly, None)
-                if !self.input.is_job() && self.port.base != Base::Sim =>
-            {
-                "--mode: this mode needs a feed board at the override: name it with --board, or drop the option for feeds in F words"
-            }
-            _ => return Ok(()),
-        };
-        Err(Failure::Usage(message.into()))
     }
 
     /// Connects to the board, if one is requested.
