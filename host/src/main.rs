@@ -4,9 +4,9 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, measure::Measure,
-    parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve, simulate::Simulate,
-    stream::Stream, verify::Verify, view::ViewCommand,
+    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
+    measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
+    simulate::Simulate, stream::Stream, sweep::Sweep, verify::Verify, view::ViewCommand,
 };
 use clap::{Parser, Subcommand};
 

@@ -51,3 +51,5 @@ pub mod ports;
 pub mod plan;
 
 pub mod call;
+
+pub mod view;

@@ -56,7 +56,7 @@ fn broken(sent: &Transmission, settings: &ControlSettings, turns: usize, schedul
         turn > turns
     });
     if outcome.error.is_some() {
-        write(&Record::End { sent: sender.progress().0, how: EndReason::Failed }, &mut journal);
+        write(&Record::End { sent: sender.progress().0, reason: EndReason::Failed }, &mut journal);
     }
     Broken { journal, line: outcome.line }
 }

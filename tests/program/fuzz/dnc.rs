@@ -65,13 +65,18 @@ pub fn journal(input: &[u8], seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let _history_or_damage = read(input);
     let bytes = rng.usize(1..5_000);
-    let start =
-        Start { program: rng.u64(..), bytes, from: rng.usize(..99), ours: rng.usize(..bytes), ..Start::default() };
+    let start = Start {
+        program: rng.u64(..),
+        bytes,
+        from: rng.usize(..99),
+        restart_bytes: rng.usize(..bytes),
+        ..Start::default()
+    };
     let (mut text, mut sent, mut latest) = (first_line(&start).into_bytes(), 0, [[0; 2]].to_vec());
     for number in 1..rng.u32(2..30) {
         let until = (sent + rng.usize(..300)).min(bytes);
         text.extend(line(number, &Record::Out { sent, until }).bytes());
-        latest.push([sent, until].map(|out| start.from + out.saturating_sub(start.ours)));
+        latest.push([sent, until].map(|out| start.from + out.saturating_sub(start.restart_bytes)));
         sent = until;
     }
     let whole = text.len();

@@ -6,6 +6,7 @@
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! tests     built beside these two, then run, results added up           tally.rs, selection.rs
+//! python    the Python package: wheel, types, tests                      python.rs
 //! ```
 //!
 //! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output
@@ -85,7 +86,7 @@ fn ended(result: Result<(), Failure>) -> ExitCode {
 fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
     let packages = packages::install();
-    let has_chip = target.is_ok() && selection.has_chip();
+    let has_chip = target.is_ok() && selection.has_others();
     // The builds for the chip share no folder with that of the tests, and neither keeps all cores busy by itself.
     let ([boards, firmware], built) = thread::scope(|scope| {
         let chip = scope.spawn(|| if has_chip { [boards::check(), firmware::check()] } else { [Ok(()), Ok(())] });
@@ -97,7 +98,8 @@ fn test(selection: &Selection) -> ExitCode {
         Ok(()) => tally::test_workspace(selection),
         Err(failure) => (Tally::default(), Err(failure)),
     };
-    let steps = [packages, tests, target, boards, firmware];
+    let python = if selection.has_others() { python::check().map(|checked| tally.add_python(checked)) } else { Ok(()) };
+    let steps = [packages, tests, python, target, boards, firmware];
     let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);
