@@ -162,7 +162,7 @@ fn browsers_on_a_simulated_line_change_no_figure_and_see_position_line_and_chip(
     assert!(!on_arc.is_empty(), "the block was under way for seconds");
     for now in on_arc {
         let [x, y] = [0, 1].map(|axis| now["position"][axis].as_f64().expect("a position"));
-        let radius = ((x - 0.2495).powi(2) + (y - 8.3369).powi(2)).sqrt();
+        let radius = libm::hypot(x - 0.2495, y - 8.3369);
         // The axes reach the arc after the control has begun it: they lag.
         assert!((radius - 4.43706).abs() < 5e-3 && now["line"] == 19, "{radius}: {now}");
         assert!(

@@ -178,8 +178,9 @@ mod tests {
             .flat_map(|i| (0..40).map(move |j| [place(i, j), place(i + 1, j), place(i, j + 1), place(i + 1, j + 1)]));
         let triangles: Vec<Triangle> = squares.flat_map(|[a, b, c, d]| [[a, b, c], [b, d, c]]).collect();
         let tree = SlabTree::new(triangles.clone());
-        for k in 0..300 {
-            let point = Point::new((k * 7 % 31) as f64 - 5.0, (k * 11 % 37) as f64 - 8.0, (k * 13 % 41) as f64 - 15.0);
+        for k in 0..300_u32 {
+            let [x, y, z] = [k * 7 % 31, k * 11 % 37, k * 13 % 41].map(f64::from);
+            let point = Point::new(x - 5.0, y - 8.0, z - 15.0);
             let least_mm = triangles.iter().map(|triangle| (on_triangle(triangle, &point) - point).norm());
             let least_mm = least_mm.fold(f64::INFINITY, f64::min);
             assert_eq!(tree.nearest(&point, f64::INFINITY).unwrap().0, least_mm, "{point}");
