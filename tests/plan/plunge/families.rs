@@ -10,7 +10,7 @@ use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::plunge::assembly::ball_mm;
 use arcfeed_plan::plunge::centrifugal::HubFamily;
-use arcfeed_plan::plunge::faces::{BlankFace, FaceFamily, radial_stretch};
+use arcfeed_plan::plunge::faces::{EntryFace, FaceFamily, radial_stretch};
 use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::infeasibility::PlungeInfeasible;
 use arcfeed_plan::plunge::line::Fit;
@@ -18,7 +18,7 @@ use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::{Passage, PlungeRequirements};
 use arcfeed_plan::plunge::passage_plan::{PassagePlan, Plunge, PlungeFamily};
 use arcfeed_plan::plunge::proof::prove;
-use arcfeed_plan::plunge::section::{Midway, Sections};
+use arcfeed_plan::plunge::section::{Midway, SectionFamily};
 use arcfeed_plan::vector::{Point, Vector};
 
 use super::plans::{least_mm, samples};
@@ -113,7 +113,7 @@ fn between_flat_blades_the_axes_from_a_face_are_those_of_the_closed_form() {
     for radius_mm in [4.0, 9.0, 14.0] {
         let mill = mill(radius_mm);
         let passage = passage(&blisk, &field, &mill);
-        for (face, inner_mm) in [(BlankFace::Lower, 5.0), (BlankFace::Upper, -8.0)] {
+        for (face, inner_mm) in [(EntryFace::Lower, 5.0), (EntryFace::Upper, -8.0)] {
             let family = FaceFamily { passage: &passage, midway: &midway, face, inner_mm };
             let [high_mm, low_mm] = family.range_mm();
             assert!(high_mm <= FLAT_MM[1] && low_mm == FLAT_MM[0] + NEEDS.allowance_mm + radius_mm);

@@ -13,7 +13,7 @@ use super::material::roof_mm;
 use super::passage::Passage;
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 use super::rows::Rows;
-use super::section::{PlungeSection, SectionPlane, Sections};
+use super::section::{PlungeSection, SectionFamily, SectionPlane};
 
 /// Points of a corner's circle that stand off the hub.
 const RIM_POINTS: u32 = 128;
@@ -40,7 +40,7 @@ impl<'a> Assembly<'a> {
     /// The mill does not pass, or neighbouring plunges would leave material between them.
     pub fn add(
         &mut self,
-        sections: &dyn Sections,
+        sections: &dyn SectionFamily,
         range_mm: [f64; 2],
         family: PlungeFamily,
     ) -> Result<(), PlungeInfeasible> {

@@ -16,7 +16,7 @@ use super::infeasibility::PlungeInfeasible;
 use super::material::exit_mm;
 use super::mill::PlungeMill;
 use super::passage::Passage;
-use super::section::{Midway, PlungeSection, SectionHeights, SectionPlane, Sections, boundary};
+use super::section::{Midway, PlungeSection, SectionFamily, SectionHeights, SectionPlane, boundary};
 
 /// Half of the chord whose normal is that of the hub, mm.
 const CHORD_MM: f64 = 1.0;
@@ -160,7 +160,7 @@ fn apart_mm(from: [f64; 2], to: [f64; 2]) -> f64 {
     libm::hypot(to[0] - from[0], to[1] - from[1])
 }
 
-impl Sections for HubFamily<'_> {
+impl SectionFamily for HubFamily<'_> {
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
         let Passage { blisk, mill, needs, .. } = self.passage;
         let (plane, middle_rad) = self.plane(at_mm);

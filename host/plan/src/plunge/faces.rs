@@ -17,7 +17,7 @@ use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
 use super::mill::PlungeMill;
 use super::passage::Passage;
-use super::section::{Midway, PlungeSection, SectionHeights, SectionPlane, Sections, boundary};
+use super::section::{Midway, PlungeSection, SectionFamily, SectionHeights, SectionPlane, boundary};
 use crate::vector::{Point, Vector};
 
 /// Distance of planes across the axis in which it is asked whether the mill passes radially, mm.
@@ -31,9 +31,9 @@ const REACH_RATIO: f64 = 0.9;
 /// Planes in which the largest mill is sought.
 const LOOKS: u32 = 5;
 
-/// Face of the blank.
+/// Face of the blank from which the mill enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BlankFace {
+pub enum EntryFace {
     /// At low places along the rotor's axis.
     Lower,
     /// At high places.
@@ -47,7 +47,7 @@ pub struct FaceFamily<'p> {
     /// Places between its blades.
     pub midway: &'p Midway,
     /// Face from which the mill comes.
-    pub face: BlankFace,
+    pub face: EntryFace,
     /// Place of the mill's ends along the rotor's axis, mm.
     pub inner_mm: f64,
 }
@@ -98,14 +98,14 @@ impl FaceFamily<'_> {
     /// Sign of the direction from the passage to the face along the rotor's axis.
     fn outward(&self) -> f64 {
         match self.face {
-            BlankFace::Lower => -1.0,
-            BlankFace::Upper => 1.0,
+            EntryFace::Lower => -1.0,
+            EntryFace::Upper => 1.0,
         }
     }
 
     fn blank_face_mm(&self) -> f64 {
         let [low_mm, high_mm] = self.passage.blisk.blank.faces_mm;
-        if self.face == BlankFace::Lower { low_mm } else { high_mm }
+        if self.face == EntryFace::Lower { low_mm } else { high_mm }
     }
 
     /// Largest diameter that passes in all planes of its own, mm.
@@ -123,7 +123,7 @@ impl FaceFamily<'_> {
 }
 
 /// Whether the mill passes in a plane; where no blade is near, any does.
-pub(super) fn has_room(family: &dyn Sections, at_mm: f64) -> bool {
+pub(super) fn has_room(family: &dyn SectionFamily, at_mm: f64) -> bool {
     family.at(at_mm).map_or(true, |found| found.boundary.room_mm() >= 0.0)
 }
 
@@ -146,11 +146,11 @@ pub(super) fn touched(passage: &Passage<'_>, plane: &SectionPlane, boundary: &Bo
         .map(|(side, index)| passage.field.distance(side, &plane.point(&boundary.touching[index])).1)
 }
 
-impl Sections for FaceFamily<'_> {
+impl SectionFamily for FaceFamily<'_> {
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
         let Passage { field, mill, .. } = self.passage;
         let ([low_mm, high_mm], outward) = (field.ends_mm, self.outward());
-        let edge_mm = if self.face == BlankFace::Lower { low_mm } else { high_mm };
+        let edge_mm = if self.face == EntryFace::Lower { low_mm } else { high_mm };
         // The middle direction is linear between hub and tip, so that the planes change evenly.
         let [foot_mm, tip_mm] = field.radii_mm;
         let [foot_rad, tip_rad] = [foot_mm, tip_mm]

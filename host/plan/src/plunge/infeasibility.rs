@@ -41,7 +41,7 @@ pub enum PlungeInfeasible {
     HubTooNarrow {
         /// Place of the hub's point along the rotor's axis.
         z_mm: f64,
-        /// Its distance from that axis.
+        /// Distance from that axis.
         radius_mm: f64,
         /// Missing width.
         missing_mm: f64,

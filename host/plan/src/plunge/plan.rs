@@ -14,12 +14,12 @@ use crate::frame::slot_frame;
 use super::assembly::Assembly;
 use super::boundary::{Boundary, LargestTool};
 use super::column::Column;
-use super::faces::{BlankFace, FaceFamily, radial_stretch};
+use super::faces::{EntryFace, FaceFamily, radial_stretch};
 use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
 use super::passage::{Passage, PlungeRequirements};
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily};
-use super::section::{Midway, PlungeSection, SectionPlane, Sections};
+use super::section::{Midway, PlungeSection, SectionFamily, SectionPlane};
 
 /// Largest angle between the tool's axis and the hub's normal, degrees.
 const ANGLE_MAX_DEG: f64 = 60.0;
@@ -30,7 +30,7 @@ struct Radial<'p> {
     largest: &'p [LargestTool],
 }
 
-impl Sections for Radial<'_> {
+impl SectionFamily for Radial<'_> {
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible> {
         let boundary = self.passage.boundary(at_mm).ok_or(PlungeInfeasible::NoBoundary { z_mm: at_mm })?;
         Ok(PlungeSection { plane: SectionPlane::radial(at_mm, boundary.middle_rad), boundary })
@@ -75,8 +75,8 @@ impl Passage<'_> {
         // The ends of the mills from a face lie within what the others cut.
         let overlap_mm = self.mill.radius_mm;
         let from = |face, inner_mm| FaceFamily { passage: self, midway: &midway, face, inner_mm };
-        let lower = from(BlankFace::Lower, (low_mm + overlap_mm).min(to_mm));
-        let upper = from(BlankFace::Upper, (high_mm - overlap_mm).max(from_mm));
+        let lower = from(EntryFace::Lower, (low_mm + overlap_mm).min(to_mm));
+        let upper = from(EntryFace::Upper, (high_mm - overlap_mm).max(from_mm));
         let mut assembly = Assembly::new(self);
         if low_mm > from_mm {
             assembly.add(&lower, lower.range_mm(), PlungeFamily::LowerFace)?;

@@ -15,7 +15,7 @@ use super::boundary::Boundary;
 use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
 use super::passage::Passage;
-use super::section::{PlungeSection, Sections};
+use super::section::{PlungeSection, SectionFamily};
 use super::step::{curvature_across_per_mm, stepover};
 
 /// Distance of the grid's planes, mm.
@@ -30,7 +30,7 @@ pub struct Rows<'r> {
     /// Passage.
     pub passage: &'r Passage<'r>,
     /// Family.
-    pub family: &'r dyn Sections,
+    pub family: &'r dyn SectionFamily,
     /// Coordinates of the first and the last plane, mm.
     pub range_mm: [f64; 2],
 }

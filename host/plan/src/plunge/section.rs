@@ -53,7 +53,7 @@ pub struct PlungeSection {
 }
 
 /// Planes of one family, by a coordinate along the passage.
-pub trait Sections: Sync {
+pub trait SectionFamily: Sync {
     /// Plane at a coordinate, mm.
     ///
     /// # Errors
