@@ -89,6 +89,7 @@ fn a_campaign_that_is_killed_goes_on_and_makes_no_run_twice() {
         while lines() < wanted && started.elapsed() < WAIT_MAX {
             sleep(Duration::from_millis(1));
         }
+        assert!(lines() >= wanted, "{:?} with {} rows", child.try_wait(), lines());
         child.kill().expect("SIGKILL");
         child.wait().expect("it is gone");
         kills += 1;

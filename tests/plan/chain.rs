@@ -49,7 +49,7 @@ fn the_example_rotor_is_planned_checked_simulated_and_streamed() {
         "planned: {}; simulated: {} in3, deviation {}",
         plan["removed"], material["removal"], material["deviation"]
     );
-    let removed_mm3 = number(material, "/taken/removed") * MM_PER_INCH * MM_PER_INCH * MM_PER_INCH;
+    let removed_mm3 = number(material, "/removal/removed") * MM_PER_INCH * MM_PER_INCH * MM_PER_INCH;
     let planned_mm3 = number(&plan, "/removed/total_mm3");
     assert!((removed_mm3 / planned_mm3 - 1.0).abs() < 0.02, "{removed_mm3} of {planned_mm3}");
     // The finished part is not cut into: what is left nowhere lies below it by more than a ray's width can hide on a wall.

@@ -29,6 +29,7 @@ fn text(unit: LengthUnit, limits: &[StockLimit], workpiece: Option<Workpiece<'_>
         law: Law::Circumference,
         workpiece,
         control: "fanuc-16i",
+        settings: None,
         machine: Some(Machine::Preset("mitsui-seiki-hu80a-5x")),
     }
     .text()

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread::{available_parallelism, scope};
+use std::thread::{Builder, available_parallelism, scope};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -36,6 +36,8 @@ use sweep_file::Campaign;
 
 /// Suffix of journals.
 const JOURNAL_SUFFIX: &str = "journal";
+/// Stack of a thread that executes runs: as that of the program itself. A run without optimisation needs more than two MiB.
+const STACK_BYTES: usize = 8 << 20;
 
 /// Run a campaign: one simulated run for each combination of values, with its figures as a row of a table
 ///
@@ -157,8 +159,10 @@ impl Sweep {
         let threads = self.threads.map_or_else(|| available_parallelism().map_or(1, usize::from), usize::from);
         let work = Work { campaign, shard, done, next: AtomicU64::new(0), count, journal: Mutex::new(journal), bar };
         let ended = scope(|scope| {
-            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(|| work.run())).collect();
+            let start = |_| Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, || work.run());
+            let workers: Vec<_> = (0..threads).map(start).collect();
             let ends = workers.into_iter().map(|worker| {
+                let worker = worker.map_err(|error| Failure::Machine(format!("no thread for a run: {error}")))?;
                 worker.join().unwrap_or_else(|_| Err(Failure::Machine("a worker ended: a defect of arcfeed".into())))
             });
             ends.collect::<Vec<_>>()

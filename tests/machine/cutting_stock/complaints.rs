@@ -43,7 +43,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
 fn bars_tubes_and_meshes_are_cut_as_blocks_are() {
     let blank = "block = { from = [-10, -10, -12], to = [50, 10, 0] }";
     let slot = ScratchJob::new("as-block", MILL, SLOT);
-    let whole = slot.run(&["--surface", &slot.scratch.path("blank.stl")]).material("/taken/removed");
+    let whole = slot.run(&["--surface", &slot.scratch.path("blank.stl")]).material("/removal/removed");
     for (name, round, section_mm2) in [
         ("bar", "round = { from = [-10, 0, -30], to = [50, 0, -30], radius = 20 }", 400.0 * std::f64::consts::PI),
         (
@@ -54,7 +54,7 @@ fn bars_tubes_and_meshes_are_cut_as_blocks_are() {
     ] {
         let output = ScratchJob::new(name, &MILL.replace(blank, round), SLOT).run(&[]);
         let length_mm = if name == "bar" { 60.0 } else { 30.0 };
-        let all_cm3 = output.material("/taken/removed") + output.material("/left");
+        let all_cm3 = output.material("/removal/removed") + output.material("/left");
         let off = all_cm3 / (section_mm2 * length_mm / 1e3) - 1.0;
         println!("{name}: {all_cm3} cm3, off by {off:+.1e}");
         assert!(off.abs() < 5e-3, "{name}");

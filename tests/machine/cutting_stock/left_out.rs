@@ -36,7 +36,7 @@ fn blocks_whose_place_is_not_known_are_counted_by_cause() {
         println!("{}", output.complaints);
         assert_eq!((&left_out[0]["cause"], &left_out[0]["first_n"]), (&cause.into(), &4.into()), "{left_out}");
         assert!(output.complaints.contains("N4 took no material: ") && output.complaints.contains(words));
-        assert!(output.block(4).is_none() && output.material("/taken/removed") < 0.32, "{name}");
+        assert!(output.block(4).is_none() && output.material("/removal/removed") < 0.32, "{name}");
     }
 }
 

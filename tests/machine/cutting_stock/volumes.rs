@@ -26,13 +26,13 @@ fn slot_bound(step_ratio: f64) -> f64 {
 fn a_slot_takes_twice_radius_times_length_and_its_plunge_a_disc() {
     let output = ScratchJob::new("slot", MILL, SLOT).run(&[]);
     let stadium_cm3 = published("same, full swept (stadium)") * 4.0 / 1e3;
-    let off = output.material("/taken/removed") / stadium_cm3 - 1.0;
+    let off = output.material("/removal/removed") / stadium_cm3 - 1.0;
     let (plunge, slot) =
         (output.removed(3) / (PI * 25.0 * 4.0 / 1e3), output.removed(4) / (2.0 * 5.0 * 40.0 * 4.0 / 1e3));
     println!("slot of {stadium_cm3:.6} cm3: off by {off:+.1e}; plunge {:+.1e}, slot {:+.1e}", plunge - 1.0, slot - 1.0);
     assert!(off.abs() <= slot_bound(0.05) && (plunge - 1.0).abs() <= 6e-3 && (slot - 1.0).abs() <= 6e-3);
     let whole_cm3 = 60.0 * 20.0 * 12.0 / 1e3;
-    assert!((output.material("/taken/removed") + output.material("/left") - whole_cm3).abs() < 1e-9);
+    assert!((output.material("/removal/removed") + output.material("/left") - whole_cm3).abs() < 1e-9);
     assert_eq!((output.complaints.as_str(), output.material("/at_rapid")), ("", 0.0));
 }
 

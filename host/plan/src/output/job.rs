@@ -35,6 +35,8 @@ pub struct JobFile<'a> {
     pub workpiece: Option<Workpiece<'a>>,
     /// Preset of the control.
     pub control: &'a str,
+    /// Settings of the control, relative to the file.
+    pub settings: Option<&'a str>,
     /// Machine, if it is known.
     pub machine: Option<Machine<'a>>,
 }
@@ -108,6 +110,9 @@ impl JobFile<'_> {
             self.workpiece(&mut text, workpiece);
         }
         let _ = writeln!(text, "\n[control]\npreset = {}", quoted(self.control));
+        if let Some(settings) = self.settings {
+            let _ = writeln!(text, "settings = {}", quoted(settings));
+        }
         text += "\n# A Fanuc's usual: seven bits, even parity, DC1 and DC3. Give your line's own.\n[serial]\nbaudrate = 9600\nbytesize = 7\n\
                  parity = \"E\"\nstopbits = 2\nxonxoff = true\n";
         match self.machine {

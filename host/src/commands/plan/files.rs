@@ -22,6 +22,8 @@ pub(super) const BESIDE_PITCHES: f64 = 0.75;
 pub(super) const BELOW_HUB_MM: f64 = 5.0;
 /// Distance of the simulation's dexel rays, mm.
 pub(super) const RAYS_MM: f64 = 0.5;
+/// Settings of the control, beside the job.
+const SETTINGS: &str = "settings.toml";
 /// Control of the programs.
 pub(super) const CONTROL: &str = "fanuc-16i";
 
@@ -36,16 +38,29 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
     let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
     let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
-    let job = job(composed, &name);
+    let settings = control_settings(composed);
+    let job = job(composed, &name, settings.as_ref().map(|_| SETTINGS));
     let page = page::report(composed).page().to_string();
-    let files: [(&str, &[u8]); 5] = [
+    let mut files: Vec<(&str, &[u8])> = vec![
         (&name, text.as_bytes()),
         ("job.toml", job.as_bytes()),
         ("stock.stl", &stock),
         ("finished.stl", &part),
         ("report.html", page.as_bytes()),
     ];
+    files.extend(settings.as_ref().map(|text| (SETTINGS, text.as_bytes())));
     write_files(folder, &files, inputs)
+}
+
+/// Settings of the simulated control, where the machine's travel is known: the program ends with a return to the reference point
+/// of Z, which is at zero without them.
+fn control_settings(composed: &PlanResult) -> Option<String> {
+    let [_, _, z] = composed.part.machine.as_ref()?.machine.linear();
+    let [_, highest_mm] = z.range_mm?;
+    Some(format!(
+        "# Assumed: the first reference point of Z is at the upper end of its travel in the machine file.\nunit = \"mm\"\n\n\
+         [reference]\n1 = {{ Z = {highest_mm:?} }}\n"
+    ))
 }
 
 /// Writes files, each with its name, into a folder, which is created if it does not exist.
@@ -111,7 +126,7 @@ fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
 }
 
-fn job(composed: &PlanResult, program: &str) -> String {
+fn job(composed: &PlanResult, program: &str, settings: Option<&str>) -> String {
     let part = &composed.part;
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
@@ -127,6 +142,7 @@ fn job(composed: &PlanResult, program: &str) -> String {
         law: if part.is_engaged_arc { Law::EngagedArc(&composed.bounds) } else { Law::Circumference },
         workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
         control: CONTROL,
+        settings,
         machine: machine(source, file.as_deref()),
     }
     .text()

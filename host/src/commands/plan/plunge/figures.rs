@@ -265,5 +265,12 @@ pub fn refusal(result: &PlungeResult) -> String {
             }
         })
         .collect();
-    format!("{}; nothing is written", open.join("; "))
+    let least_mm = result.plan.largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);
+    let has_faces = result.plan.planes.iter().any(|plane| plane.family != PlungeFamily::Radial);
+    let radially = if has_faces && least_mm.is_finite() {
+        format!("; radially the largest mill that passes everywhere has a diameter of {:.2} mm", 2.0 * least_mm)
+    } else {
+        String::new()
+    };
+    format!("{}{radially}; nothing is written", open.join("; "))
 }
