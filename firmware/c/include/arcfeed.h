@@ -233,7 +233,7 @@ typedef struct ArcfeedOutput {
   uint8_t is_followed;
 } ArcfeedOutput;
 
-// Inputs of the combination with a control whose override input only reduces.
+// Inputs for a control whose override input can only reduce the feed.
 typedef struct ArcfeedAdaptiveInput {
   // The control's own feed override in use, as a ratio.
   double dial_ratio;
@@ -251,7 +251,7 @@ typedef struct ArcfeedAdaptiveInput {
   int32_t motion_type;
 } ArcfeedAdaptiveInput;
 
-// Outputs of the combination.
+// Outputs for a control whose override input can only reduce the feed.
 typedef struct ArcfeedAdaptiveOutput {
   // Reduction for the control's input, 0 to 1.
   double adaptive_feed_ratio;
