@@ -246,7 +246,7 @@ fn a_hold_needs_a_resume_and_an_abort_is_a_ctrl_c() {
     };
     let end = |name: &str, ended: Ended| {
         let journal = std::fs::read_to_string(scratch.path(&format!("{name}-journal"))).expect("a journal");
-        let how = journal.lines().last().and_then(|line| line.split_once("how=")).map(|(_, how)| how.to_owned());
+        let how = journal.lines().last().and_then(|line| line.split_once("reason=")).map(|(_, how)| how.to_owned());
         let words = ended.err.lines().find(|line| line.starts_with("stopped by the operator")).map(str::to_owned);
         let words = words.unwrap_or_else(|| panic!("{}", ended.err));
         (ended.code, how, words.chars().filter(|letter| !letter.is_ascii_digit()).collect::<String>())

@@ -5,15 +5,20 @@ mod diagram;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use arcfeed_units::LengthUnit;
+use arcfeed_model::tool::Tool;
+use arcfeed_units::{LengthUnit, S_PER_MIN};
 use serde::Serialize;
 
 use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
+use crate::console::note;
 use crate::init::answers::{Length, Milling};
 use crate::job::JobFile;
 use crate::report::page::plot::{Lane, Series, svg};
 use diagram::{Cut, Diagram, LimitPoint};
 
+/// Most vibrations of the fastest mode from tooth to tooth at the lowest speed of a machine's range. Below, lobes are narrower than
+/// speeds are chosen, and the computation grows with their number.
+const WAVES_MAX: f64 = 60.0;
 /// Rows of the printed table.
 const ROWS_MAX: usize = 25;
 
@@ -26,7 +31,7 @@ pub struct Lobes {
     /// The job file, with an end mill, [cutting] and its modes
     #[arg(value_name = "JOB.toml")]
     job: PathBuf,
-    /// Range of spindle speeds, rev/min; without it the machine's
+    /// Range of spindle speeds, rev/min; without it the machine's, from 60 vibrations of the fastest mode a tooth
     #[arg(long, value_name = "FROM,TO")]
     speeds: Option<SpeedRange>,
     /// Number of speeds in the range
@@ -96,6 +101,16 @@ struct PointFigures {
     chatter: Option<&'static str>,
 }
 
+/// Speed at which the fastest mode of a job vibrates [`WAVES_MAX`] times from tooth to tooth.
+fn slowest_rev_per_min(file: &JobFile) -> f64 {
+    let modes = file.cutting.iter().flat_map(|cutting| &cutting.modes);
+    let fastest_hz = modes.map(|mode| mode.frequency_hz).fold(0.0, f64::max);
+    match &file.job.tools.first().tool {
+        Tool::EndMill(mill) => fastest_hz * S_PER_MIN / (WAVES_MAX * f64::from(mill.teeth)),
+        Tool::CupMill(_) => 0.0,
+    }
+}
+
 impl Lobes {
     /// Runs the command.
     ///
@@ -129,7 +144,16 @@ impl Lobes {
             (None, None) => Err(Failure::Usage(
                 "--speeds FROM,TO is missing: the job's machine has no spindle_range (docs/kinematics.md)".into(),
             )),
-            (None, Some(range)) => Ok(range),
+            (None, Some([low, high])) => match slowest_rev_per_min(file) {
+                slowest if low < slowest && slowest < high => {
+                    note(format_args!(
+                        "note: speeds below {slowest:.0} rev/min are left out, where the fastest mode vibrates more than {WAVES_MAX} times from \
+                         tooth to tooth; give them with --speeds"
+                    ));
+                    Ok([slowest, high])
+                }
+                _ => Ok([low, high]),
+            },
             (Some(SpeedRange([from, to])), Some([least, most])) if from < least || to > most => Err(Failure::Usage(
                 format!("--speeds {from},{to}: the machine's spindle turns at {least} to {most} rev/min"),
             )),
