@@ -100,7 +100,7 @@ feed_per_tooth = 0.2
 ];
 
 /// Job, machine and part files of the examples, and the jobs above. The firmware there has none; files of repairs are tested in
-/// `tests/plan/repair`.
+/// `tests/plan/repair`, those of campaigns in `tests/line/campaigns.rs`.
 pub fn files() -> Vec<(PathBuf, String)> {
     let mut folders = vec![root().join("examples"), root().join("host/machines")];
     let mut files = Vec::new();
@@ -108,7 +108,8 @@ pub fn files() -> Vec<(PathBuf, String)> {
         for entry in std::fs::read_dir(folder).expect("the examples can be read") {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
-                folders.extend((!path.ends_with("embassy")).then_some(path));
+                let is_of_others = ["embassy", "campaigns"].iter().any(|name| path.ends_with(name));
+                folders.extend((!is_of_others).then_some(path));
             } else if !path.ends_with("REPAIR.toml") && path.extension().is_some_and(|extension| extension == "toml") {
                 files.push((path.clone(), std::fs::read_to_string(path).expect("text")));
             }
