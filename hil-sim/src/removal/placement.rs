@@ -154,6 +154,10 @@ impl WorkpiecePlacement {
 
     fn fixed_chord(&self, section: &PathSection, machine: Option<&Machine>) -> Result<ToolChord, LeftOutReason> {
         let poses = self.poses(section, machine)?;
+        // Layers square to the tool would be made anew at each position.
+        if section.context.programmed_path == ProgrammedPath::Axes && !self.is_at_first_cut(section) {
+            return Err(LeftOutReason::OtherPosition);
+        }
         let ends_mm = [poses[0].tip_mm, poses[1].tip_mm];
         if poses.iter().all(|pose| !is_tilted(pose.axis)) {
             return Ok(ToolChord { ends_mm, frame: Frame::OWN });
@@ -161,12 +165,8 @@ impl WorkpiecePlacement {
         let turns = length(difference(poses[1].axis, poses[0].axis)) > UPRIGHT_RAD;
         match machine {
             Some(machine) if !turns => {
-                let position = &section.positions[0];
-                let frame = match section.context.programmed_path {
-                    ProgrammedPath::Axes => self.in_first_cut(machine, position),
-                    _ => frame_at(machine, rotary_deg(machine, position, section)),
-                };
-                Ok(ToolChord { ends_mm, frame })
+                let rotary_deg = rotary_deg(machine, &section.positions[0], section);
+                Ok(ToolChord { ends_mm, frame: frame_at(machine, rotary_deg) })
             }
             _ => Err(LeftOutReason::AxisTurns),
         }
@@ -199,16 +199,9 @@ impl WorkpiecePlacement {
         let axes = machine_axes(machine, position);
         let on_part = machine.forward(&axes, &Setup::default()).tip_mm;
         let at_first_cut = machine.linear_for(on_part, self.first_deg(machine), &Setup::default());
-        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: self.in_first_cut(machine, position).axes[2] }
-    }
-
-    /// Frame of the tool on the part as it was at the first cut. (2)
-    fn in_first_cut(&self, machine: &Machine, position: &AxisPosition) -> Frame {
-        let [first, second] = machine.rotary();
-        let (rotary_deg, [first_deg, second_deg]) =
-            (machine_axes(machine, position).rotary_deg, self.first_deg(machine));
-        let turned_back = |v: Vector| turned(turned(v, first.direction, -first_deg), second.direction, -second_deg);
-        Frame { axes: frame_at(machine, rotary_deg).axes.map(turned_back) }
+        let ([first, second], [first_deg, second_deg]) = (machine.rotary(), self.first_deg(machine));
+        let on_part = turned(machine.axis_at(axes.rotary_deg), first.direction, -first_deg);
+        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: turned(on_part, second.direction, -second_deg) }
     }
 
     /// Positions of the machine's rotary axes at the first cut, in the order of its description.

@@ -190,8 +190,8 @@ impl LeftOutBlocks {
         match self.cause {
             "turning" => "rotary axes turn without G43.4: the path of the tool on the part is unknown",
             "other-position" => {
-                "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is; name a \
-                 [machine] whose rotary axes both turn the part"
+                "the rotary axes stand elsewhere than for the first cut, in whose coordinates the workpiece is; \
+                 there material needs a [machine] whose rotary axes both turn the part, and chips are not computed"
             }
             "no-machine" => "under G43.4, and the job names no machine",
             "other-tool" => "the shape of the tool in the spindle is not given",
