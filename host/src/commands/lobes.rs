@@ -24,7 +24,7 @@ const ROWS_MAX: usize = 25;
 
 /// Limit depth of stable milling against spindle speed, and the best speeds
 ///
-/// Linear theory for straight teeth at equal distances, with the modes and coefficients of the job's [cutting]
+/// Linear theory for straight teeth at equal distances, with the modes and coefficients of `[cutting]` in the job
 /// (docs/forces.md#stability-lobes).
 #[derive(Debug, clap::Args)]
 pub struct Lobes {

@@ -30,7 +30,7 @@ pub struct LoadPlot {
 pub struct PlotBlock {
     /// N of the block, or its number.
     pub name: String,
-    /// Verdict as in [`crate::report::loads::UnsteadyFigures`]; `None` if the block is steady, or was not judged.
+    /// Verdict as in [`crate::report::loads::UnstableFigures`]; `None` if the block is steady, or was not judged.
     pub verdict: Option<&'static str>,
     /// Largest chip thickness over the target; `None` without chips.
     pub chip_ratio: Option<f64>,
