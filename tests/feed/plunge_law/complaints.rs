@@ -46,7 +46,7 @@ fn missing_keys_of_the_plunge_law_are_named_with_their_place() {
 
 #[test]
 fn descents_that_keep_their_feed_are_named() {
-    let (_scratch, job) = JOB.written();
+    let (_scratch, job) = PlungeJob { name: "kept-feeds", ..JOB }.written();
     assert!(run(&["engage", &job]).status.success());
     let output = run(&["adapt", &job]);
     let said = String::from_utf8_lossy(&output.stderr);
