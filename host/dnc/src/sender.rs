@@ -40,7 +40,7 @@ pub struct LineUse {
     pub xoff_timeout: Option<Micros>,
 }
 
-/// Sender of a program to a control (DNC), without I/O: obeys XON/XOFF and paces the characters.
+/// Sender of a program to a control (DNC), without I/O: follows XON/XOFF and paces the characters.
 #[derive(Debug)]
 pub struct Sender {
     transmission: Transmission,

@@ -37,7 +37,7 @@ pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>) ->
     let of_command = Arc::clone(&capture);
     let command = move || {
         let result = captured(Some(of_command), || call(words));
-        // Nobody is left to receive it after a Ctrl-C.
+        // After a Ctrl-C no receiver is left.
         let _received = sender.send(result);
     };
     Builder::new().stack_size(STACK_BYTES).spawn(command)?;

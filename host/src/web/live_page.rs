@@ -25,7 +25,7 @@ const COMMANDS_MAX: usize = 8;
 /// Longest command.
 const COMMAND_BYTES_MAX: usize = 16;
 
-/// Live page; dropping it tells the browsers that the transmission has ended.
+/// Live page; dropping it reports the end of the transmission to the browsers.
 #[derive(Debug)]
 pub struct LivePage {
     server: Server,
@@ -95,7 +95,7 @@ impl LivePage {
 }
 
 impl Drop for LivePage {
-    /// After an error nobody has ended the page.
+    /// After an error the page has not been ended yet.
     fn drop(&mut self) {
         let snapshot = Arc::clone(&self.shared.lock().snapshot);
         if !snapshot.is_over {

@@ -166,7 +166,7 @@ impl TcpClient {
         Ok(())
     }
 
-    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would obey.
+    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would stop at it.
     pub fn is_far(&self) -> bool {
         self.server.as_ref().is_none_or(|server| server.settings().flow != Flow::XonXoff)
     }

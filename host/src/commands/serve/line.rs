@@ -85,7 +85,7 @@ impl ControlLine {
         }
     }
 
-    /// Passes the bytes on the line to the control, and tells the control whether the sender is still connected;
+    /// Passes the bytes on the line to the control, and reports to the control whether the sender is still connected;
     /// `control_waits` for characters, with nothing to execute.
     ///
     /// # Errors

@@ -131,7 +131,7 @@ impl TcpLine {
         self.on_wire = port.on_wire();
     }
 
-    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would obey.
+    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would stop at it.
     pub fn is_far(&self) -> bool {
         self.active.as_ref().is_none_or(TcpClient::is_far)
     }
