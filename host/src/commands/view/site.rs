@@ -19,7 +19,7 @@ const TEXT_MAX: usize = 1 << 20;
 pub struct ViewSite(pub Arc<Workspace>);
 
 impl Site for ViewSite {
-    fn respond(&self, request: Request) -> io::Result<()> {
+    fn respond(&self, mut request: Request) -> io::Result<()> {
         let workspace = &self.0;
         match (request.is_post, request.path.as_str()) {
             (false, "") => request.reply(&Reply::html(start_page().as_bytes())),
@@ -36,9 +36,13 @@ impl Site for ViewSite {
                     return request
                         .reply(&Reply::text("409 Conflict", "another run is under way: wait for it, or stop it"));
                 }
-                let done = self.work(request);
+                let done = self.work(&mut request);
+                // Before the answer: the page may send its next request as soon as it has it.
                 workspace.end();
-                done
+                match done? {
+                    Ok(()) => self.state(request),
+                    Err(fault) => request.reply(&Reply::text("400 Bad Request", &fault)),
+                }
             }
             _ => request.reply(&Reply::text("404 Not Found", "there is no such page")),
         }
@@ -46,17 +50,18 @@ impl Site for ViewSite {
 }
 
 impl ViewSite {
-    fn work(&self, mut request: Request) -> io::Result<()> {
+    /// Does what is asked; `Err` inside: a fault of the request.
+    fn work(&self, request: &mut Request) -> io::Result<Result<(), String>> {
         let body = request.body(if request.path == "program" { PROGRAM_MAX } else { TEXT_MAX })?;
         match request.path.as_str() {
             "program" => self.0.take(&request.query, &body)?,
             "init" => match serde_json::from_slice::<FormValues>(&body) {
                 Ok(values) => self.0.propose(&values),
-                Err(error) => return request.reply(&Reply::text("400 Bad Request", &error.to_string())),
+                Err(error) => return Ok(Err(error.to_string())),
             },
             _ => self.0.adapt_with(&String::from_utf8_lossy(&body))?,
         }
-        self.state(request)
+        Ok(Ok(()))
     }
 
     fn state(&self, request: Request) -> io::Result<()> {
