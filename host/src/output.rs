@@ -34,7 +34,7 @@ enum Pending {
     Beside(NamedTempFile, PathBuf, Option<Box<Metadata>>),
 }
 
-/// Rejects output files that are also input files, or that are the same file twice, under any name.
+/// Rejects output files that are also input files, or that are the same file twice, also through links and other spellings of a path.
 ///
 /// # Errors
 /// Describes the first such output.

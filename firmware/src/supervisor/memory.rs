@@ -14,18 +14,20 @@ use super::segment_tracking::{Change, SegmentTracking};
 use super::signals::{Request, Signals};
 use super::state::{Disarm, Event, State};
 
-/// State of the supervisor between ticks. The default is power-on: idle, 0 %, rising to the dial.
+/// State of the supervisor between ticks. The default is that after power-on: idle, with the override at 0 %, from where it rises to the operator's dial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     pub(super) state: State,
     pub(super) control: controller::ControllerState,
     pub(super) tracking: SegmentTracking,
     pub(super) dial: OperatorDial,
+    /// Override at the output, before rounding to whole steps.
     pub(super) level: Level,
     pub(super) signals: Signals,
+    /// Consecutive invalid frames, at the last tick, of the position's input and of the link.
     pub(super) invalid: [u8; 2],
     pub(super) counters: Counters,
-    /// Required reduction of the ratio below 1 at the end of the segment that began last.
+    /// How far below 1 the override ratio must be at the end of the segment that began last; 0 if it may be 1.
     pub(super) reserve_ratio: f32,
 }
 

@@ -27,7 +27,7 @@ pub enum Request {
     Reset,
 }
 
-/// A condition under which the laws must not have the override.
+/// A condition, reported by the control, under which the override stays with the operator and no law may set it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Condition {

@@ -220,7 +220,7 @@ impl Control {
         self.port.counters()
     }
 
-    /// Whether the control has sent bytes that have not been fetched yet.
+    /// Whether bytes that the control has sent wait in its output queue.
     pub fn has_output(&self) -> bool {
         self.port.has_output()
     }
@@ -306,7 +306,7 @@ impl Control {
         self.port.is_punching()
     }
 
-    /// Messages of the program (#3006, #3000), and the place in a called program where an alarm came up.
+    /// Messages of the program (#3006, #3000). If an alarm came up in a called program, one more message names its place there.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
     }

@@ -83,7 +83,7 @@ pub struct WorkpiecePlacement {
 }
 
 impl WorkpiecePlacement {
-    /// Whether the workpiece's position is known.
+    /// Whether [`locate`](Self::locate) has found where the workpiece stands on the machine.
     pub fn is_known(&self) -> bool {
         self.origin_mm.is_some()
     }

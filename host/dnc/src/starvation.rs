@@ -4,7 +4,7 @@
 //! It begins when it has arrived and the block before is done. A control brakes for the end of the last block it has: a
 //! block whose successor has not arrived when it begins ends at rest, and takes longer for that.
 
-/// Length and execution time of a block, for the prediction of waits.
+/// Length and execution time of a block, for the prediction of waits of the control for the serial line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockLoad {
     /// Characters, including the end of block.

@@ -50,6 +50,13 @@ impl MovePlaces {
         self.feed_length_mm
     }
 
+    /// Distance of two places that f32 can just tell apart, over the length of the move.
+    pub fn resolution_ratio(&self) -> f64 {
+        // Components of a direction up to 1, and paths up to the length, have 24 bits.
+        let turned_rad = self.turn().map_or(1.0, |[_, _, turned_rad]| libm::fabs(turned_rad));
+        f64::from(f32::EPSILON) / turned_rad.min(1.0)
+    }
+
     /// Sense of an arc (+1 counter-clockwise, -1 clockwise), its start angle and its sweep, radians; `None` for a
     /// line.
     pub fn turn(&self) -> Option<[f64; 3]> {

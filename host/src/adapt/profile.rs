@@ -1,5 +1,6 @@
 //! A law asked along a move: its answers at evenly spaced points, and between them a bound that it does not undercut.
 
+use std::cell::Cell;
 use std::iter::once;
 
 use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place};
@@ -9,8 +10,16 @@ use super::places::MovePlaces;
 
 /// Dip between two points, over their value, above which it is looked at more closely.
 const SHARP_RATIO: f64 = 1e-5;
+/// Steps of a place in f32 by which a demand may dip: two neighbouring answers of a slope are rounded either way.
+const ROUNDED_STEPS: f64 = 2.0;
 /// Most halvings of a cell in this search. A fall that remains is a jump, not a dip.
 const DEPTH_MAX: usize = 16;
+/// Most intervals of a move that are halved. Where a law is rough everywhere, the dips that remain count in full.
+const HALVED_MAX: usize = 2_000;
+/// Part of a dip that remains in both halves of an interval where a law is rough: a smooth dip falls to a quarter, and a bend or a jump lies in one half.
+const ROUGH_RATIO: f64 = 0.5;
+/// Largest dip, over the value, that is taken for roughness.
+const ROUGH_MAX_RATIO: f64 = 0.01;
 /// Steps towards the bottom of a valley, each of which leaves two thirds of it.
 const DESCENTS: usize = 40;
 /// Halvings of a cell to the place where a law's demand begins or ends: f32 resolves a place to 24 bits of its move.
@@ -42,6 +51,10 @@ pub struct Profile {
 struct Asked<'a, L> {
     law: &'a L,
     places: &'a MovePlaces,
+    /// Resolution of a place in f32, cells.
+    step: f64,
+    /// Intervals that may still be halved.
+    left: Cell<usize>,
 }
 
 /// The demand at five evenly spaced points of an interval. Those at its quarters reveal a jump that happens to lie on the chord.
@@ -52,6 +65,8 @@ struct Quarters {
     middle: f64,
     /// Distance by which a curve through them dips below the least; infinite where some feed is unbounded.
     dip: f64,
+    /// Dip that is neglected: a closer look would find it again, or only the steps of f32.
+    negligible: f64,
 }
 
 /// A point, in cells from the start, and the path per tooth demanded there.
@@ -61,7 +76,7 @@ impl Profile {
     /// Evaluates the law in these cells and at its knots, which are paths from the start of the move, mm, in rising
     /// order. A uniform law is evaluated once, for one cell that is the whole move.
     pub fn ask(law: &impl FeedLaw, places: &MovePlaces, knots_mm: &[f64], cells: &AskedCells) -> Self {
-        let asked = Asked { law, places };
+        let asked = Asked { law, places, step: places.resolution_ratio() * CELLS as f64, left: Cell::new(HALVED_MAX) };
         if law.is_uniform() {
             return Profile::uniform(asked.at(0.0));
         }
@@ -194,7 +209,7 @@ impl<L: FeedLaw> Asked<'_, L> {
         if quarters.is_smooth() {
             return quarters.bound();
         }
-        let least = self.looked_at(first, last, DEPTH_MAX);
+        let least = self.looked_at(first, last, &quarters, DEPTH_MAX, f64::INFINITY);
         let (mut low, mut high, mut bottom) = (first.0, last.0, least);
         for _ in 0..DESCENTS {
             let third = (high - low) / 3.0;
@@ -209,15 +224,29 @@ impl<L: FeedLaw> Asked<'_, L> {
         bottom
     }
 
-    /// The least between two points, halved as long as it might dip below what is known.
-    fn looked_at(&self, first: Point, last: Point, depth: usize) -> f64 {
-        let quarters = self.quarters(first, last);
+    /// The least between two points, halved as long as it might dip below what is known: the answers at these points, and
+    /// `known` elsewhere in the cell.
+    fn looked_at(&self, first: Point, last: Point, quarters: &Quarters, depth: usize, known: f64) -> f64 {
         if quarters.is_smooth() || quarters.dip.is_infinite() || depth == 0 {
             return quarters.bound();
         }
+        let (lowest, left) = (quarters.lowest(), self.left.get());
+        if lowest > known || left == 0 {
+            return lowest;
+        }
+        self.left.set(left - 1);
         let middle = (0.5 * (first.0 + last.0), quarters.middle);
-        let halves = [(first, middle), (middle, last)];
-        halves.into_iter().map(|(first, last)| self.looked_at(first, last, depth - 1)).fold(quarters.least, f64::min)
+        let mut halves = [(first, middle), (middle, last)].map(|(from, to)| (from, to, self.quarters(from, to)));
+        if quarters.is_rough(halves.each_ref().map(|(.., half)| half)) {
+            return halves.into_iter().map(|(.., half)| half.lowest()).fold(lowest, f64::min);
+        }
+        // The lower half first: what it has leaves less to look for in the other.
+        if last.1 < first.1 {
+            halves.reverse();
+        }
+        halves.iter().fold(quarters.least, |least, (from, to, half)| {
+            least.min(self.looked_at(*from, *to, half, depth - 1, least.min(known)))
+        })
     }
 
     fn quarters(&self, first: Point, last: Point) -> Quarters {
@@ -225,9 +254,14 @@ impl<L: FeedLaw> Asked<'_, L> {
         let paths = [first.1, at(0.25), at(0.5), at(0.75), last.1];
         let bend = |a: usize, b: usize, c: usize| libm::fabs(paths[a] - 2.0 * paths[b] + paths[c]);
         let bends = [bend(0, 2, 4), bend(0, 1, 2), bend(1, 2, 3), bend(2, 3, 4)];
+        let least = paths.into_iter().fold(f64::INFINITY, f64::min);
+        let steps = libm::fabs(last.0 - first.0) / self.step;
+        // A rise within a few steps may be a jump, which no step of f32 accounts for.
+        let step = if steps > 2.0 * ROUNDED_STEPS { libm::fabs(last.1 - first.1) / steps } else { 0.0 };
         Quarters {
-            least: paths.into_iter().fold(f64::INFINITY, f64::min),
+            least,
             middle: paths[2],
+            negligible: f64::max(SHARP_RATIO * least, ROUNDED_STEPS * step),
             dip: if paths.contains(&f64::INFINITY) { f64::INFINITY } else { bends.into_iter().fold(0.0, f64::max) },
         }
     }
@@ -249,11 +283,21 @@ impl<L: FeedLaw> Asked<'_, L> {
 impl Quarters {
     /// Reports whether the demand falls below the points by a negligible amount only.
     fn is_smooth(&self) -> bool {
-        self.dip <= SHARP_RATIO * self.least
+        self.dip <= self.negligible
+    }
+
+    /// Reports whether neither half dips much less than the whole.
+    fn is_rough(&self, halves: [&Quarters; 2]) -> bool {
+        self.dip <= ROUGH_MAX_RATIO * self.least && halves.iter().all(|half| half.dip >= ROUGH_RATIO * self.dip)
+    }
+
+    /// The lowest value that a curve through the points reaches.
+    fn lowest(&self) -> f64 {
+        (self.least - self.dip).max(0.0)
     }
 
     fn bound(&self) -> f64 {
-        if self.dip.is_infinite() { self.least } else { self.least - self.dip.min(SHARP_RATIO * self.least) }
+        if self.dip.is_infinite() { self.least } else { self.least - self.dip.min(self.negligible) }
     }
 }
 

@@ -73,7 +73,7 @@ impl<'p> BoardLine<'p> {
         Ok(BoardLine { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
     }
 
-    /// Receives the messages that have arrived, and sends those that are due.
+    /// Receives the messages that have arrived and gives each to `take`, then sends those that are due. Does not wait.
     ///
     /// # Errors
     /// The port is gone.

@@ -231,7 +231,7 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag of the process that Ctrl-C, or a request to terminate, sets.
+/// Flag that is set when this process gets Ctrl-C or a request to terminate. The first call installs the handler.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     static WATCH: Once = Once::new();

@@ -39,10 +39,10 @@ const JOURNAL_SUFFIX: &str = "journal";
 /// Stack of a thread that executes runs: as that of the program itself. A run without optimisation needs more than two MiB.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Run a campaign: one simulated run for each combination of values, with its figures as a row of a table
+/// Run a campaign: one simulated run for each combination of values, with its results as a row of a table
 ///
-/// Runs on all cores. Started again, it goes on where it stopped. Exit code 1 if a run ends in a way that the sweep file does not
-/// accept (docs/campaigns.md).
+/// Runs on all cores. After an interruption the same command continues where it stopped. Exit code 1 if a run fails, or ends
+/// otherwise than the sweep file allows (docs/campaigns.md).
 #[derive(Debug, clap::Args)]
 pub struct Sweep {
     /// The sweep file

@@ -30,7 +30,7 @@ impl LivePage {
     /// Shows nothing.
     pub fn end(&mut self, _last: Snapshot) {}
 
-    /// Never returns a command.
+    /// Always `None`: no page is there to send a command.
     pub fn command(&self) -> Option<Command> {
         None
     }

@@ -43,7 +43,7 @@ pub enum Refusal {
     Heartbeat(Span),
 }
 
-/// Reason for the end of a link.
+/// Reason why a link is no longer up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Loss {

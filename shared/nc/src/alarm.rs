@@ -67,7 +67,7 @@ alarms! {
     ArcAtStartUp = 34: "an arc as the first move in the plane with or behind G41, G42 or G40", "make that move a line";
     PlaneUnderCompensation = 37: "another plane under G41 or G42", "select the plane before G41 or G42, or after G40";
     ArcEndInCenter = 38: "an arc under G41 or G42 that starts or ends in its centre", "correct its end or I, J, K";
-    Interference = 41: "interference: the offset path of this move under G41 or G42 runs against it; overcutting",
+    Interference = 41: "interference: the offset path of this move under G41 or G42 opposes the programmed move (overcutting)",
         "use a smaller tool, or a contour that the tool can follow: arcs not below its radius, no narrower step or slot";
     ReferenceInCycle = 44: "G27 to G30 in a canned cycle", "write G80 before it";
     NoPeck = 45: "G73 or G83 without a depth of cut", "give Q";
@@ -79,7 +79,7 @@ alarms! {
     TwoCorners = 53: "both ,C and ,R in a block", "write one of them";
     ShortCorner = 55: "a move that is shorter than its chamfer or rounded corner (,C and ,R)", "write a smaller corner or a longer move";
     SequenceNotFound = 60: "no block has the sequence number that was searched for", "search for one that the program has";
-    ProgramNumber = 74: "0 as a program number, or as a sequence number, which may be taken for one",
+    ProgramNumber = 74: "program number 0, or sequence number 0, which a control may take for a program number",
         "count from 1";
     LineError = 85: "communication error: a character without its stop bits, or lost in the receiver",
         "check baud rate, stop bits and cable";

@@ -6,18 +6,22 @@ use arcfeed::adapt::asked_cells::{AskedCells, CELLS};
 use arcfeed::adapt::places::MovePlaces;
 use arcfeed::adapt::profile::Profile;
 use arcfeed::adapt::range::DemandRange;
-use arcfeed_law::SegmentLaw;
 use arcfeed_law::circumference::Circumference;
 use arcfeed_law::table::Table;
+use arcfeed_law::{FeedDemand, FeedLaw, NoDemand, Place, SegmentLaw};
 use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_tests::of_full_set;
 use arcfeed_units::{Mm, MmPerTooth, Nm};
+use core::cell::Cell;
 use core::f64::consts::{PI, TAU};
 use fastrand::Rng;
 
 /// How much the demand's own roundings make of two ranges, in parts of a feed.
 const ROUNDING: f64 = 2e-6;
+
+/// Largest step of the demand from one place in f32 to the next where contact ends, in parts of a feed.
+const ONE_STEP: f64 = 3e-5;
 
 /// Arcs of all lengths, radii as rings have them and others, lines that pass A, that touch the circle, that are met near either end
 /// of what the law holds for.
@@ -92,6 +96,47 @@ fn turning_points_of_the_circumference_law_give_the_same_demand_as_all_cells() {
     }
     println!("{arcs} arcs, {} of {CELLS} cells each; apart by {worst:e}", asked / arcs);
     assert!(asked < arcs * CELLS / 4, "{asked} cells of {arcs} arcs");
+}
+
+/// A law that counts its evaluations.
+struct Counted<'a> {
+    law: &'a SegmentLaw,
+    evaluations: Cell<usize>,
+}
+
+impl FeedLaw for Counted<'_> {
+    fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        self.law.demand(place)
+    }
+}
+
+/// Where contact ends the demand rises steeply, in steps of f32 that are no dips. One such step is the most by which a place may lie below the bound.
+#[test]
+fn the_least_demand_is_a_bound_and_found_by_few_evaluations_also_where_contact_ends() {
+    let mut random = Rng::with_seed(19);
+    let (mut closest, mut furthest) = (f64::INFINITY, 0.0_f64);
+    let (mut arcs, mut evaluations, mut most) = (0, 0, 0);
+    for case in 0..of_full_set(5_000, 400) {
+        let scene = sample(&mut random);
+        let Some((segment, law)) = arc_and_law(&scene) else { continue };
+        let places = MovePlaces::of(&segment);
+        let counted = Counted { law: &law, evaluations: Cell::new(0) };
+        let asked = AskedCells::deciding(&law, &places, &[]);
+        let Some(least) = Profile::ask(&counted, &places, &[], &asked).least() else { continue };
+        let steps = 5_000;
+        let demands = (0..=steps).filter_map(|step| law.demand(&places.at(f64::from(step) / f64::from(steps))).ok());
+        let lowest = demands.map(|demand| f64::from(demand.path_mm_per_tooth)).fold(f64::INFINITY, f64::min);
+        assert!(least > 0.0 && least <= lowest * (1.0 + ONE_STEP), "case {case}: {least} above {lowest}, {scene:?}");
+        (closest, furthest) = (closest.min(lowest / least - 1.0), furthest.max(lowest / least - 1.0));
+        let count = counted.evaluations.get() - asked.count();
+        (arcs, evaluations, most) = (arcs + 1, evaluations + count, most.max(count));
+    }
+    println!(
+        "{arcs} arcs: {} evaluations beside the cells' ends, at most {most}; lowest over bound {closest:e} .. {furthest:e}",
+        evaluations / arcs
+    );
+    assert!(evaluations < 2_000 * arcs && most < 40_000, "{evaluations} of {arcs} arcs, at most {most}");
 }
 
 #[test]

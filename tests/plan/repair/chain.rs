@@ -1,5 +1,5 @@
-//! The whole chain of the example: points, program, simulated cut, deviation. The result is measured on the simulated stock by rays, with the table of
-//! the plan as the claim; the old surface and the weld are those of `make_points.py`.
+//! The whole chain of the example: points, program, simulated cut, deviation. The table of the plan is the claim; the old surface and the weld are those
+//! of `make_points.py`. The result is measured twice: on the simulated stock by rays, and, up to the edges of the side, by the balls of the CL file.
 
 use std::collections::HashMap;
 
@@ -11,6 +11,8 @@ use super::command::column;
 /// `scallop` and `tolerance` of the part file.
 const SCALLOP_MM: f64 = 0.01;
 const TOLERANCE_MM: f64 = 0.005;
+/// Radius of the ball-end mill of the part.
+const BALL_MM: f64 = 2.5;
 /// Edge of the cells among which triangles are sorted.
 const CELL_MM: f64 = 1.0;
 /// Range of heights in which the surface is looked for.
@@ -69,6 +71,48 @@ fn met([a, b, c]: &[Point; 3], from: &Point, along: &Vector) -> Option<f64> {
     is_inside.then(|| -normal.dot(&off) / facing)
 }
 
+/// The balls of a mill on its way: straight lines of their centres.
+struct Balls(Vec<[Point; 2]>);
+
+impl Balls {
+    /// `GOTO` words of a CL file: tip, then axis where it changes.
+    fn read(path: &str) -> Self {
+        let text = std::fs::read_to_string(path).unwrap();
+        let mut axis = Vector::zeros();
+        let mut centres = Vec::new();
+        for words in text.lines().filter_map(|line| line.strip_prefix("GOTO/")) {
+            let values: Vec<f64> = words.split(',').map(|word| word.parse().unwrap()).collect();
+            if let [i, j, k] = values[3..] {
+                axis = Vector::new(i, j, k);
+            }
+            centres.push(Point::new(values[0], values[1], values[2]) + BALL_MM * axis);
+        }
+        Balls(centres.windows(2).map(|ends| [ends[0], ends[1]]).collect())
+    }
+
+    /// Height on the line through a point along a direction at which the balls end, from below; infinite where none is met.
+    fn height_mm(&self, from: &Point, along: &Vector) -> f64 {
+        let reached: Vec<_> = self.0.iter().filter(|line| apart(line, from) < BALL_MM + 2.0 * REACH_MM).collect();
+        let mut height = -REACH_MM;
+        while height < REACH_MM {
+            let at = from + height * along;
+            let gap = reached.iter().map(|line| apart(line, &at)).fold(f64::INFINITY, f64::min) - BALL_MM;
+            if gap < 1e-7 {
+                return height;
+            }
+            height += gap;
+        }
+        f64::INFINITY
+    }
+}
+
+/// Distance of a point from a line between two points.
+fn apart([a, b]: &[Point; 2], at: &Point) -> f64 {
+    let (way, off) = (b - a, at - a);
+    let ratio = off.dot(&way) / way.norm_squared();
+    (off - way * if ratio.is_nan() { 0.0 } else { ratio.clamp(0.0, 1.0) }).norm()
+}
+
 /// Place of the lattice with what was planned, what stood before and what stands after.
 struct Place {
     row: usize,
@@ -79,61 +123,62 @@ struct Place {
     after_mm: f64,
 }
 
-fn places(folder: &str) -> Vec<Place> {
-    let [before, after] = ["stock.stl", "left.stl"].map(|name| Facets::read(&format!("{folder}/{name}")));
+/// Line of the table: a place of the side, and the height of the old surface there.
+struct Row {
+    uv: [f64; 2],
+    from: Point,
+    along: Vector,
+    stands_mm: f64,
+}
+
+/// Places of the table, before and after as `measured`; those without are left out.
+fn places(folder: &str, measured: impl Fn(&Row) -> Option<[f64; 2]>) -> Vec<Place> {
     let table = std::fs::read_to_string(format!("{folder}/allowance.csv")).unwrap();
     let names = table.lines().nth(1).unwrap();
-    let mut found = Vec::new();
-    for line in table.lines().skip(2) {
+    let place = |line: &str| {
         let number = |name: &str| column(names, line, name).parse::<f64>();
         let value = |name: &str| number(name).unwrap();
-        // Beside the borders of the side the lines meet its edges and the tip's face, and the blade is hardly thicker than the distance of dexel rays.
-        let is_inside = (0.02..=0.98).contains(&value("u")) && (0.03..=0.95).contains(&value("v"));
-        if !is_inside {
-            continue;
-        }
-        let from = Point::new(value("x_mm"), value("y_mm"), value("z_mm"));
-        let along = Vector::new(value("nx"), value("ny"), value("nz"));
-        let [before_mm, after_mm] = [&before, &after].map(|facets| facets.height_mm(&from, &along));
-        found.push(Place {
+        let [before_mm, after_mm] = measured(&Row {
+            uv: ["u", "v"].map(value),
+            from: ["x_mm", "y_mm", "z_mm"].map(value).into(),
+            along: ["nx", "ny", "nz"].map(value).into(),
+            stands_mm: value("along_mm"),
+        })?;
+        Some(Place {
             row: value("row") as usize,
             column: value("column") as usize,
             region: column(names, line, "region").into(),
             planned_mm: number("left_mm").ok(),
-            before_mm: before_mm.expect("the stock has a surface there"),
-            after_mm: after_mm.expect("the result has a surface there"),
-        });
-    }
-    found
+            before_mm,
+            after_mm,
+        })
+    };
+    table.lines().skip(2).filter_map(place).collect()
 }
 
-#[test]
-fn the_simulated_cut_leaves_what_was_planned_and_the_old_surface() {
-    let scratch = Scratch::new("repair-chain");
-    let folder = scratch.path("out");
-    let planned = run(&["plan", "repair", "examples/repaired-blade/REPAIR.toml", "-o", &folder]);
-    println!("{}{}", String::from_utf8_lossy(&planned.stdout), String::from_utf8_lossy(&planned.stderr));
-    assert!(planned.status.success());
-    let surface = format!("{folder}/left.stl");
-    let simulated = run(&["simulate", &format!("{folder}/job.toml"), "--surface", &surface]);
-    println!("{}{}", String::from_utf8_lossy(&simulated.stdout), String::from_utf8_lossy(&simulated.stderr));
-    assert!(simulated.status.success());
-
-    let places = places(&folder);
-    let norm: Vec<f64> =
-        places.iter().filter(|place| place.region == "norm").map(|place| place.before_mm - place.after_mm).collect();
-    let taken = norm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    println!("{} places of the norm region: {:.2} um taken at most", norm.len(), 1000.0 * taken);
-    let off: Vec<(f64, &Place)> = places
-        .iter()
-        .filter_map(|place| Some((place.after_mm - place.planned_mm?, place)))
+/// Checks what was taken from the old surface, and how far the rest stands above the plan.
+fn check(places: &[Place]) {
+    let norm = places.iter().filter(|place| place.region == "norm");
+    let (mut taken, mut count) = (f64::NEG_INFINITY, 0);
+    for place in norm {
+        (taken, count) = (taken.max(place.before_mm - place.after_mm), count + 1);
+    }
+    println!("{count} places of the norm region: {:.2} um taken at most", 1000.0 * taken);
+    let off = places.iter().filter_map(|place| {
+        let planned_mm = place.planned_mm?;
         // Where the old surface itself lies below the plan there is nothing to take.
-        .filter(|(off, place)| *off > 0.0 || place.before_mm > place.planned_mm.unwrap_or(0.0))
-        .collect();
-    let (low, high) = off.iter().fold((0.0_f64, 0.0_f64), |(low, high), (off, _)| (low.min(*off), high.max(*off)));
+        Some(place.after_mm - planned_mm).filter(|off| *off > 0.0 || place.before_mm > planned_mm)
+    });
+    let off: Vec<f64> = off.collect();
+    let (low, high) = off.iter().fold((0.0_f64, 0.0_f64), |(low, high), off| (low.min(*off), high.max(*off)));
     println!("{} places to be finished: {:.2} to {:.2} um above the plan", off.len(), 1000.0 * low, 1000.0 * high);
+    assert!(count > 500 && off.len() > 1000);
+    assert!(taken < 0.001, "{taken}");
+    assert!(low >= -TOLERANCE_MM && high <= SCALLOP_MM + TOLERANCE_MM, "{low} {high}");
+}
 
-    // Across c1: the last place of the norm region and the first of the transition on a column.
+/// The largest step across c1: from the last place of the norm region to the first of the transition on a column.
+fn step_mm(places: &[Place]) -> f64 {
     let mut steps = 0.0_f64;
     for place in places.iter().filter(|place| place.region == "transition") {
         let below = places
@@ -145,9 +190,36 @@ fn the_simulated_cut_leaves_what_was_planned_and_the_old_surface() {
             assert!((planned_mm - 0.05).abs() < 0.003, "{planned_mm}");
         }
     }
-    println!("step across the border of the norm region: {:.2} um at most", 1000.0 * steps);
-    assert!(norm.len() > 500 && off.len() > 1000);
-    assert!(taken < 0.001, "{taken}");
-    assert!(low >= -TOLERANCE_MM && high <= SCALLOP_MM + TOLERANCE_MM, "{low} {high}");
-    assert!(steps <= 0.01, "{steps}");
+    steps
+}
+
+#[test]
+fn what_is_left_of_the_example_is_what_was_planned_and_the_old_surface() {
+    let scratch = Scratch::new("repair-chain");
+    let folder = scratch.path("out");
+    let planned = run(&["plan", "repair", "examples/repaired-blade/REPAIR.toml", "-o", &folder]);
+    println!("{}{}", String::from_utf8_lossy(&planned.stdout), String::from_utf8_lossy(&planned.stderr));
+    assert!(planned.status.success());
+
+    println!("by the balls of the CL file, up to the edges:");
+    let balls = Balls::read(&format!("{folder}/repair.apt"));
+    check(&places(&folder, |row| Some([row.stands_mm, row.stands_mm.min(balls.height_mm(&row.from, &row.along))])));
+
+    let surface = format!("{folder}/left.stl");
+    let simulated = run(&["simulate", &format!("{folder}/job.toml"), "--surface", &surface]);
+    println!("{}{}", String::from_utf8_lossy(&simulated.stdout), String::from_utf8_lossy(&simulated.stderr));
+    assert!(simulated.status.success());
+    let [before, after] = ["stock.stl", "left.stl"].map(|name| Facets::read(&format!("{folder}/{name}")));
+    let simulated = places(&folder, |row| {
+        // Beside the borders of the side the lines meet its edges and the tip's face, and the blade is hardly thicker than the distance of dexel rays.
+        let [u, v] = row.uv;
+        let is_inside = (0.02..=0.98).contains(&u) && (0.03..=0.95).contains(&v);
+        let height = |facets: &Facets| facets.height_mm(&row.from, &row.along).expect("a surface there");
+        is_inside.then(|| [&before, &after].map(height))
+    });
+    println!("by rays on the simulated stock:");
+    check(&simulated);
+    let step = step_mm(&simulated);
+    println!("step across the border of the norm region: {:.2} um at most", 1000.0 * step);
+    assert!(step <= 0.01, "{step}");
 }

@@ -152,11 +152,12 @@ impl PreparedSlot {
         })
     }
 
-    /// The plan, and the surroundings of the slot in its frame, all in normal form. The allowance is that for which the
-    /// slot was prepared.
+    /// Plans the path of a ring through the slot, and returns with it the surroundings of the slot, in the slot's frame. Both are in the
+    /// [normal form](super::normal_form); [`restored`](Self::restored) leads back. The plan leaves the allowance given to
+    /// [`new`](Self::new).
     ///
     /// # Errors
-    /// The ring does not pass, or does not reach the hub.
+    /// The ring does not fit into the slot, or does not reach the hub.
     pub fn plan(&self, request: &Request<'_>) -> Result<(SlotPlan, Surroundings), Infeasible> {
         let Request { cutter, roughing, raise, .. } = *request;
         let room = self.room(request).ok_or(Infeasible::NoAxis)?;

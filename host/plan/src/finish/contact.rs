@@ -67,7 +67,7 @@ impl Contact {
         yaw * (self.normal * cos + self.feed * sin) // (1)
     }
 
-    /// Orientation that has this tool axis, with a tilt of 0 or more.
+    /// Tilt and yaw that give this tool axis by (1); of the two solutions the one with a tilt of 0 or more.
     pub fn orientation(&self, axis: &Vector) -> Orientation {
         let across = self.normal.cross(&self.feed);
         let [along, beside, up] = [self.feed, across, self.normal].map(|direction| direction.dot(axis));

@@ -62,7 +62,7 @@ impl Clearance {
         self.bounds_mm.map(|bound_mm| bound_mm - allowance_mm)
     }
 
-    /// Whether the part of the tool provably never touches the obstacle.
+    /// Whether it is proven that this part of the tool does not touch this obstacle anywhere on the path: the lower bound of their distance is above 0.
     pub fn is_free(&self) -> bool {
         self.bounds_mm[0] > 0.0
     }

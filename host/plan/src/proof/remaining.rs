@@ -128,7 +128,7 @@ impl<'w> SlotWalls<'w> {
         self.to_slot * Point::new(radius_mm * libm::cos(angle_rad), radius_mm * libm::sin(angle_rad), z)
     }
 
-    /// Whether a point, slot frame, lies in the hub or its allowance.
+    /// Whether a point, in coordinates of the slot frame, lies in the hub or in the layer of material that is left on it (the allowance).
     pub fn is_hub(&self, point: &Point) -> bool {
         let point = self.to_slot.inverse() * point;
         let is_near = libm::hypot(point.x, point.y) < self.hub_radius_mm + self.allowance_mm;

@@ -104,7 +104,7 @@ impl TraceFiles {
 }
 
 impl RunTables {
-    /// Processes a millisecond of the run.
+    /// Adds the rows of one simulated millisecond: the sample, and the tooth passes that `loads` has measured.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>, loads: Option<&mut LoadMeter>) {
         if self.failure.is_some() {
             return;

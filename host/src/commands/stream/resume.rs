@@ -17,13 +17,13 @@ use crate::dnc::transmission::Transmission;
 /// Options of a restart: place and conditions.
 #[derive(Debug, clap::Args)]
 pub struct Resume {
-    /// Restart the program after a crash or a cut cable, as far as the journal and the control show
+    /// Restart the program after a crash or a cut cable, at the place that the journal and the control report
     #[arg(long)]
     resume: bool,
     /// Line of the program's file to continue with; needed if the control does not report its progress
     #[arg(long, value_name = "LINE", requires = "resume")]
     from: Option<usize>,
-    /// Z above all obstacles, in the program's coordinates; without it the highest that a rapid has led to
+    /// Z above all obstacles, in the program's coordinates; without it the highest Z that a rapid of the program reaches
     #[arg(long, value_name = "Z", requires = "resume", allow_negative_numbers = true)]
     clearance: Option<f64>,
     /// Agree to the restart without a question: for scripts, after the plan has been checked
