@@ -2,6 +2,8 @@
 //! law.
 
 use std::collections::HashMap;
+#[cfg(feature = "plan")]
+use std::path::Path;
 use std::path::PathBuf;
 
 use arcfeed_control::ControlSettings;
@@ -77,6 +79,11 @@ impl Engage {
     /// # Errors
     /// The job or the program is at fault, no rule asks for a map, or it cannot be written.
     pub fn run(&self) -> Result<(), Failure> {
+        self.write_map()?.print(self.json);
+        Ok(())
+    }
+
+    fn write_map(&self) -> Result<Report, Failure> {
         let (file, program) = load_unmapped(&self.job)?;
         let Some(named) = &file.map_file else {
             let job = self.job.display();
@@ -114,9 +121,18 @@ impl Engage {
             left_out: left_out.collect(),
         };
         write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
-        report.print(self.json);
-        Ok(())
+        Ok(report)
     }
+}
+
+/// Writes the engagement map of a planned job, whose slots are all alike; returns its file and its number of moves.
+///
+/// # Errors
+/// See [`Engage::run`].
+#[cfg(feature = "plan")]
+pub(super) fn write_map_of_equal_slots(job: &Path) -> Result<(String, usize), Failure> {
+    let report = Engage { job: job.into(), alike: true, output: None, json: false }.write_map()?;
+    Ok((report.map, report.moves.len()))
 }
 
 /// Runs the original program through the workpiece, on drives without lag: the map is that of the programmed path.

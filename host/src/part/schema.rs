@@ -222,8 +222,8 @@ pub struct RoughingTable {
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawWord {
-    #[default]
     Circumference,
+    #[default]
     EngagedArc,
 }
 

@@ -6,13 +6,14 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 /// Tests with a full set, and what their names begin with.
-const CAMPAIGNS: [(&str, &str); 9] = [
+const CAMPAIGNS: [(&str, &str); 10] = [
     ("feed", ""),
     ("line", "dnc::"),
     ("line", "wire::"),
     ("line", "application::"),
     ("line", "serving_clients::"),
     ("board", ""),
+    ("plan", "widths::"),
     ("machine", "drives::"),
     ("machine", "kinematics::"),
     ("program", "fuzz::"),

@@ -27,26 +27,40 @@ impl EdgeCircle {
     /// appears once.
     pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
         let directions = (TAU * self.radius_mm / layer.step_mm() * DIRECTIONS_PER_STEP).ceil() as usize;
-        let at_rad = |direction: usize| (direction as f64 + 0.5) * TAU / directions as f64;
+        let apart_rad = TAU / directions as f64;
         let reach_mm = self.radius_mm + f64::from(self.side.advance()) * ahead_mm;
-        let is_in = |direction: usize| {
-            let (sin, cos) = libm::sincos(at_rad(direction % directions));
+        let mut is_in = vec![false; directions];
+        let mut direction = 0;
+        while direction < directions {
+            let (sin, cos) = libm::sincos((direction as f64 + 0.5) * apart_rad);
             let point_mm = self.center_mm + Vector2::new(cos, sin) * reach_mm;
-            layer
-                .top_ratio(point_mm, usize::from(sin * sin > cos * cos))
-                .is_some_and(|top_ratio| top_ratio > above_ratio)
-        };
-        let half_rad = TAU / directions as f64 / 2.0;
+            // No point on the circle is farther from this one than the arc between them is long.
+            let beside_mm = distance_mm(&layer.extent_mm(), &point_mm) - layer.step_mm();
+            if beside_mm > 0.0 {
+                direction += ((beside_mm / (reach_mm * apart_rad)) as usize).max(1);
+                continue;
+            }
+            let axis = usize::from(sin * sin > cos * cos);
+            is_in[direction] = layer.top_ratio(point_mm, axis).is_some_and(|top_ratio| top_ratio > above_ratio);
+            direction += 1;
+        }
+        let is_in = |direction: usize| is_in[direction % directions];
         let begins = (0..directions).filter(|direction| is_in(*direction) && !is_in(direction + directions - 1));
         let arcs: Vec<[f64; 2]> = begins
             .map(|begin| {
                 let end =
                     (begin..begin + directions).find(|direction| !is_in(*direction)).unwrap_or(begin + directions);
-                [at_rad(begin) - half_rad, at_rad(end) - half_rad]
+                [begin as f64 * apart_rad, end as f64 * apart_rad]
             })
             .collect();
         if arcs.is_empty() && is_in(0) { vec![[0.0, TAU]] } else { arcs }
     }
+}
+
+/// Distance of a point from a rectangle, given by its lowest and highest corner; 0 inside.
+fn distance_mm([low_mm, high_mm]: &[[f64; 2]; 2], point_mm: &Vector2<f64>) -> f64 {
+    let off_mm = |axis: usize| (low_mm[axis] - point_mm[axis]).max(point_mm[axis] - high_mm[axis]).max(0.0);
+    libm::hypot(off_mm(0), off_mm(1))
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use arcfeed_nc::modal::Turn;
 use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::cutter::CupMill;
-use crate::output::limits::{BlankFace, StockBound, StockLimit};
+use crate::output::limits::{BlankFace, StockLimit};
 
 /// Content of a job file for a planned path of a cup mill.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,11 +44,12 @@ pub struct JobFile<'a> {
 /// Feed law in a job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<'a> {
-    /// Law of the source: the contact with one line. On its far side a ring may meet that line again; the law is slow
-    /// there ([`StockLimit::kept_ratio`]), and it ignores the other circle ([`StockLimit::elsewhere_ratio`]).
+    /// Law of the source: the contact with one line. It ignores the other circle and the other face; where these cut a
+    /// thicker chip ([`StockLimit::elsewhere_ratio`]), the rule's feed per tooth is lower by their ratio, and a
+    /// movement with a high ratio gets no rule: it keeps its programmed feed.
     Circumference,
-    /// Law for the whole engaged arc of both circles, between these lines.
-    EngagedArc(&'a [StockBound]),
+    /// Law for the whole engaged arc of both circles, by this engagement map, relative to the job file.
+    EngagedArc(&'a str),
 }
 
 /// Workpiece of a job file: meshes in millimetres, by paths relative to the job file.
@@ -101,7 +102,10 @@ impl JobFile<'_> {
             Law::Circumference => {
                 ("The same chip on the circumference all along an arc, at the stock's limit", "circumference")
             }
-            Law::EngagedArc(_) => ("The thickest chip of both circles the same all along an arc", "engaged-arc"),
+            Law::EngagedArc(_) => (
+                "The thickest chip of both circles the same all along an arc, in the material that is left there",
+                "engaged-arc",
+            ),
         };
         let feed = self.length(self.feed_per_tooth_mm);
         let _ = writeln!(text, "\n# {why}.\n[law]\nkind = \"{law}\"\nfeed_per_tooth = {feed}");
@@ -137,8 +141,16 @@ impl JobFile<'_> {
     }
 
     fn cuts(&self, text: &mut String) {
-        *text += "\n# The blank's faces are the stock's limits. Each lies square to the rotor's axis and leans with the tool: `rise` is what its\n\
-                  # distance grows by per unit of Z. A rule holds on the levels where its movement cuts, the last way back left out.\n";
+        *text += match self.law {
+            Law::Circumference => {
+                "\n# The blank's faces are the stock's limits. Each lies square to the rotor's axis and leans with the tool: `rise` is what its\n\
+                 # distance grows by per unit of Z. A rule holds on the levels where its movement cuts, the last way back left out.\n"
+            }
+            Law::EngagedArc(_) => {
+                "\n# The map has the material in front of both circles along each arc, after all arcs and links before it. It belongs to this\n\
+                 # program, tool and stock: `arcfeed engage --alike` makes it anew.\n"
+            }
+        };
         for limit in self.limits {
             self.cut(text, limit);
         }
@@ -149,28 +161,47 @@ impl JobFile<'_> {
             RotationCircle::Interior => ("interior", "B1, on the inner circle"),
             RotationCircle::Exterior => ("exterior", "A, on the outer circle"),
         };
-        let (side, face) = (
-            match limit.edge {
-                Edge::Outer => "outer",
-                Edge::Inner => "inner",
-            },
-            match limit.face {
-                BlankFace::Lower => "lower",
-                BlankFace::Upper => "upper",
-            },
-        );
+        let side = match limit.edge {
+            Edge::Outer => "outer",
+            Edge::Inner => "inner",
+        };
         let direction = match limit.turn {
             Turn::Cw => "cw",
             Turn::Ccw => "ccw",
         };
+        let _ = write!(text, "\n# Movement {}: about {point}", limit.movement);
+        let rule = match self.law {
+            Law::Circumference => self.line_rule(text, limit, side),
+            Law::EngagedArc(map) => {
+                *text += ".\n";
+                Some(format!("stock = {{ map = {} }}\n", quoted(map)))
+            }
+        };
+        if let Some(rule) = rule {
+            let _ = write!(
+                text,
+                "[[cut]]\nrotation = \"{rotation}\"\ndirection = \"{direction}\"\nside = \"{side}\"\n{rule}"
+            );
+        }
+    }
+
+    /// Ends the remark on a movement, and returns the part of its rule that describes the stock by a line; `None` if
+    /// such a rule would be slower than the programmed feed, at which no chip is thicker than its target.
+    fn line_rule(&self, text: &mut String, limit: &StockLimit, side: &str) -> Option<String> {
+        let face = match limit.face {
+            BlankFace::Lower => "lower",
+            BlankFace::Upper => "upper",
+        };
         let [least_deg, most_deg] = limit.contact_deg;
         let _ = writeln!(
             text,
-            "\n# Movement {}: about {point}; thickest chip with the {side} circle at the {face} face, {least_deg:.0} to {most_deg:.0} degrees from \
-             that point.",
-            limit.movement
+            "; thickest chip with the {side} circle at the {face} face, {least_deg:.0} to {most_deg:.0} degrees from that point."
         );
-        if self.law == Law::Circumference && limit.kept_ratio < 1.0 {
+        if !limit.is_governed_by_line() {
+            *text += "# The other circle, or the other face, has much thicker chips: no rule, the programmed feed.\n";
+            return None;
+        }
+        if limit.kept_ratio < 1.0 {
             let _ = writeln!(
                 text,
                 "# Where the circle meets the line once more, on its far side, the law keeps the chip there: that at the face is down to \
@@ -178,34 +209,22 @@ impl JobFile<'_> {
                 limit.kept_ratio
             );
         }
-        if self.law == Law::Circumference && limit.elsewhere_ratio > 1.0 {
+        let [low, high] = limit.heights_mm.map(|mm| self.length(mm));
+        let mut rule = format!(
+            "stock = {{ normal_deg = {}, offset = {}, rise = {} }}\nz = [{low}, {high}]\n",
+            number(limit.normal_deg),
+            self.length(limit.offset_mm),
+            limit.rise_ratio
+        );
+        if limit.elsewhere_ratio > 1.0 {
+            let ratio = limit.elsewhere_ratio;
             let _ = writeln!(
                 text,
-                "# The other circle meets material there with up to {:.2} times this chip, if any is left.",
-                limit.elsewhere_ratio
+                "# The other circle, or the other face, has up to {ratio:.2} times this chip, which is lower by as much."
             );
+            let _ = writeln!(rule, "feed_per_tooth = {}", self.length(self.feed_per_tooth_mm / ratio));
         }
-        let [low, high] = limit.heights_mm.map(|mm| self.length(mm));
-        let stock = match self.law {
-            Law::Circumference => format!(
-                "normal_deg = {}, offset = {}, rise = {}",
-                number(limit.normal_deg),
-                self.length(limit.offset_mm),
-                limit.rise_ratio
-            ),
-            Law::EngagedArc(bounds) => {
-                // Angle and rise are no lengths, and must be floats in TOML.
-                let line = |bound: &StockBound| {
-                    format!("[{:?}, {}, {:?}]", bound.normal_deg, self.length(bound.offset_mm), bound.rise_ratio)
-                };
-                format!("lines = [{}]", bounds.iter().map(line).collect::<Vec<_>>().join(", "))
-            }
-        };
-        let _ = writeln!(
-            text,
-            "[[cut]]\nrotation = \"{rotation}\"\ndirection = \"{direction}\"\nside = \"{side}\"\n\
-             stock = {{ {stock} }}\nz = [{low}, {high}]"
-        );
+        Some(rule)
     }
 
     fn workpiece(&self, text: &mut String, workpiece: &Workpiece<'_>) {

@@ -37,6 +37,9 @@ const SAMPLES: usize = 17;
 /// Margin of a rule's levels beyond the first and last, mm: more than a program's resolution, less than a level.
 const LEVEL_MARGIN_MM: f64 = 0.02;
 
+/// Thickness of a chip elsewhere, relative to the one at the line, from which a law with this line is of no use.
+const ELSEWHERE_MAX_RATIO: f64 = 4.0;
+
 /// The four movements.
 const MOVEMENTS: [Purpose; 4] = [Purpose::Movement1, Purpose::Movement2, Purpose::Movement3, Purpose::Movement4];
 
@@ -81,15 +84,12 @@ pub struct StockLimit {
     pub kept_ratio: f64,
 }
 
-/// Line that bounds the stock in the plane of a level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StockBound {
-    /// Direction of its normal, out of the material, from x.
-    pub normal_deg: f64,
-    /// Distance of the line from the origin along the normal, at height 0.
-    pub offset_mm: f64,
-    /// Growth of the distance per unit of height.
-    pub rise_ratio: f64,
+impl StockLimit {
+    /// A law with this one line, and a feed per tooth lower by [`StockLimit::elsewhere_ratio`], may exceed the
+    /// programmed feed.
+    pub fn is_governed_by_line(&self) -> bool {
+        self.elsewhere_ratio < ELSEWHERE_MAX_RATIO
+    }
 }
 
 /// Reason why there are no stock limits.
@@ -125,28 +125,6 @@ pub fn stock_limits(
     let of = |purpose: Purpose| steps.iter().filter(move |step| step.purpose == purpose).collect::<Vec<_>>();
     let found = MOVEMENTS.iter().filter(|purpose| !of(**purpose).is_empty());
     found.map(|purpose| limit(*purpose, &of(*purpose), &faces, mill)).collect()
-}
-
-/// Bounds of the slot's stock: both faces, and the line along y through the base position, beyond which the ring meets
-/// the planes of the faces once more, outside of the blank. For the law of the whole engaged arc.
-///
-/// # Errors
-/// The tool stands along the rotor's axis.
-pub fn bounds(
-    path: &SlotPath,
-    mill: &CupMill,
-    blank: &Blank,
-    tool_axis: &Vector,
-) -> Result<[StockBound; 3], LimitError> {
-    let frame = slot_frame(tool_axis).ok_or(LimitError::AlongRotor)?;
-    let rotor = frame * Vector::z();
-    let face = |face: BlankFace| {
-        let line = line(face, blank, &rotor, mill.insert_radius_mm);
-        StockBound { normal_deg: line.normal_deg(), offset_mm: line.offset_mm, rise_ratio: line.rise_ratio }
-    };
-    let is_right = path.exterior.x > path.base.x;
-    let (normal_deg, offset_mm) = if is_right { (180.0, -path.base.x) } else { (0.0, path.base.x) };
-    Ok([face(BlankFace::Lower), face(BlankFace::Upper), StockBound { normal_deg, offset_mm, rise_ratio: 0.0 }])
 }
 
 /// Line of a face: (2).

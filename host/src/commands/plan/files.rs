@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
 use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
+use arcfeed_plan::output::limits::StockLimit;
 use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
+use super::super::engage::write_map_of_equal_slots;
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::page;
 use super::plan_result::{PlanResult, feeds};
@@ -39,7 +41,8 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
     let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
     let settings = control_settings(composed);
-    let job = job(composed, &name, settings.as_ref().map(|_| SETTINGS));
+    let map = format!("{stem}.engaged.toml");
+    let job = job(composed, &name, &map, settings.as_ref().map(|_| SETTINGS))?;
     let page = page::report(composed).page().to_string();
     let mut files: Vec<(&str, &[u8])> = vec![
         (&name, text.as_bytes()),
@@ -49,7 +52,13 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
         ("report.html", page.as_bytes()),
     ];
     files.extend(settings.as_ref().map(|text| (SETTINGS, text.as_bytes())));
-    write_files(folder, &files, inputs)
+    write_files(folder, &files, inputs)?;
+    if composed.part.is_engaged_arc {
+        // Without the map, or with one of another plan, the job is refused.
+        let (file, moves) = write_map_of_equal_slots(&folder.join("job.toml"))?;
+        note(format_args!("{file}: {moves} moves"));
+    }
+    Ok(())
 }
 
 /// Settings of the simulated control, where the machine's travel is known: the program ends with a return to the reference point
@@ -126,11 +135,15 @@ fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
 }
 
-fn job(composed: &PlanResult, program: &str, settings: Option<&str>) -> String {
+fn job(composed: &PlanResult, program: &str, map: &str, settings: Option<&str>) -> Result<String, Failure> {
     let part = &composed.part;
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
-    JobFile {
+    if !part.is_engaged_arc && !composed.limits.iter().any(StockLimit::is_governed_by_line) {
+        let message = "no movement has its thickest chip at one face of the blank, as law = \"circumference\" needs: leave out `law`";
+        return Err(Failure::Input(message.into()));
+    }
+    Ok(JobFile {
         unit: part.output.unit,
         program,
         mill: &part.cutter,
@@ -139,13 +152,13 @@ fn job(composed: &PlanResult, program: &str, settings: Option<&str>) -> String {
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         limits: &composed.limits,
-        law: if part.is_engaged_arc { Law::EngagedArc(&composed.bounds) } else { Law::Circumference },
+        law: if part.is_engaged_arc { Law::EngagedArc(map) } else { Law::Circumference },
         workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
         control: CONTROL,
         settings,
         machine: machine(source, file.as_deref()),
     }
-    .text()
+    .text())
 }
 
 /// Absolute path of the machine's file, which the job finds from any folder.

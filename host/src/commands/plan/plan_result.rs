@@ -6,7 +6,7 @@ use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimisation::{Problem, ValuedPlan};
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
-use arcfeed_plan::output::limits::{StockBound, StockLimit, bounds, stock_limits};
+use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::Proof;
@@ -32,8 +32,6 @@ pub struct PlanResult {
     pub proof: Proof,
     /// Limits of the stock.
     pub limits: Vec<StockLimit>,
-    /// Lines that bound the stock.
-    pub bounds: [StockBound; 3],
     /// Time of one slot.
     pub time: PlannedTime,
     /// Flank milling of one slot, or the reason why there is no comparison.
@@ -68,12 +66,11 @@ impl PlanResult {
         }
         let (blank, tool_axis) = (&part.blisk.blank, plan.tool_axis());
         let limits = stock_limits(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
-        let bounds = bounds(&plan.path, &part.cutter, blank, &tool_axis).map_err(|error| error.to_string())?;
         let volume_mm3 = proof.removed.total_mm3();
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
         let baseline = baseline(&part, &slot, volume_mm3);
-        Ok(PlanResult { slot, placement, proof, limits, bounds, time, baseline, valued, part })
+        Ok(PlanResult { slot, placement, proof, limits, time, baseline, valued, part })
     }
 
     /// The tool collides with nothing, and keeps the allowance except beside the edge about which it turns.
