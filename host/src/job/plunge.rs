@@ -42,7 +42,7 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
         (!is_bounded, "[plunge] needs a fastest feed: add a table [limits] with max_feed, per minute along the path"),
         (setup.axis != ToolAxis::Z, "[plunge] is for a tool along Z"),
         (
-            indexed == Some(true) && table.machine.file.is_none() && table.machine.preset.is_none(),
+            entry.as_ref().indexed == Some(true) && table.machine.file.is_none() && table.machine.preset.is_none(),
             "indexed = true needs a [machine]: it turns the workpiece to the tool",
         ),
         (

@@ -18,4 +18,6 @@ mod executed;
 
 mod families;
 
+mod both_faces;
+
 mod command;
