@@ -18,6 +18,12 @@ mod executed;
 
 mod families;
 
+pub mod free_line;
+
 mod both_faces;
+
+mod nasa;
+
+mod governed;
 
 mod command;
