@@ -1,6 +1,6 @@
 //! Plunges into the faces of a cube that a table turns to the tool: sections, feeds and loads are those of the same plunges upright.
 
-use arcfeed_tests::{Scratch, run};
+use arcfeed_tests::{Scratch, of_full_set, run};
 use serde_json::Value;
 
 /// A cube about the point where the rotary axes cross.
@@ -104,4 +104,38 @@ fn without_indexed_plunges_at_other_positions_keep_their_feed() {
     let adapted = output(&["adapt", &job, "--json"]);
     let laws = adapted.lines().filter(|line| line.contains("\"law\":\"plunge\"")).count();
     assert_eq!(laws, PLUNGES, "those of the first face");
+}
+
+/// Random plunges at random positions of the rotary axes, beside and through each other.
+fn random_program(random: &mut fastrand::Rng) -> String {
+    let mut text = String::from("%\nG21G17G90G94\nS800M3\nG0Z60.\n");
+    for position in 0..5 {
+        let [a, c] = if position == 0 { [0, 0] } else { [-random.i32(1..90), random.i32(0..360)] };
+        text += &format!("G0A{a}.C{c}.\n");
+        for _ in 0..4 {
+            let [x, y] = [random.f64() * 16.0 - 8.0, random.f64() * 16.0 - 8.0];
+            text += &format!("G0X{x:.3}Y{y:.3}\nG1Z36.F2000.\nG1Z{:.3}F192.\nG0Z60.\n", 10.0 + 8.0 * random.f64());
+        }
+    }
+    text + "M30\n%\n"
+}
+
+#[test]
+fn no_plunge_at_a_random_position_of_the_rotary_axes_is_above_the_limits() {
+    let (mut above, mut descents) = (0, 0);
+    for seed in 0..of_full_set(24, 3) {
+        let scratch = Scratch::new(&format!("plunge-indexed-{seed}"));
+        scratch.write("program.nc", random_program(&mut fastrand::Rng::with_seed(2600 + seed)));
+        let job = scratch.write("job.toml", JOB);
+        output(&["engage", &job]);
+        let report: Value = serde_json::from_str(&output(&["simulate", &job, "--json"])).expect("one object");
+        let blocks = report["loads"]["blocks"].as_array().expect("blocks");
+        let most = |run: &str, key: &str| blocks.iter().filter_map(|block| block[run][key].as_f64()).fold(0.0, f64::max);
+        let (power, chip) = (["load", "baseline"].map(|run| most(run, "power_max_w")), most("load", "end_chip_max"));
+        println!("seed {seed}: {:.1} W under the law, {:.1} W as programmed, chip {chip:.4} mm, {} blocks", power[0], power[1], blocks.len());
+        assert!(power[0] <= 500.0 * 1.01 && chip <= 0.08 * 1.005, "seed {seed}: {power:?} {chip}");
+        above += usize::from(power[1] > 500.0);
+        descents += blocks.len();
+    }
+    assert!(above > 0 && descents >= 20, "{above} {descents}");
 }
