@@ -220,7 +220,10 @@ impl EngagementMeter {
     /// Samples the section of a tilted tool on a descending move, in the workpiece that the moves before it have left. What the move
     /// itself has taken lies above the tip and counts as material still.
     fn process_tilted(&mut self, Period { section, segment, axes }: &Period, chord: &ToolChord) {
-        let Some(tilted) = self.tilted.as_mut().filter(|_| self.descents.as_ref().is_some_and(|descents| descents.is_open(&section.block)))
+        let Some(tilted) = self
+            .tilted
+            .as_mut()
+            .filter(|_| self.descents.as_ref().is_some_and(|descents| descents.is_open(&section.block)))
         else {
             return;
         };

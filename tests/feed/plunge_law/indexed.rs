@@ -102,8 +102,12 @@ fn without_indexed_plunges_at_other_positions_keep_their_feed() {
     let job = scratch.write("job.toml", JOB.replace("indexed = true\n", ""));
     output(&["engage", &job]);
     let adapted = output(&["adapt", &job, "--json"]);
-    let laws = adapted.lines().filter(|line| line.contains("\"law\":\"plunge\"")).count();
-    assert_eq!(laws, PLUNGES, "those of the first face");
+    let count = |reason: &str| {
+        let blocks = adapted.lines().map(|line| serde_json::from_str::<Value>(line).expect("an object"));
+        blocks.filter(|block| block["law"] == "plunge" && block["reason"] == reason).count()
+    };
+    assert_eq!(count("law"), PLUNGES, "those of the first face");
+    assert_eq!(count("unmapped"), 2 * PLUNGES * (FACES.len() - 1), "all of the others");
 }
 
 /// Random plunges at random positions of the rotary axes, beside and through each other.
@@ -130,9 +134,15 @@ fn no_plunge_at_a_random_position_of_the_rotary_axes_is_above_the_limits() {
         output(&["engage", &job]);
         let report: Value = serde_json::from_str(&output(&["simulate", &job, "--json"])).expect("one object");
         let blocks = report["loads"]["blocks"].as_array().expect("blocks");
-        let most = |run: &str, key: &str| blocks.iter().filter_map(|block| block[run][key].as_f64()).fold(0.0, f64::max);
+        let most =
+            |run: &str, key: &str| blocks.iter().filter_map(|block| block[run][key].as_f64()).fold(0.0, f64::max);
         let (power, chip) = (["load", "baseline"].map(|run| most(run, "power_max_w")), most("load", "end_chip_max"));
-        println!("seed {seed}: {:.1} W under the law, {:.1} W as programmed, chip {chip:.4} mm, {} blocks", power[0], power[1], blocks.len());
+        println!(
+            "seed {seed}: {:.1} W under the law, {:.1} W as programmed, chip {chip:.4} mm, {} blocks",
+            power[0],
+            power[1],
+            blocks.len()
+        );
         assert!(power[0] <= 500.0 * 1.01 && chip <= 0.08 * 1.005, "seed {seed}: {power:?} {chip}");
         above += usize::from(power[1] > 500.0);
         descents += blocks.len();

@@ -29,7 +29,8 @@ pub fn widest_mm(blisk: &Blisk, z_mm: f64, [floor_mm, roof_mm]: [f64; 2], middle
     let (mut at, mut step_mm) = ([0.0; 2], STEPS_MM[0]);
     let mut best_mm = least_mm(at);
     while step_mm > STEPS_MM[1] {
-        let ways = [[1.0, 1.0], [-1.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
+        let ways =
+            [[1.0, 1.0], [-1.0, -1.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
         let tried = ways.map(|way| [at[0] + way[0] * step_mm, at[1] + way[1] * step_mm]).map(|to| (least_mm(to), to));
         match tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((found_mm, to)) if found_mm > best_mm => (best_mm, at) = (found_mm, to),

@@ -64,8 +64,14 @@ fn assert_governed(case: &Case) {
     for run in ["load", "baseline"] {
         let peaks = peaks(run);
         let mean = peaks.iter().sum::<f64>() / peaks.len() as f64;
-        let spread = libm::sqrt(peaks.iter().map(|peak| (peak - mean) * (peak - mean)).sum::<f64>() / peaks.len() as f64);
-        println!("{}, {run}: {} blocks, peaks of power {mean:.0} W on average, {:.2} of it deviation", case.folder, peaks.len(), spread / mean);
+        let spread =
+            libm::sqrt(peaks.iter().map(|peak| (peak - mean) * (peak - mean)).sum::<f64>() / peaks.len() as f64);
+        println!(
+            "{}, {run}: {} blocks, peaks of power {mean:.0} W on average, {:.2} of it deviation",
+            case.folder,
+            peaks.len(),
+            spread / mean
+        );
     }
     println!("{}: {} s, as programmed {} s", case.folder, report["cycle_time_s"], report["baseline_cycle_time_s"]);
     let power = ["load", "baseline"].map(|run| most(run, "power_max_w"));

@@ -48,8 +48,14 @@ fn the_largest_mill_of_rotor_37_is_that_of_a_search_and_a_smaller_one_is_planned
     for found in &largest {
         let circles = probe.circles(found.z_mm);
         let angles = found.touching.map(|at| libm::atan2(at.y, at.x));
-        let searched_mm = widest_mm(&blisk, found.z_mm, [circles.floor_mm, circles.roof_mm], angles[0].midpoint(angles[1]));
-        println!("z {:.2} mm: R {:.3} mm, by search {:.3} mm", found.z_mm, found.radius_mm, searched_mm - NEEDS.allowance_mm);
+        let searched_mm =
+            widest_mm(&blisk, found.z_mm, [circles.floor_mm, circles.roof_mm], angles[0].midpoint(angles[1]));
+        println!(
+            "z {:.2} mm: R {:.3} mm, by search {:.3} mm",
+            found.z_mm,
+            found.radius_mm,
+            searched_mm - NEEDS.allowance_mm
+        );
         assert!(searched_mm - NEEDS.allowance_mm >= found.radius_mm - 0.03);
     }
     let least_mm_radius = largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);

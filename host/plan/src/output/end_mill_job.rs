@@ -132,7 +132,9 @@ impl EndMillJob<'_> {
                 Some(PlungeLaw { ring: Ring { ends_mm, radius_mm, bore_mm }, .. }) => {
                     let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(length).join(", "));
                     let (radius, bore) = (length(radius_mm), length(bore_mm));
-                    format!("round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\"")
+                    format!(
+                        "round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\""
+                    )
                 }
             };
             let _ = write!(text, "[workpiece]\n{blank}\ntarget = \"finished.stl\"\nstep = {}\n\n", length(rays_mm));

@@ -85,7 +85,16 @@ impl PlungeResult {
         };
         let passage_min = plunging_min(&plan.plunges, &feeds);
         let left_over = left_over(&plan, &field, part.mill.radius_mm + part.needs.allowance_mm);
-        Ok(PlungeResult { machinability: machinability(&part), plan, left_over, proof, rotary, feeds, passage_min, part })
+        Ok(PlungeResult {
+            machinability: machinability(&part),
+            plan,
+            left_over,
+            proof,
+            rotary,
+            feeds,
+            passage_min,
+            part,
+        })
     }
 }
 
