@@ -59,13 +59,6 @@ fn read(surfaces: &[Vec<Row>]) -> Curves {
     curves::read(&texts, &PointFileFrame { axis: RotorAxis::X, unit_mm: 1000.0 }).unwrap()
 }
 
-/// The rotor in its blank.
-pub fn blisk() -> Option<Blisk> {
-    let Curves { hub, blade, .. } = read(&surfaces()?);
-    let [pressure, suction] = blade.faces().unwrap();
-    Some(Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } })
-}
-
 #[test]
 fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
     let Some(surfaces) = surfaces() else { return };
@@ -101,7 +94,10 @@ fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
 
 #[test]
 fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
-    let Some(blisk) = blisk() else { return };
+    let Some(surfaces) = surfaces() else { return };
+    let Curves { hub, blade, .. } = read(&surfaces);
+    let [pressure, suction] = blade.faces().unwrap();
+    let blisk = Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } };
     let slot = blisk.slot();
     let middle_mm = (published_tool().outer_radius_mm + published_tool().inner_radius_mm) / 2.0;
     for width_mm in [8.0, 12.0] {

@@ -18,11 +18,7 @@ mod executed;
 
 mod families;
 
-pub mod free_line;
-
 mod both_faces;
-
-mod nasa;
 
 mod governed;
 
