@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::executed::first_passage;
 
 /// Plunges of the first passage in an ordinary run.
-const PLUNGES: usize = 8;
+const PLUNGES: usize = 4;
 
 /// Part, its plunge law, and the limit of the power in it, W.
 struct Case {
