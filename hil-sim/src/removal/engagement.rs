@@ -29,7 +29,7 @@ use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
 use super::sections::{SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
-use super::tilted::{TiltedLayers, TiltedWorkpiece};
+use super::tilted::{TiltedLayers, TiltedSide, TiltedWorkpiece};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
@@ -62,13 +62,6 @@ pub struct EngagementSettings {
     pub sections: Option<SectionSettings>,
     /// Workpiece for sections at all positions of the rotary axes; `None` for those at the first cut only.
     pub tilted: Option<TiltedWorkpiece>,
-}
-
-/// Layers square to a tilted tool; the last ones remain until they are made for another axis.
-#[derive(Clone, Debug)]
-struct TiltedSide {
-    state: TiltedLayers,
-    layers: Option<Layers>,
 }
 
 /// A move with the engaged arcs of the outer and the inner circle along it.

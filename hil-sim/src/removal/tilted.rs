@@ -85,6 +85,15 @@ pub(super) struct TiltedLayers {
     is_tilted: bool,
 }
 
+/// Layers square to a tilted tool; the last ones remain until they are made for another axis.
+#[derive(Clone, Debug)]
+pub(super) struct TiltedSide {
+    /// What the tool has swept, and the frame of the layers.
+    pub state: TiltedLayers,
+    /// Layers; `None` before the first tilted cut, or if there are none about its axis.
+    pub layers: Option<Layers>,
+}
+
 impl TiltedLayers {
     /// State before the run: the layers are those of an upright tool.
     pub fn new(workpiece: TiltedWorkpiece, sizes_mm: [f64; 2]) -> Self {

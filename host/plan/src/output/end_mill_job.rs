@@ -43,7 +43,7 @@ pub struct PlungeLaw<'a> {
     /// Limits of the spindle and the material.
     pub limits: &'a PlungeLimits,
     /// Blank in the program's coordinates at the first plunge.
-    pub ring: Ring,
+    pub ring: BlankRing,
 }
 
 /// Limits of the spindle and material of the workpiece.
@@ -59,9 +59,9 @@ pub struct PlungeLimits {
     pub torque_n_m: Option<f64>,
 }
 
-/// Ring, mm.
+/// BlankRing, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ring {
+pub struct BlankRing {
     /// Middles of both ends.
     pub ends_mm: [Point; 2],
     /// Outer radius.
@@ -126,19 +126,7 @@ impl EndMillJob<'_> {
                 length(2.0 * LAYER_MM),
             );
         }
-        if let Some(rays_mm) = self.rays_mm {
-            let blank = match self.law {
-                None => "stl = \"stock.stl\"\nstl_units = \"mm\"".into(),
-                Some(PlungeLaw { ring: Ring { ends_mm, radius_mm, bore_mm }, .. }) => {
-                    let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(length).join(", "));
-                    let (radius, bore) = (length(radius_mm), length(bore_mm));
-                    format!(
-                        "round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\""
-                    )
-                }
-            };
-            let _ = write!(text, "[workpiece]\n{blank}\ntarget = \"finished.stl\"\nstep = {}\n\n", length(rays_mm));
-        }
+        text += &self.workpiece(length);
         let _ = write!(
             text,
             "[control]\npreset = {}\n\n\
@@ -152,6 +140,22 @@ impl EndMillJob<'_> {
             None => {}
         }
         text
+    }
+
+    /// `[workpiece]`, if there are stock and finished part.
+    fn workpiece(&self, length: impl Fn(f64) -> String + Copy) -> String {
+        let Some(rays_mm) = self.rays_mm else { return String::new() };
+        let blank = match self.law {
+            None => "stl = \"stock.stl\"\nstl_units = \"mm\"".into(),
+            Some(PlungeLaw { ring: BlankRing { ends_mm, radius_mm, bore_mm }, .. }) => {
+                let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(length).join(", "));
+                let (radius, bore) = (length(radius_mm), length(bore_mm));
+                format!(
+                    "round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\""
+                )
+            }
+        };
+        format!("[workpiece]\n{blank}\ntarget = \"finished.stl\"\nstep = {}\n\n", length(rays_mm))
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::geometry::blisk::Blank;
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::end_mill_job::{EndMillJob, PlungeLaw, Ring, ToolShape};
+use arcfeed_plan::output::end_mill_job::{BlankRing, EndMillJob, PlungeLaw, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
@@ -107,10 +107,10 @@ fn bore_mm(result: &PlungeResult) -> f64 {
 }
 
 /// The whole blank, in the frame of the first plunge.
-fn ring(result: &PlungeResult) -> Ring {
+fn ring(result: &PlungeResult) -> BlankRing {
     let Blank { radius_mm, faces_mm } = result.part.blisk.blank;
     let turn = result.plan.plunges[0].to_tool;
-    Ring { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(result) }
+    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(result) }
 }
 
 fn job(result: &PlungeResult, program: &str) -> String {
