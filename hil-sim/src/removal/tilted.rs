@@ -88,7 +88,7 @@ pub(super) struct TiltedLayers {
 /// Layers square to a tilted tool; the last ones remain until they are made for another axis.
 #[derive(Clone, Debug)]
 pub(super) struct TiltedSide {
-    /// What the tool has swept, and the frame of the layers.
+    /// Sweeps of the tool so far, and the frame of the layers.
     pub state: TiltedLayers,
     /// Layers; `None` before the first tilted cut, or if there are none about its axis.
     pub layers: Option<Layers>,
