@@ -20,7 +20,7 @@ pub(crate) mod machine;
 
 mod tool;
 
-mod spindle;
+pub(crate) mod spindle;
 
 pub mod plunge;
 

@@ -27,8 +27,9 @@ use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
-use super::placement::{WorkpiecePlacement, between};
+use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
 use super::sections::{SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
+use super::tilted::{TiltedLayers, TiltedSide, TiltedWorkpiece};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
@@ -59,6 +60,8 @@ pub struct EngagementSettings {
     pub machine: Option<Machine>,
     /// Settings of the sections of descending moves; `None` without the plunge law.
     pub sections: Option<SectionSettings>,
+    /// Workpiece for sections at all positions of the rotary axes; `None` for those at the first cut only.
+    pub tilted: Option<TiltedWorkpiece>,
 }
 
 /// A move with the engaged arcs of the outer and the inner circle along it.
@@ -94,6 +97,8 @@ pub struct EngagementMeter {
     moves: Vec<EngagedMove>,
     /// Sections of descending moves; `None` without the plunge law.
     descents: Option<SectionMeter>,
+    /// Layers for tilted tools; `None` without sections of them.
+    tilted: Option<TiltedSide>,
     left_out: Vec<LeftOut>,
 }
 
@@ -103,8 +108,9 @@ struct Reached {
     block: BlockRef,
     segment: Segment,
     axes: [f64; AXES],
-    /// Position of the tip on the workpiece.
+    /// Position of the tip on the workpiece; for a tilted tool in the frame of its layers.
     tip_mm: Vector,
+    is_tilted: bool,
 }
 
 /// Direction of a tool on its move.
@@ -121,10 +127,13 @@ impl EngagementMeter {
         let heights =
             (0..).map(|n| (f64::from(n) + 0.5) * rise_mm).take_while(|height_mm| *height_mm < settings.depth_mm);
         let slices = heights.filter_map(|height_mm| slice(&settings.tool, height_mm)).collect();
+        let sizes_mm = [rise_mm, settings.layers.layers().first().map_or(rise_mm, |layer| layer.step_mm())];
+        let tilted = settings.tilted.clone();
         EngagementMeter {
+            placement: WorkpiecePlacement::new(tilted.is_some()),
+            tilted: tilted.map(|workpiece| TiltedSide { state: TiltedLayers::new(workpiece, sizes_mm), layers: None }),
             descents: settings.sections.map(SectionMeter::new),
             slices,
-            placement: WorkpiecePlacement::default(),
             periods: Periods::default(),
             last: None,
             cleared_mm: None,
@@ -189,7 +198,48 @@ impl EngagementMeter {
         self.descents.as_ref().is_some_and(|descents| descents.is_open(block))
     }
 
-    fn process_period(&mut self, Period { section, segment, axes }: &Period) {
+    fn process_period(&mut self, period: &Period) {
+        let (section, machine) = (&period.section, self.settings.machine);
+        let Some(chord) = self.placement.tool_chord(section, machine.as_ref()) else { return };
+        match chord {
+            Ok(chord) if chord.is_tilted() && self.tilted.is_some() => self.process_tilted(period, &chord),
+            _ => self.process_upright(period),
+        }
+        if let Some(tilted) = &mut self.tilted {
+            tilted.state.add(section, &self.placement, machine.as_ref());
+        }
+    }
+
+    /// Samples the section of a tilted tool on a descending move, in the workpiece that the moves before it have left. What the move
+    /// itself has taken lies above the tip and counts as material still.
+    fn process_tilted(&mut self, Period { section, segment, axes }: &Period, chord: &ToolChord) {
+        let Some(tilted) = self
+            .tilted
+            .as_mut()
+            .filter(|_| self.descents.as_ref().is_some_and(|descents| descents.is_open(&section.block)))
+        else {
+            return;
+        };
+        if tilted.layers.is_none() || !tilted.state.are_in_frame_of(chord) {
+            // Without layers the move has no sections, and keeps its feed.
+            tilted.layers = tilted.state.turn_to(chord).ok();
+        }
+        let ends = tilted.state.ends_mm(chord);
+        if tilted.layers.is_none() {
+            return LeftOut::count(&mut self.left_out, section.block, LeftOutReason::Tilted);
+        }
+        let count = libm::ceil(length(difference(ends[1], ends[0])) / self.settings.every_mm).max(1.0);
+        for step in 1..=count as u64 {
+            let part = step as f64 / count;
+            let axes = std::array::from_fn(|axis| axes[0][axis] + (axes[1][axis] - axes[0][axis]) * part);
+            let tip_mm = between(&ends, part);
+            let reached = Reached { block: section.block, segment: *segment, axes, tip_mm, is_tilted: true };
+            self.sample_section(&reached, self.settings.every_mm);
+            self.last = Some(reached);
+        }
+    }
+
+    fn process_upright(&mut self, Period { section, segment, axes }: &Period) {
         let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
             None => return,
             Some(Ok(ends)) => ends,
@@ -202,7 +252,7 @@ impl EngagementMeter {
             let tip_mm = between(&ends, part);
             if self.is_sampled(&section.block) || self.is_descent(&section.block) {
                 let axes = std::array::from_fn(|axis| axes[0][axis] + (axes[1][axis] - axes[0][axis]) * part);
-                let reached = Reached { block: section.block, segment: *segment, axes, tip_mm };
+                let reached = Reached { block: section.block, segment: *segment, axes, tip_mm, is_tilted: false };
                 self.sample(&reached, self.settings.every_mm);
                 self.sample_section(&reached, self.settings.every_mm);
                 self.last = Some(reached);
@@ -240,13 +290,15 @@ impl EngagementMeter {
     fn sample_section(&mut self, reached: &Reached, apart_mm: f64) {
         let Some(descents) = self.descents.as_mut().filter(|descents| descents.is_open(&reached.block)) else { return };
         let &EngagementSettings { ref layers, ahead_mm, depth_mm, .. } = &self.settings;
+        let tilted = self.tilted.as_ref().and_then(|tilted| tilted.layers.as_ref());
+        let layers = if reached.is_tilted { tilted.unwrap_or(layers) } else { layers };
         let tool = ToolAt { layers, slices: &self.slices, depth_mm, ahead_mm, tip_mm: reached.tip_mm };
         descents.sample(&tool, travelled_mm(&reached.segment, &reached.axes), apart_mm);
     }
 
     /// Takes a sample at a position that is `apart_mm` or more from the last one.
     fn sample(&mut self, reached: &Reached, apart_mm: f64) {
-        if !self.is_sampled(&reached.block) {
+        if reached.is_tilted || !self.is_sampled(&reached.block) {
             return;
         }
         let Some(heading) = Heading::of(&reached.segment, &reached.axes) else { return };

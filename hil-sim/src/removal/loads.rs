@@ -52,6 +52,8 @@ pub struct LoadSettings {
     pub flexible: Option<FlexibleWorkpiece>,
     /// Workpiece for tools that the machine tilts; `None` to evaluate the edges of an upright tool only.
     pub tilted: Option<TiltedWorkpiece>,
+    /// Whether the edges are evaluated at all positions of the rotary axes, not at those of the first cut only.
+    pub is_indexed: bool,
     /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
     pub samples: ChatterSamples,
 }
@@ -99,8 +101,8 @@ impl LoadMeter {
         LoadMeter {
             tilted: settings.tilted.clone().zip(sizes_mm).map(|(workpiece, sizes)| TiltedLayers::new(workpiece, sizes)),
             steps_a_turn: of_pitch as usize * cutter.teeth(),
+            placement: WorkpiecePlacement::new(settings.is_indexed),
             settings,
-            placement: WorkpiecePlacement::default(),
             periods: Periods::default(),
             before: None,
             down: None,

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! This needs the machine's kinematics, and a machine whose rotary axes both carry the part. Without them a block that cuts at
-//! other positions than q0 has no known position on the workpiece. Under G43.4 the program gives the tip on the part, and
+//! other positions than q0 has no known position on the workpiece. Edges are evaluated there only for an indexed placement, because
+//! the workpiece of a job may be a part of the whole. Under G43.4 the program gives the tip on the part, and
 //! the kinematics give the axis. While rotary axes turn without G43.4 the position is unknown.
 //!
 //! Source: (1), (2) the chain of `arcfeed_kinematics::forward`.
@@ -80,9 +81,16 @@ impl ToolChord {
 pub struct WorkpiecePlacement {
     origin_mm: Option<Vector>,
     rotary_deg: Option<Vector>,
+    /// Whether edges are evaluated at other positions of the rotary axes than at the first cut.
+    is_indexed: bool,
 }
 
 impl WorkpiecePlacement {
+    /// Placement before the first cut; `is_indexed` if edges are evaluated at all positions of the rotary axes.
+    pub fn new(is_indexed: bool) -> Self {
+        WorkpiecePlacement { is_indexed, ..WorkpiecePlacement::default() }
+    }
+
     /// Whether [`locate`](Self::locate) has found where the workpiece stands on the machine.
     pub fn is_known(&self) -> bool {
         self.origin_mm.is_some()
@@ -154,8 +162,8 @@ impl WorkpiecePlacement {
 
     fn fixed_chord(&self, section: &PathSection, machine: Option<&Machine>) -> Result<ToolChord, LeftOutReason> {
         let poses = self.poses(section, machine)?;
-        // Layers square to the tool would be made anew at each position.
-        if section.context.programmed_path == ProgrammedPath::Axes && !self.is_at_first_cut(section) {
+        let is_by_axes = section.context.programmed_path == ProgrammedPath::Axes;
+        if is_by_axes && !self.is_indexed && !self.is_at_first_cut(section) {
             return Err(LeftOutReason::OtherPosition);
         }
         let ends_mm = [poses[0].tip_mm, poses[1].tip_mm];
@@ -165,8 +173,12 @@ impl WorkpiecePlacement {
         let turns = length(difference(poses[1].axis, poses[0].axis)) > UPRIGHT_RAD;
         match machine {
             Some(machine) if !turns => {
-                let rotary_deg = rotary_deg(machine, &section.positions[0], section);
-                Ok(ToolChord { ends_mm, frame: frame_at(machine, rotary_deg) })
+                let position = &section.positions[0];
+                let frame = match is_by_axes {
+                    true => self.in_first_cut(machine, position),
+                    false => frame_at(machine, rotary_deg(machine, position, section)),
+                };
+                Ok(ToolChord { ends_mm, frame })
             }
             _ => Err(LeftOutReason::AxisTurns),
         }
@@ -199,9 +211,14 @@ impl WorkpiecePlacement {
         let axes = machine_axes(machine, position);
         let on_part = machine.forward(&axes, &Setup::default()).tip_mm;
         let at_first_cut = machine.linear_for(on_part, self.first_deg(machine), &Setup::default());
+        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: self.in_first_cut(machine, position).axes[2] }
+    }
+
+    /// Frame of the tool on the part as it was at the first cut. (2)
+    fn in_first_cut(&self, machine: &Machine, position: &AxisPosition) -> Frame {
         let ([first, second], [first_deg, second_deg]) = (machine.rotary(), self.first_deg(machine));
-        let on_part = turned(machine.axis_at(axes.rotary_deg), first.direction, -first_deg);
-        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: turned(on_part, second.direction, -second_deg) }
+        let turned_back = |v: Vector| turned(turned(v, first.direction, -first_deg), second.direction, -second_deg);
+        Frame { axes: frame_at(machine, machine_axes(machine, position).rotary_deg).axes.map(turned_back) }
     }
 
     /// Positions of the machine's rotary axes at the first cut, in the order of its description.

@@ -5,6 +5,9 @@
 //! sweeps are exact for any axis. What the edges of earlier cuts have left (feed marks) is lost with the old layers; from
 //! move to move at one axis it is kept.
 //!
+//! For plunges a workpiece in which thousands of them follow each other is made about the tool's axis only, as far as the tool
+//! reaches; where the tool goes farther away, it is made anew.
+//!
 //! The positions of the axes are whole nanometres. In the frame of a tilted tool a move along the axis so has a path across it of
 //! a nanometre, which no machine makes and for which an edge would have a force. Coordinates that change by less count as
 //! standing.
@@ -14,9 +17,10 @@
 use std::sync::Arc;
 
 use arcfeed_dexel::frame::Frame;
-use arcfeed_dexel::lattice::LatticeError;
+use arcfeed_dexel::grid::Grid;
+use arcfeed_dexel::lattice::{Lattice, LatticeError};
 use arcfeed_dexel::section::Sweep;
-use arcfeed_dexel::solid::{InitialSolid, Machined};
+use arcfeed_dexel::solid::{InitialSolid, Machined, Solid};
 use arcfeed_dexel::tool::Tool;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::{Vector, cross, difference, dot, length};
@@ -31,6 +35,10 @@ const STILL_MM: f64 = 3e-6;
 const STRAIGHT_MM: f64 = 1e-6;
 /// Distance of unit vectors that count as one.
 const SAME_RATIO: f64 = 1e-6;
+/// Distance from the axis about which layers are made, in radii of the tool, up to which the tool stays within them.
+const BESIDE_RADII: f64 = 0.5;
+/// Half width of layers about an axis, in radii of the tool.
+const ABOUT_RADII: f64 = 2.0;
 
 /// Workpiece of a run with tilted tools.
 #[derive(Clone, Debug)]
@@ -41,6 +49,25 @@ pub struct TiltedWorkpiece {
     pub tool: Tool,
     /// Largest distance of sweeps from the path of a tool whose axis turns.
     pub tolerance_mm: f64,
+    /// Radius of the tool if layers are made about its axis only; `None`: of the whole workpiece.
+    pub about_mm: Option<f64>,
+}
+
+/// Part of a solid between two corners; its rays go on beyond them.
+#[derive(Debug)]
+struct PartOf<'a> {
+    solid: &'a dyn Solid,
+    corners_mm: [Vector; 2],
+}
+
+impl Solid for PartOf<'_> {
+    fn bounds_mm(&self) -> [Vector; 2] {
+        self.corners_mm
+    }
+
+    fn grid(&self, lattice: &Lattice, axis: usize) -> Grid {
+        self.solid.grid(lattice, axis)
+    }
 }
 
 /// Layers in force and what the tool has swept so far; state.
@@ -51,16 +78,27 @@ pub(super) struct TiltedLayers {
     sizes_mm: [f64; 2],
     sweeps: Vec<Sweep>,
     frame: Frame,
+    /// Place of the tool's axis in the frame about which the layers are made; `None`: they are whole.
+    about_mm: Option<Vector>,
     /// Last place of the tip in the frame.
     tip_mm: Option<Vector>,
     is_tilted: bool,
+}
+
+/// Layers square to a tilted tool; the last ones remain until they are made for another axis.
+#[derive(Clone, Debug)]
+pub(super) struct TiltedSide {
+    /// Sweeps of the tool so far, and the frame of the layers.
+    pub state: TiltedLayers,
+    /// Layers; `None` before the first tilted cut, or if there are none about its axis.
+    pub layers: Option<Layers>,
 }
 
 impl TiltedLayers {
     /// State before the run: the layers are those of an upright tool.
     pub fn new(workpiece: TiltedWorkpiece, sizes_mm: [f64; 2]) -> Self {
         let (sweeps, frame) = (Vec::new(), Frame::OWN);
-        TiltedLayers { workpiece, sizes_mm, sweeps, frame, tip_mm: None, is_tilted: false }
+        TiltedLayers { workpiece, sizes_mm, sweeps, frame, about_mm: None, tip_mm: None, is_tilted: false }
     }
 
     /// Whether layers were made for a tilted tool.
@@ -68,10 +106,15 @@ impl TiltedLayers {
         self.is_tilted
     }
 
-    /// Whether the layers are in the frame of the tool.
+    /// Whether the layers are in the frame of the tool, and reach as far as it does.
     pub fn are_in_frame_of(&self, chord: &ToolChord) -> bool {
-        let pairs = self.frame.axes.iter().zip(chord.frame.axes);
-        pairs.into_iter().all(|(axis, other)| length(difference(*axis, other)) <= SAME_RATIO)
+        let mut pairs = self.frame.axes.iter().zip(chord.frame.axes);
+        let is_same = pairs.all(|(axis, other)| length(difference(*axis, other)) <= SAME_RATIO);
+        let is_within = self.about_mm.zip(self.workpiece.about_mm).is_none_or(|(about_mm, radius_mm)| {
+            let off_mm = chord.ends_mm.map(|end_mm| difference(self.frame.coordinates(end_mm), about_mm));
+            off_mm.iter().all(|off| libm::hypot(off[0], off[1]) <= BESIDE_RADII * radius_mm)
+        });
+        is_same && is_within
     }
 
     /// Layers perpendicular to the tool, with the material that remains so far.
@@ -79,13 +122,22 @@ impl TiltedLayers {
     /// # Errors
     /// There are too many layers or rays.
     pub fn turn_to(&mut self, chord: &ToolChord) -> Result<Layers, LatticeError> {
-        (self.frame, self.tip_mm) = (chord.frame, None);
-        self.is_tilted |= chord.is_tilted();
-        let solid = self.workpiece.blank.in_frame(&self.frame);
-        let sweeps: Vec<Sweep> = self.sweeps.iter().map(|sweep| sweep.in_frame(&self.frame)).collect();
+        let about_mm = self.workpiece.about_mm.map(|_| chord.frame.coordinates(chord.ends_mm[0]));
+        let solid = self.workpiece.blank.in_frame(&chord.frame);
+        let sweeps: Vec<Sweep> = self.sweeps.iter().map(|sweep| sweep.in_frame(&chord.frame)).collect();
         let machined = Machined { solid: &*solid, tool: &self.workpiece.tool, sweeps: &sweeps };
         let [rise_mm, step_mm] = self.sizes_mm;
-        Layers::of_solid(&machined, 2, rise_mm, step_mm)
+        let mut corners_mm = machined.bounds_mm();
+        if let Some((about_mm, radius_mm)) = about_mm.zip(self.workpiece.about_mm) {
+            for axis in [0, 1] {
+                corners_mm[0][axis] = corners_mm[0][axis].max(about_mm[axis] - ABOUT_RADII * radius_mm);
+                corners_mm[1][axis] = corners_mm[1][axis].min(about_mm[axis] + ABOUT_RADII * radius_mm);
+            }
+        }
+        let layers = Layers::of_solid(&PartOf { solid: &machined, corners_mm }, 2, rise_mm, step_mm)?;
+        (self.frame, self.about_mm, self.tip_mm) = (chord.frame, about_mm, None);
+        self.is_tilted |= chord.is_tilted();
+        Ok(layers)
     }
 
     /// Ends of a chord in the frame of the layers.

@@ -45,7 +45,7 @@ impl<'a> Descents<'a> {
         Some(Descents { law, lookup: map.descents.lookup() })
     }
 
-    /// The next move, if it descends and no cut rule governs it.
+    /// The next move, if it descends into material and no cut rule governs it.
     pub fn next<R>(&mut self, segment: &Segment, matched: &Result<R, PlanReason>) -> Option<Descending<'a>> {
         let is_free = matches!(matched, Err(PlanReason::NoRule | PlanReason::Axial));
         let descent = Descent::of(segment, ToolAxis::Z).filter(|_| is_free)?;
@@ -53,6 +53,10 @@ impl<'a> Descents<'a> {
             return None;
         }
         let mapped = self.lookup.next(segment);
+        // A move through air leaves no chip, and the next one finds material no nearer than its own map says.
+        if mapped.is_some_and(MappedDescent::is_in_air) {
+            return None;
+        }
         Some(Descending { law: self.law, mapped, length_mm: segment.length_mm(), descent })
     }
 }

@@ -148,6 +148,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         rules: file.job.rules.iter().map(CutRule::expects_engagement_per_move).collect(),
         machine: file.machine.as_ref().map(|named| named.machine),
         sections: file.plunge.map(|plunge| sections(file, setup, plunge)),
+        tilted: setup.tilted_for_plunges(file),
     });
     let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
     run_observed(&mut simulation, Some("looking"), |simulation| {

@@ -114,7 +114,7 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
             Coefficients::Material { name, .. } => name.clone(),
             numbers => format!("{numbers:?}"),
         });
-        made_of.extend(format!("{:?}", (plunge.has_ramps, material)).bytes());
+        made_of.extend(format!("{:?}", (plunge.has_ramps, plunge.is_indexed, material)).bytes());
     }
     match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
         Some(Blank::Stl(StlFile { path, unit })) => {

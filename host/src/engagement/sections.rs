@@ -166,6 +166,12 @@ impl<'m> DescentLookup<'m> {
 }
 
 impl MappedDescent {
+    /// Whether the tool meets no material on the move.
+    pub fn is_in_air(&self) -> bool {
+        !self.sections.is_empty()
+            && self.sections.iter().all(|section| section.end_mm2 <= 0.0 && section.side_mm2 <= 0.0)
+    }
+
     fn parse(table: &DescentTable) -> Result<Self, (usize, String)> {
         let wrong = |offset: usize, what: &str| (offset, format!("{what}; {AGAIN}"));
         let key = hex(&table.key);

@@ -16,6 +16,8 @@ pub struct Plunge {
     pub feed_per_tooth_mm: f64,
     /// Whether the law governs moves that descend at an angle, too.
     pub has_ramps: bool,
+    /// Whether it governs moves at all positions of the rotary axes; the workpiece is whole.
+    pub is_indexed: bool,
 }
 
 /// Checks the `[plunge]` table of a job against the limits of its spindle; `[law] kind = "plunge"` requires this
@@ -40,6 +42,10 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
         (!is_bounded, "[plunge] needs a fastest feed: add a table [limits] with max_feed, per minute along the path"),
         (setup.axis != ToolAxis::Z, "[plunge] is for a tool along Z"),
         (
+            entry.as_ref().indexed == Some(true) && table.machine.file.is_none() && table.machine.preset.is_none(),
+            "indexed = true needs a [machine]: it turns the workpiece to the tool",
+        ),
+        (
             job.policy == FeedPolicy::OverrideOnly,
             "[plunge] works through F words only: write mode = \"safe-base\" or \"rewrite-only\" in [override]",
         ),
@@ -47,8 +53,9 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
     if let Some((_, message)) = missing.iter().find(|(is_missing, _)| *is_missing) {
         return Err(at(entry, message));
     }
-    let PlungeTable { feed_per_tooth, ramps, .. } = entry.as_ref();
+    let PlungeTable { feed_per_tooth, ramps, indexed, .. } = entry.as_ref();
     let own = feed_per_tooth.as_ref().map(|feed| length_mm(feed, job.unit, "feed_per_tooth")).transpose()?;
     let feed_per_tooth_mm = own.unwrap_or(f64::from(setup.feed_per_tooth.0));
-    Ok(Some(Plunge { feed_per_tooth_mm, has_ramps: ramps.unwrap_or(false) }))
+    let is_indexed = indexed.unwrap_or(false);
+    Ok(Some(Plunge { feed_per_tooth_mm, has_ramps: ramps.unwrap_or(false), is_indexed }))
 }

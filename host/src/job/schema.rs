@@ -50,6 +50,7 @@ pub struct PlungeTable {
     pub map: Spanned<String>,
     pub feed_per_tooth: Option<Spanned<Quantity>>,
     pub ramps: Option<bool>,
+    pub indexed: Option<bool>,
 }
 
 /// Values of `units`.

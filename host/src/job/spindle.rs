@@ -20,9 +20,19 @@ pub fn build(job: &JobTable) -> Result<SpindleLimits, Complaint> {
     let own = job.tool.0.first().and_then(|tool| tool.spindle.as_ref());
     let Some(table) = own.or(job.spindle.as_ref()) else { return Ok(SpindleLimits::default()) };
     Ok(SpindleLimits {
-        power_w: limit(table.max_power.as_ref(), POWER, "max_power is a power such as \"11 kW\" or \"750 W\"")?,
-        torque_n_m: limit(table.max_torque.as_ref(), TORQUE, "max_torque is a torque such as \"40 Nm\"")?,
+        power_w: power_w(table.max_power.as_ref())?,
+        torque_n_m: torque_n_m(table.max_torque.as_ref())?,
     })
+}
+
+/// Power with its unit, W.
+pub fn power_w(given: Option<&Spanned<String>>) -> Result<Option<f64>, Complaint> {
+    limit(given, POWER, "max_power is a power such as \"11 kW\" or \"750 W\"")
+}
+
+/// Torque with its unit, N m.
+pub fn torque_n_m(given: Option<&Spanned<String>>) -> Result<Option<f64>, Complaint> {
+    limit(given, TORQUE, "max_torque is a torque such as \"40 Nm\"")
 }
 
 fn limit(given: Option<&Spanned<String>>, units: &[(&str, f64)], needs: &str) -> Result<Option<f64>, Complaint> {

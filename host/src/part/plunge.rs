@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::output::end_mill_job::PlungeLimits;
 use arcfeed_plan::plunge::line::Fit;
 use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::PlungeRequirements;
@@ -10,10 +11,10 @@ use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
-use super::schema::{FitWord, PartPlungeTable, PartTable};
+use super::schema::{FitWord, PartPlungeLawTable, PartPlungeTable, PartTable};
 use super::{CLEARANCE_MM, Feeds, MachineSource, Output, PartError};
 use crate::file_error::FileError;
-use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
+use crate::job::{Complaint, Quantity, at, length_mm, machine, positive, spindle};
 use crate::machine_file::MachineFile;
 
 /// Default of `relief`.
@@ -36,6 +37,8 @@ pub struct PlungePart {
     pub needs: PlungeRequirements,
     /// Spindle speed and feeds.
     pub feeds: Feeds,
+    /// Limits of the plunge law; `None`: plunges keep their programmed feed.
+    pub law: Option<PlungeLimits>,
     /// Fixtures, as boxes: lowest and highest corner.
     pub fixtures: Vec<[Point; 2]>,
     /// Machine, if the file names one.
@@ -77,6 +80,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PlungePart, Pa
         needs: needs(entry.as_ref(), &mill, allowance_mm, unit)?,
         mill,
         feeds: feeds(entry.as_ref(), table, unit)?,
+        law: entry.as_ref().law.as_ref().map(law).transpose()?,
         fixtures,
         machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, &[])?,
         machine_source: super::machine_source(&table.machine, folder),
@@ -154,6 +158,24 @@ fn needs(
         },
         clearance_mm: length(&entry.clearance, "clearance", CLEARANCE_MM)?,
         relief_mm,
+    })
+}
+
+/// Limits of the plunge law. The material's name is checked where its coefficients are.
+fn law(entry: &Spanned<PartPlungeLawTable>) -> Result<PlungeLimits, Complaint> {
+    let PartPlungeLawTable { material, radial, axial, max_power, max_torque } = entry.as_ref();
+    let [radial, axial] = [(radial, "radial"), (axial, "axial")].map(|(given, name)| {
+        let message = format!("{name} is the {name} force over the tangential one, from 0 to 2");
+        if (0.0..=2.0).contains(given.as_ref()) { Ok(*given.as_ref()) } else { Err(at(given, &message)) }
+    });
+    if max_power.is_none() && max_torque.is_none() {
+        return Err(at(entry, "the law needs max_power or max_torque: they bound the feed of a plunge"));
+    }
+    Ok(PlungeLimits {
+        material: material.clone(),
+        force_ratios: [radial?, axial?],
+        power_w: spindle::power_w(max_power.as_ref())?,
+        torque_n_m: spindle::torque_n_m(max_torque.as_ref())?,
     })
 }
 

@@ -189,6 +189,18 @@ pub struct PartPlungeTable {
     pub rev_per_min: Option<Spanned<f64>>,
     pub feed_per_tooth: Option<Spanned<Quantity>>,
     pub approach_feed: Option<Spanned<Quantity>>,
+    pub law: Option<Spanned<PartPlungeLawTable>>,
+}
+
+/// `law` of `[plunge]` as serde reads it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartPlungeLawTable {
+    pub material: String,
+    pub radial: Spanned<f64>,
+    pub axial: Spanned<f64>,
+    pub max_power: Option<Spanned<String>>,
+    pub max_torque: Option<Spanned<String>>,
 }
 
 /// Values of `fit` in `[plunge]`.

@@ -16,4 +16,6 @@ mod rows;
 
 mod slot;
 
+mod indexed;
+
 mod random;

@@ -1,15 +1,13 @@
-//! Families of planes beside the radial one: from both faces, and along the normals of a centrifugal hub. Blades of plane walls give closed forms:
+//! The family of planes beside the radial one: from both faces. Blades of plane walls give closed forms:
 //!
 //! ```text
 //! middle between two blades: m; their planes at the angle alpha = pi / N from it; thickness t, D = R + a
 //! from a face, at radius y:        x_L = (D + t/2 - y sin alpha) / cos alpha,                   R_max = ((r_h + a) sin alpha - t/2 - a) / (1 - sin alpha)
-//! along the normal (n_r, n_z) of a hub at r_s:   x_L = (D + t/2 - (r_s + n_r y) sin alpha) / cos alpha
 //! ```
 
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::plunge::assembly::ball_mm;
-use arcfeed_plan::plunge::centrifugal::HubFamily;
 use arcfeed_plan::plunge::faces::{EntryFace, FaceFamily, radial_stretch};
 use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::infeasibility::PlungeInfeasible;
@@ -200,52 +198,4 @@ fn an_inlet_that_radial_axes_do_not_pass_is_opened_from_its_face_and_a_middle_is
     let field = Field::new(&blisk);
     let found = radial_stretch(&passage(&blisk, &field, &mill), [-FLAT_MM[2], FLAT_MM[2]]);
     assert!(found.is_err_and(|z_mm| z_mm.abs() < 15.0), "{found:?}");
-}
-
-/// Radius of the bowl's generatrix, and that of its start about the rotor's axis.
-const BOWL_MM: [f64; 2] = [40.0, 30.0];
-
-/// Place of the bowl's hub at an angle of its generatrix, and its normal: z, radius.
-fn bowl(angle_rad: f64) -> ([f64; 2], [f64; 2]) {
-    let (sin, cos) = libm::sincos(angle_rad);
-    ([BOWL_MM[0] * sin, BOWL_MM[1] + BOWL_MM[0] * (1.0 - cos)], [-sin, cos])
-}
-
-/// Eight flat blades on a hub that turns from the rotor's axis into the plane across it.
-fn centrifugal() -> Blisk {
-    let angle = |share: f64| share * core::f64::consts::FRAC_PI_2;
-    let [pressure, suction] = blade(|u, v| {
-        let ([z, radius], [up_z, up_radius]) = bowl(angle(1.07 * u - 0.1));
-        let height = -2.0 + 17.0 * v;
-        [radius + up_radius * height, 0.0, z + up_z * height]
-    });
-    let hub = Revolution { profile_mm: (0..=400).map(|k| bowl(angle(f64::from(k) / 400.0)).0).collect() };
-    Blisk { blades: 8, pressure, suction, hub, blank: Blank { radius_mm: 70.0, faces_mm: [0.0, 40.0] } }
-}
-
-#[test]
-fn along_a_centrifugal_hub_the_axes_are_those_of_the_closed_form() {
-    let blisk = centrifugal();
-    let (field, midway, mill) = (Field::new(&blisk), Midway::new(&blisk), mill(5.0));
-    let passage = passage(&blisk, &field, &mill);
-    let family = HubFamily::new(&passage, &midway);
-    let (sin, cos) = libm::sincos(core::f64::consts::PI / 8.0);
-    let mut off_mm = 0.0_f64;
-    for angle_deg in [10.0_f64, 30.0, 45.0, 60.0, 80.0] {
-        let angle_rad = angle_deg.to_radians();
-        let ([z_mm, radius_mm], [up_z, up_radius]) = bowl(angle_rad);
-        let section = family.at(BOWL_MM[0] * angle_rad).unwrap();
-        let origin = section.plane.origin;
-        off_mm = off_mm.max((origin.z - z_mm).abs()).max((libm::hypot(origin.x, origin.y) - radius_mm).abs());
-        off_mm = off_mm.max((section.plane.up.z - up_z).abs() * 10.0);
-        for (place, sign) in [(0, 1.0), (1, -1.0)] {
-            for at in [section.boundary.roof[place], section.boundary.floor[place]] {
-                let needed_mm = mill.radius_mm + NEEDS.allowance_mm + THICKNESS_MM / 2.0;
-                let expected_mm = (needed_mm - (radius_mm + up_radius * at.y) * sin) / cos;
-                off_mm = off_mm.max((at.x - sign * expected_mm).abs());
-            }
-        }
-    }
-    println!("axes along the hub's normals: {off_mm:.4} mm from the closed form");
-    assert!(off_mm < 0.01);
 }

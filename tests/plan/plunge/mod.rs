@@ -18,4 +18,8 @@ mod executed;
 
 mod families;
 
+mod both_faces;
+
+mod governed;
+
 mod command;

@@ -29,12 +29,12 @@ const HEIGHT_MM: f64 = 60.0;
 const KEPT_MM: f64 = 0.01;
 
 /// A rotor, its mill and the plan of a passage.
-struct Planned {
-    blisk: Blisk,
+pub struct Planned {
+    pub blisk: Blisk,
     field: Field,
-    mill: PlungeMill,
+    pub mill: PlungeMill,
     needs: PlungeRequirements,
-    plan: PassagePlan,
+    pub plan: PassagePlan,
 }
 
 impl Planned {
@@ -50,6 +50,11 @@ impl Planned {
             teeth: 3,
         };
         let needs = PlungeRequirements { allowance_mm, cusp_mm, fit: Fit::Gap, clearance_mm: 5.0, relief_mm: 0.2 };
+        Planned::of(blisk, mill, needs)
+    }
+
+    /// Plan of a rotor.
+    pub fn of(blisk: Blisk, mill: PlungeMill, needs: PlungeRequirements) -> Self {
         let field = Field::new(&blisk);
         let turning_mm = blisk.blank.radius_mm;
         let plan = Passage {
@@ -66,7 +71,7 @@ impl Planned {
     }
 
     /// Box about the passage within the faces of the blank.
-    fn block(&self) -> Block {
+    pub fn block(&self) -> Block {
         let reach_mm = self.mill.radius_mm + 2.0;
         let tops = self.plan.plunges.iter().map(|plunge| plunge.tip + plunge.axis * 50.0);
         let ends: Vec<Point> = self.plan.plunges.iter().map(|plunge| plunge.tip).chain(tops).collect();
@@ -98,7 +103,7 @@ impl Planned {
     }
 
     /// Whether the mill reaches a point on a plunge: in the hole, or in that which the step off the wall widens.
-    fn is_reached(&self, plunge: &Plunge, point: &Point) -> bool {
+    pub fn is_reached(&self, plunge: &Plunge, point: &Point) -> bool {
         let off = plunge.to_tool * (point - plunge.tip);
         let (radius_mm, corner_mm, relief_mm) = (self.mill.radius_mm, self.mill.corner_radius_mm, plunge.relief_mm);
         if off.y.abs() > radius_mm || off.x.abs() > radius_mm + relief_mm.abs() {
@@ -167,20 +172,20 @@ impl PlanePoint {
 }
 
 /// Nodes of a lattice with their cells.
-fn nodes(lattice: &Lattice) -> impl Iterator<Item = ([usize; 3], Point)> + '_ {
+pub fn nodes(lattice: &Lattice) -> impl Iterator<Item = ([usize; 3], Point)> + '_ {
     let [columns, rows, levels] = lattice.cells();
     let cells = (0..columns).flat_map(move |i| (0..rows).flat_map(move |j| (0..levels).map(move |k| [i, j, k])));
     cells.map(|cell| (cell, Point::from([0, 1, 2].map(|axis: usize| lattice.center_mm(axis, cell[axis])))))
 }
 
 /// Whether a node has material, by the ray along z.
-fn is_material(stock: &Stock, cell: [usize; 3]) -> bool {
+pub fn is_material(stock: &Stock, cell: [usize; 3]) -> bool {
     let z_mm = stock.lattice().center_mm(2, cell[2]);
     stock.grids()[2].dexel(cell[0], cell[1]).is_some_and(|dexel| dexel.contains(z_mm))
 }
 
 /// Places at which the mill has left a surface: ends of material within the block.
-fn surface(stock: &Stock, block: &Block) -> Vec<Point> {
+pub fn surface(stock: &Stock, block: &Block) -> Vec<Point> {
     let lattice = stock.lattice();
     let mut places = Vec::new();
     for grid in stock.grids() {
@@ -203,7 +208,7 @@ fn surface(stock: &Stock, block: &Block) -> Vec<Point> {
 }
 
 /// Distances from blades and hub of all that the mill has left, and the nearest places to dense samples of the blades.
-fn no_mark_is_in_blades_or_hub(planned: &Planned, stock: &Stock) {
+pub fn no_mark_is_in_blades_or_hub(planned: &Planned, stock: &Stock) {
     let places = surface(stock, &planned.block());
     let from_blades = |place: &Point| {
         [WallSide::Left, WallSide::Right]

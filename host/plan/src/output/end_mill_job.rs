@@ -1,10 +1,12 @@
-//! Job of plunges or of finishing passes, as the text of a job file (docs/job.md): every feed stays the program's own.
+//! Job of plunges or of finishing passes, as the text of a job file (docs/job.md): every feed stays the program's own, or the plunge
+//! law governs the plunges.
 
 use std::fmt::Write;
 
 use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::output::job::{Machine, number, quoted};
+use crate::vector::Point;
 
 /// Content of a job file for a planned path of an end mill.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +27,8 @@ pub struct EndMillJob<'a> {
     pub feed_max_mm_per_min: f64,
     /// Remark about the feeds.
     pub remark: &'a str,
+    /// Law of the plunges; `None`: all feeds stay the program's own.
+    pub law: Option<PlungeLaw<'a>>,
     /// Distance of the simulation's dexel rays, if `stock.stl` and `finished.stl` stand beside the file.
     pub rays_mm: Option<f64>,
     /// Preset of the control.
@@ -32,6 +36,42 @@ pub struct EndMillJob<'a> {
     /// Machine, if it is known.
     pub machine: Option<Machine<'a>>,
 }
+
+/// Plunge law of a job, with all that it needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlungeLaw<'a> {
+    /// Limits of the spindle and the material.
+    pub limits: &'a PlungeLimits,
+    /// Blank in the program's coordinates at the first plunge.
+    pub ring: BlankRing,
+}
+
+/// Limits of the spindle and material of the workpiece.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlungeLimits {
+    /// Name of the material.
+    pub material: String,
+    /// Radial and axial force of a chip over the tangential one.
+    pub force_ratios: [f64; 2],
+    /// Largest power of the spindle, W.
+    pub power_w: Option<f64>,
+    /// Largest torque of the spindle, N m.
+    pub torque_n_m: Option<f64>,
+}
+
+/// BlankRing, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlankRing {
+    /// Middles of both ends.
+    pub ends_mm: [Point; 2],
+    /// Outer radius.
+    pub radius_mm: f64,
+    /// Radius of its bore.
+    pub bore_mm: f64,
+}
+
+/// Height of the layers in which the sections of plunges are found, mm.
+const LAYER_MM: f64 = 0.5;
 
 /// Shape of an end mill, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,26 +101,32 @@ impl EndMillJob<'_> {
         let mut text = format!(
             "# The job of a planned program. The planner wrote it, and writes it anew.\nunits = \"{unit}\"\nprogram = {}\n\n\
              [tool]\nkind = \"end-mill\"\nnumber = {}\ndiameter = {}\nteeth = {teeth}\ncorner_radius = {}\nheight = {}\n\n\
-             [spindle]\nrev_per_min = {}\n\n[limits]\nmax_feed = {}\n\n\
+             [spindle]\nrev_per_min = {}\n{}\n[limits]\nmax_feed = {}\n\n\
              # {}\n\
-             [law]\nkind = \"programmed\"\nfeed_per_tooth = {}\n\n",
+             [law]\nkind = \"{}\"\nfeed_per_tooth = {}\n\n",
             quoted(self.program),
             self.tool,
             length(2.0 * radius_mm),
             length(corner_radius_mm),
             length(height_mm),
             number(self.rev_per_min),
+            self.law.map_or(String::new(), |law| law.limits.text()),
             length(self.feed_max_mm_per_min),
             self.remark,
+            if self.law.is_some() { "plunge" } else { "programmed" },
             length(self.feed_per_tooth_mm),
         );
-        if let Some(rays_mm) = self.rays_mm {
+        if let Some(law) = self.law {
+            let PlungeLimits { material, force_ratios: [radial, axial], .. } = law.limits;
             let _ = write!(
                 text,
-                "[workpiece]\nstl = \"stock.stl\"\nstl_units = \"mm\"\ntarget = \"finished.stl\"\nstep = {}\n\n",
-                length(rays_mm)
+                "[plunge]\nmap = \"engaged.toml\"\nindexed = true\n\n\
+                 [cutting]\nmaterial = {}\nradial = {radial}\naxial = {axial}\naxial_depth = {}\nlayers = 2\n\n",
+                quoted(material),
+                length(2.0 * LAYER_MM),
             );
         }
+        text += &self.workpiece(length);
         let _ = write!(
             text,
             "[control]\npreset = {}\n\n\
@@ -94,5 +140,30 @@ impl EndMillJob<'_> {
             None => {}
         }
         text
+    }
+
+    /// `[workpiece]`, if there are stock and finished part.
+    fn workpiece(&self, length: impl Fn(f64) -> String + Copy) -> String {
+        let Some(rays_mm) = self.rays_mm else { return String::new() };
+        let blank = match self.law {
+            None => "stl = \"stock.stl\"\nstl_units = \"mm\"".into(),
+            Some(PlungeLaw { ring: BlankRing { ends_mm, radius_mm, bore_mm }, .. }) => {
+                let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(length).join(", "));
+                let (radius, bore) = (length(radius_mm), length(bore_mm));
+                format!(
+                    "round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\""
+                )
+            }
+        };
+        format!("[workpiece]\n{blank}\ntarget = \"finished.stl\"\nstep = {}\n\n", length(rays_mm))
+    }
+}
+
+impl PlungeLimits {
+    /// Lines of `[spindle]`.
+    fn text(&self) -> String {
+        let power = self.power_w.map(|power_w| format!("max_power = \"{} W\"\n", number(power_w)));
+        let torque = self.torque_n_m.map(|torque_n_m| format!("max_torque = \"{} Nm\"\n", number(torque_n_m)));
+        power.into_iter().chain(torque).collect()
     }
 }

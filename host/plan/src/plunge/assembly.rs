@@ -15,11 +15,6 @@ use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionFamily, SectionPlane};
 
-/// Points of a corner's circle that stand off the hub.
-const RIM_POINTS: u32 = 128;
-/// Precision of the lift, mm.
-const LIFT_PRECISION_MM: f64 = 1e-3;
-
 /// Plan of a passage while its families are added; state.
 pub struct Assembly<'a> {
     passage: &'a Passage<'a>,
@@ -62,7 +57,6 @@ impl<'a> Assembly<'a> {
             for column in &found {
                 self.plunges.push(match family {
                     PlungeFamily::Radial => self.passage.plunge(number, column, &boundary, plane.origin.z)?,
-                    PlungeFamily::Hub => self.on_hub(number, column, &row.section)?,
                     PlungeFamily::LowerFace | PlungeFamily::UpperFace => self.face_plunge(number, column, &plane),
                 });
             }
@@ -88,50 +82,6 @@ impl<'a> Assembly<'a> {
             plunges.iter_mut().for_each(|plunge| plunge.clear_mm = clear_mm);
         }
         PassagePlan { planes, plunges, largest }
-    }
-
-    /// Plunge of a plane through the hub's normal.
-    fn on_hub(&self, number: usize, column: &Column, section: &PlungeSection) -> Result<Plunge, PlungeInfeasible> {
-        let Passage { blisk, mill, .. } = self.passage;
-        let plunge = self.passage.plunge(number, column, &section.boundary, section.plane.origin.z)?;
-        let more_mm = self.hollow_mm(&plunge);
-        let tip = plunge.tip + plunge.axis * more_mm;
-        Ok(Plunge {
-            tip,
-            lift_mm: plunge.lift_mm + more_mm,
-            roof_mm: roof_mm(&blisk.blank, &tip, &plunge.axis, mill.radius_mm),
-            to_tool: tool_frame(&column.axis, &section.plane),
-            relief_mm: 0.0,
-            ..plunge
-        })
-    }
-
-    /// Further lift of a mill whose end meets the hub's allowance on a hollow: the lift on a plane (mill.rs) is too small there. The circle of the corner's
-    /// centres stands off the hub by allowance and corner radius.
-    fn hollow_mm(&self, plunge: &Plunge) -> f64 {
-        let Passage { blisk, mill, needs, .. } = self.passage;
-        let corner_mm = mill.corner_radius_mm;
-        let turn = plunge.to_tool.inverse();
-        let circle = (0..RIM_POINTS).map(|point| {
-            let (sin, cos) = libm::sincos(f64::from(point) / f64::from(RIM_POINTS) * core::f64::consts::TAU);
-            let from_mm = mill.radius_mm - corner_mm;
-            plunge.tip + turn * Vector::new(cos * from_mm, sin * from_mm, corner_mm)
-        });
-        let circle: Vec<Point> = circle.collect();
-        let stands = |way_mm: f64| {
-            circle
-                .iter()
-                .all(|point| blisk.hub.height_mm(&(point + plunge.axis * way_mm)) >= needs.allowance_mm + corner_mm)
-        };
-        let (mut low, mut high) = (0.0, mill.radius_mm);
-        if stands(low) {
-            return 0.0;
-        }
-        while high - low > LIFT_PRECISION_MM {
-            let middle = f64::midpoint(low, high);
-            if stands(middle) { high = middle } else { low = middle }
-        }
-        high
     }
 
     /// Plunge from a face: the mill's end stands on the plane of the ends.

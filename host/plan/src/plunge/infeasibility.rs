@@ -35,25 +35,9 @@ pub enum PlungeInfeasible {
         /// Largest diameter that passes from there; `None` if none does.
         largest_mm: Option<f64>,
     },
-    /// The mill does not pass in a plane through the hub's normal.
-    #[error("in the plane through the hub's normal at z {z_mm:.2} mm, radius {radius_mm:.2} mm, the mill does not pass: \
-        {missing_mm:.3} mm are missing between ({}) and ({}); {}", place(&.touching[0]), place(&.touching[1]), remedy(*.largest_mm))]
-    HubTooNarrow {
-        /// Place of the hub's point along the rotor's axis.
-        z_mm: f64,
-        /// Distance from that axis.
-        radius_mm: f64,
-        /// Missing width.
-        missing_mm: f64,
-        /// Points of both blades.
-        touching: [Point; 2],
-        /// Largest diameter that passes in all these planes; `None` if none does.
-        largest_mm: Option<f64>,
-    },
-    /// Plunges from a face or along the hub's normals with a core.
+    /// Plunges from a face with a core.
     #[error(
-        "plunging from the blank's faces and along a centrifugal hub is planned for mills that cut up to their axis: take one with `core_radius` 0 \
-         (it is {core_mm:.3} mm)"
+        "plunging from the blank's faces is planned for mills that cut up to their axis: take one with `core_radius` 0 (it is {core_mm:.3} mm)"
     )]
     CoreLeft {
         /// Radius of the core.

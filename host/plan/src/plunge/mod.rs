@@ -34,9 +34,9 @@ pub mod rows;
 
 pub mod faces;
 
-pub mod centrifugal;
-
 pub mod passage_plan;
+
+pub mod left_over;
 
 pub mod assembly;
 

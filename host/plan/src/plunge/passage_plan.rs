@@ -38,8 +38,6 @@ pub enum PlungeFamily {
     LowerFace,
     /// The same from the upper face.
     UpperFace,
-    /// Through the hub's normals (centrifugal.rs).
-    Hub,
 }
 
 /// Plane and its boundary.

@@ -88,9 +88,13 @@ impl<'a> Setup<'a> {
                 MarkReference { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             let can_tilt = machine.is_some() && flexible.is_none();
-            let tilted =
-                can_tilt.then(|| TiltedWorkpiece { blank: Arc::clone(&blank), tool: tool.clone(), tolerance_mm });
-            Ok((LoadSettings { process, machine, step_max_rad, flexible, tilted, samples }, truth))
+            let is_indexed = file.plunge.is_some_and(|plunge| plunge.is_indexed);
+            let about_mm = is_indexed.then(|| radius_mm(&file.job.tools.first().tool));
+            let tilted = can_tilt.then(|| {
+                let (blank, tool) = (Arc::clone(&blank), tool.clone());
+                TiltedWorkpiece { blank, tool, tolerance_mm, about_mm }
+            });
+            Ok((LoadSettings { process, machine, step_max_rad, flexible, tilted, is_indexed, samples }, truth))
         };
         let wrong = |(offset, message): body::SetupFault, table: usize| {
             Failure::Input(format!("{}: {message}", located(offset.unwrap_or(table))))
@@ -122,6 +126,12 @@ impl<'a> Setup<'a> {
             Some(loads) => (loads.process.engagement().layers().clone(), self.depth_mm),
             None => (Layers::of(&self.settings.stock, edges::UPRIGHT), self.depth_mm),
         }
+    }
+
+    /// Workpiece for the sections of plunges at all positions of the rotary axes, if the job has them.
+    pub fn tilted_for_plunges(&self, file: &JobFile) -> Option<TiltedWorkpiece> {
+        let is_indexed = file.plunge.is_some_and(|plunge| plunge.is_indexed);
+        self.loads.as_ref().filter(|_| is_indexed).and_then(|loads| loads.tilted.clone())
     }
 
     /// Stock cutter for a run.
@@ -178,6 +188,14 @@ fn solid(blank: &Blank, tolerance_mm: f64) -> Result<Box<dyn InitialSolid>, Shap
             Ok(Box::new(mesh))
         }
     }
+}
+
+/// Outermost radius of a tool.
+fn radius_mm(tool: &JobTool) -> f64 {
+    Nm::to_mm(match tool {
+        JobTool::CupMill(cup) => cup.outer_radius,
+        JobTool::EndMill(mill) => mill.radius,
+    })
 }
 
 /// Cutting solid of the job's tool.

@@ -74,6 +74,7 @@ pub fn job(result: &FinishResult, program: &str, remark: &str, rays_mm: Option<f
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: feeds.fold(0.0, f64::max),
         remark,
+        law: None,
         rays_mm,
         control: CONTROL,
         machine: machine(source, file.as_deref()),

@@ -61,7 +61,7 @@ pub struct SideFigures {
 /// Plane.
 #[derive(Debug, Serialize)]
 pub struct PlaneFigures {
-    /// `radial`, `lower-face`, `upper-face`, `hub`.
+    /// `radial`, `lower-face`, `upper-face`.
     pub family: &'static str,
     /// Place of its origin along the rotor's axis; 0 for planes along that axis.
     pub z_mm: f64,
@@ -175,7 +175,6 @@ fn family_word(family: PlungeFamily) -> &'static str {
         PlungeFamily::Radial => "radial",
         PlungeFamily::LowerFace => "lower-face",
         PlungeFamily::UpperFace => "upper-face",
-        PlungeFamily::Hub => "hub",
     }
 }
 
@@ -205,7 +204,7 @@ pub fn text(figures: &PlungeFigures) -> String {
     }
     if !is_radial {
         let count = |family: &str| figures.planes.iter().filter(|plane| plane.family == family).count();
-        let counted = ["radial", "lower-face", "upper-face", "hub"].map(|family| (family, count(family)));
+        let counted = ["radial", "lower-face", "upper-face"].map(|family| (family, count(family)));
         let named: Vec<String> =
             counted.iter().filter(|(_, count)| *count > 0).map(|(family, count)| format!("{count} {family}")).collect();
         let _ = write!(text, "\n  planes: {}", named.join(", "));

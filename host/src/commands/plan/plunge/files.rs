@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
+use arcfeed_plan::geometry::blisk::Blank;
 use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
-use arcfeed_plan::output::end_mill_job::{EndMillJob, ToolShape};
+use arcfeed_plan::output::end_mill_job::{BlankRing, EndMillJob, PlungeLaw, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
+use arcfeed_plan::vector::Point;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{
@@ -78,21 +80,37 @@ fn cl(result: &PlungeResult) -> Cl {
     cl
 }
 
-/// Blank and finished part about the first passage, in the frame of its first plunge.
+/// Blank and finished part about the first passage, under the plunge law the whole part, in the frame of the first plunge.
 fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
     let blisk = &result.part.blisk;
     let middle_rad = result.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
     // A plan has a plunge.
     let turn = result.plan.plunges[0].to_tool;
-    let reach_rad = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
-    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
+    // The law governs the plunges of all passages, in the material that there is.
+    let (reach_rad, last) = match result.part.law {
+        Some(_) => (core::f64::consts::PI, blisk.blades.cast_signed() - 1),
+        None => ((0.5 + BESIDE_PITCHES) * blisk.pitch_rad(), 1),
+    };
     let sector = Sector {
         angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
         faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
+        inner_radius_mm: bore_mm(result),
     };
-    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, [0, 1], CHORD_MM)]
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, [0, last], CHORD_MM)]
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+}
+
+/// Inner radius of blank and finished part.
+fn bore_mm(result: &PlungeResult) -> f64 {
+    let profile_mm = &result.part.blisk.hub.profile_mm;
+    profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min) - BELOW_HUB_MM
+}
+
+/// The whole blank, in the frame of the first plunge.
+fn ring(result: &PlungeResult) -> BlankRing {
+    let Blank { radius_mm, faces_mm } = result.part.blisk.blank;
+    let turn = result.plan.plunges[0].to_tool;
+    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(result) }
 }
 
 fn job(result: &PlungeResult, program: &str) -> String {
@@ -112,7 +130,11 @@ fn job(result: &PlungeResult, program: &str) -> String {
         rev_per_min: part.feeds.rev_per_min,
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         feed_max_mm_per_min: result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min),
-        remark: "Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.",
+        remark: match part.law {
+            Some(_) => "`arcfeed engage` finds the sections of the plunges, `adapt` keeps chip, power and torque by them.",
+            None => "Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.",
+        },
+        law: part.law.as_ref().map(|limits| PlungeLaw { limits, ring: ring(result) }),
         rays_mm: Some(RAYS_MM),
         control: CONTROL,
         machine: machine(source, file.as_deref()),

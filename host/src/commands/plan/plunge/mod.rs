@@ -4,6 +4,8 @@ mod result;
 
 mod figures;
 
+mod plot;
+
 mod page;
 
 mod files;

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::figures::PlungeFigures;
+use super::plot;
 use super::result::PlungeResult;
 use crate::report::page::{Page, Section, escaped};
 
@@ -17,8 +18,9 @@ pub fn page(result: &PlungeResult, figures: &PlungeFigures) -> Page {
     let sections = vec![
         section("Verdict", verdict(figures)),
         section("Machinability", machinability(figures)),
-        section("Largest tool along the passage", largest(figures)),
+        section("Largest tool along the passage", plot::largest(figures) + &largest(figures)),
         section("Axes of one passage, seen along the rotor's axis", picture(result)),
+        section("Allowance left for side milling", plot::left_over(&result.left_over)),
         section("Planes", planes(figures)),
         section("Clearances", clearances(figures)),
     ];

@@ -8,6 +8,7 @@ use arcfeed_plan::output::plunge_nc::{AngleRelation, PlungeFeeds, plunging_min, 
 use arcfeed_plan::placement::{PlacementError, any_table, check_places, placement};
 use arcfeed_plan::plunge::assembly::{ball_mm, corner_mm};
 use arcfeed_plan::plunge::field::Field;
+use arcfeed_plan::plunge::left_over::{LeftOverRow, left_over};
 use arcfeed_plan::plunge::machinability::{SideMeasures, Widths, camber_twist_rad, widths};
 use arcfeed_plan::plunge::mill::PlungeMill;
 use arcfeed_plan::plunge::passage::Passage;
@@ -42,6 +43,8 @@ pub struct PlungeResult {
     pub machinability: Machinability,
     /// Plan of one passage.
     pub plan: PassagePlan,
+    /// Allowance that the plunges leave beyond the part's own.
+    pub left_over: Vec<LeftOverRow>,
     /// Proof of the plan.
     pub proof: PlungeProof,
     /// A and B.
@@ -81,7 +84,17 @@ impl PlungeResult {
             approach_mm_per_min: part.feeds.approach_mm_per_min.unwrap_or(cutting),
         };
         let passage_min = plunging_min(&plan.plunges, &feeds);
-        Ok(PlungeResult { machinability: machinability(&part), plan, proof, rotary, feeds, passage_min, part })
+        let left_over = left_over(&plan, &field, part.mill.radius_mm + part.needs.allowance_mm);
+        Ok(PlungeResult {
+            machinability: machinability(&part),
+            plan,
+            left_over,
+            proof,
+            rotary,
+            feeds,
+            passage_min,
+            part,
+        })
     }
 }
 
