@@ -98,8 +98,12 @@ fn job(scratch: &Scratch, row: &str) -> Option<(String, (Decimals, LengthUnit))>
     let [name, control, unit, decimals, ..] = fields[..] else { panic!("{row}") };
     let program = scratch.write(name, std::fs::read(root().join(CORPUS).join(name)).expect("a program"));
     let job = Path::new(&program).with_extension("toml").display().to_string();
-    let arguments =
-        ["init", &program, "-o", &job, "--mode", "rewrite-only", "--control", control, "--decimals", decimals];
+    let mut arguments =
+        vec!["init", &program, "-o", &job, "--mode", "rewrite-only", "--control", control, "--decimals", decimals];
+    let settings = root().join(CORPUS).join(Path::new(name).with_extension("settings")).display().to_string();
+    if Path::new(&settings).exists() {
+        arguments.extend(["--settings", &settings]);
+    }
     if !run(&arguments).status.success() {
         return None;
     }
@@ -182,7 +186,9 @@ fn what_linuxcnc_cannot_execute_is_refused_by_name_with_its_place_and_a_remedy()
         ("M10", "p.nc:9:1:", "M10"),
         ("G9G1X1.", "p.nc:9:1:", "G9"),
         ("G54.1P4", "p.nc:9:1:", "G54.1"),
-        ("G68X0Y0R10.", "p.nc:9:1:", "G68"),
+        ("G68.2X0Y0Z0I10.J0K0", "p.nc:9:1:", "G68.2"),
+        ("G68X0Y0R10.\nG28X1.Y1.", "p.nc:10:1:", "G28"),
+        ("G51.1X0\nG81Y1.Z-1.R1.K2", "p.nc:10:1:", "G81"),
         ("G0Z5.\nG84X1.Y1.Z-1.R1.F100.", "p.nc:10:1:", "G84"),
         ("G10L10P1R5.", "p.nc:9:1:", "G10"),
         ("M8M7", "p.nc:9:3:", "M7"),

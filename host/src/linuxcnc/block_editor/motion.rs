@@ -1,6 +1,8 @@
 //! Motion and canned cycle of a block: written where LinuxCNC has another one in force.
 
-use arcfeed_nc::modal::{Cycle, MotionKind, Turn};
+use arcfeed_nc::modal::{Cycle, MotionKind, Plane, Turn};
+use arcfeed_nc::series::Series;
+use arcfeed_nc::word::Word;
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::{BlockEditor, LinuxCncState, RefusedWord};
@@ -51,6 +53,36 @@ impl BlockEditor<'_> {
             theirs.motion = Some(wanted);
         }
         Ok(())
+    }
+
+    /// Writes a hole to which rotary axes turn as a rapid in all axes and a block with the cycle, which a Fanuc does in one block.
+    /// Returns whether the block is written so.
+    pub(super) fn edit_turn(&mut self, theirs: &mut LinuxCncState) -> bool {
+        let (Some(cycle), Some(Series::Drill(drill))) = (self.modal.cycle, self.line.step.series) else { return false };
+        let turns = self.words().iter().any(|word| b"ABC".contains(&word.letter));
+        let is_plain = self.modal.absolute && !drill.returns_to_r && drill.holes == 1 && drill.plane == Plane::Xy;
+        if !turns || !is_plain || theirs.is_transformed || self.tapping_cycle().is_some() {
+            return false;
+        }
+        self.turns = true;
+        let is_hole = |word: &&Word| b"ZRPQKL".contains(&word.letter);
+        let hole: Vec<Word> = self.words().iter().filter(is_hole).copied().collect();
+        hole.iter()
+            .chain(self.code(CodeGroup::Cycle).map(|(word, _)| word).iter())
+            .for_each(|word| self.drop_word(word));
+        self.insert += "G0 ";
+        let unit = self.modal.unit;
+        let [bottom, r] = [drill.levels.bottom, drill.levels.r].map(|value| length(value, unit));
+        let mut text = format!("G{} Z{bottom} R{r}", cycle.code);
+        if matches!(cycle.code, 73 | 83) {
+            text += &format!(" Q{}", length(cycle.q, unit));
+        }
+        if matches!(cycle.code, 82 | 86 | 89) {
+            text += &format!(" P{}", cycle.dwell.to_s());
+        }
+        self.behind.push(text);
+        theirs.motion = Some(i64::from(cycle.code));
+        true
     }
 
     /// Motion or cycle in force on the Fanuc.
