@@ -98,7 +98,7 @@ fn check_single_block(machine: &Machine, job: &str) {
 /// Moves for the component from arcs of another radius, with the checksums of the program: it is not governed where they differ.
 fn check_wrong_radius(machine: &Machine, job: &str) {
     // The arc of N146 about centres that are 0.02, 0.1 and 0.5 in farther from its start and its end, and 0.5 in nearer.
-    for center in ["I4.0537J-3.0648", "I4.1092J-3.1223", "I4.3870J-3.4100", "I3.6926J-2.6908"] {
+    for center in ["I4.0537J-3.0648", "I4.1102J-3.1215", "I4.3916J-3.4057", "I3.6880J-2.6951"] {
         check_center(machine, job, center);
     }
     machine.adapt(job);

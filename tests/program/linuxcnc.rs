@@ -98,12 +98,8 @@ fn job(scratch: &Scratch, row: &str) -> Option<(String, (Decimals, LengthUnit))>
     let [name, control, unit, decimals, ..] = fields[..] else { panic!("{row}") };
     let program = scratch.write(name, std::fs::read(root().join(CORPUS).join(name)).expect("a program"));
     let job = Path::new(&program).with_extension("toml").display().to_string();
-    let mut arguments =
-        vec!["init", &program, "-o", &job, "--mode", "rewrite-only", "--control", control, "--decimals", decimals];
-    let settings = root().join(CORPUS).join(Path::new(name).with_extension("settings")).display().to_string();
-    if Path::new(&settings).exists() {
-        arguments.extend(["--settings", &settings]);
-    }
+    let arguments =
+        ["init", &program, "-o", &job, "--mode", "rewrite-only", "--control", control, "--decimals", decimals];
     if !run(&arguments).status.success() {
         return None;
     }

@@ -88,7 +88,7 @@ impl<'a> BlockEditor<'a> {
         editor.edit_g_codes()?;
         editor.edit_one_shots()?;
         editor.write_offsets();
-        let is_written = editor.edit_points(theirs)? || editor.edit_turn(theirs);
+        let is_written = editor.edit_points(theirs)? || editor.edit_hole(theirs)?;
         if !editor.edit_tapping(theirs)? && !is_written {
             editor.set_motion(theirs)?;
             editor.edit_cycle()?;

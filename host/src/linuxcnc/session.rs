@@ -207,6 +207,7 @@ mod tests {
             ratio: 0.6,
             spindle: 1e3,
             line: 12,
+            state: Some("running"),
         };
         assert_eq!(sample, expected);
         assert_eq!(MachineSample::parse(&row(0)).map(|sample| sample.line), Some(0));

@@ -2,7 +2,7 @@
 //! have: written as coordinates along its axes.
 //!
 //! ```text
-//! written = path - s     (1)
+//! written = path - s
 //! ```
 //!
 //! with the path and the shift s of `shared/nc/src/frame.rs`: LinuxCNC has the work offset, G52 and G92 itself.
@@ -13,7 +13,7 @@ use arcfeed_nc::series::{Drill, Series};
 use arcfeed_nc::settings::ArcCenters;
 use arcfeed_units::Nm;
 
-use super::motion::length;
+use super::motion::{hole_point, length};
 use super::{BlockEditor, LinuxCncState, RefusedWord};
 use crate::linuxcnc::codes::CodeGroup;
 
@@ -127,9 +127,4 @@ impl BlockEditor<'_> {
         let words: Vec<_> = self.words().iter().filter(|word| letters.contains(&word.letter)).copied().collect();
         words.iter().for_each(|word| self.drop_word(word));
     }
-}
-
-/// Point of the first hole along LinuxCNC's axes.
-pub(super) fn hole_point(drill: &Drill) -> Pose {
-    drill.frame.to_path(drill.first).minus(drill.frame.shift()) // (1)
 }

@@ -3,8 +3,7 @@
 use arcfeed_nc::modal::{Cycle, FeedMode, Plane};
 use arcfeed_nc::series::{Drill, Series};
 
-use super::motion::{length, number};
-use super::points::hole_point;
+use super::motion::{hole_point, length, number};
 use super::{BlockEditor, LinuxCncState, RefusedWord};
 use crate::linuxcnc::codes::{CodeGroup, TAPPING};
 
