@@ -297,9 +297,7 @@ impl<'a> Writer<'a> {
         block: &mut PlannedBlock,
         profile: Option<&Profile>,
     ) -> Option<Vec<Vec<u8>>> {
-        if let Some(profile) = profile {
-            self.in_one_piece(block, profile);
-        }
+        profile.into_iter().for_each(|profile| self.in_one_piece(block, profile));
         let is_slower = block.segment.path == Path::Line && block.reason == PlanReason::Corner;
         let (FeedPolicy::RewriteOnly(settings), Some(before), true) = (&self.job.policy, &self.reader, is_slower)
         else {

@@ -9,11 +9,11 @@ use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose, Turn};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::series::SeriesAction;
-use arcfeed_nc::text::Lines;
 use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm, S_PER_MIN};
 use memchr::memchr;
 
 use super::move_trace::series_segments;
+use super::path_warnings;
 use super::tool_notes::{ToolNotes, comments};
 use super::{Diagnostic, ProgramLine};
 
@@ -23,11 +23,6 @@ const TOOLS_MAX: usize = 200;
 const OFFSETS_MAX: usize = 8;
 /// Most lines that are warned of.
 const WARNED_MAX: usize = 1_000;
-const STOPPED: &str = "this move cuts while the spindle stands still: no M3 or M4 with an S starts it before, or M5 or M6 has stopped it; write \
-                       S and M3 before the cut";
-const CORNER_OVERRIDE: &str = "G62 has no effect here: the simulated control accelerates before interpolation, and then has no automatic override at \
-                               inside corners. A control that has it (parameters 1711 to 1714) reduces F there once more, so chips are only \
-                               thinner; if that costs time, write G64 instead";
 
 /// Summary of a program's tool path: extents, times and tools.
 #[derive(Clone, Debug)]
@@ -208,16 +203,7 @@ impl PathSummary {
     /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, and of the first G62, each
     /// with the text of its line in the program.
     pub fn warnings<'a>(&self, program: &'a [u8]) -> Vec<(Diagnostic, &'a [u8])> {
-        if self.stopped.is_empty() && self.corner_override.is_none() {
-            return Vec::new();
-        }
-        let of_line = |line| {
-            let stopped = self.stopped.contains(&line).then_some(STOPPED);
-            stopped.into_iter().chain((self.corner_override == Some(line)).then_some(CORNER_OVERRIDE))
-        };
-        let lines = (1..).zip(Lines::new(program));
-        let found = lines.flat_map(|(line, raw)| of_line(line).map(move |message| (line, raw.text, message)));
-        found.map(|(line, text, message)| (Diagnostic::of_line(line, text, message), text)).collect()
+        path_warnings::warnings(&self.stopped, self.corner_override, program)
     }
 
     /// Comment about a tool: preferably one with its data, otherwise the comment at its tool change.
