@@ -12,7 +12,7 @@ use arcfeed_model::machine::FeedLimit;
 use arcfeed_model::telemetry::Sample;
 use arcfeed_nc::machining::SpindleCommand;
 use arcfeed_nc::modal::{Feed, Pose};
-use arcfeed_nc::segment::{Arc, RADIUS_TOLERANCE, Segment};
+use arcfeed_nc::segment::{Arc, Path, RADIUS_TOLERANCE, Segment};
 use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
@@ -26,6 +26,10 @@ use arcfeed_milling::cutting::meter::{ChipMeter, STEADY_RATIO};
 
 /// Period of interpolation, of the machine's reports and of the controller's tick.
 pub const STEP: Micros = Micros::from_ms(1);
+
+/// Largest difference between the ends of a planned move and the executed one: a corner behind a divided line is computed
+/// again from the rest of the line. Far below the least increments of controls.
+const SAME_POINT_MAX: Nm = Nm(5);
 
 /// Simulation of control, machine, override source and chip meter on one time base; deterministic.
 #[derive(Debug)]
@@ -69,8 +73,10 @@ pub struct PlannedConditions {
 
 impl PlannedConditions {
     fn is_of(&self, segment: &Segment) -> bool {
-        let Segment { start, end, path, .. } = &self.segment;
-        (start, end, path) == (&segment.start, &segment.end, &segment.path)
+        let own = &self.segment;
+        is_same_point(&own.start, &segment.start)
+            && is_same_point(&own.end, &segment.end)
+            && is_same_path(&own.path, &segment.path)
     }
 
     /// Whether a move is this one, or the first piece of it.
@@ -80,7 +86,7 @@ impl PlannedConditions {
 
     fn begins_with(&self, segment: &Segment) -> bool {
         let (Some(own), Some(arc)) = (self.segment.arc(), segment.arc()) else { return false };
-        self.segment.start == segment.start && is_same_circle(own, arc)
+        is_same_point(&self.segment.start, &segment.start) && is_same_circle(own, arc)
     }
 
     /// Conditions of the first piece of its arc: those that do not depend on where the move ends.
@@ -360,6 +366,22 @@ fn take_planned(
 fn continues(last: &Segment, next: &Segment) -> bool {
     let (Some(before), Some(arc)) = (last.arc(), next.arc()) else { return false };
     next.sequence.is_none() && next.start == last.end && is_same_circle(before, arc)
+}
+
+/// Whether two poses are the same point, but for the rounding of corners.
+fn is_same_point(one: &Pose, other: &Pose) -> bool {
+    let mut linear = one.linear.iter().zip(&other.linear);
+    one.rotary == other.rotary && linear.all(|(a, b)| (a.0 - b.0).abs() <= SAME_POINT_MAX.0)
+}
+
+/// Whether two moves between the same points have the same path, but for the rounding of corners.
+fn is_same_path(one: &Path, other: &Path) -> bool {
+    match (one, other) {
+        (Path::Arc(one), Path::Arc(other)) => {
+            is_same_circle(one, other) && (one.from == one.to) == (other.from == other.to)
+        }
+        _ => one == other,
+    }
 }
 
 /// Whether two arcs run about the same centre in the same sense.

@@ -18,6 +18,8 @@ mod tool_notes;
 
 mod corner_moves;
 
+mod path_warnings;
+
 mod path_summary;
 
 mod lines;

@@ -13,6 +13,20 @@ fn asserted(job: &str, assertions: &[&str], options: &[&str]) -> (Option<i32>, S
 }
 
 #[test]
+fn limits_that_hold_are_printed_with_their_figures() {
+    let output =
+        run(&["simulate", JOB, "--assert", "chip<=1.005", "--assert", "feed<=127in/min", "--assert", "time<=20s"]);
+    let text = String::from_utf8(output.stdout).expect("text");
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("--assert")).collect();
+    // The highest feed is that of the program, 3200 mm/min; the time is that of the summary.
+    let time = text.lines().find_map(|line| line.split_once("before, ")?.1.split_once(" s after")).expect("a time").0;
+    assert!(lines[0].starts_with("--assert chip<=1.005: holds, at most 1.0"), "{text}");
+    assert_eq!(lines[1], "--assert feed<=127in/min: holds, at most 3200 mm/min", "{text}");
+    assert!(lines[2].starts_with(&format!("--assert time<=20s: holds, at most {time}")), "{text}");
+    assert_eq!(lines.len(), 3, "{text}");
+}
+
+#[test]
 fn limits_that_hold_change_nothing() {
     let found = asserted(JOB, &["chip<=1.005", "feed<=3201mm/min", "feed<=127in/min", "time<=20s", "time<=1min"], &[]);
     assert_eq!(found, (Some(0), String::new()));

@@ -13,6 +13,9 @@ use super::slot::{Levels, job};
 /// Largest chip over its target.
 const OVER: f64 = 0.005;
 
+/// Name of the table of a run.
+const TRACE: &str = "run.csv";
+
 fn stream(machine: &Machine, job: &str, options: &str) -> Command {
     machine.command(&format!("exec {} stream {job} --port linuxcnc: {options}", arcfeed().display()))
 }
@@ -33,7 +36,7 @@ fn in_linuxcnc(machine: &Machine, python: &str) {
 
 /// Runs a job; types the word that arms the component where that is requested.
 fn streamed(machine: &Machine, job: &str) -> Value {
-    let mut child = stream(machine, job, "--json")
+    let mut child = stream(machine, job, &format!("--json --trace {TRACE}"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -83,9 +86,39 @@ fn streaming_to_linuxcnc_runs_the_program_and_reports_as_the_simulated_control_d
         assert_eq!(cnc["movements"].as_array().map(Vec::len), sim["movements"].as_array().map(Vec::len), "{mode}");
         assert!(fabs(number(&cnc, "/override/max") - number(&sim, "/override/max")) <= 1.0, "{mode}: whole percent");
         assert!(number(&cnc, "/cycle_time_s") > 5.0, "{mode}");
+        check_trace(&machine, mode, &cnc);
     }
     check_interrupt(&machine);
     check_refusals(&mut machine);
+}
+
+/// The table of samples has the columns of the simulated control's, and the figures of the report.
+fn check_trace(machine: &Machine, mode: &str, report: &Value) {
+    let table = std::fs::read_to_string(machine.path(TRACE)).expect("the table");
+    let mut rows = table.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let head = rows.next().expect("the names of columns");
+    let names: Vec<&str> = arcfeed::trace::tables::SAMPLES.columns.iter().map(|column| column.name).collect();
+    assert_eq!(head, names);
+    let column = |name: &str| names.iter().position(|other| *other == name).expect("a column");
+    let rows: Vec<Vec<&str>> = rows.collect();
+    let value = |row: &[&str], name: &str| row[column(name)].parse::<f64>().ok();
+    let is_steady = |row: &&Vec<&str>| row[column("is_steady")] == "true";
+    let chips =
+        rows.iter().filter(is_steady).filter_map(|row| Some((value(row, "chip_mm")?, value(row, "target_chip_mm")?)));
+    let chips: Vec<f64> = chips.map(|(chip, target)| chip / target - 1.0).collect();
+    let most = chips.iter().copied().fold(f64::MIN, f64::max);
+    let reported = number(report, "/chip_load/error_ratio_max");
+    println!(
+        "{mode}: {} rows, {} steady chips, the largest {most:+.5}, reported {reported:+.5}",
+        rows.len(),
+        chips.len()
+    );
+    assert!(fabs(most - reported) < 1e-6 && chips.len() as f64 >= number(report, "/chip_load/samples"), "{mode}");
+    // A row for each servo period.
+    let times: Vec<f64> = rows.iter().filter_map(|row| value(row, "time_s")).collect();
+    assert!(times.windows(2).all(|pair| fabs(pair[1] - pair[0] - 1e-3) < 1e-6), "{mode}: every millisecond");
+    let states = rows.iter().filter(|row| row[column("state")] == "running").count();
+    assert_eq!(states > 1_000, mode == "safe-base", "{mode}: {states} periods governed");
 }
 
 /// Ctrl-C: the program is paused in LinuxCNC, the axes are at rest.

@@ -196,3 +196,52 @@ fn one_warning_and_one_error_are_no_plural() {
     let refused = run(&["check", &scratch.write("q.nc", "%\nO1\nG21G0X0Y0\nG2X9.Y0I1.J1.F90.\nM30\n%\n")]);
     assert!(messages(&refused).contains("q.nc: 1 error: the control would stop"), "{}", messages(&refused));
 }
+
+/// Output and messages of `init` for a program.
+fn proposed(scratch: &Scratch, program: &str, options: &[&str]) -> String {
+    let program = scratch.write("p.nc", program);
+    let output = run(&[&["init", &program, "-o", &scratch.path("p.toml"), "--force"][..], options].concat());
+    assert!(output.status.success(), "{}", messages(&output));
+    String::from_utf8_lossy(&output.stdout).into_owned() + &messages(&output)
+}
+
+#[test]
+fn init_says_which_arcs_keep_their_feeds_and_what_to_give() {
+    let scratch = Scratch::new("noticed-kept");
+    let of = |comment: &str| corner(&format!("T7M6({comment})\nS1000M3"), "");
+    let said = proposed(&scratch, &of("8MM BALL"), &[]);
+    assert!(said.contains("all feeds stay") && said.contains("(8MM BALL) it is no end mill"), "{said}");
+    let said = proposed(&scratch, &of("8MM SLOT DRILL 2 FLUTE"), &[]);
+    assert!(
+        said.contains("T7: likely an end mill, diameter 8.0 mm; 1 cut rule\n") && said.contains("  line 8  Z"),
+        "{said}"
+    );
+    // A centre path of 10 mm cannot run around the outside of a contour with a tool of 24 mm.
+    let clockwise = of("24MM ENDMILL").replace("G3X30.Y10.I0J10.", "G2X30.Y-10.I0J-10.");
+    assert!(proposed(&scratch, &clockwise, &[]).contains("--milling conventional"));
+    assert!(!proposed(&scratch, &clockwise, &["--milling", "conventional"]).contains("--milling"));
+    assert!(!proposed(&scratch, &clockwise.replace("24MM", "18MM"), &[]).contains("--milling"));
+    let contour = of("8MM ENDMILL").replace("G1X20.F400.", "G41D7G1X20.F400.");
+    let said = proposed(&scratch, &contour, &[]);
+    assert!(
+        said.contains("p.nc:8: note: the arcs under G41 or G42 (1) keep their feed") && said.contains("[radius]"),
+        "{said}"
+    );
+}
+
+#[test]
+fn init_names_files_relative_to_the_job_also_in_another_folder() {
+    let scratch = Scratch::new("noticed-relative");
+    let program = scratch.write("p.nc", corner("T7M6(8MM ENDMILL)\nS1000M3", ""));
+    let settings = scratch.write("cnc.toml", "unit = \"mm\"\n");
+    for (folder, up) in [("jobs", "../"), ("jobs/milling", "../../")] {
+        std::fs::create_dir_all(scratch.path(folder)).expect("a folder");
+        let job = scratch.path(&format!("{folder}/p.toml"));
+        assert!(run(&["init", &program, "-o", &job, "--settings", &settings]).status.success());
+        let text = std::fs::read_to_string(&job).expect("the job");
+        for (key, file) in [("program", "p.nc"), ("settings", "cnc.toml")] {
+            assert!(text.contains(&format!("{key} = \"{up}{file}\"\n")), "{text}");
+        }
+        assert!(run(&["check", &job]).status.success(), "the names lead to the files");
+    }
+}

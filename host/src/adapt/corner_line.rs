@@ -1,5 +1,5 @@
-//! A line that ends in a chamfer or rounded corner, as two blocks: its own feed up to a point shortly before the corner, the
-//! corner's feed from there on.
+//! A line that ends in a chamfer or rounded corner, as two blocks: its own feed, programmed or that of its law, up to a point
+//! shortly before the corner, the corner's feed from there on.
 //!
 //! The point is one of the control's least increments exactly on the line, so the path stays the same. Let the line have the
 //! components `a` and `b` in increments: such points are the multiples of
@@ -56,12 +56,12 @@ pub struct TwoBlocks {
 }
 
 impl CornerLine<'_> {
-    /// Writes both blocks, the first with the programmed feed. `rewriter` knows the F in force on the control; it
-    /// does not change if the line stays whole.
+    /// Writes both blocks: the first with the feed `governed` of its law, or with the programmed one, the second with that of
+    /// the `corner`. `rewriter` knows the F in force on the control; it does not change if the line stays whole.
     ///
     /// # Errors
     /// Why it stays whole.
-    pub fn write(&self, corner: Nm, rewriter: &mut FeedRewriter) -> Result<TwoBlocks, Whole> {
+    pub fn write(&self, (governed, corner): (Option<Nm>, Nm), rewriter: &mut FeedRewriter) -> Result<TwoBlocks, Whole> {
         let meaning = self.line.meaning.as_ref().ok_or(Whole::Words)?;
         let plane = meaning.step.motion.as_ref().ok_or(Whole::Words)?.plane;
         let (end, until_ratio) = self.point(plane).ok_or(Whole::Digits)?;
@@ -69,7 +69,7 @@ impl CornerLine<'_> {
         let spelling = Spelling::of_line(&self.line.text, block, self.modes, plane).ok_or(Whole::Words)?;
         let mut after = *rewriter;
         let mut edits = spelling.line_up_to(&self.programmed.start, &end).ok_or(Whole::Digits)?;
-        edits.extend(after.edit(self.line, None, self.modes).map_err(|_| Whole::Words)?);
+        edits.extend(after.edit(self.line, governed, self.modes).map_err(|_| Whole::Words)?);
         let rest = spelling.rest_of_line(&end, &self.programmed.end).ok_or(Whole::Digits)?;
         let rest = (rest + &after.added(corner, self.modes.unit)).into_bytes();
         let texts = vec![apply(&self.line.text, &edits), rest];

@@ -54,6 +54,8 @@ pub struct PlannedBlock {
     pub demand: Option<DemandRange>,
     /// The feed it is sent with, per minute; the least where it is sent in pieces.
     pub sent: Option<Nm>,
+    /// Feed of the move by itself, per minute, where a chamfer or rounded corner behind it has another.
+    pub own_feed: Option<Nm>,
     /// Reason for this feed.
     pub reason: PlanReason,
     /// Pieces of the move, if the law governs it without an override.
@@ -102,6 +104,7 @@ impl PlannedBlock {
             along: None,
             demand: None,
             sent: None,
+            own_feed: None,
             reason: PlanReason::NoRule,
             pieces: Vec::new(),
             whole: None,
@@ -159,6 +162,7 @@ impl PlannedBlock {
         if least < self.sent {
             self.reason = PlanReason::Corner;
         }
+        self.own_feed = self.sent;
         (self.sent, inserted.sent) = (least, least);
         self.inserted = Some(Box::new(inserted));
     }

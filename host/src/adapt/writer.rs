@@ -290,32 +290,32 @@ impl<'a> Writer<'a> {
         block.chip_error = ChipError::of(&block.pieces, profile, teeth_per_min);
     }
 
-    /// Texts of a line without a law that ends in a slower corner, in two blocks; `None` where one F does for the block, or
-    /// must do.
+    /// Texts of a line that ends in a slower corner, in two blocks; `None` where one F does for the block, or must do.
     fn beside_corner(
         &mut self,
         line: &ProgramLine,
         block: &mut PlannedBlock,
         profile: Option<&Profile>,
     ) -> Option<Vec<Vec<u8>>> {
-        if let Some(profile) = profile {
-            self.in_one_piece(block, profile);
-        }
-        let is_line = block.segment.path == Path::Line && block.demand.is_none();
-        let is_slower = is_line && block.reason == PlanReason::Corner;
+        profile.into_iter().for_each(|profile| self.in_one_piece(block, profile));
+        let is_slower = block.segment.path == Path::Line && block.reason == PlanReason::Corner;
         let (FeedPolicy::RewriteOnly(settings), Some(before), true) = (&self.job.policy, &self.reader, is_slower)
         else {
             return None;
         };
         let programmed = line.segment().filter(|segment| segment.path == Path::Line)?;
-        let (own, corner) = (block.programmed()?, block.sent?);
+        let governed = block.own_feed.filter(|_| block.demand.is_some());
+        let (own, corner) = (governed.or(block.programmed())?, block.sent?);
         let least_mm = settings.least_length.to_mm();
         let whole = CornerLine { line, cut_off: block.cut_off?, programmed, modes: self.modes, before, least_mm };
-        let written = whole.write(corner, &mut self.feeds);
+        let written = whole.write((governed, corner), &mut self.feeds);
         block.whole = written.as_ref().err().copied();
         let TwoBlocks { texts, until_ratio } = written.ok()?;
         block.pieces =
             [(until_ratio, own), (1.0, corner)].map(|(until_ratio, feed)| SentPiece { until_ratio, feed }).into();
+        if let Some((profile, teeth_per_min)) = profile.zip(block.teeth_per_min) {
+            block.chip_error = ChipError::of(&block.pieces, profile, teeth_per_min);
+        }
         Some(texts)
     }
 

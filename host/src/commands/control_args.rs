@@ -1,6 +1,6 @@
 //! Options that say which control reads a program.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::settings::{Scope, Settings, Tables};
@@ -86,12 +86,21 @@ impl ControlArgs {
     }
 }
 
-/// A file's name as seen from the job file: jobs name files relative to themselves.
+/// A file's name as seen from the job file: jobs name files relative to themselves. Absolute if they share no folder.
 pub fn name_from(job: &Path, file: &Path) -> String {
-    let folder = |path: &Path| std::path::absolute(path).ok().and_then(|path| path.parent().map(Path::to_owned));
-    let name = match file.file_name() {
-        Some(name) if folder(job) == folder(file) => PathBuf::from(name),
-        _ => std::path::absolute(file).unwrap_or_else(|_| file.to_owned()),
-    };
+    let name = relative(job, file).unwrap_or_else(|| std::path::absolute(file).unwrap_or_else(|_| file.to_owned()));
     name.display().to_string()
+}
+
+/// Path from the folder of `job` to `file`, along real folders: `..` leads out of the folder that a link names.
+fn relative(job: &Path, file: &Path) -> Option<PathBuf> {
+    let folder = |path: &Path| std::path::absolute(path).ok()?.parent()?.canonicalize().ok();
+    let (from, to) = (folder(job)?, folder(file)?);
+    let shared = from.components().zip(to.components()).take_while(|(one, other)| one == other).count();
+    let is_named = |part: Component<'_>| matches!(part, Component::Normal(_));
+    if from != to && !from.components().take(shared).any(is_named) {
+        return None;
+    }
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    Some(up.chain(to.components().skip(shared)).collect::<PathBuf>().join(file.file_name()?))
 }

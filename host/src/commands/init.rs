@@ -126,6 +126,7 @@ impl Init {
             let more = if errors > 1 { format!("; and {} errors more", errors - 1) } else { String::new() };
             note(format_args!("{path}:{first}{more}: arcs behind them may be missing from the job"));
         }
+        wording::unknown_radius(&self.program, &survey).iter().for_each(|found| note(format_args!("{found}")));
         if self.json {
             let report = report(&program, &output, &findings, (errors, &questions));
             say(format_args!("{}", json_text(&report)));
@@ -157,9 +158,16 @@ fn print_text(output: &Path, findings: &Findings<'_>, questions: &[Question]) {
     if groups.len() > GROUPS_SHOWN {
         say(format_args!("  and {} radii more", groups.len() - GROUPS_SHOWN));
     }
-    for tool in &proposal.tools {
-        say(format_args!("{}", words(tool, findings)));
+    // Without any mill the job has a tool that governs nothing.
+    let mut mills = proposal.tools.iter().filter(|tool| !tool.cuts.is_empty()).peekable();
+    if mills.peek().is_none() {
+        say(format_args!("{}", wording::NO_ARCS));
     }
+    mills.for_each(|tool| {
+        say(format_args!("{}", words(tool, findings)));
+        findings.milling_hint(tool).iter().for_each(|hint| say(format_args!("{hint}")));
+    });
+    proposal.excluded.iter().for_each(|tool| say(format_args!("{}", wording::exclusion(tool))));
     let arcs = counted(survey.arcs.len(), "arc");
     if questions.is_empty() {
         say(format_args!("{arcs}; {} has no open question", output.display()));
@@ -185,7 +193,7 @@ fn words(tool: &ProposedTool, findings: &Findings<'_>) -> String {
             None => "an end mill".into(),
         },
     };
-    format!("{number}: likely {kind}; {} cut rules", tool.cuts.len())
+    format!("{number}: likely {kind}; {}", counted(tool.cuts.len(), "cut rule"))
 }
 
 fn report(

@@ -102,13 +102,7 @@ impl JobValues {
         let (_, survey) = loaded.map_err(Failure::Input)?;
         survey.warn_of_unit(path);
         survey.check_max(path, self.max).map_err(Failure::Usage)?;
-        if let Some((line, count)) = survey.without_radius {
-            note(format_args!(
-                "{}:{line}: note: the arcs under G41 or G42 ({count}) keep their feed, because the radius of D is unknown: give a settings \
-                 file (--settings) with [radius], or with compensation = \"wear\" if D holds only wear (docs/compensation.md)",
-                path.display()
-            ));
-        }
+        wording::unknown_radius(path, &survey).iter().for_each(|found| note(format_args!("{found}")));
         let groups = group(&survey.arcs);
         let mut proposal = propose(&groups, &survey, &answers);
         let failed = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
@@ -136,6 +130,7 @@ impl JobValues {
         let named = proposal.tools.iter().filter(|tool| !tool.cuts.is_empty());
         named.for_each(|tool| {
             note(format_args!("{}", words(tool, &findings)));
+            findings.milling_hint(tool).iter().for_each(|hint| note(format_args!("note: {hint}")));
             other_diameter(tool, &findings).iter().for_each(|warning| note(format_args!("{warning}")));
         });
         Ok(file)
@@ -176,24 +171,23 @@ fn keep_known(proposal: &mut Proposal, answers: &Answers) -> Result<(), String> 
         return Err(format!("{} looks like a cup mill, which needs a job file: `arcfeed init`", name(cup)));
     }
     if proposal.tools.iter().all(|tool| tool.cuts.is_empty()) {
-        note(format_args!("note: no end mill has arcs in G17 that a law can govern: all feeds stay"));
+        note(format_args!("note: {}", wording::NO_ARCS));
         return Ok(());
     }
     proposal.tools.retain(|tool| noted(tool) || is_named(tool));
+    let option = |tool: &String| match tool.strip_prefix('T') {
+        Some(number) => format!("--tool T{number}=DIAMETER"),
+        None => "--tool DIAMETER".into(),
+    };
+    let options: Vec<String> = open.iter().map(option).collect();
     match (proposal.tools.is_empty(), open.as_slice()) {
-        (true, open) => {
-            let option = |tool: &String| match tool.strip_prefix('T') {
-                Some(number) => format!("--tool T{number}=DIAMETER"),
-                None => "--tool DIAMETER".into(),
-            };
-            let options: Vec<String> = open.iter().map(option).collect();
-            Err(format!("the diameter of {} is unknown: write {}", open.join(", "), options.join(" ")))
-        }
+        (true, open) => Err(format!("the diameter of {} is unknown: write {}", open.join(", "), options.join(" "))),
         (false, []) => Ok(()),
         (false, open) => {
             note(format_args!(
-                "note: the diameter of {} is unknown: its feeds stay (--tool T1=DIAMETER)",
-                open.join(", ")
+                "note: the diameter of {} is unknown: its feeds stay ({})",
+                open.join(", "),
+                options.join(" ")
             ));
             Ok(())
         }

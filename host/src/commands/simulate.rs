@@ -66,7 +66,7 @@ use arcfeed_units::LengthUnit;
 
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
-use super::outcome::{Failure, json_text, refuse_inputs, write_whole};
+use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
 use crate::console::{note, print, without_notes};
 use crate::job::{JobFile, SpindleLimits};
 use crate::program::{Folder, Program, in_capitals};
@@ -191,8 +191,8 @@ impl Simulate {
             line_of: &|block| listing.block_lines[0].get((block as usize).checked_sub(1)?).copied().flatten(),
             program: file.program.display().to_string(),
         };
-        let asserted = self.judge(&evidence, ended.is_ok(), started);
         let finished = if self.is_silent { stopped(&report) } else { finish(&report, self.json, title) };
+        let asserted = self.judge(&evidence, ended.is_ok(), started);
         ended.and(finished).and(asserted)
     }
 
@@ -211,7 +211,7 @@ impl Simulate {
         Ok(traces)
     }
 
-    /// Judges the assertions, and writes their outcomes.
+    /// Judges the assertions, prints those that hold, and writes the outcomes.
     fn judge(&self, evidence: &Evidence<'_>, has_ended: bool, started: Instant) -> Result<(), Failure> {
         let judged = |assertion: &Assertion| match evidence.report.alarms.first() {
             Some(alarm) => assertion.without_run(&alarm.to_string()),
@@ -223,8 +223,11 @@ impl Simulate {
             let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
             write_whole(path, TestSuite { job, outcomes: &outcomes, time_s }.to_string().as_bytes())?;
         }
-        let broken = outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Passed);
-        let broken: Vec<String> = broken.map(AssertionOutcome::to_string).collect();
+        let (held, broken): (Vec<_>, Vec<_>) = outcomes.iter().partition(|outcome| outcome.verdict == Verdict::Passed);
+        if !self.json {
+            held.iter().for_each(|outcome| say(format_args!("{outcome}")));
+        }
+        let broken: Vec<String> = broken.into_iter().map(AssertionOutcome::to_string).collect();
         if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
     }
 

@@ -1,11 +1,15 @@
 //! All that is known for a job: survey, proposal and answers.
 
+use arcfeed_model::cut::ContourSide;
 use arcfeed_units::LengthUnit;
 
-use super::answers::Answers;
+use super::answers::{Answers, Milling};
 use super::groups::Group;
-use super::proposal::{LikelyTool, Proposal, ProposedTool};
+use super::proposal::{LikelyTool, Movement, Proposal, ProposedCut, ProposedTool};
 use super::survey::Survey;
+
+/// An arc is smaller than a tool if its radius is less than the tool's by this, mm: more than coordinates are rounded.
+const SMALLER_MIN_MM: f64 = 0.01;
 
 /// Input for a new job file: what the program shows, and the given values.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +48,24 @@ impl Findings<'_> {
     pub fn diameter_mm(&self, tool: &ProposedTool) -> Option<f64> {
         let given = Answers::of(&self.answers.diameters, tool.number).map(|length| length.to_mm(self.unit()));
         given.or(tool.note.as_ref().and_then(|note| note.data.diameter_mm))
+    }
+
+    /// Sentence about a tool all of whose arcs are taken for outside arcs, but are smaller than the tool itself: no contour has
+    /// such an outside.
+    pub fn milling_hint(&self, tool: &ProposedTool) -> Option<String> {
+        let radius_mm = self.diameter_mm(tool)? / 2.0;
+        let is_outside = |cut: &ProposedCut| cut.movement == Movement::Contour(ContourSide::Outside);
+        let mut groups = tool.cuts.iter().flat_map(|cut| &cut.groups).map(|index| &self.groups[*index]);
+        let are_small = groups.all(|group| group.radius_mm < radius_mm - SMALLER_MIN_MM);
+        let are_outside = !tool.cuts.is_empty() && tool.cuts.iter().all(is_outside);
+        (are_outside && are_small).then(|| {
+            let number = tool.number.map_or("the tool".into(), |number| format!("T{number}"));
+            let other = if self.answers.milling == Milling::Climb { "conventional" } else { "climb" };
+            format!(
+                "{number} keeps its feeds: all its arcs are smaller than its radius, so they run around no outside of a contour; if the \
+                 tool mills on their inner side: --milling {other}"
+            )
+        })
     }
 
     /// Number of teeth, as given or from a comment.

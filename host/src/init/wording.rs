@@ -1,11 +1,13 @@
 //! Numbers and words of a job file and its comments.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use arcfeed_nc::modal::{Plane, Turn};
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::groups::Group;
+use super::survey::Survey;
 use crate::program::ToolNote;
 
 /// Most levels and feeds in a list; more are given as a range.
@@ -71,6 +73,7 @@ pub fn group(group: &Group, unit: LengthUnit) -> String {
     let _ = match group.sequence {
         Some([first, last]) if first != last => write!(text, "  N{first} to N{last}"),
         Some([first, _]) => write!(text, "  N{first}"),
+        None if group.lines[0] == group.lines[1] => write!(text, "  line {}", group.lines[0]),
         None => write!(text, "  lines {} to {}", group.lines[0], group.lines[1]),
     };
     let _ = write!(text, "  Z {}  F {}", lengths(&group.levels, unit), lengths(&group.feeds, unit));
@@ -109,6 +112,19 @@ pub fn exclusion(note: &ToolNote) -> String {
     };
     let (tool, text) = (note.tool, text.trim().replace(char::is_control, " "));
     format!("T{tool} keeps its feeds: by line {line} ({text}) it is no end mill; if it is one: --tool T{tool}=DIAMETER")
+}
+
+/// Why nothing is governed.
+pub const NO_ARCS: &str = "no end mill has arcs in G17 that a law can govern: all feeds stay";
+
+/// Note on arcs under G41 and G42 that keep their feeds because the radius of D is unknown, with its place in the program.
+pub fn unknown_radius(program: &Path, survey: &Survey) -> Option<String> {
+    let (line, count) = survey.without_radius?;
+    Some(format!(
+        "{}:{line}: note: the arcs under G41 or G42 ({count}) keep their feed, because the radius of D is unknown: give a settings \
+         file (--settings) with [radius], or with compensation = \"wear\" if D holds only wear (docs/compensation.md)",
+        program.display()
+    ))
 }
 
 #[cfg(test)]

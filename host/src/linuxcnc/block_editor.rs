@@ -2,6 +2,8 @@
 
 mod motion;
 
+mod points;
+
 mod tapping;
 
 mod m_codes;
@@ -43,6 +45,8 @@ pub struct LinuxCncState {
     pub taps_rigidly: bool,
     /// The spindle turns for taps.
     pub is_tapping: bool,
+    /// G16, G51, G51.1 or G68 is in force, or no block since has named both axes of the plane.
+    pub is_transformed: bool,
 }
 
 /// Fanuc block with the changes that translate it to LinuxCNC.
@@ -62,6 +66,8 @@ pub struct BlockEditor<'a> {
     /// G codes that stay, with their groups.
     codes: Vec<(Word, i64, CodeGroup)>,
     has_dropped: bool,
+    /// A rotary axis turns before the hole of the block, which follows in a block of its own.
+    turns: bool,
 }
 
 impl<'a> BlockEditor<'a> {
@@ -77,11 +83,13 @@ impl<'a> BlockEditor<'a> {
     ) -> Result<Self, RefusedWord> {
         let (edits, insert, later, codes) = (BTreeMap::new(), String::new(), String::new(), Vec::new());
         let behind = Vec::new();
-        let mut editor = BlockEditor { line, modal, decimals, edits, insert, behind, later, codes, has_dropped: false };
+        let (has_dropped, turns) = (false, false);
+        let mut editor = BlockEditor { line, modal, decimals, edits, insert, behind, later, codes, has_dropped, turns };
         editor.edit_g_codes()?;
         editor.edit_one_shots()?;
         editor.write_offsets();
-        if !editor.edit_tapping(theirs)? {
+        let is_written = editor.edit_points(theirs)? || editor.edit_hole(theirs)?;
+        if !editor.edit_tapping(theirs)? && !is_written {
             editor.set_motion(theirs)?;
             editor.edit_cycle()?;
         }
@@ -106,6 +114,9 @@ impl<'a> BlockEditor<'a> {
                 word.column,
                 "the component follows no shift within a program; use G54 to G59, set before it runs",
             ));
+        }
+        if let Some((word, _)) = self.code(CodeGroup::Transformation) {
+            return Err((word.column, "the component follows no transformation; use rewrite-only for this program"));
         }
         if let Some((word, ..)) = self.codes.iter().find(|(_, code, _)| *code == 950) {
             return Err((word.column, "the component has feeds per minute; write G94"));
@@ -243,6 +254,7 @@ impl<'a> BlockEditor<'a> {
         let is_table = self.code(CodeGroup::OneShot).is_some_and(|(_, code)| code == 100);
         let state = |group: u8| self.code(CodeGroup::State(group)).map(|(_, code)| code);
         match (word.letter, cycle) {
+            (b'A' | b'B' | b'C', Some(_)) if self.turns => self.spell(word),
             (b'A' | b'B' | b'C', Some(_)) => {
                 return Err((word.column, "LinuxCNC turns no axis in a cycle; write the word in a block before it"));
             }

@@ -30,6 +30,8 @@ pub enum CodeGroup {
     Machine,
     /// G61, G62 and G64.
     Path,
+    /// Polar coordinates, scaling, mirror image and rotation, and their ends.
+    Transformation,
 }
 
 /// Rule for translating a G code to LinuxCNC.
@@ -57,17 +59,17 @@ pub fn g_rule(tenths: i64) -> GRule {
     match tenths {
         0 | 10 | 20 | 30 => Keep(CodeGroup::Motion),
         40 | 280 | 300 | 520 | 920 | 921 | 100 => Keep(CodeGroup::OneShot),
-        50 | 51 | 80 | 110 | 131 | 150 | 230 | 670 | 690 => Drop,
+        50 | 51 | 80 | 110 | 131 | 230 | 670 => Drop,
+        150 | 160 | 500 | 501 | 510 | 511 | 680 | 690 => Keep(CodeGroup::Transformation),
         90 => Refuse("LinuxCNC stops exactly under G61.1 only; write G61.1 before the block and G64 behind it"),
-        160 => Refuse("LinuxCNC writes polar coordinates as @ and ^; post the points"),
         170 | 180 | 190 => Keep(CodeGroup::State(0)),
         200 | 210 => Keep(CodeGroup::State(1)),
-        220 | 500 => DropAlone,
+        220 => DropAlone,
         400 | 410 | 420 => Keep(CodeGroup::State(2)),
         430 | 490 => Keep(CodeGroup::State(3)),
         440 => Refuse("write G43, and the length with the other sign in LinuxCNC's tool table"),
         430..=439 => Refuse("LinuxCNC has no tool centre point control; post the moves of the axes"),
-        510 | 501 | 511 | 680 | 682 | 683 | 684 => Refuse(POINTS),
+        682..=684 => Refuse(POINTS),
         530 => Keep(CodeGroup::Machine),
         540 | 541 | 550 | 560 | 570 | 580 | 590 => Keep(CodeGroup::State(4)),
         610 | 620 | 640 => Keep(CodeGroup::Path),

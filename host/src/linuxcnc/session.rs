@@ -19,6 +19,9 @@ const START: Duration = Duration::from_secs(10);
 const NO_LINUXCNC: &str = "no Python here has LinuxCNC's module `linuxcnc`; run this on the machine's computer, in a terminal \
                            where the command `linuxcnc` works";
 
+/// Names of the component's states, by its pin `state`.
+const STATES: [&str; 8] = ["idle", "armed", "running", "holding", "fallback", "faulted", "inhibited", "disarmed"];
+
 /// Message of the script that controls LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -90,19 +93,22 @@ pub struct MachineSample {
     pub spindle: f64,
     /// Line of the program; 0 between moves.
     pub line: usize,
+    /// State of the component.
+    pub state: Option<&'static str>,
 }
 
 impl MachineSample {
     /// Row of halsampler with the columns of `examples/linuxcnc/sampler.hal`.
     fn parse(row: &str) -> Option<Self> {
         let fields: Vec<f64> = row.split_whitespace().map(str::parse).collect::<Result<_, _>>().ok()?;
-        let [number, x, y, z, speed, adaptive, dial, spindle, line, kind, _, _, _, ox, oy, oz] = fields[..] else {
+        let [number, x, y, z, speed, adaptive, dial, spindle, line, kind, state, _, _, ox, oy, oz] = fields[..] else {
             return None;
         };
         let position = [x - ox, y - oy, z - oz];
         // The line of the last move stays while there is none.
         let (number, line) = (number as u64, if kind == 0.0 { 0 } else { line.max(0.0) as usize });
-        Some(MachineSample { number, position, speed, ratio: adaptive * dial, spindle, line })
+        let state = STATES.get(state as usize).copied();
+        Some(MachineSample { number, position, speed, ratio: adaptive * dial, spindle, line, state })
     }
 }
 
@@ -201,6 +207,7 @@ mod tests {
             ratio: 0.6,
             spindle: 1e3,
             line: 12,
+            state: Some("running"),
         };
         assert_eq!(sample, expected);
         assert_eq!(MachineSample::parse(&row(0)).map(|sample| sample.line), Some(0));

@@ -1,4 +1,4 @@
-//! Tool path of a program in figures: extents of the cutting moves, and what each tool does; cuts with a stopped spindle.
+//! Tool path of a program in figures: extents of the cutting moves, and what each tool does; cuts with a stopped spindle, and G62.
 //!
 //! Times are those at the programmed feed: without rapids, acceleration, override and tool changes.
 
@@ -9,11 +9,11 @@ use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose, Turn};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::series::SeriesAction;
-use arcfeed_nc::text::Lines;
 use arcfeed_units::{LengthUnit, MicroDeg, Micros, Nm, S_PER_MIN};
 use memchr::memchr;
 
 use super::move_trace::series_segments;
+use super::path_warnings;
 use super::tool_notes::{ToolNotes, comments};
 use super::{Diagnostic, ProgramLine};
 
@@ -23,8 +23,6 @@ const TOOLS_MAX: usize = 200;
 const OFFSETS_MAX: usize = 8;
 /// Most lines that are warned of.
 const WARNED_MAX: usize = 1_000;
-const STOPPED: &str = "this move cuts while the spindle stands still: no M3 or M4 with an S starts it before, or M5 or M6 has stopped it; write \
-                       S and M3 before the cut";
 
 /// Summary of a program's tool path: extents, times and tools.
 #[derive(Clone, Debug)]
@@ -48,6 +46,8 @@ pub struct PathSummary {
     /// Lines of the first cutting moves with a stopped spindle.
     stopped: BTreeSet<usize>,
     was_stopped: bool,
+    /// First line with G62.
+    corner_override: Option<usize>,
     /// A line that could not be read may start the spindle.
     has_unread_lines: bool,
 }
@@ -103,6 +103,7 @@ impl PathSummary {
             comments: ToolComments { notes: ToolNotes::new(unit), last: (Vec::new(), 0), next: None },
             stopped: BTreeSet::new(),
             was_stopped: false,
+            corner_override: None,
             has_unread_lines: false,
         }
     }
@@ -144,11 +145,14 @@ impl PathSummary {
     /// Adds a block that is executed.
     pub fn add_block(&mut self, line: usize, block: &InterpretedLine, machining: Machining, origin: Pose) {
         let words = &block.parsed.block;
-        if !self.is_unit_stated {
-            let codes = words.words.iter().filter(|word| word.letter == b'G').filter_map(|word| word.number.as_whole());
-            for code in codes.filter(|code| matches!(code, 20 | 21)) {
-                self.unit = if code == 20 { LengthUnit::Inch } else { LengthUnit::Mm };
-                self.is_unit_stated = true;
+        for code in words.words.iter().filter(|word| word.letter == b'G').filter_map(|word| word.number.as_whole()) {
+            match code {
+                20 | 21 if !self.is_unit_stated => {
+                    self.unit = if code == 20 { LengthUnit::Inch } else { LengthUnit::Mm };
+                    self.is_unit_stated = true;
+                }
+                62 => self.corner_override = self.corner_override.or(Some(line)),
+                _ => {}
             }
         }
         let whole = |letter: u8| words.word(letter).and_then(|word| word.number.as_whole());
@@ -196,14 +200,10 @@ impl PathSummary {
         }
     }
 
-    /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, each with the text of
-    /// its line in the program.
+    /// Warnings of the first cuts with a stopped spindle, up to the first line that could not be read, and of the first G62, each
+    /// with the text of its line in the program.
     pub fn warnings<'a>(&self, program: &'a [u8]) -> Vec<(Diagnostic, &'a [u8])> {
-        if self.stopped.is_empty() {
-            return Vec::new();
-        }
-        let lines = (1..).zip(Lines::new(program)).filter(|(line, _)| self.stopped.contains(line));
-        lines.map(|(line, raw)| (Diagnostic::of_line(line, raw.text, STOPPED), raw.text)).collect()
+        path_warnings::warnings(&self.stopped, self.corner_override, program)
     }
 
     /// Comment about a tool: preferably one with its data, otherwise the comment at its tool change.
@@ -447,6 +447,14 @@ mod tests {
         assert_eq!(lines("S1000\nG1X1.F100.\n"), [2]);
         assert_eq!(lines("T1M6\nG187M3\nG1X1.F100.\n"), [0; 0]);
         assert_eq!(lines("G1X1.F100.\nM3\nX2.\nT1M6\nM29S500\nG84Z-5.R1.F500.\n"), [0; 0]);
+    }
+
+    #[test]
+    fn the_first_g62_of_a_program_is_warned_of() {
+        let text = "G1X1.F100.\nG64\nG62X2.\nG62\n";
+        let found: Vec<_> = summary(text).warnings(text.as_bytes()).into_iter().map(|(found, _)| found).collect();
+        assert_eq!(found.iter().map(|found| found.line).collect::<Vec<_>>(), [3]);
+        assert!(found[0].message.starts_with("G62 has no effect here"));
     }
 
     #[test]

@@ -90,8 +90,9 @@ const OTHERS: [&str; 48] = [
     "FEINBOHREN",
 ];
 /// Words of end mills.
-const MILLS: [&str; 12] = [
+const MILLS: [&str; 13] = [
     "ENDMILL",
+    SLOT_DRILL,
     "MILL",
     "BULLNOSE",
     "BULL",
@@ -104,6 +105,8 @@ const MILLS: [&str; 12] = [
     "CUTTER",
     "SCHRUPPFRAESER",
 ];
+/// A slot drill is an end mill that cuts to its centre: two words, read as one.
+const SLOT_DRILL: &str = "SLOTDRILL";
 /// Words of cutting materials, behind the diameter of a tool without a name.
 const MATERIALS: [&str; 7] = ["HM", "VHM", "HSS", "HSSE", "HSSCO", "WSP", "HPC"];
 /// Words behind a number that measures something else than the tool.
@@ -116,7 +119,8 @@ impl ToolComment {
     pub fn read(text: &str, unit: LengthUnit) -> Self {
         let mut scan = Scan::new(&text.to_ascii_uppercase());
         let kind = scan.kind();
-        let number = scan.after(&["T", "TOOL"], Number::whole);
+        let number =
+            scan.after(&["T", "TOOL"], Number::whole).or_else(|| kind.and_then(|_| scan.number_before_equals()));
         scan.drop_after(&["H", "LEN", "LENGTH", "OFF", "L", "S", "F", "N", "ZMIN", "ZMAX", "Z", "M", "X"]);
         let teeth = scan
             .after(&["FLUTES", "FLUTE", "TEETH", "FL"], Number::whole)
@@ -215,7 +219,17 @@ impl Scan {
                 number.unit = Some(unit);
             }
         }
+        let is = |token: &Token, word: &str| matches!(token, Token::Word(found) if found == word);
+        while let Some(at) = tokens.windows(2).position(|pair| is(&pair[0], "SLOT") && is(&pair[1], "DRILL")) {
+            tokens.splice(at..at + 2, [Token::Word(SLOT_DRILL.into())]);
+        }
         Scan { tokens }
+    }
+
+    /// `1 = END MILL`: the tool's number.
+    fn number_before_equals(&mut self) -> Option<i64> {
+        let is_assigned = matches!(self.tokens.get(1), Some(Token::Sign('=')));
+        if is_assigned { self.take(0, Number::whole) } else { None }
     }
 
     fn is_word(&self, index: usize, words: &[&str]) -> bool {
@@ -356,6 +370,8 @@ mod tests {
             ("TOOL NUMBER : 3", (Some(3), None, None, None, None)),
             ("TOOL DIA. 10.0", (None, Some(10.0), None, None, None)),
             ("NUMBER OF FLUTES : 4", (None, None, None, Some(4), None)),
+            ("1 = End Mill {6 mm}", (Some(1), Some(6.0), None, None, mill)),
+            ("TOOL T7 : 6MM SLOT DRILL 2 FLUTE", (Some(7), Some(6.0), None, Some(2), mill)),
             ("T6=20MM ENDMILL R0.8", (Some(6), Some(20.0), Some(0.8), None, mill)),
             ("TOOL -2- MILL DIA 10.0 R0. MM", (Some(2), Some(10.0), Some(0.0), None, mill)),
             ("T3 M6X1 TAP", (Some(3), None, None, None, Some(Other))),

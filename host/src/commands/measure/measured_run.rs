@@ -124,7 +124,7 @@ impl<'a> MeasuredRun<'a> {
         let unit_mm = self.job.unit.mm();
         let position_mm = row.position.map(|value| value * unit_mm);
         self.is_past |= self.passes_end(position_mm);
-        if let Some(block) = self.current.filter(|_| !self.is_past) {
+        if let Some(block) = self.block() {
             self.first_s.get_or_insert(row.time_s);
             let governing = block.rule.filter(|_| block.demand.is_some()).and_then(|rule| self.job.rules.get(rule));
             let setup = governing.map(|rule| self.job.tool_of(rule));
@@ -153,6 +153,21 @@ impl<'a> MeasuredRun<'a> {
     /// Last sample.
     pub fn last(&self) -> Option<&MeasuredSample> {
         self.last.as_ref()
+    }
+
+    /// Block in execution; nothing once the machine is past the end of its move.
+    pub fn block(&self) -> Option<&'a PlannedBlock> {
+        self.current.filter(|_| !self.is_past)
+    }
+
+    /// Number of blocks so far.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The chip meter.
+    pub fn meter(&self) -> &ChipMeter {
+        &self.meter
     }
 
     fn add_override(&mut self, ratio: f64) {

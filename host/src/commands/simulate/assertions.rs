@@ -67,6 +67,8 @@ pub struct AssertionOutcome {
     pub text: String,
     /// Verdict.
     pub verdict: Verdict,
+    /// Largest value with its unit, where the limit holds.
+    pub largest: Option<String>,
 }
 
 /// Verdict on an assertion: passed, failed, or no data.
@@ -97,35 +99,30 @@ impl FromStr for Assertion {
 impl Assertion {
     /// The outcome if there is no run to judge.
     pub fn without_run(&self, cause: &str) -> AssertionOutcome {
-        AssertionOutcome { text: self.text.clone(), verdict: Verdict::Missing(format!("the run did not end: {cause}")) }
+        let verdict = Verdict::Missing(format!("the run did not end: {cause}"));
+        AssertionOutcome { text: self.text.clone(), verdict, largest: None }
     }
 
     /// Judges the assertion on the data of a run.
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
-        let verdict = match self.figure.values(self.limit, evidence) {
-            Err(missing) => Verdict::Missing(missing),
+        let (verdict, largest) = match self.figure.values(self.limit, evidence) {
+            Err(missing) => (Verdict::Missing(missing), None),
             Ok(blocks) => match blocks.iter().find(|block| block.value.is_nan() || block.value > self.limit) {
-                None => Verdict::Passed,
-                Some(block) => Verdict::Failed(self.failure(block, evidence)),
+                None => {
+                    let largest = blocks.iter().map(|block| block.value).fold(0.0, f64::max);
+                    (Verdict::Passed, Some(self.figure.written(largest)))
+                }
+                Some(block) => (Verdict::Failed(self.failure(block, evidence)), None),
             },
         };
-        AssertionOutcome { text: self.text.clone(), verdict }
+        AssertionOutcome { text: self.text.clone(), verdict, largest }
     }
 
     /// Description of the first block above the limit: `program:line: N, value, limit`.
     fn failure(&self, block: &BlockValue, evidence: &Evidence<'_>) -> String {
         let line = (evidence.line_of)(block.block).map_or(String::new(), |line| format!(":{line}"));
-        let [(unit, factor), ..] = self.figure.units() else { return String::new() };
-        let space = if unit.is_empty() { "" } else { " " };
-        let written = |value: f64| format!("{}{space}{unit}", short(value / factor));
-        format!(
-            "{}{line}: {}: {} is {}, the limit {}",
-            evidence.program,
-            block.name(),
-            self.figure.name(),
-            written(block.value),
-            written(self.limit)
-        )
+        let [value, limit] = [block.value, self.limit].map(|value| self.figure.written(value));
+        format!("{}{line}: {}: {} is {value}, the limit {limit}", evidence.program, block.name(), self.figure.name())
     }
 }
 
@@ -159,6 +156,13 @@ impl AssertedFigure {
             AssertedFigure::Feed => FEED,
             AssertedFigure::Time => TIME,
         }
+    }
+
+    /// Value in the first of its units.
+    fn written(self, value: f64) -> String {
+        let [(unit, factor), ..] = self.units() else { return String::new() };
+        let space = if unit.is_empty() { "" } else { " " };
+        format!("{}{space}{unit}", short(value / factor))
     }
 
     const fn needs(self) -> &'static str {
@@ -232,7 +236,9 @@ fn time(limit_s: f64, evidence: &Evidence<'_>) -> Vec<BlockValue> {
 impl fmt::Display for AssertionOutcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.verdict {
-            Verdict::Passed => write!(f, "{}: holds", self.text),
+            Verdict::Passed => {
+                write!(f, "--assert {}: holds, at most {}", self.text, self.largest.as_deref().unwrap_or_default())
+            }
             Verdict::Failed(message) | Verdict::Missing(message) => write!(f, "--assert {}: {message}", self.text),
         }
     }

@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn every_assertion_is_a_case_and_markup_in_names_is_text() {
-        let outcome = |text: &str, verdict| AssertionOutcome { text: text.into(), verdict };
+        let outcome = |text: &str, verdict| AssertionOutcome { text: text.into(), verdict, largest: None };
         let outcomes = [
             outcome("chip<=1.05", Verdict::Passed),
             outcome("time<=1s", Verdict::Failed("a&b.nc:3: N10: \u{7}".into())),

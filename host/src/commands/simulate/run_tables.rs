@@ -45,7 +45,7 @@ pub struct RunTables {
 
 /// File of a table, with its name for messages.
 #[derive(Debug)]
-struct OpenTable {
+pub struct OpenTable {
     path: PathBuf,
     file: TableFile,
 }
@@ -83,16 +83,21 @@ impl TraceFiles {
     /// # Errors
     /// A file cannot be written.
     pub fn begin(&self, loads: Option<&mut LoadMeter>, locator: Option<BlockLocator>) -> Result<RunTables, Failure> {
-        let open = |table: &Table<'_>| {
-            let path = self.with(table.suffix);
-            let file = TableFile::begin(self.format, &path, table).map_err(|error| file_failure(&path, &error))?;
-            Ok::<_, Failure>(OpenTable { path, file })
-        };
-        let teeth = loads.is_some().then(|| open(&TEETH)).transpose()?;
+        let teeth = loads.is_some().then(|| self.open(&TEETH)).transpose()?;
         loads.into_iter().for_each(LoadMeter::record_passes);
-        let (samples, blocks) = (open(&SAMPLES)?, open(&BLOCKS)?);
+        let (samples, blocks) = (self.open(&SAMPLES)?, self.open(&BLOCKS)?);
         let (records, lines, failure) = (BlockLog::default(), Vec::new(), None);
         Ok(RunTables { samples, teeth, blocks, records, locator, lines, failure })
+    }
+
+    /// Begins a table of a run.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn open(&self, table: &Table<'_>) -> Result<OpenTable, Failure> {
+        let path = self.with(table.suffix);
+        let file = TableFile::begin(self.format, &path, table).map_err(|error| file_failure(&path, &error))?;
+        Ok(OpenTable { path, file })
     }
 
     fn with(&self, suffix: &str) -> PathBuf {
@@ -170,11 +175,19 @@ fn line_of(lines: &[Option<usize>], block: u32) -> Option<usize> {
 }
 
 impl OpenTable {
-    fn add(&mut self, row: &[Cell<'_>]) -> Result<(), Failure> {
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, row: &[Cell<'_>]) -> Result<(), Failure> {
         self.file.add(row).map_err(|error| file_failure(&self.path, &error))
     }
 
-    fn finish(self) -> Result<(), Failure> {
+    /// Puts the file in its place.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn finish(self) -> Result<(), Failure> {
         self.file.finish().map_err(|error| file_failure(&self.path, &error))
     }
 }

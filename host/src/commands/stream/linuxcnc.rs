@@ -16,6 +16,7 @@ use super::super::outcome::{Failure, on_interrupt, refuse_inputs};
 use super::super::simulate::finish;
 use super::Stream;
 use super::board_session::{ARM, typed_lines};
+use super::linuxcnc_trace::LinuxCncTrace;
 use crate::adapt::PlannedBlock;
 use crate::console::note;
 use crate::linuxcnc::codes::FeedSource;
@@ -49,6 +50,7 @@ struct LinuxCncRun<'a> {
     missing: u64,
     last_line: usize,
     bar: ProgressBar,
+    trace: Option<LinuxCncTrace<'a>>,
 }
 
 impl Stream {
@@ -61,12 +63,15 @@ impl Stream {
         let (file, source, _) = self.input.load_text()?;
         let output = self.input.job.with_extension("linuxcnc.ngc");
         let output = std::path::absolute(&output).map_err(|error| Failure::Input(error.to_string()))?;
-        refuse_inputs(&[Some(&output), Some(&prepared_path(&output))], &file.inputs(&self.input.job))?;
+        let outputs = [Some(output.as_path()), Some(&prepared_path(&output)), self.trace.as_deref()];
+        refuse_inputs(&outputs, &file.inputs(&self.input.job))?;
         check_for_linuxcnc(&source, &file)?;
         let program = source.whole().map_err(Failure::Input)?;
         let planned = adapted(&program, &file);
         let blocks = blocks_by_line(&source, &file, &planned, false, Some(TargetControl::Linuxcnc))?;
         let has_component = feed_source(&file) == FeedSource::Component;
+        let begin = |path: &PathBuf| LinuxCncTrace::begin(path, &source, has_component);
+        let trace = self.trace.as_ref().map(begin).transpose()?;
         // A LinuxCNC that executes this very file keeps it as it is.
         let mut session = Session::begin(&output, has_component).map_err(Failure::Machine)?;
         write_for_linuxcnc(&output, &source, &file, planned.text.clone())?;
@@ -81,11 +86,13 @@ impl Stream {
             missing: 0,
             last_line: 0,
             bar: self.line_bar(),
+            trace,
         };
         let end = run.follow(session, has_component)?;
+        let traced = run.trace.take().map_or(Ok(()), LinuxCncTrace::finish);
         let title = format!("{} to {}", file.program.display(), self.port.text);
         let ended = run.ended(&output, &end);
-        finish(&run.report(), self.json, title).and(ended)
+        finish(&run.report(), self.json, title).and(traced).and(ended)
     }
 
     /// Checks that no option for a line is set.
@@ -101,12 +108,17 @@ impl Stream {
             ("--log", self.log.is_some()),
             ("--speed", self.speed.is_some()),
             ("--executed", self.executed.is_some()),
-            ("--trace", self.trace.is_some()),
         ];
-        match options.iter().find(|(_, is_set)| *is_set) {
-            None => Ok(()),
-            Some((option, _)) => Err(Failure::Usage(format!(
+        let figures = [("--report", self.report.is_some()), ("--assert", !self.assertions.is_empty())];
+        let is_set =
+            |options: &[(&'static str, bool)]| options.iter().find(|(_, is_set)| *is_set).map(|(option, _)| *option);
+        match (is_set(&options), is_set(&figures)) {
+            (None, None) => Ok(()),
+            (Some(option), _) => Err(Failure::Usage(format!(
                 "{option}: LinuxCNC reads the program as a file, not over a line; drop the option"
+            ))),
+            (None, Some(option)) => Err(Failure::Usage(format!(
+                "{option}: only for sim:; with linuxcnc: --json and --trace have the figures of the run"
             ))),
         }
     }
@@ -129,7 +141,7 @@ impl LinuxCncRun<'_> {
                 Some(SessionEvent::Note(message)) => self.say(&message),
                 Some(SessionEvent::Idle {}) | None => {}
                 Some(SessionEvent::Ready(ready)) => self.begin(ready, has_component),
-                Some(SessionEvent::Sample(sample)) => self.add(&sample),
+                Some(SessionEvent::Sample(sample)) => self.add(&sample)?,
                 Some(SessionEvent::Status(status)) => {
                     self.bar.set_position(status.line as u64);
                     if !has_begun && (!has_component || status.armed) {
@@ -182,8 +194,8 @@ impl LinuxCncRun<'_> {
         self.ready = Some(ready);
     }
 
-    fn add(&mut self, sample: &MachineSample) {
-        let Some(ready) = &self.ready else { return };
+    fn add(&mut self, sample: &MachineSample) -> Result<(), Failure> {
+        let Some(ready) = &self.ready else { return Ok(()) };
         self.samples += 1;
         self.last_line = self.last_line.max(sample.line);
         let measured = MeasuredSample {
@@ -195,6 +207,7 @@ impl LinuxCncRun<'_> {
             override_ratio: Some(sample.ratio),
         };
         self.measured.add(measured, self.blocks.get(&sample.line).copied());
+        self.trace.as_mut().map_or(Ok(()), |trace| trace.add(sample, ready, &self.measured))
     }
 
     fn report(self) -> RunReport {

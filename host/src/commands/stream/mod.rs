@@ -24,6 +24,8 @@ mod simulator;
 
 mod checks;
 
+mod linuxcnc_trace;
+
 mod linuxcnc;
 
 use std::net::SocketAddr;
@@ -96,7 +98,7 @@ pub struct Stream {
     /// Write the report of the run here, as one HTML file (sim: only; docs/report.md)
     #[arg(long, value_name = "OUT.html")]
     report: Option<PathBuf>,
-    /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks (sim: only; docs/traces.md)
+    /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks; with linuxcnc: OUT alone (docs/traces.md)
     #[arg(long, value_name = "OUT.parquet|OUT.csv")]
     trace: Option<PathBuf>,
     /// Require a limit of the run, as far as it went, for example chip<=1.05 or feed<=5000mm/min; may be given several

@@ -25,6 +25,7 @@ use crate::dnc::sender::LineUse;
 use crate::dnc::starvation::{BlockLoad, Wait, predict};
 use crate::dnc::transmission::{Transmission, TransmissionFault, Wire};
 use crate::job::JobFile;
+use crate::plural::counted;
 use crate::port::reaction::reaction;
 use crate::port::url::PortUrl;
 use crate::program::Program;
@@ -148,10 +149,11 @@ impl PreparedProgram {
         if let Some(longest) = waits.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s)) {
             let [first, last] = longest.blocks.map(|index| self.whole.lines()[index].source);
             let total: f64 = waits.iter().map(|wait| wait.time_s).sum();
+            let lines = if first == last { format!("line {first}") } else { format!("lines {first} to {last}") };
             notes.push(format!(
-                "note: the line is slower than the program: the control will wait in {} stretches, {total:.2} s in all, \
-                 longest before the blocks of lines {first} to {last} ({:.2} s); the tool then stands in the cut",
-                waits.len(),
+                "note: the line is slower than the program: the control will wait {}, {total:.2} s in all, longest before {lines} \
+                 ({:.2} s); the tool then stands in the cut",
+                counted(waits.len(), "time"),
                 longest.time_s
             ));
         }

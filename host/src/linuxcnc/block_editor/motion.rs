@@ -1,6 +1,8 @@
 //! Motion and canned cycle of a block: written where LinuxCNC has another one in force.
 
-use arcfeed_nc::modal::{Cycle, MotionKind, Turn};
+use arcfeed_nc::modal::{Cycle, MotionKind, Plane, Pose, Turn};
+use arcfeed_nc::series::{Drill, Series};
+use arcfeed_nc::word::Word;
 use arcfeed_units::{LengthUnit, Nm};
 
 use super::{BlockEditor, LinuxCncState, RefusedWord};
@@ -8,6 +10,7 @@ use crate::linuxcnc::codes::CodeGroup;
 
 /// Decimals of a length that is written anew; in inches all that a Fanuc's least increment has.
 const DECIMALS: usize = 6;
+const INHERITED: &str = "LinuxCNC keeps no R, Z and Q from one cycle to the next; write them here, under G90";
 
 impl BlockEditor<'_> {
     /// Writes the motion of a block that inherits it, where LinuxCNC has another one in force.
@@ -53,6 +56,56 @@ impl BlockEditor<'_> {
         Ok(())
     }
 
+    /// Writes two kinds of holes in a block of their own. One to which rotary axes turn: behind a rapid in all axes, as a Fanuc does
+    /// it in one block. One under G91 that inherits R or Z: under G90, as LinuxCNC counts inherited words from where the tool is.
+    /// Returns whether the block is written so.
+    ///
+    /// # Errors
+    /// Repeated holes that inherit R or Z.
+    pub(super) fn edit_hole(&mut self, theirs: &mut LinuxCncState) -> Result<bool, RefusedWord> {
+        let (Some(cycle), Some(Series::Drill(drill))) = (self.modal.cycle, self.line.step.series) else {
+            return Ok(false);
+        };
+        if theirs.is_transformed || drill.plane != Plane::Xy || self.tapping_cycle().is_some() {
+            return Ok(false);
+        }
+        let turns = self.words().iter().any(|word| b"ABC".contains(&word.letter));
+        let is_turned = turns && self.modal.absolute && !drill.returns_to_r && drill.holes == 1;
+        let inherits = !self.modal.absolute && [b'R', b'Z'].iter().any(|letter| self.word(*letter).is_none());
+        if inherits && (turns || drill.holes > 1) {
+            return Err((self.words().first().map_or(1, |word| word.column), INHERITED));
+        }
+        if !is_turned && !inherits {
+            return Ok(false);
+        }
+        self.turns = turns;
+        let removed: &[u8] = if inherits { b"XYZRPQKL" } else { b"ZRPQKL" };
+        let hole: Vec<Word> = self.words().iter().filter(|word| removed.contains(&word.letter)).copied().collect();
+        hole.iter()
+            .chain(self.code(CodeGroup::Cycle).map(|(word, _)| word).iter())
+            .for_each(|word| self.drop_word(word));
+        self.insert += if turns { "G0 " } else { "" };
+        self.behind.push(self.hole_text(&cycle, &drill));
+        self.behind.extend(inherits.then(|| "G91".to_owned()));
+        theirs.motion = Some(i64::from(cycle.code));
+        Ok(true)
+    }
+
+    /// Block with a whole hole, under G90.
+    fn hole_text(&self, cycle: &Cycle, drill: &Drill) -> String {
+        let unit = self.modal.unit;
+        let [x, y, _] = hole_point(drill).linear.map(|value| length(value, unit));
+        let [bottom, r] = [drill.levels.bottom, drill.levels.r].map(|value| length(value, unit));
+        let mut text = format!("G90 G{} X{x} Y{y} Z{bottom} R{r}", cycle.code);
+        if matches!(cycle.code, 73 | 83) {
+            text += &format!(" Q{}", length(cycle.q, unit));
+        }
+        if matches!(cycle.code, 82 | 86 | 89) {
+            text += &format!(" P{}", cycle.dwell.to_s());
+        }
+        text
+    }
+
     /// Motion or cycle in force on the Fanuc.
     fn wanted_motion(&self) -> i64 {
         match (self.modal.cycle, self.modal.motion) {
@@ -93,10 +146,7 @@ impl BlockEditor<'_> {
             lengths.into_iter().filter(|(letter, _, is_used)| *is_used && self.word(*letter).is_none())
         {
             let value = value.filter(|_| self.modal.absolute);
-            let value = value.ok_or((
-                column,
-                "LinuxCNC keeps no R, Z and Q from one cycle to the next; write them here, under G90",
-            ))?;
+            let value = value.ok_or((column, INHERITED))?;
             words += &format!("{}{} ", char::from(letter), length(value, self.modal.unit));
         }
         if matches!(code, 82 | 86 | 89) && self.word(b'P').is_none() {
@@ -104,6 +154,11 @@ impl BlockEditor<'_> {
         }
         Ok(words)
     }
+}
+
+/// Point of the first hole along LinuxCNC's axes: the path without the shift of `shared/nc/src/frame.rs`.
+pub(super) fn hole_point(drill: &Drill) -> Pose {
+    drill.frame.to_path(drill.first).minus(drill.frame.shift())
 }
 
 /// Length in the program's unit.
