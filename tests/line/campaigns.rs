@@ -45,7 +45,10 @@ fn of_programs(scratch: &Scratch, runs: usize) -> String {
         format!("{:?}", scratch.write(&format!("pocket-{island}.nc"), text))
     });
     let grid = format!("[grid]\ndnc.code = [\"iso\"]\nprogram = [{}]\n", programs.join(", "));
-    mixed().replace("[grid]\n", &grid).replace("runs = 4", "runs = 5").replace("to = 5 ", &format!("to = {} ", 2 + runs / 40))
+    mixed()
+        .replace("[grid]\n", &grid)
+        .replace("runs = 4", "runs = 5")
+        .replace("to = 5 ", &format!("to = {} ", 2 + runs / 40))
 }
 
 /// Exit code, stdout and stderr.

@@ -34,7 +34,8 @@ impl Slurm {
     /// Starts the servers, and waits until the node is idle.
     fn start(scratch: &Scratch) -> Self {
         let [control, node] = free_ports();
-        let [host, user] = [("hostname", "-s"), ("id", "-un")].map(|(program, word)| printed(Command::new(program).arg(word)));
+        let [host, user] =
+            [("hostname", "-s"), ("id", "-un")].map(|(program, word)| printed(Command::new(program).arg(word)));
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let at = |name: &str| scratch.path(name);
         let [state, spool, socket, key] = ["state", "spool", "munge.socket", "munge.key"].map(at);
@@ -99,7 +100,8 @@ impl Drop for Slurm {
 fn a_job_array_of_a_real_slurm_has_the_rows_of_one_computer_although_a_task_is_killed() {
     let missing: Vec<&str> = PROGRAMS.into_iter().filter(|program| find(program).is_none()).collect();
     if !missing.is_empty() {
-        let why = format!("{} of Slurm missing (Debian's slurm-wlm; `cargo xtask test` installs it)", missing.join(", "));
+        let why =
+            format!("{} of Slurm missing (Debian's slurm-wlm; `cargo xtask test` installs it)", missing.join(", "));
         assert!(std::env::var_os("CI").is_none(), "{why}");
         return skip_loudly("slurm", &why);
     }

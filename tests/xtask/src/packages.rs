@@ -90,7 +90,11 @@ const NEEDS: [Need; 9] = [
     Need {
         what: "Slurm, to run campaigns on",
         package: "slurm-wlm",
-        shown_by: &[&["sh", "-c", "PATH=$PATH:/usr/sbin; command -v slurmctld && command -v slurmd && command -v munged && command -v sbatch"]],
+        shown_by: &[&[
+            "sh",
+            "-c",
+            "PATH=$PATH:/usr/sbin; command -v slurmctld && command -v slurmd && command -v munged && command -v sbatch",
+        ]],
         elsewhere: "install Slurm and MUNGE",
         runs_unpacked: false,
         is_optional: true,

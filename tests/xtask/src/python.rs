@@ -97,7 +97,8 @@ fn install_fresh() -> Result<PathBuf, Failure> {
         std::fs::remove_dir_all(folder).map_err(|error| Failure::new(format!("{}: {error}", folder.display())))?;
     }
     run(program("python3", &["-m", "venv"]).arg(&fresh))?;
-    let pip = |words: &[&str]| python(&fresh, &[&["-m", "pip", "--quiet", "--disable-pip-version-check"], words].concat());
+    let pip =
+        |words: &[&str]| python(&fresh, &[&["-m", "pip", "--quiet", "--disable-pip-version-check"], words].concat());
     let mut build = pip(&["wheel", "--no-deps"]);
     build.arg("--wheel-dir").arg(&wheels).arg(folder());
     run(build.env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked"))?;

@@ -82,9 +82,12 @@ impl TraceFiles {
         Ok(files.into_iter().flat_map(with_original).collect())
     }
 
-    /// Names of all files of a run.
-    pub fn paths(&self) -> [PathBuf; 3] {
-        [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix))
+    /// Names of all files of a run; none in memory.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        if self.format.is_none() {
+            return Vec::new();
+        }
+        [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix)).into()
     }
 
     /// Begins the tables of a run. With `loads` there is one of the teeth, with `locator` lines are known.
