@@ -9,6 +9,8 @@ use std::io::{Write, stderr, stdout};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::trace::MemoryTable;
+
 /// Lines on stderr are left out.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
@@ -22,19 +24,57 @@ pub struct Capture {
     printed: Mutex<String>,
     notes: Mutex<Vec<String>>,
     progress: Mutex<Progress>,
-    is_stopped: AtomicBool,
+    /// Tables of the run, if the caller wants them.
+    tables: Option<Mutex<Vec<MemoryTable>>>,
+    is_stopped: Arc<AtomicBool>,
 }
 
-/// Progress of a simulated run.
+/// Progress of a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Progress {
-    /// Blocks executed.
-    pub blocks: usize,
-    /// Machine time, s.
-    pub time_s: f64,
+pub enum Progress {
+    /// Nothing to report yet.
+    #[default]
+    None,
+    /// Simulated run.
+    Run {
+        /// Blocks executed.
+        blocks: usize,
+        /// Machine time, s.
+        time_s: f64,
+    },
+    /// Campaign, or one shard of it.
+    Campaign {
+        /// Runs that are over.
+        done: u64,
+        /// Runs in all.
+        runs: u64,
+    },
 }
 
 impl Capture {
+    /// Capture that also receives the tables of a simulated run.
+    pub fn with_tables() -> Self {
+        Capture { tables: Some(Mutex::default()), ..Capture::default() }
+    }
+
+    /// Whether the caller wants the tables of a simulated run.
+    pub fn wants_tables(&self) -> bool {
+        self.tables.is_some()
+    }
+
+    /// Receives a complete table of a run; drops it if the caller does not want tables.
+    pub fn add_table(&self, table: MemoryTable) {
+        if let Some(tables) = &self.tables {
+            tables.lock().unwrap_or_else(PoisonError::into_inner).push(table);
+        }
+    }
+
+    /// Tables so far, which this empties.
+    pub fn take_tables(&self) -> Vec<MemoryTable> {
+        let take = |tables: &Mutex<Vec<_>>| std::mem::take(&mut *tables.lock().unwrap_or_else(PoisonError::into_inner));
+        self.tables.as_ref().map(take).unwrap_or_default()
+    }
+
     /// Lines for stdout so far, which this empties.
     pub fn take_printed(&self) -> String {
         std::mem::take(&mut *self.printed.lock().unwrap_or_else(PoisonError::into_inner))
@@ -45,7 +85,7 @@ impl Capture {
         std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Progress of the command's simulated run.
+    /// Progress of the command.
     pub fn progress(&self) -> Progress {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -85,9 +125,11 @@ pub fn captured<T>(capture: Option<Arc<Capture>>, part: impl FnOnce() -> T) -> T
     part()
 }
 
-/// Does a part of a command on this thread, and returns its lines for stdout. Those for stderr are dropped.
+/// Does a part of a command on this thread, and returns its lines for stdout. Those for stderr are dropped. A caller that
+/// stops the command stops the part too.
 pub fn printed_by<T>(part: impl FnOnce() -> T) -> (T, String) {
-    let capture = Arc::new(Capture::default());
+    let is_stopped = capture().map(|outer| Arc::clone(&outer.is_stopped)).unwrap_or_default();
+    let capture = Arc::new(Capture { is_stopped, ..Capture::default() });
     let result = captured(Some(Arc::clone(&capture)), part);
     (result, capture.take_printed())
 }
@@ -147,5 +189,19 @@ mod tests {
     fn a_part_that_panics_leaves_no_capture_behind() {
         let panics = || captured(Some(Arc::default()), || panic!("on purpose"));
         assert!(std::panic::catch_unwind(panics).is_err() && capture().is_none());
+    }
+
+    #[test]
+    fn a_caller_that_stops_a_command_stops_its_parts() {
+        let outer = Arc::new(Capture::default());
+        let is_stopped = || capture().is_some_and(|capture| capture.is_stopped());
+        let ((before, after), _) = captured(Some(Arc::clone(&outer)), || {
+            printed_by(|| {
+                let before = is_stopped();
+                outer.stop();
+                (before, is_stopped())
+            })
+        });
+        assert_eq!((before, after, printed_by(is_stopped).0), (false, true, false));
     }
 }

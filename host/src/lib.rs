@@ -10,7 +10,6 @@ mod plural;
 
 pub mod features;
 
-pub mod console;
 mod toml_values;
 
 pub mod key_values;
@@ -20,6 +19,8 @@ mod unit_value;
 pub mod output;
 
 pub mod trace;
+
+pub mod console;
 
 pub mod checksum;
 

@@ -5,13 +5,19 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use arcfeed_tests::{Scratch, arcfeed, of_full_set, root, run};
+use arcfeed_tests::{Running, Scratch, arcfeed, of_full_set, root, run};
 use serde_json::Value;
 
 const POCKET: &str = "examples/pocket/job-contour.toml";
 
 /// Longest wait for a child to finish some runs.
 const WAIT_MAX: Duration = Duration::from_secs(120);
+
+/// Longest time of a whole campaign.
+const WHOLE_MAX: Duration = Duration::from_secs(3_600);
+
+/// Most memory of a campaign, whatever the number of its runs.
+const MEMORY_KB: u64 = 40_000;
 
 /// Text of a sweep file for the pocket.
 fn sweep_text(rest: &str) -> String {
@@ -26,6 +32,23 @@ fn mixed() -> String {
          [list]\nflip = [0.0, 0.002]\nlimits.max_feed = [6000, 5000]\n[grid]\nseed = { from = 3, to = 5 }\n\
          [random]\nruns = 4\nseed = 9\nlaw.feed_per_tooth = { from = 0.08, to = 0.1 }\n",
     )
+}
+
+/// Faults of the line, which has parity, with each of four programs.
+fn of_programs(scratch: &Scratch, runs: usize) -> String {
+    let pocket = std::fs::read_to_string(root().join("examples/pocket/pocket.nc")).expect("the program");
+    let programs = [10, 11, 12, 13].map(|island| {
+        let start = format!("N300G1X.0Y-{island}.");
+        let circle = format!("X.0Y-{island}.I.0J{}.", island + 5);
+        let text = pocket.replace("N300G1X.0Y-10.", &start).replace("X.0Y-10.I.0J15.", &circle);
+        assert!(text.contains(&start) && text.contains(&circle));
+        format!("{:?}", scratch.write(&format!("pocket-{island}.nc"), text))
+    });
+    let grid = format!("[grid]\ndnc.code = [\"iso\"]\nprogram = [{}]\n", programs.join(", "));
+    mixed()
+        .replace("[grid]\n", &grid)
+        .replace("runs = 4", "runs = 5")
+        .replace("to = 5 ", &format!("to = {} ", 2 + runs / 40))
 }
 
 /// Exit code, stdout and stderr.
@@ -73,7 +96,7 @@ fn rows_are_the_same_bytes_for_any_number_of_shards_and_threads() {
 fn a_campaign_that_is_killed_goes_on_and_makes_no_run_twice() {
     let scratch = Scratch::new("sweep-killed");
     let runs = of_full_set(10_000, 120);
-    let sweep = scratch.write("SWEEP.toml", mixed().replace("to = 5", &format!("to = {}", 2 + runs / 8)));
+    let sweep = scratch.write("SWEEP.toml", of_programs(&scratch, runs));
     let journal = scratch.path("killed/shard-1-of-1.journal");
     let lines = || std::fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
     let mut kills = 0;
@@ -95,8 +118,12 @@ fn a_campaign_that_is_killed_goes_on_and_makes_no_run_twice() {
         kills += 1;
     }
     let finish = |folder: &str| {
-        let (code, _, err) = ended(&[&sweep, "-o", &scratch.path(folder), "--csv"]);
-        assert_eq!((code, err.as_str()), (Some(0), ""));
+        let started = Instant::now();
+        let process = Running::start(&scratch, folder, &["sweep", &sweep, "-o", &scratch.path(folder), "--csv"]);
+        let (ended, kb) = process.end_with_memory(WHOLE_MAX);
+        assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
+        println!("{folder}: ended in {:.1} s with {kb} kB of memory", started.elapsed().as_secs_f64());
+        assert!(kb < MEMORY_KB, "{kb} kB");
         std::fs::read_to_string(scratch.path(&format!("{folder}/runs/part-00001.csv"))).expect("CSV")
     };
     let [killed, whole] = ["killed", "whole"].map(finish);

@@ -4,6 +4,8 @@ mod alone;
 
 mod campaigns;
 
+mod slurm;
+
 mod control_timing;
 
 mod dnc;

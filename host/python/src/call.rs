@@ -12,9 +12,12 @@ use std::time::Duration;
 
 use arcfeed::commands::call::call;
 use arcfeed::commands::outcome::Failure;
-use arcfeed::console::{Capture, captured};
+use arcfeed::console::{Capture, Progress, captured};
+use arcfeed::trace::MemoryTable;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+
+use super::table::Table;
 
 /// Time between two looks at the progress and at Ctrl-C.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
@@ -23,16 +26,18 @@ const STOP_WAIT: Duration = Duration::from_millis(500);
 /// Stack of a command, as large as that of a program's first thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Text on stdout, lines on stderr, and the kind and message of the failure, if it failed.
-type Output = (String, Vec<String>, Option<(&'static str, String)>);
+/// Text on stdout, lines on stderr, the kind and message of the failure, if it failed, and the tables of a run by their names.
+type Output = (String, Vec<String>, Option<(&'static str, String)>, Vec<(String, Table)>);
 
-/// Runs a command and returns what it would print on stdout, its lines on stderr, and its failure as kind and message.
+/// Runs a command and returns what it would print on stdout, its lines on stderr, its failure as kind and message, and with
+/// `tables` those of a simulated run.
 ///
-/// `progress(blocks, time_s)` is called now and then during a simulation; an exception in it stops the command.
+/// `progress(blocks, time_s)` is called now and then during a simulation, `progress(done, runs)` during a campaign; an
+/// exception in it stops the command.
 #[pyfunction]
-#[pyo3(signature = (words, progress=None))]
-pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>) -> PyResult<Output> {
-    let capture = Arc::new(Capture::default());
+#[pyo3(signature = (words, progress=None, tables=false))]
+pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>, tables: bool) -> PyResult<Output> {
+    let capture = Arc::new(if tables { Capture::with_tables() } else { Capture::default() });
     let (sender, mut receiver) = channel();
     let of_command = Arc::clone(&capture);
     let command = move || {
@@ -52,7 +57,11 @@ pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>) ->
         }
         let now = capture.progress();
         let reported = match &progress {
-            Some(progress) if now != shown => progress.call1(py, (now.blocks, now.time_s)).map(drop),
+            Some(progress) if now != shown => match now {
+                Progress::None => Ok(()),
+                Progress::Run { blocks, time_s } => progress.call1(py, (blocks, time_s)).map(drop),
+                Progress::Campaign { done, runs } => progress.call1(py, (done, runs)).map(drop),
+            },
             _ => Ok(()),
         };
         if let Err(error) = reported.and_then(|()| py.check_signals()) {
@@ -62,7 +71,9 @@ pub fn run(py: Python<'_>, words: Vec<OsString>, progress: Option<Py<PyAny>>) ->
         }
         shown = now;
     };
-    Ok((capture.take_printed(), capture.take_notes(), result.err().map(kind_and_message)))
+    let name_and_table = |table: MemoryTable| Ok((table.name.clone(), Table::new(table)?));
+    let tables = capture.take_tables().into_iter().map(name_and_table).collect::<PyResult<_>>()?;
+    Ok((capture.take_printed(), capture.take_notes(), result.err().map(kind_and_message), tables))
 }
 
 /// Waits for a command's end without the interpreter.

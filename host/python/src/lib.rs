@@ -3,6 +3,8 @@
 //! The package's Python part (`python/arcfeed`) has the functions with their options; this one has what must be fast or is
 //! written in Rust already. The interpreter is free for other threads while anything here computes.
 
+mod table;
+
 mod call;
 
 mod law;
@@ -18,6 +20,7 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(call::run, module)?)?;
     module.add_class::<law::Law>()?;
+    module.add_class::<table::Table>()?;
     module.add_class::<stock::Tool>()?;
     module.add_class::<stock::Stock>()?;
     module.add_class::<job::JobText>()

@@ -49,6 +49,37 @@ def test_the_samples_have_the_figures_of_the_result(run: tuple[dict[str, Any], d
     assert len(steady) == chip["samples"] > 10_000
 
 
+def test_tables_in_memory_are_those_of_the_files(run: tuple[dict[str, Any], dict[str, Path]]) -> None:
+    result = arcfeed.simulate(SLOT, tables=True)
+    tables, files = result.pop("tables"), run[1]
+    assert {**result, "real_time_factor": 0} == {**run[0], "real_time_factor": 0}
+    # This job has no [cutting], so it has no passes of teeth.
+    assert sorted(tables) == ["blocks", "original_blocks", "original_samples", "samples"]
+    for key, table in tables.items():
+        of_file, of_memory = pyarrow.parquet.read_table(files[key]), pyarrow.table(table)
+        assert len(table) == of_file.num_rows and table.columns == of_file.column_names
+        assert of_memory.cast(of_file.schema).equals(of_file)
+        assert json.loads(of_memory.schema.metadata[b"arcfeed"]) == json.loads(of_file.schema.metadata[b"arcfeed"])
+    samples = tables["samples"]
+    chips = pandas.read_parquet(files["samples"])["chip_mm"]
+    assert pandas.DataFrame.from_arrow(samples)["chip_mm"].equals(chips)
+    assert polars.DataFrame(samples)["chip_mm"].to_list() == polars.read_parquet(files["samples"])["chip_mm"].to_list()
+    assert duckdb.execute("select max(chip_mm) from samples").fetchall() == [(chips.max(),)]
+
+
+def test_tables_in_memory_are_read_where_they_lie() -> None:
+    samples = arcfeed.simulate(SLOT, tables=True)["tables"]["samples"]
+    columns = [pyarrow.table(samples)["time_s"].chunk(0) for _ in range(2)]
+    assert len({column.buffers()[1].address for column in columns}) == 1
+    # NumPy refuses where it would have to copy.
+    times = columns[0].to_numpy(zero_copy_only=True)
+    assert times.dtype == np.float64 and len(times) == len(samples)
+    del samples, columns
+    assert np.all(np.diff(times) > 0)
+    with pytest.raises(TypeError):
+        arcfeed.simulate(SLOT, tables=True, trace="run.parquet")
+
+
 def test_files_are_where_their_names_say(run: tuple[dict[str, Any], dict[str, Path]]) -> None:
     files = run[1]
     written = sorted(file.name for file in files["samples"].parent.iterdir())

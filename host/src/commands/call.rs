@@ -14,9 +14,12 @@ use super::adapt::Adapt;
 use super::check::Check;
 use super::init::Init;
 use super::job_input::load_text;
+use super::law::Law;
+use super::lobes::Lobes;
 use super::outcome::Failure;
 use super::plan::PlanCommand;
 use super::simulate::Simulate;
+use super::sweep::Sweep;
 use crate::adapt::{BlockLaw, Known, adapt_with};
 use crate::plural::counted;
 
@@ -28,7 +31,10 @@ enum Function {
     Init(Init),
     Adapt(Adapt),
     Plan(PlanCommand),
-    Simulate(Simulate),
+    Simulate(Box<Simulate>),
+    Lobes(Lobes),
+    Law(Law),
+    Sweep(Sweep),
 }
 
 /// Law of a move of a program, with the move.
@@ -53,6 +59,9 @@ pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<(), Failure> {
         Function::Adapt(command) => command.run(),
         Function::Plan(command) => command.run(),
         Function::Simulate(command) => command.run(),
+        Function::Lobes(command) => command.run(),
+        Function::Law(command) => command.run(),
+        Function::Sweep(command) => command.run(),
     }
 }
 

@@ -231,12 +231,15 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag that is set when this process gets Ctrl-C or a request to terminate. The first call installs the handler.
+/// Flag that is set when this process gets Ctrl-C or a request to terminate. The first call installs the handler. A command that runs
+/// as a function leaves both to the process of its caller.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     static WATCH: Once = Once::new();
-    // Fails only if another handler is set, which never happens here.
-    WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
+    if console::capture().is_none() {
+        // Fails only if another handler is set, which never happens here.
+        WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
+    }
     &RAISED
 }
 

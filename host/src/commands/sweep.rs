@@ -21,13 +21,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::{Builder, available_parallelism, scope};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::outcome::{Failure, file_failure, json_text, on_interrupt, refuse_inputs, say};
-use crate::console::note;
+use crate::console::{self, Progress, note};
 use crate::plural::counted;
 use crate::trace::TraceFormat;
 use journal::Journal;
@@ -151,15 +151,21 @@ impl Sweep {
         let (journal, done) = Journal::open(&folder.join(shard.journal()), fingerprint)?;
         let done: HashSet<u64> = done.into_iter().collect();
         let count = (campaign.runs + shard.count - shard.index) / shard.count;
-        let bar = ProgressBar::with_draw_target(Some(count), ProgressDrawTarget::stderr());
+        let capture = console::capture();
+        let target = if capture.is_some() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(count), target);
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {per_sec}, {eta} left{msg}") {
             bar.set_style(style);
         }
         bar.inc(done.len() as u64);
+        // Each run is captured, and would not watch for Ctrl-C by itself.
+        let is_interrupted = on_interrupt();
         let threads = self.threads.map_or_else(|| available_parallelism().map_or(1, usize::from), usize::from);
-        let work = Work { campaign, shard, done, next: AtomicU64::new(0), count, journal: Mutex::new(journal), bar };
+        let next = AtomicU64::new(0);
+        let work = Work { campaign, shard, done, next, count, journal: Mutex::new(journal), bar, is_interrupted };
         let ended = scope(|scope| {
-            let start = |_| Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, || work.run());
+            let run = || console::captured(capture.clone(), || work.run());
+            let start = |_| Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, run);
             let workers: Vec<_> = (0..threads).map(start).collect();
             let ends = workers.into_iter().map(|worker| {
                 let worker = worker.map_err(|error| Failure::Machine(format!("no thread for a run: {error}")))?;
@@ -206,6 +212,7 @@ struct Work<'c> {
     count: u64,
     journal: Mutex<Journal>,
     bar: ProgressBar,
+    is_interrupted: &'c AtomicBool,
 }
 
 impl Work<'_> {
@@ -227,12 +234,17 @@ impl Work<'_> {
             }
             let stopped = || Failure::Stopped("stopped by the operator: started again, the campaign goes on".into());
             let Some(row) = row? else { return Err(stopped()) };
-            if on_interrupt().load(Ordering::Relaxed) {
+            let capture = console::capture();
+            let is_stopped = capture.as_ref().is_some_and(|capture| capture.is_stopped());
+            if is_stopped || self.is_interrupted.load(Ordering::Relaxed) {
                 return Err(stopped());
             }
             let added = self.journal.lock().map(|mut journal| journal.add(&row));
             added.unwrap_or_else(|_| Err(Failure::Machine("the journal is lost: a defect of arcfeed".into())))?;
             self.bar.inc(1);
+            if let Some(capture) = capture {
+                capture.set_progress(Progress::Campaign { done: self.bar.position(), runs: self.count });
+            }
         }
     }
 }

@@ -14,4 +14,7 @@ mod parquet_file;
 
 mod table_file;
 
+mod memory_table;
+
+pub use memory_table::{MemoryColumn, MemoryTable, MemoryValues};
 pub use table_file::{TableFile, TraceFormat};

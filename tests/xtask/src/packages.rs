@@ -37,7 +37,7 @@ enum Rights {
     None,
 }
 
-const NEEDS: [Need; 8] = [
+const NEEDS: [Need; 9] = [
     Need {
         what: "emulator of the chip",
         package: "qemu-system-arm",
@@ -84,6 +84,18 @@ const NEEDS: [Need; 8] = [
         package: "linuxcnc-uspace-dev",
         shown_by: &[&["sh", "-c", "command -v halcompile"]],
         elsewhere: "install LinuxCNC 2.9 with its headers",
+        runs_unpacked: false,
+        is_optional: true,
+    },
+    Need {
+        what: "Slurm, to run campaigns on",
+        package: "slurm-wlm",
+        shown_by: &[&[
+            "sh",
+            "-c",
+            "PATH=$PATH:/usr/sbin; command -v slurmctld && command -v slurmd && command -v munged && command -v sbatch",
+        ]],
+        elsewhere: "install Slurm and MUNGE",
         runs_unpacked: false,
         is_optional: true,
     },

@@ -1,6 +1,8 @@
-//! The Python package: built by pip as its users build it, installed into an environment of its own, checked and tested there.
+//! The Python package: built and installed by pip in a fresh environment, as its users do; then installed into an environment with
+//! the packages of its tests, checked and tested there.
 //!
-//! It has the profile of the tests, so that it shares with them what both need in the same form.
+//! It has the profile of the tests, so that it shares with them what both need in the same form. Only the fresh environment builds:
+//! pyo3 depends on the path of the interpreter, and would be compiled again for another.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,9 +11,10 @@ use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
 
 /// Folder of the package.
 const FOLDER: &str = "host/python";
-/// What builds, checks and tests it, and the libraries that read traces.
-const PACKAGES: [&str; 11] = [
-    "maturin==1.16.0",
+/// What builds it.
+const MATURIN: &str = "maturin>=1.9,<2";
+/// What checks and tests it, the libraries that read traces, a cluster, and the schema of Kubernetes.
+const PACKAGES: [&str; 12] = [
     "numpy==2.4.6",
     "pytest==9.2.0",
     "mypy==2.4.1",
@@ -22,9 +25,17 @@ const PACKAGES: [&str; 11] = [
     "polars==2.1.0",
     "pyarrow==26.0.1",
     "duckdb==2.0.1",
+    "distributed==2026.8.0",
+    "kubernetes-validate==1.37.0",
 ];
 /// Modules of these packages.
-const MODULES: &str = "import numpy, pytest, mypy, nbclient, ipykernel, matplotlib, pandas, polars, pyarrow, duckdb";
+const MODULES: &str = "import numpy, pytest, mypy, nbclient, ipykernel, matplotlib, pandas, polars, pyarrow, duckdb, distributed, \
+                       kubernetes_validate";
+/// The README's example in an environment without other packages, and the version.
+const FIRST_USE: &str = "import arcfeed, importlib.metadata as metadata, sys
+text = open('host/python/README.md', encoding='utf-8').read()
+exec(text.split('```python\\n')[1].split('```')[0])
+assert metadata.version('arcfeed') == sys.argv[1], metadata.version('arcfeed')";
 
 /// Result of the check: the tests that passed, or why there were none.
 pub enum Checked {
@@ -41,9 +52,9 @@ pub enum Checked {
 pub fn check() -> Result<Checked, Failure> {
     announce("the Python package");
     let environment = build_dir()?.join("tools/python-package");
-    if let Err(failure) = install_packages(&environment) {
+    if let Err(failure) = install_packages(&environment).and_then(|()| fetch_maturin(&environment)) {
         let message = format!(
-            "SKIPPED (loudly): the Python package: {} of the Python Package Index cannot be had ({})",
+            "SKIPPED (loudly): the Python package: {MATURIN}, {} of the Python Package Index cannot be had ({})",
             PACKAGES.join(", "),
             failure.what
         );
@@ -53,7 +64,7 @@ pub fn check() -> Result<Checked, Failure> {
             Ok(Checked::Skipped(message))
         };
     }
-    let wheel = build(&environment)?;
+    let wheel = install_fresh()?;
     let wheel = wheel.to_string_lossy();
     let install = ["-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--force-reinstall", &wheel];
     run(&mut python(&environment, &install))?;
@@ -71,22 +82,35 @@ fn install_packages(environment: &Path) -> Result<(), Failure> {
     run(python(environment, &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(PACKAGES))
 }
 
-/// Builds the wheel, as `pip install .` does, into a folder of its own.
-fn build(environment: &Path) -> Result<PathBuf, Failure> {
-    let wheels = build_dir()?.join("python");
-    if wheels.exists() {
-        std::fs::remove_dir_all(&wheels).map_err(|error| Failure::new(format!("{}: {error}", wheels.display())))?;
+/// Fetches the build requirement, which pip installs anew for each build, into pip's cache.
+fn fetch_maturin(environment: &Path) -> Result<(), Failure> {
+    let arguments = ["-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps", MATURIN, "--dest"];
+    run(python(environment, &arguments).arg(build_dir()?.join("tools/maturin")))
+}
+
+/// What `pip install ./host/python` does in a new environment, in its two steps, of which the first leaves the wheel: builds it with
+/// the build requirements of the package, and installs it with its requirements. Then the package's README is tried.
+fn install_fresh() -> Result<PathBuf, Failure> {
+    let [fresh, wheels] = ["tools/python-fresh", "python"].map(|folder| build_dir().map(|build| build.join(folder)));
+    let (fresh, wheels) = (fresh?, wheels?);
+    for folder in [&fresh, &wheels].into_iter().filter(|folder| folder.exists()) {
+        std::fs::remove_dir_all(folder).map_err(|error| Failure::new(format!("{}: {error}", folder.display())))?;
     }
-    let mut pip =
-        python(environment, &["-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "--no-index"]);
-    pip.arg("--wheel-dir").arg(&wheels).arg(folder());
-    // maturin is found in the environment, and shares the build directory with the tests.
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let paths = std::iter::once(environment.join("bin")).chain(std::env::split_paths(&path));
-    let path = std::env::join_paths(paths).map_err(|error| Failure::new(format!("PATH: {error}")))?;
-    pip.env("PATH", path).env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked");
-    run(&mut pip)?;
-    let found = std::fs::read_dir(&wheels).into_iter().flatten().flatten().map(|entry| entry.path()).next();
+    run(program("python3", &["-m", "venv"]).arg(&fresh))?;
+    let pip =
+        |words: &[&str]| python(&fresh, &[&["-m", "pip", "--quiet", "--disable-pip-version-check"], words].concat());
+    let mut build = pip(&["wheel", "--no-deps"]);
+    build.arg("--wheel-dir").arg(&wheels).arg(folder());
+    run(build.env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked"))?;
+    let wheel = wheel_in(&wheels)?;
+    run(pip(&["install"]).arg(&wheel))?;
+    run(&mut python(&fresh, &["-c", FIRST_USE, env!("CARGO_PKG_VERSION")]))?;
+    Ok(wheel)
+}
+
+/// The wheel in a folder.
+fn wheel_in(wheels: &Path) -> Result<PathBuf, Failure> {
+    let found = std::fs::read_dir(wheels).into_iter().flatten().flatten().map(|entry| entry.path()).next();
     found.ok_or_else(|| Failure::new(format!("no wheel in {}", wheels.display())))
 }
 

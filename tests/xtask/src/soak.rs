@@ -9,6 +9,7 @@ const SECONDS_PER_MIN: u64 = 60;
 const CAMPAIGNS: [(&str, &str); 10] = [
     ("feed", ""),
     ("line", "dnc::"),
+    ("line", "campaigns::"),
     ("line", "wire::"),
     ("line", "application::"),
     ("line", "serving_clients::"),

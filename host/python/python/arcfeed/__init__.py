@@ -1,4 +1,4 @@
-"""Constant chip load on circular moves: check, adapt and simulate NC programs; feed laws, stocks, job files.
+"""Constant chip load on circular moves: check, adapt and simulate NC programs; feed laws, stocks, job files, campaigns.
 
 >>> import arcfeed
 >>> found = arcfeed.check(text="%\\nG21 G90 G0 X0 Y0\\nG1 X10. F100.\\nM30\\n%\\n")
@@ -8,10 +8,22 @@
 All lengths and forces of results are in the units that docs/json.md and docs/traces.md name.
 """
 
-from ._commands import ArcfeedWarning, adapt, check, init, plan, simulate, trace_files
+from . import campaign
+from ._commands import (
+    ArcfeedWarning,
+    adapt,
+    check,
+    init,
+    law,
+    lobes,
+    plan,
+    simulate,
+    sweep,
+    trace_files,
+)
 from ._errors import Error, InputError, MachineError, StoppedError, UndecidedError, UsageError
 from ._job import Job
-from ._native import Law, Stock, Tool
+from ._native import Law, Stock, Table, Tool
 
 __all__ = [
     "ArcfeedWarning",
@@ -22,13 +34,18 @@ __all__ = [
     "MachineError",
     "Stock",
     "StoppedError",
+    "Table",
     "Tool",
     "UndecidedError",
     "UsageError",
     "adapt",
+    "campaign",
     "check",
     "init",
+    "law",
+    "lobes",
     "plan",
     "simulate",
+    "sweep",
     "trace_files",
 ]

@@ -19,6 +19,7 @@ from ._errors import Error, exception
 
 PathLike = str | os.PathLike[str]
 Progress = Callable[[int, float], object]
+RunsProgress = Callable[[int, int], object]
 Length = float | str
 PerTool = Length | Mapping[int, Length]
 """A value, or one for each tool number: ``{1: "10 mm", 2: 6}``."""
@@ -126,6 +127,7 @@ def simulate(
     report: PathLike | None = None,
     surface: PathLike | None = None,
     asserts: Sequence[str] = (),
+    tables: bool = False,
     progress: Progress | None = None,
     stock: Sequence[float] | None = None,
     material: str | None = None,
@@ -145,15 +147,23 @@ def simulate(
     """Run a job on the simulated machine, before and after: the object ``simulate`` of docs/json.md.
 
     ``trace`` names the tables of both runs, ``.parquet`` or ``.csv`` (docs/traces.md; `trace_files` has their names);
-    ``asserts`` are limits such as ``"chip<=1.05"``, of which a broken one raises `InputError`. ``progress(blocks,
+    with ``tables`` the result has them in memory, in ``result["tables"]`` under the same keys: each is a `Table` that pandas,
+    polars, pyarrow and DuckDB read without a copy. ``asserts`` are limits such as ``"chip<=1.05"``, of which a broken one
+    raises `InputError`. ``progress(blocks,
     time_s)`` is called some twenty times a second with the blocks executed and the machine time; an exception in it, or
     Ctrl-C, stops the run, and no file is written.
     """
     box = None if stock is None else ",".join(str(value) for value in stock)
-    others = {**locals(), "job": None, "progress": None, "asserts": None, "box": None, "stock": box}
+    others = {**locals(), "job": None, "progress": None, "asserts": None, "tables": None, "box": None, "stock": box}
     words = ["simulate", os.fspath(job), *_words(**others)]
     words += [f"--assert={limit}" for limit in asserts]
-    (result,) = _run(words, progress)
+    if tables and trace is not None:
+        raise TypeError("the tables of a run are either files (trace) or in memory (tables)")
+    found: dict[str, Any] = {}
+    (result,) = _run(words, progress, found if tables else None)
+    if tables:
+        names = {path.name: key for key, path in trace_files("run").items()}
+        result["tables"] = {names[name]: table for name, table in found.items()}
     return dict(result)
 
 
@@ -182,6 +192,79 @@ def plan(
     return dict(result)
 
 
+def lobes(
+    job: PathLike,
+    *,
+    speeds: tuple[float, float] | None = None,
+    points: int | None = None,
+    radial_depth: Length | None = None,
+    milling: Literal["climb", "conventional"] | None = None,
+    feed_direction: float | None = None,
+    svg: PathLike | None = None,
+) -> dict[str, Any]:
+    """Limit depth of stable milling against spindle speed, and the best speeds: the object ``lobes`` of docs/json.md.
+
+    ``speeds`` is the range in rev/min; without it the machine's. ``pandas.DataFrame(arcfeed.lobes(job)["points"])`` is the
+    diagram as a table.
+    """
+    ends = None if speeds is None else ",".join(repr(speed) for speed in speeds)
+    (result,) = _run(["lobes", os.fspath(job), *_words(**{**locals(), "job": None, "speeds": ends, "ends": None})])
+    return dict(result)
+
+
+def law(
+    job: PathLike | None = None,
+    *,
+    line: int | None = None,
+    at: float | None = None,
+    rho: Length | None = None,
+    radius: Length | None = None,
+    edge: Literal["outer", "inner", "inside", "outside"] | None = None,
+    feed_per_tooth: Length | None = None,
+    contact: float | None = None,
+    stock_normal: float | None = None,
+    stock_offset: Length | None = None,
+    position: float | None = None,
+    clockwise: bool = False,
+    spindle: float | None = None,
+    teeth: int | None = None,
+    units: Literal["inch", "mm"] | None = None,
+    svg: PathLike | None = None,
+) -> dict[str, Any]:
+    """One case of a feed law with every quantity and its equation: the object ``law`` of docs/json.md.
+
+    The case is that of a ``line`` of a job's program, ``at`` a fraction of its arc, or of the values in the options. `Law`
+    has the same law at many positions.
+    """
+    (result,) = _run(["law", *_words(**locals())])
+    return dict(result)
+
+
+def sweep(
+    sweep: PathLike,
+    output: PathLike | None = None,
+    *,
+    shard: tuple[int, int] | None = None,
+    merge: bool = False,
+    run: int | None = None,
+    threads: int | None = None,
+    csv: bool = False,
+    junit: PathLike | None = None,
+    progress: RunsProgress | None = None,
+) -> dict[str, Any]:
+    """Run a campaign, or one ``shard`` (index, count) of it: the object ``sweep`` of docs/json.md, empty for a shard.
+
+    ``output`` is the folder of the journals and the table (docs/campaigns.md). Called again, it goes on where it stopped.
+    With ``run`` it repeats a single run and returns its object. Runs that are not accepted raise `InputError`, whose
+    ``result`` has the object. ``progress(done, runs)`` is called some twenty times a second; an exception in it, or Ctrl-C,
+    stops the campaign, which loses the runs under way. `arcfeed.campaign` runs it on a cluster.
+    """
+    part = None if shard is None else "/".join(str(number) for number in shard)
+    others = {**locals(), "sweep": None, "progress": None, "shard": part, "part": None}
+    result = _run(["sweep", os.fspath(sweep), *_words(**others)], progress)
+    return dict(result[0]) if result else {}
+
+
 def _words(**options: Any) -> list[str]:
     """Options of the command line."""
     words: list[str] = []
@@ -202,9 +285,16 @@ def _text(value: Any) -> str:
     return os.fspath(value) if isinstance(value, (str, os.PathLike)) else repr(value)
 
 
-def _run(words: list[str], progress: Progress | None = None) -> list[Any]:
-    """Runs a command with ``--json``; returns the objects that it prints, and passes its warnings on."""
-    printed, notes, failure = _native.run([*words, "--json"], progress)
+def _run(
+    words: list[str],
+    progress: Progress | RunsProgress | None = None,
+    tables: dict[str, Any] | None = None,
+) -> list[Any]:
+    """Runs a command with ``--json``; returns the objects that it prints, and passes its warnings on. ``tables`` receives
+    those of a simulated run."""
+    printed, notes, failure, found = _native.run([*words, "--json"], progress, tables is not None)
+    if tables is not None:
+        tables.update(found)
     result = [json.loads(line) for line in printed.splitlines()]
     if failure is not None:
         kind, text = failure

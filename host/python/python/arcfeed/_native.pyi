@@ -6,11 +6,13 @@ from typing import Any, Literal, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["JobText", "Law", "Stock", "Tool", "run"]
+__all__ = ["JobText", "Law", "Stock", "Table", "Tool", "run"]
 
 def run(
-    words: Sequence[str], progress: Callable[[int, float], object] | None = None
-) -> tuple[str, list[str], tuple[str, str] | None]: ...
+    words: Sequence[str],
+    progress: Callable[[int, float], object] | Callable[[int, int], object] | None = None,
+    tables: bool = False,
+) -> tuple[str, list[str], tuple[str, str] | None, list[tuple[str, Table]]]: ...
 @final
 class JobText:
     def __new__(cls, path: str | PathLike[str], text: str) -> JobText: ...
@@ -47,6 +49,13 @@ class Law:
     def feed_per_tooth(self, part: NDArray[np.float64]) -> NDArray[np.float32]: ...
     def contact_deg(self, part: NDArray[np.float64]) -> NDArray[np.float32]: ...
     def no_demand(self, part: float) -> str | None: ...
+
+@final
+class Table:
+    @property
+    def columns(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> Any: ...
 
 @final
 class Tool:

@@ -113,7 +113,7 @@ impl RunObserver {
             return Err(Failure::Stopped("stopped by the caller".into()));
         }
         if self.shows {
-            capture.set_progress(Progress {
+            capture.set_progress(Progress::Run {
                 blocks: simulation.control().executed().len(),
                 time_s: simulation.now().to_s(),
             });

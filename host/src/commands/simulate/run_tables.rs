@@ -16,18 +16,23 @@ use super::super::outcome::{Failure, file_failure};
 use super::block_lines::BlockLocator;
 use super::block_table::{BlockLog, BlockRecord, BlockSources};
 use crate::board::words;
+use crate::console;
 use crate::trace::table::{Cell, Table};
 use crate::trace::tables::{BLOCKS, SAMPLE_COLUMNS, SAMPLES, TEETH, TOOTH_COLUMNS};
-use crate::trace::{TableFile, TraceFormat};
+use crate::trace::{MemoryTable, TableFile, TraceFormat};
 
 /// Addition to the names of the files of the original program.
 const ORIGINAL: &str = "-original";
 
-/// Names of the files that `--trace` writes.
+/// Name of a run's tables in memory.
+const IN_MEMORY: &str = "run";
+
+/// Names of the files that `--trace` writes, or of the tables that the caller of a function receives.
 #[derive(Clone, Debug)]
 pub struct TraceFiles {
     path: PathBuf,
-    format: TraceFormat,
+    /// None in memory.
+    format: Option<TraceFormat>,
 }
 
 /// Tables of a run, written while it goes on; state. After a first failure nothing more is written.
@@ -43,11 +48,13 @@ pub struct RunTables {
     failure: Option<Failure>,
 }
 
-/// File of a table, with its name for messages.
+/// Table that grows.
 #[derive(Debug)]
-pub struct OpenTable {
-    path: PathBuf,
-    file: TableFile,
+pub enum OpenTable {
+    /// File, with its name for messages.
+    File(PathBuf, TableFile),
+    /// Table for the caller of a command that runs as a function.
+    Memory(MemoryTable),
 }
 
 impl TraceFiles {
@@ -57,15 +64,18 @@ impl TraceFiles {
     /// The suffix names no format of this build.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         let format = TraceFormat::of(path).map_err(|message| Failure::Usage(format!("--trace: {message}")))?;
-        Ok(TraceFiles { path: path.to_owned(), format })
+        Ok(TraceFiles { path: path.to_owned(), format: Some(format) })
     }
 
-    /// Files of the run and of the original program; none without a path.
+    /// Files of the run and of the original program; without a path, tables in memory if the caller wants them, or none.
     ///
     /// # Errors
     /// See [`TraceFiles::of`].
     pub fn of_both(path: Option<&Path>) -> Result<Vec<Self>, Failure> {
         let files = path.map(TraceFiles::of).transpose()?;
+        let wants_tables = || console::capture().is_some_and(|capture| capture.wants_tables());
+        let in_memory = || TraceFiles { path: IN_MEMORY.into(), format: None };
+        let files = files.or_else(|| wants_tables().then(in_memory));
         let with_original = |files: Self| {
             let original = TraceFiles { path: files.with(ORIGINAL), format: files.format };
             [files, original]
@@ -73,9 +83,12 @@ impl TraceFiles {
         Ok(files.into_iter().flat_map(with_original).collect())
     }
 
-    /// Names of all files of a run.
-    pub fn paths(&self) -> [PathBuf; 3] {
-        [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix))
+    /// Names of all files of a run; none in memory.
+    pub fn paths(&self) -> Vec<PathBuf> {
+        if self.format.is_none() {
+            return Vec::new();
+        }
+        [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix)).into()
     }
 
     /// Begins the tables of a run. With `loads` there is one of the teeth, with `locator` lines are known.
@@ -96,8 +109,11 @@ impl TraceFiles {
     /// The file cannot be written.
     pub fn open(&self, table: &Table<'_>) -> Result<OpenTable, Failure> {
         let path = self.with(table.suffix);
-        let file = TableFile::begin(self.format, &path, table).map_err(|error| file_failure(&path, &error))?;
-        Ok(OpenTable { path, file })
+        let Some(format) = self.format else {
+            return Ok(OpenTable::Memory(MemoryTable::new(path.display().to_string(), table)));
+        };
+        let file = TableFile::begin(format, &path, table).map_err(|error| file_failure(&path, &error))?;
+        Ok(OpenTable::File(path, file))
     }
 
     fn with(&self, suffix: &str) -> PathBuf {
@@ -180,15 +196,29 @@ impl OpenTable {
     /// # Errors
     /// The file cannot be written.
     pub fn add(&mut self, row: &[Cell<'_>]) -> Result<(), Failure> {
-        self.file.add(row).map_err(|error| file_failure(&self.path, &error))
+        match self {
+            OpenTable::File(path, file) => file.add(row).map_err(|error| file_failure(path, &error)),
+            OpenTable::Memory(table) => {
+                table.add(row);
+                Ok(())
+            }
+        }
     }
 
-    /// Puts the file in its place.
+    /// Puts the file in its place, or the table where the caller takes it.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn finish(self) -> Result<(), Failure> {
-        self.file.finish().map_err(|error| file_failure(&self.path, &error))
+        match self {
+            OpenTable::File(path, file) => file.finish().map_err(|error| file_failure(&path, &error)),
+            OpenTable::Memory(table) => {
+                if let Some(capture) = console::capture() {
+                    capture.add_table(table);
+                }
+                Ok(())
+            }
+        }
     }
 }
 
