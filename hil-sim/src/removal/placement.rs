@@ -20,7 +20,7 @@ use arcfeed_kinematics::machine::{Carries, Letter, Machine};
 use arcfeed_kinematics::vector::{Vector, cross, difference, length, turned, unit};
 use arcfeed_units::{MicroDeg, Nm};
 
-use arcfeed_control::action::ProgrammedPath;
+use arcfeed_control::action::{MoveContext, ProgrammedPath};
 use arcfeed_dexel::frame::Frame;
 use arcfeed_dexel::motion::{Move, MoveError, Pose};
 use arcfeed_dexel::section::Sweep;
@@ -90,11 +90,14 @@ impl WorkpiecePlacement {
 
     /// Determines the workpiece's position from the first cut.
     pub fn locate(&mut self, cut: &PathSection) {
-        let context = &cut.context;
-        let origin = context.origin.linear.map(Nm::to_mm);
-        self.origin_mm.get_or_insert([origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]);
-        if context.programmed_path != ProgrammedPath::Tip && cut.turn_deg() <= SAME_DEG {
-            self.rotary_deg.get_or_insert(rotary(&cut.positions[0]));
+        self.locate_at(&cut.positions[0], &cut.context, cut.turn_deg() <= SAME_DEG);
+    }
+
+    /// Determines the workpiece's position from the first cut, at a position of the axes; the rotary ones stand or turn.
+    pub fn locate_at(&mut self, position: &AxisPosition, context: &MoveContext, stands: bool) {
+        self.origin_mm.get_or_insert_with(|| origin_of(context));
+        if context.programmed_path != ProgrammedPath::Tip && stands {
+            self.rotary_deg.get_or_insert(rotary(position));
         }
     }
 
@@ -165,10 +168,22 @@ impl WorkpiecePlacement {
         let turns = length(difference(poses[1].axis, poses[0].axis)) > UPRIGHT_RAD;
         match machine {
             Some(machine) if !turns => {
-                let rotary_deg = rotary_deg(machine, &section.positions[0], section);
+                let rotary_deg = rotary_deg(machine, &section.positions[0], &section.context);
                 Ok(ToolChord { ends_mm, frame: frame_at(machine, rotary_deg) })
             }
             _ => Err(LeftOutReason::AxisTurns),
+        }
+    }
+
+    /// Tip and axis on the part at a position of the axes, in a move with this context; before the first cut as if the part
+    /// were where it is then. Without rotary axes, or without a machine that turns the part, it is `None`.
+    pub fn pose(&self, position: &AxisPosition, context: &MoveContext, machine: &Machine) -> Option<Pose> {
+        let origin_mm = self.origin_mm.unwrap_or_else(|| origin_of(context));
+        let tip_mm = difference([position[0], position[1], position[2]], origin_mm);
+        match context.programmed_path {
+            ProgrammedPath::Contour => None,
+            ProgrammedPath::Tip => Some(Pose { tip_mm, axis: axis_at(machine, position, context) }),
+            ProgrammedPath::Axes => turns_part(machine).then(|| self.indexed_pose(machine, position, origin_mm)),
         }
     }
 
@@ -180,7 +195,7 @@ impl WorkpiecePlacement {
             (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
             (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
             (ProgrammedPath::Tip, Some(machine)) => {
-                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: axis_at(machine, position, section) })
+                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: axis_at(machine, position, &section.context) })
             }
             (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
             (ProgrammedPath::Axes, _) if self.is_at_first_cut(section) => {
@@ -226,9 +241,15 @@ fn is_tilted(axis: Vector) -> bool {
     axis[2] < 0.0 || libm::hypot(axis[0], axis[1]) > UPRIGHT_RAD
 }
 
+/// Origin of the program's coordinates for the tip.
+fn origin_of(context: &MoveContext) -> Vector {
+    let origin = context.origin.linear.map(Nm::to_mm);
+    [origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]
+}
+
 /// Direction of the tool axis on the part.
-fn axis_at(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Vector {
-    machine.axis_at(rotary_deg(machine, position, section))
+fn axis_at(machine: &Machine, position: &AxisPosition, context: &MoveContext) -> Vector {
+    machine.axis_at(rotary_deg(machine, position, context))
 }
 
 /// Frame of the tool on the part at these positions of the rotary axes.
@@ -242,8 +263,8 @@ fn frame_at(machine: &Machine, rotary_deg: [f64; 2]) -> Frame {
 }
 
 /// Positions of the machine's rotary axes in the order of its description.
-fn rotary_deg(machine: &Machine, position: &AxisPosition, section: &PathSection) -> [f64; 2] {
-    let origin_deg = section.context.origin.rotary.map(MicroDeg::to_deg);
+fn rotary_deg(machine: &Machine, position: &AxisPosition, context: &MoveContext) -> [f64; 2] {
+    let origin_deg = context.origin.rotary.map(MicroDeg::to_deg);
     machine.rotary().each_ref().map(|axis| {
         let index = letter_index(axis.letter);
         position[3 + index] - origin_deg[index]

@@ -2,8 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_nc::machining::ToolInSpindle;
@@ -231,12 +230,15 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag of the process that Ctrl-C, or a request to terminate, sets.
+/// Flag of the process that Ctrl-C, or a request to terminate, sets; in a page nothing does.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
-    static WATCH: Once = Once::new();
-    // Fails only if another handler is set, which never happens here.
-    WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
+    #[cfg(not(target_family = "wasm"))]
+    {
+        static WATCH: std::sync::Once = std::sync::Once::new();
+        // Fails only if another handler is set, which never happens here.
+        WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, std::sync::atomic::Ordering::Relaxed))));
+    }
     &RAISED
 }
 

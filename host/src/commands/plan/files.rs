@@ -9,10 +9,11 @@ use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
-use super::page;
+use super::{page, viewer};
 use super::plan_result::{PlanResult, feeds};
 use crate::console::note;
 use crate::part::MachineSource;
+use crate::report::page::Page;
 
 /// Largest distance of meshes from the surfaces, mm.
 pub(super) const CHORD_MM: f64 = 0.02;
@@ -40,7 +41,7 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
     let settings = control_settings(composed);
     let job = job(composed, &name, settings.as_ref().map(|_| SETTINGS));
-    let page = page::report(composed).page().to_string();
+    let page = Page { viewer: Some(viewer::data(composed)), ..page::report(composed).page() }.to_string();
     let mut files: Vec<(&str, &[u8])> = vec![
         (&name, text.as_bytes()),
         ("job.toml", job.as_bytes()),
@@ -108,6 +109,20 @@ fn setup(composed: &PlanResult) -> Setup {
 
 /// Blank and finished part about the slot, slot frame.
 fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
+    let (blisk, sector) = (&composed.part.blisk, sector(composed));
+    let blades = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
+        .map(|triangles| in_slot(composed, triangles))
+}
+
+/// Triangles of the part in the slot frame.
+pub(super) fn in_slot(composed: &PlanResult, triangles: Vec<Triangle>) -> Vec<Triangle> {
+    let turn = composed.valued.plan.turn;
+    triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect()
+}
+
+/// Sector of the part about the slot.
+pub(super) fn sector(composed: &PlanResult) -> Sector {
     let blisk = &composed.part.blisk;
     let at = |point: Point| libm::atan2(point.y, point.x);
     let from = at(composed.slot.pressure.point(0.5, 0.5));
@@ -115,15 +130,11 @@ fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
     let middle = from + facing * blisk.pitch_rad() / 2.0;
     let reach = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
     let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
-    let sector = Sector {
+    Sector {
         angles_rad: [middle - reach, middle + reach],
         faces_mm: blisk.blank.faces_mm,
         inner_radius_mm: lowest_mm - BELOW_HUB_MM,
-    };
-    let blades = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
-    let turn = composed.valued.plan.turn;
-    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
-        .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+    }
 }
 
 fn job(composed: &PlanResult, program: &str, settings: Option<&str>) -> String {

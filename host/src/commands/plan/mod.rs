@@ -13,6 +13,8 @@ mod figures;
 #[cfg(feature = "plan")]
 mod page;
 
+mod viewer;
+
 #[cfg(feature = "plan")]
 mod files;
 
