@@ -111,8 +111,8 @@ function failed(words: string): void {
     document.documentElement.dataset.state = 'failed';
 }
 
-function take(file: File | undefined): void {
-    if (file) void post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+async function take(file: File | undefined): Promise<void> {
+    if (file) await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
 }
 
 function controls(): void {
@@ -125,13 +125,13 @@ function controls(): void {
     drop.addEventListener('drop', (event) => {
         event.preventDefault();
         drop.classList.remove('over');
-        take(event.dataTransfer?.files[0]);
+        void take(event.dataTransfer?.files[0]);
     });
     // A file that misses the zone would be opened in place of the page.
     addEventListener('dragover', (event) => event.preventDefault());
     addEventListener('drop', (event) => event.preventDefault());
     const file = element<HTMLInputElement>('file');
-    file.addEventListener('change', () => take(file.files?.[0]));
+    file.addEventListener('change', () => void take(file.files?.[0]));
     const values = element<HTMLFormElement>('values');
     values.addEventListener('submit', (event) => {
         event.preventDefault();
@@ -143,6 +143,18 @@ function controls(): void {
     });
     element('run').addEventListener('click', () => void post('run', answered(), 'Adapting and simulating …'));
     element('stop').addEventListener('click', () => backend.stop());
+}
+
+/** The example that is in the page: a program and its job. */
+function example(): void {
+    const [program, job] = ['example-program', 'example-job'].map((id) => document.getElementById(id));
+    const button = element<HTMLButtonElement>('example');
+    button.hidden = !program || !job;
+    button.addEventListener('click', async () => {
+        await take(new File([program?.textContent ?? ''], program?.dataset.name ?? ''));
+        element<HTMLTextAreaElement>('job').value = job?.textContent ?? '';
+        element('run').click();
+    });
 }
 
 /** Downloads come from arcfeed inside the page; a server has them at their addresses. */
@@ -166,9 +178,10 @@ async function start(): Promise<void> {
     controls();
     const arcfeed = document.getElementById('arcfeed-wasm')?.textContent;
     if (arcfeed) {
-        document.body.classList.add('in-page');
+        element('where').textContent = 'arcfeed runs inside this page: nothing leaves it.';
         backend = await InPage.load(arcfeed);
         downloads();
+        example();
     }
     show(JSON.parse(text(await backend.request('state'))), true);
 }

@@ -27,6 +27,7 @@ async function opens() {
     const began = Date.now();
     await page.goto(pathToFileURL(file).href);
     await ready();
+    assert.match(await text('#where'), /inside this page/);
     console.log(`page ready after ${((Date.now() - began) / 1000).toFixed(2)} s`);
 }
 
@@ -55,6 +56,17 @@ async function downloads() {
     writeFileSync(join(folder, 'data.txt'), await frame.evaluate(() => document.getElementById('arcfeed-data').textContent));
 }
 
+/** The example of the page, with one click. */
+async function shows() {
+    await page.locator('#example').click();
+    await page.waitForFunction(() => document.getElementById('program').textContent === 'pocket.nc'
+        && !document.getElementById('report-part').hidden && document.getElementById('report').hasAttribute('src'));
+    const report = page.frameLocator('#report');
+    await report.locator('h1', { hasText: 'pocket.nc' }).waitFor();
+    await report.locator('html[data-viewer=ready]').waitFor();
+    await page.screenshot({ path: join(folder, 'example.png'), fullPage: true });
+}
+
 /** A fault of the program is said in the words of the terminal; a run that does not end is stopped, and the page works on. */
 async function refuses() {
     await page.locator('#job').fill('units = "mm"\n');
@@ -74,7 +86,7 @@ async function refuses() {
 }
 
 try {
-    for (const step of [opens, adapts, downloads, refuses]) {
+    for (const step of [opens, adapts, downloads, shows, refuses]) {
         await step();
         console.log(`${step.name}: passed`);
     }

@@ -11,7 +11,7 @@ use crate::target::{PAGE, add};
 
 const PACKAGE: &str = "arcfeed-wasm";
 /// Profile of what is shipped.
-const SHIPPED: &str = "dist";
+const PROFILE: &str = "dist";
 const LEVEL: u8 = 9;
 
 /// Nothing is loaded from elsewhere, and nothing can be sent: frames and workers of the page have its policy too.
@@ -23,16 +23,22 @@ const STYLE: &str = include_str!("../../../host/web/viewer.css");
 const BODY: &str = include_str!("../../../host/web/start.html");
 const SCRIPT: &str = include_str!("../../../host/web/start.js");
 
-/// Writes `index.html` into a folder, with the module built in a profile.
+/// Example in the page: a program, its name and its job.
+const EXAMPLE: [&str; 3] = [
+    include_str!("../../../examples/pocket/pocket.nc"),
+    "pocket.nc",
+    include_str!("../../../examples/pocket/job-contour.toml"),
+];
+
+/// Writes `index.html` into a folder.
 ///
 /// # Errors
 /// The module does not build, or the folder cannot be written.
-pub fn write(folder: &str, profile: Option<&str>) -> Result<(), Failure> {
-    let profile = profile.unwrap_or(SHIPPED);
+pub fn write(folder: &str) -> Result<(), Failure> {
     add(PAGE)?;
     announce("the module of the page: some minutes the first time");
-    run(&mut cargo(&["build", "--locked", "--package", PACKAGE, "--target", PAGE, "--profile", profile]))?;
-    let module = build_dir()?.join(PAGE).join(profile).join("arcfeed_wasm.wasm");
+    run(&mut cargo(&["build", "--locked", "--package", PACKAGE, "--target", PAGE, "--profile", PROFILE]))?;
+    let module = build_dir()?.join(PAGE).join(PROFILE).join("arcfeed_wasm.wasm");
     let failed = |path: &Path, error: std::io::Error| Failure::new(format!("{}: {error}", path.display()));
     let module = fs::read(&module).map_err(|error| failed(&module, error))?;
     let folder = Path::new(folder);
@@ -45,11 +51,13 @@ pub fn write(folder: &str, profile: Option<&str>) -> Result<(), Failure> {
 
 fn page(module: &[u8]) -> String {
     let module = base64(&compress_to_vec_zlib(module, LEVEL));
+    let [program, name, job] = EXAMPLE;
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>arcfeed</title>\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n\
          </head>\n<body class=\"start\">\n{BODY}<script type=\"text/plain\" id=\"arcfeed-wasm\">{module}</script>\n\
-         <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+         <script type=\"text/plain\" id=\"example-program\" data-name=\"{name}\">{program}</script>\n\
+         <script type=\"text/plain\" id=\"example-job\">{job}</script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n"
     )
 }
 
