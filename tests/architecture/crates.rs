@@ -130,7 +130,8 @@ fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
     let pointers_of_c = ["firmware/c/src/exports.rs", "firmware/c/src/exports/tests.rs"];
     // Names of functions for a page, and the declaration of one of its own: no block.
     let of_page = "host/wasm/src/lib.rs";
-    let wanted = [&["shared/units/src/fmath.rs"], &pointers_of_c[..], &["host/line-errors/src/lib.rs", of_page]].concat();
+    let wanted =
+        [&["shared/units/src/fmath.rs"], &pointers_of_c[..], &["host/line-errors/src/lib.rs", of_page]].concat();
     assert_eq!(found, wanted);
     assert!(!read(of_page).contains("unsafe {"));
     let call = read("host/line-errors/src/lib.rs");
@@ -138,7 +139,8 @@ fn unsafe_stands_where_no_safe_crate_helps_and_nowhere_else() {
     for Member { name: package, manifest, .. } in members() {
         let own = |value| Entry { section: "lints.rust", key: "unsafe_code", value };
         let of_workspace = Entry { section: "lints", key: "workspace", value: "true" };
-        let is_exempt = ["arcfeed-units", "arcfeed-c", "arcfeed-line-errors", "arcfeed-wasm"].contains(&package.as_str());
+        let is_exempt =
+            ["arcfeed-units", "arcfeed-c", "arcfeed-line-errors", "arcfeed-wasm"].contains(&package.as_str());
         let wanted = if is_exempt { [own("\"deny\""); 2] } else { [own("\"forbid\""), of_workspace] };
         let is_kept_out = entries(&manifest).iter().any(|entry| wanted.contains(entry));
         assert!(is_kept_out, "{package}: its lints do not keep `unsafe` out");

@@ -194,9 +194,10 @@ impl WorkpiecePlacement {
         let pose: Box<dyn Fn(&AxisPosition) -> Pose + '_> = match (section.context.programmed_path, machine) {
             (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
             (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
-            (ProgrammedPath::Tip, Some(machine)) => {
-                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: axis_at(machine, position, &section.context) })
-            }
+            (ProgrammedPath::Tip, Some(machine)) => Box::new(move |position| Pose {
+                tip_mm: tip_mm(position),
+                axis: axis_at(machine, position, &section.context),
+            }),
             (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
             (ProgrammedPath::Axes, _) if self.is_at_first_cut(section) => {
                 Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: UP })

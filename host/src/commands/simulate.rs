@@ -153,7 +153,9 @@ impl Simulate {
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
-        observers.iter_mut().for_each(|observer| observer.trace.follow(file.machine.as_ref().map(|named| named.machine)));
+        observers
+            .iter_mut()
+            .for_each(|observer| observer.trace.follow(file.machine.as_ref().map(|named| named.machine)));
         if self.report.is_some() {
             observers[0].record_stock();
         }

@@ -27,8 +27,8 @@ use super::diagnostic::is_blank;
 use super::library::Folder;
 use super::lines::lines_read;
 use super::run_faults::{RunFaults, in_main};
-use crate::clock::Instant;
 use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
+use crate::clock::Instant;
 
 /// Reason for which an adapted program must not start again by itself.
 const RESTARTS: &str = "it would start the program again with the last feed in force; end it with M30";

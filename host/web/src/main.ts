@@ -310,6 +310,8 @@ class Viewer implements Follower {
             box.addEventListener('change', () => this.scene?.setVisible(what, box.checked));
         }
         element('stock-label').hidden = !this.data.heights && this.data.solids.length === 0;
+        if (!this.data.heights) element('stock-name').textContent = 'Part';
+        document.querySelectorAll<HTMLElement>('#curves-bar .key').forEach((key) => (key.hidden = this.runs.length < 2));
         element('theme').addEventListener('click', () => this.theme(document.documentElement.dataset.theme !== 'dark'));
         const along = element<HTMLSelectElement>('along');
         along.addEventListener('change', () => {

@@ -28,7 +28,9 @@ const NEAR = 14;
 /** Runs with more segments are drawn one pixel wide, which stays fluid. */
 const WIDE_MAX = 60_000;
 
-/** Runs with more segments are drawn with about as many while the picture moves. */
+/** Runs with more segments are drawn one pixel wide while the picture moves. */
+const STILL_MAX = 4_000;
+/** Runs with more segments are drawn with about as many chords while the picture moves. */
 const COARSE_MAX = 15_000;
 /** Time without a move after which the whole path is drawn, ms. */
 const REST = 200;
@@ -41,7 +43,7 @@ interface Drawn {
     cutting: LineSegments2 | LineSegments;
     /** End points of the segments in `cutting`. */
     segments: Int32Array;
-    /** Chords in the place of several segments each, while the picture moves. */
+    /** Chords in the place of one or several segments each, while the picture moves. */
     coarse: LineSegments | null;
     /** End points of the chords. */
     chords: Int32Array;
@@ -64,8 +66,8 @@ export class PathScene {
     private readonly center = new Vector3();
     private readonly low = new Vector3();
     private readonly high = new Vector3();
-    /** Box of the remaining stock. */
-    private readonly stock: [Vector3, Vector3] = [new Vector3(), new Vector3()];
+    /** Box of the stock, or of the solids. */
+    private stock: [Vector3, Vector3] = [new Vector3(), new Vector3()];
     private radius = 1;
     /** Half of the width and of the height of the cutting path as seen in the last view. */
     private seen: [number, number] = [1, 1];
@@ -84,6 +86,7 @@ export class PathScene {
         this.stockOf = data.heights ? new Stock(data.heights, runs[runs.length - 1], data.tools) : null;
         this.heights = data.heights ? this.surface(data.heights) : null;
         if (this.heights) this.scene.add(this.heights);
+        if (data.solids.length > 0) this.stock = boxOf(data.solids);
         this.solids = data.solids.map((solid) => this.solid(solid));
         this.solids.forEach((solid) => this.scene.add(solid));
         this.place.visible = false;
@@ -111,7 +114,7 @@ export class PathScene {
         this.camera.zoom = 1;
         this.controls.update();
         this.camera.updateMatrixWorld();
-        this.frame(name === 'iso' && this.heights?.visible ? [[this.low, this.high], this.stock] : [[this.low, this.high]]);
+        this.frame(name === 'iso' && (this.heights ?? this.solids[0])?.visible ? [[this.low, this.high], this.stock] : [[this.low, this.high]]);
         this.resize();
     }
 
@@ -350,7 +353,7 @@ export class PathScene {
         const cutting = isWide
             ? new LineSegments2(new LineSegmentsGeometry().setPositions(positions(segments)), new LineMaterial({ vertexColors: true, linewidth: WIDTH }))
             : new LineSegments(lines(segments), new LineBasicMaterial({ vertexColors: true }));
-        const [starts, chords] = segments.length > COARSE_MAX ? chordsOf(segments) : [new Int32Array(), new Int32Array()];
+        const [starts, chords] = segments.length > STILL_MAX ? chordsOf(segments) : [new Int32Array(), new Int32Array()];
         const coarse = chords.length > 0 ? new LineSegments(lines(chords, starts), new LineBasicMaterial({ vertexColors: true })) : null;
         if (coarse) {
             coarse.frustumCulled = false;
@@ -444,6 +447,16 @@ function chordsOf(segments: Int32Array): [Int32Array, Int32Array] {
         }
     }
     return [Int32Array.from(starts), Int32Array.from(chords)];
+}
+
+/** Lowest and highest corner. */
+function boxOf(solids: Solid[]): [Vector3, Vector3] {
+    const box = new Box3();
+    const point = new Vector3();
+    for (const { x, y, z } of solids) {
+        for (let vertex = 0; vertex < x.length; vertex++) box.expandByPoint(point.set(x[vertex], y[vertex], z[vertex]));
+    }
+    return [box.min, box.max];
 }
 
 /** Point that is always seen. */

@@ -62,7 +62,7 @@ fn the_stock_is_cut_behind_the_tool_and_whole_ahead_of_it() {
         "[tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nheight = 30\n{SPINDLE}{LAW}\
          [workpiece]\nblock = {{ from = [0, -20, -12], to = [50, 20, 0] }}\nstep = 0.5\n"
     );
-    let facts = [0.2, 0.5, 0.83].map(|part| {
+    let facts = [0.2, 0.5, 0.7].map(|part| {
         // The centre is at X c: the front of the mill is 5 mm ahead.
         let c = -10.0 + 70.0 * part;
         let heights = [[c + 3.5, 0.25, -4.0], [c + 6.5, 0.25, 0.0], [3.25, 0.25, -4.0], [3.25, 7.25, 0.0]];

@@ -7,7 +7,7 @@ use arcfeed_tests::{Scratch, of_full_set, run};
 use super::{has_browser, has_node, node};
 
 const JOB: &str = "units = \"mm\"\n[tool]\nkind = \"end-mill\"\ndiameter = 6\nteeth = 2\n[spindle]\nrev_per_min = 8000\n\
-                   [law]\nkind = \"programmed\"\n[override]\nmode = \"rewrite-only\"\n[[cut]]\nmoves = \"arcs\"\nside = \"inside\"\ndirection = \"ccw\"\n";
+                   [law]\nkind = \"contour\"\nfeed_per_tooth = 0.075\n[limits]\nmax_feed = 3000\n[override]\nmode = \"rewrite-only\"\n[[cut]]\nmoves = \"arcs\"\nside = \"inside\"\ndirection = \"ccw\"\n";
 /// Lines of a row, before the arc to the next one.
 const ROW: usize = 200;
 /// Most bytes of the report of a program of 100 000 blocks.

@@ -45,7 +45,12 @@ pub fn write(folder: &str) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|error| failed(folder, error))?;
     let (path, page) = (folder.join("index.html"), page(&module));
     fs::write(&path, &page).map_err(|error| failed(&path, error))?;
-    announce(&format!("{}: {} bytes, of which the module has {} before it is packed", path.display(), page.len(), module.len()));
+    announce(&format!(
+        "{}: {} bytes, of which the module has {} before it is packed",
+        path.display(),
+        page.len(),
+        module.len()
+    ));
     Ok(())
 }
 

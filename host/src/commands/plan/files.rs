@@ -9,8 +9,8 @@ use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
-use super::{page, viewer};
 use super::plan_result::{PlanResult, feeds};
+use super::{page, viewer};
 use crate::console::note;
 use crate::part::MachineSource;
 use crate::report::page::Page;

@@ -13,6 +13,7 @@ mod figures;
 #[cfg(feature = "plan")]
 mod page;
 
+#[cfg(feature = "plan")]
 mod viewer;
 
 #[cfg(feature = "plan")]

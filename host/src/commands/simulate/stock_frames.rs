@@ -102,7 +102,8 @@ impl StockFrames {
             (before, now) => before.is_some() != now.is_some(),
         };
         let pairs = self.last.iter().zip(&now).enumerate();
-        let changes: Vec<_> = pairs.filter(|(_, (a, b))| differs(**a, **b)).map(|(cell, (_, now))| (cell, *now)).collect();
+        let changes: Vec<_> =
+            pairs.filter(|(_, (a, b))| differs(**a, **b)).map(|(cell, (_, now))| (cell, *now)).collect();
         for (cell, height) in &changes {
             self.last[*cell] = *height;
         }
@@ -176,8 +177,16 @@ mod tests {
     fn a_run_of_any_length_has_a_bounded_number_of_frames_that_add_up_to_its_end() {
         let (shared, columns, first) = (1, 100, vec![Some(0.0); 100]);
         let (last, next, pieces) = (first.clone(), INTERVAL, 0);
-        let mut all =
-            StockFrames { shared, columns, first: first.clone(), last, frames: Vec::new(), interval: INTERVAL, next, pieces };
+        let mut all = StockFrames {
+            shared,
+            columns,
+            first: first.clone(),
+            last,
+            frames: Vec::new(),
+            interval: INTERVAL,
+            next,
+            pieces,
+        };
         let mut wanted = first;
         for index in 0..10_000 {
             let (cell, height) = (index * 37 % 100, -(index as f64));

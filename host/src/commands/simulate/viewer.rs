@@ -11,8 +11,8 @@ use arcfeed_units::{LengthUnit, Micros, Nm};
 use super::listing::ProgramListing;
 use super::observer::RunObserver;
 use super::path_trace::{TracePoint, UP};
-use super::stock_frames::StockFrames;
 use super::run_findings::findings;
+use super::stock_frames::StockFrames;
 use crate::report::figures::RunReport;
 use crate::report::material::VolumeUnit;
 use crate::report::page::viewer::column::{Column, ColumnHead};
@@ -55,7 +55,11 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
         unit: job.unit.label(),
         runs: sides.map(|(name, observer, lines)| run(job, name, observer, lines)).into(),
         tools: outlines(job, after.cutter.as_ref()),
-        heights: after.cutter.as_ref().zip(after.stock.as_ref()).map(|(cutter, stock)| heights(cutter, stock, job.unit)),
+        heights: after
+            .cutter
+            .as_ref()
+            .zip(after.stock.as_ref())
+            .map(|(cutter, stock)| heights(cutter, stock, job.unit)),
         solids: Vec::new(),
         findings: findings(report, job.unit, chips),
         lines: listing.lines.clone(),

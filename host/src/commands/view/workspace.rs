@@ -187,8 +187,7 @@ impl Workspace {
     /// There is none yet.
     pub fn read(&self, output: PageFile) -> io::Result<(Vec<u8>, String)> {
         let now = self.files().clone();
-        let stem =
-            now.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
+        let stem = now.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
         let stem = plain_name(&stem);
         let extension = now.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
         match output {
