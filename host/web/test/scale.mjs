@@ -31,7 +31,7 @@ const scrub = (page) => page.evaluate(async (steps) => {
 const opened = [];
 const frames = [];
 // By turns, so that what else the computer does slows all of them.
-for (let round = 0; round < 3; round++) {
+for (let round = 0; round < 2; round++) {
     for (const [index, report] of reports.entries()) {
         const page = await browser.newPage({ viewport: { width: 1200, height: 900 } });
         const began = performance.now();
