@@ -1,7 +1,7 @@
 // The path in three dimensions: lines coloured by a quantity, the tool, the remaining heights, axes and views.
 import {
     AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
-    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Points, PointsMaterial, Scene, Vector2, Vector3, WebGLRenderer,
+    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Scene, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
@@ -10,6 +10,7 @@ import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeome
 import { NO_VALUE } from './colors';
 import type { ReportData, Solid } from './data';
 import type { Run } from './run';
+import { axisLine, boxOf, chordsOf, point } from './shapes';
 import { Stock } from './stock';
 
 export type ViewName = 'iso' | 'XY' | 'XZ' | 'YZ';
@@ -353,7 +354,7 @@ export class PathScene {
         const cutting = isWide
             ? new LineSegments2(new LineSegmentsGeometry().setPositions(positions(segments)), new LineMaterial({ vertexColors: true, linewidth: WIDTH }))
             : new LineSegments(lines(segments), new LineBasicMaterial({ vertexColors: true }));
-        const [starts, chords] = segments.length > STILL_MAX ? chordsOf(segments) : [new Int32Array(), new Int32Array()];
+        const [starts, chords] = segments.length > STILL_MAX ? chordsOf(segments, COARSE_MAX) : [new Int32Array(), new Int32Array()];
         const coarse = chords.length > 0 ? new LineSegments(lines(chords, starts), new LineBasicMaterial({ vertexColors: true })) : null;
         if (coarse) {
             coarse.frustumCulled = false;
@@ -430,49 +431,4 @@ export class PathScene {
         const glass = { transparent: true, opacity: 0.55, depthWrite: false };
         return new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
     }
-}
-
-/** Begins and ends of chords over several segments each that follow each other. */
-function chordsOf(segments: Int32Array): [Int32Array, Int32Array] {
-    const most = Math.ceil(segments.length / COARSE_MAX);
-    const [starts, chords]: [number[], number[]] = [[], []];
-    for (let index = 0, count = 0; index < segments.length; index++, count++) {
-        const end = segments[index];
-        if (count === 0 || count >= most || end - 1 !== segments[index - 1]) {
-            starts.push(end - 1);
-            chords.push(end);
-            count = 0;
-        } else {
-            chords[chords.length - 1] = end;
-        }
-    }
-    return [Int32Array.from(starts), Int32Array.from(chords)];
-}
-
-/** Lowest and highest corner. */
-function boxOf(solids: Solid[]): [Vector3, Vector3] {
-    const box = new Box3();
-    const point = new Vector3();
-    for (const { x, y, z } of solids) {
-        for (let vertex = 0; vertex < x.length; vertex++) box.expandByPoint(point.set(x[vertex], y[vertex], z[vertex]));
-    }
-    return [box.min, box.max];
-}
-
-/** Point that is always seen. */
-function point(color: number, size: number): Points {
-    const place = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(3), 3));
-    const mark = new Points(place, new PointsMaterial({ color, size, sizeAttenuation: false, depthTest: false, transparent: true }));
-    // Above the tool, which is drawn among the transparent objects too.
-    mark.renderOrder = 1;
-    mark.frustumCulled = false;
-    return mark;
-}
-
-/** The tool's axis from the tip upwards. */
-function axisLine(length: number): LineSegments {
-    const ends = new BufferAttribute(new Float32Array([0, 0, 0, 0, 0, length]), 3);
-    const line = new LineSegments(new BufferGeometry().setAttribute('position', ends), new LineBasicMaterial({ color: 0xe0301e }));
-    line.frustumCulled = false;
-    return line;
 }

@@ -7,8 +7,7 @@ mod input;
 mod runner;
 
 #[cfg(all(feature = "web", target_family = "wasm"))]
-#[path = "in_page.rs"]
-mod runner;
+mod in_page;
 
 #[cfg(feature = "web")]
 pub mod workspace;
@@ -20,6 +19,10 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use super::outcome::Failure;
+#[cfg(all(feature = "web", target_family = "wasm"))]
+use in_page::Runner;
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
+use runner::Runner;
 
 /// Adapt a program on a page in the browser: drop it in, answer what its job needs, see it before and after, download it
 ///

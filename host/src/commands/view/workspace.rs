@@ -10,8 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use serde::Serialize;
 
 use super::super::outcome::{Failure, file_failure};
+use super::Runner;
 use super::input::{FormValues, OpenQuestion, foreign_file, open_questions, plain_name};
-use super::runner::Runner;
 use crate::files;
 
 /// Folder and state, shared by all browsers.
