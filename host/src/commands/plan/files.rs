@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
+use arcfeed_plan::geometry::mesh::{Triangle, blank, finished};
 use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
-use arcfeed_plan::vector::Point;
 
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::plan_result::{PlanResult, feeds};
+use super::slot_frame::{blades, in_slot, sector};
 use super::{page, viewer};
 use crate::console::note;
 use crate::part::MachineSource;
@@ -17,10 +17,6 @@ use crate::report::page::Page;
 
 /// Largest distance of meshes from the surfaces, mm.
 pub(super) const CHORD_MM: f64 = 0.02;
-/// Width of the stock on either side of the slot, in pitches.
-pub(super) const BESIDE_PITCHES: f64 = 0.75;
-/// Depth of the stock below the hub, mm.
-pub(super) const BELOW_HUB_MM: f64 = 5.0;
 /// Distance of the simulation's dexel rays, mm.
 pub(super) const RAYS_MM: f64 = 0.5;
 /// Settings of the control, beside the job.
@@ -110,31 +106,8 @@ fn setup(composed: &PlanResult) -> Setup {
 /// Blank and finished part about the slot, slot frame.
 fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
     let (blisk, sector) = (&composed.part.blisk, sector(composed));
-    let blades = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
-    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades(composed), CHORD_MM)]
         .map(|triangles| in_slot(composed, triangles))
-}
-
-/// Triangles of the part in the slot frame.
-pub(super) fn in_slot(composed: &PlanResult, triangles: Vec<Triangle>) -> Vec<Triangle> {
-    let turn = composed.valued.plan.turn;
-    triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect()
-}
-
-/// Sector of the part about the slot.
-pub(super) fn sector(composed: &PlanResult) -> Sector {
-    let blisk = &composed.part.blisk;
-    let at = |point: Point| libm::atan2(point.y, point.x);
-    let from = at(composed.slot.pressure.point(0.5, 0.5));
-    let facing = f64::from(blisk.facing());
-    let middle = from + facing * blisk.pitch_rad() / 2.0;
-    let reach = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
-    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
-    Sector {
-        angles_rad: [middle - reach, middle + reach],
-        faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
-    }
 }
 
 fn job(composed: &PlanResult, program: &str, settings: Option<&str>) -> String {

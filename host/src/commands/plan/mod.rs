@@ -8,6 +8,9 @@ mod refusal;
 mod plan_result;
 
 #[cfg(feature = "plan")]
+mod slot_frame;
+
+#[cfg(feature = "plan")]
 mod figures;
 
 #[cfg(feature = "plan")]

@@ -10,8 +10,8 @@ use arcfeed_plan::proof::clearance::Clearance;
 use arcfeed_units::{LengthUnit, S_PER_MIN};
 
 use super::figures::{obstacle_word, part_word, stop_reason};
-use super::files::{in_slot, sector};
 use super::plan_result::{PlanResult, feeds};
+use super::slot_frame::{blades, in_slot, sector};
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{RunFinding, RunPath, Solid, ViewerData};
 
@@ -50,8 +50,7 @@ pub fn data(composed: &PlanResult) -> ViewerData {
 }
 
 fn finished_part(composed: &PlanResult) -> Vec<Triangle> {
-    let blades = if composed.part.blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
-    finished(&composed.part.blisk, &sector(composed), blades, CHORD_MM)
+    finished(&composed.part.blisk, &sector(composed), blades(composed), CHORD_MM)
 }
 
 /// Time at the end of each step, all at the cutting feed.

@@ -142,7 +142,7 @@ pub fn outlines(job: &Job, cutter: Option<&StockCutter>) -> Vec<Vec<[f64; 2]>> {
     job.tools.iter().map(|setup| outline(&setup.tool, solids.next(), job.unit)).collect()
 }
 
-/// Of the cutting solid if there is one, otherwise a cylinder or a ring of an assumed height.
+/// Closed outline of the cutting solid if there is one, otherwise of a cylinder or a ring of an assumed height.
 fn outline(tool: &JobTool, cutting: Option<&Tool>, unit: LengthUnit) -> Vec<[f64; 2]> {
     let own =
         |radii: [f64; 2], height: f64| vec![[radii[1], 0.0], [radii[0], 0.0], [radii[0], height], [radii[1], height]];
