@@ -14,15 +14,15 @@ static FILES: Mutex<BTreeMap<PathBuf, Vec<u8>>> = Mutex::new(BTreeMap::new());
 ///
 /// # Errors
 /// There is none.
-pub fn read(path: &Path) -> Result<Vec<u8>> {
-    files().get(&absolute(path)).cloned().ok_or_else(|| ErrorKind::NotFound.into())
+pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    files().get(&absolute(path.as_ref())).cloned().ok_or_else(|| ErrorKind::NotFound.into())
 }
 
 /// Content of a file as text.
 ///
 /// # Errors
 /// There is none, or it is not UTF-8.
-pub fn read_to_string(path: &Path) -> Result<String> {
+pub fn read_to_string(path: impl AsRef<Path>) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|_| std::io::Error::new(ErrorKind::InvalidData, "the text is not UTF-8"))
 }
 
@@ -48,8 +48,8 @@ pub fn is_file(path: &Path) -> Result<bool> {
 ///
 /// # Errors
 /// There is no such file.
-pub fn canonicalize(path: &Path) -> Result<PathBuf> {
-    is_file(path).map(|_| absolute(path))
+pub fn canonicalize(path: impl AsRef<Path>) -> Result<PathBuf> {
+    is_file(path.as_ref()).map(|_| absolute(path.as_ref()))
 }
 
 /// Writes a file in place of the one before.

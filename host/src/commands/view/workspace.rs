@@ -191,11 +191,11 @@ impl Workspace {
         let stem = plain_name(&stem);
         let extension = now.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
         match output {
-            PageFile::Report => Ok((files::read(&self.path(output))?, format!("{stem}.html"))),
+            PageFile::Report => Ok((files::read(self.path(output))?, format!("{stem}.html"))),
             PageFile::Adapted => {
-                Ok((files::read(&self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
+                Ok((files::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
             }
-            PageFile::Job => Ok((files::read(&now.job.unwrap_or_default())?, format!("{stem}.toml"))),
+            PageFile::Job => Ok((files::read(now.job.unwrap_or_default())?, format!("{stem}.toml"))),
         }
     }
 
