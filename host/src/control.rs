@@ -37,6 +37,7 @@ use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::files;
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
 
@@ -190,7 +191,7 @@ pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<Loa
         return Ok(LoadedSettings { settings, tables: Tables::default(), states_unit: false });
     };
     let in_file = |error: String| format!("{}: {}", path.display(), error.trim_end());
-    let text = std::fs::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
+    let text = files::read_to_string(path).map_err(|error| in_file(error.to_string()))?;
     parse(preset, reading, &text).map_err(|(offset, message)| {
         let [line, column] = place(&text, offset);
         format!("{}:{line}:{column}: {}", path.display(), with_key(&text, offset, &message))

@@ -20,6 +20,7 @@ use toml::Spanned;
 
 use crate::checksum::fingerprint;
 use crate::file_error::FileError;
+use crate::files;
 use crate::place::place;
 use sections::{DescentTables, MappedDescents};
 
@@ -112,7 +113,7 @@ impl EngagementMap {
     /// # Errors
     /// The file is no map, or a map of something else.
     pub fn read(path: &Path, made_of: u64) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path).map_err(|source| match source.kind() {
+        let text = files::read_to_string(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::NotFound => FileError::Content {
                 path: path.into(),
                 line: 1,

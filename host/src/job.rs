@@ -51,6 +51,7 @@ use toml::Spanned;
 use crate::control::Conventions;
 use crate::engagement::EngagementMap;
 use crate::file_error::FileError;
+use crate::files;
 use crate::key_values::{self, KeyValue};
 use crate::machine_file::MachineFile;
 use crate::place::place;
@@ -145,7 +146,7 @@ impl JobFile {
     /// # Errors
     /// See [`FileError`].
     pub fn load_with(path: &Path, values: &[KeyValue]) -> Result<Self, FileError> {
-        let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
+        let text = files::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
         if values.is_empty() {
             return JobFile::parse(path, &text);
         }

@@ -6,6 +6,10 @@
 
 mod place;
 
+pub mod clock;
+
+pub mod files;
+
 mod plural;
 
 pub mod features;

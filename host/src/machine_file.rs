@@ -44,6 +44,7 @@ use arcfeed_kinematics::machine::{AxisName, Carries, Letter, LinearAxis, Machine
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::files;
 use crate::key_values::{KeyValue, with_values};
 use crate::place::place;
 use crate::toml_values::{refuse_numbers, with_key};
@@ -143,7 +144,7 @@ impl MachineFile {
     /// As [`MachineFile::load`].
     pub fn load_with(path: &Path, values: &[KeyValue]) -> Result<Self, String> {
         let shown = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
+        let text = files::read_to_string(path).map_err(|error| format!("{shown}: {error}"))?;
         let text = with_values(&text, values).map_err(|error| format!("{shown}: {error}"))?;
         Self::parse(&text).map_err(|error| format!("{shown}:{error}"))
     }

@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
+    adapt::Adapt, board::BoardCommand, call, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
     measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
     simulate::Simulate, stream::Stream, sweep::Sweep, verify::Verify, view::ViewCommand,
 };
@@ -48,10 +48,7 @@ fn main() -> ExitCode {
         Command::Check(command) => command.run(),
         Command::Init(command) => command.run(),
         Command::Engage(command) => command.run(),
-        Command::Adapt(command) => command.run().and_then(|()| match command.report() {
-            Some((input, path)) => Simulate::report_of(input.clone(), path.to_owned()).run(),
-            None => Ok(()),
-        }),
+        Command::Adapt(command) => call::adapt(&command),
         Command::Plan(command) => command.run(),
         Command::Post(command) => command.run(),
         Command::Stream(command) => command.run(),

@@ -56,6 +56,8 @@ use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
 
+use crate::files;
+
 pub use block_delete::BlockDeleteEffect;
 pub use contour_check::may_have_contours;
 pub use conventions::{DecimalSurvey, fitting_convention};
@@ -165,7 +167,7 @@ impl Program {
     /// # Errors
     /// The file cannot be read.
     pub fn load(path: &Path, unit: LengthUnit, reading: Reading) -> std::io::Result<Self> {
-        Ok(Program::parse(path, &std::fs::read(path)?, unit, reading))
+        Ok(Program::parse(path, &files::read(path)?, unit, reading))
     }
 
     /// Reads a program from bytes, as a 16i in its standard settings would.

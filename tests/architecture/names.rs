@@ -6,7 +6,7 @@ use crate::complaints::assert_none;
 use crate::source::{CHIP, HOST, SIMULATOR, Source, read, rust_files, rust_files_of, tokens};
 
 /// Types with two definitions, of which a feature or the operating system selects one.
-const ALTERNATIVES: [&str; 5] = ["LivePage", "NativePort", "Pattern", "Pty", "Screen"];
+const ALTERNATIVES: [&str; 7] = ["LivePage", "NativePort", "Pattern", "PendingFile", "Pty", "Runner", "Screen"];
 
 /// First words of comments that do not say what an item is.
 const FIRST_WORDS: [&str; 5] = ["What", "How", "Where", "Its", "Of"];

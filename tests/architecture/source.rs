@@ -64,8 +64,15 @@ pub const CHIP: [&str; 11] = [
 pub const SIMULATOR: [&str; 5] =
     ["hil-sim/control/src", "hil-sim/dexel/src", "hil-sim/modal/src", "hil-sim/milling/src", "hil-sim/src"];
 /// Folders of sources of the host.
-pub const HOST: [&str; 6] =
-    ["host/src", "host/line-errors/src", "host/port/src", "host/dnc/src", "host/plan/src", "host/python/src"];
+pub const HOST: [&str; 7] = [
+    "host/src",
+    "host/line-errors/src",
+    "host/port/src",
+    "host/dnc/src",
+    "host/plan/src",
+    "host/python/src",
+    "host/wasm/src",
+];
 
 /// All Rust files below a folder of the workspace, sorted. There is at least one.
 pub fn rust_files(folder: &str) -> Vec<Source> {

@@ -170,6 +170,12 @@ impl StockCutter {
         &self.settings.tool
     }
 
+    /// Cutting parts of all tools.
+    pub fn tools(&self) -> impl Iterator<Item = &Tool> {
+        let others = self.settings.numbered.iter().flat_map(|numbered| &numbered.others);
+        std::iter::once(&self.settings.tool).chain(others.map(|(_, tool)| tool))
+    }
+
     /// Largest distance of chords from the path of the axes.
     pub fn tolerance_mm(&self) -> f64 {
         self.settings.tolerance_mm

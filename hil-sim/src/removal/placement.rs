@@ -21,7 +21,7 @@ use arcfeed_kinematics::machine::{Carries, Letter, Machine};
 use arcfeed_kinematics::vector::{Vector, cross, difference, length, turned, unit};
 use arcfeed_units::{MicroDeg, Nm};
 
-use arcfeed_control::action::ProgrammedPath;
+use arcfeed_control::action::{MoveContext, ProgrammedPath};
 use arcfeed_dexel::frame::Frame;
 use arcfeed_dexel::motion::{Move, MoveError, Pose};
 use arcfeed_dexel::section::Sweep;
@@ -98,11 +98,14 @@ impl WorkpiecePlacement {
 
     /// Determines the workpiece's position from the first cut.
     pub fn locate(&mut self, cut: &PathSection) {
-        let context = &cut.context;
-        let origin = context.origin.linear.map(Nm::to_mm);
-        self.origin_mm.get_or_insert([origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]);
-        if context.programmed_path != ProgrammedPath::Tip && cut.turn_deg() <= SAME_DEG {
-            self.rotary_deg.get_or_insert(rotary(&cut.positions[0]));
+        self.locate_at(&cut.positions[0], &cut.context, cut.turn_deg() <= SAME_DEG);
+    }
+
+    /// Determines the workpiece's position from the first cut, at a position of the axes; the rotary ones stand or turn.
+    pub fn locate_at(&mut self, position: &AxisPosition, context: &MoveContext, stands: bool) {
+        self.origin_mm.get_or_insert_with(|| origin_of(context));
+        if context.programmed_path != ProgrammedPath::Tip && stands {
+            self.rotary_deg.get_or_insert(rotary(position));
         }
     }
 
@@ -176,11 +179,23 @@ impl WorkpiecePlacement {
                 let position = &section.positions[0];
                 let frame = match is_by_axes {
                     true => self.in_first_cut(machine, position),
-                    false => frame_at(machine, rotary_deg(machine, position, section)),
+                    false => frame_at(machine, rotary_deg(machine, position, &section.context)),
                 };
                 Ok(ToolChord { ends_mm, frame })
             }
             _ => Err(LeftOutReason::AxisTurns),
+        }
+    }
+
+    /// Tip and axis on the part at a position of the axes, in a move with this context; before the first cut as if the part
+    /// were where it is then. Without rotary axes, or without a machine that turns the part, it is `None`.
+    pub fn pose(&self, position: &AxisPosition, context: &MoveContext, machine: &Machine) -> Option<Pose> {
+        let origin_mm = self.origin_mm.unwrap_or_else(|| origin_of(context));
+        let tip_mm = difference([position[0], position[1], position[2]], origin_mm);
+        match context.programmed_path {
+            ProgrammedPath::Contour => None,
+            ProgrammedPath::Tip => Some(Pose { tip_mm, axis: axis_at(machine, position, context) }),
+            ProgrammedPath::Axes => turns_part(machine).then(|| self.indexed_pose(machine, position, origin_mm)),
         }
     }
 
@@ -191,9 +206,10 @@ impl WorkpiecePlacement {
         let pose: Box<dyn Fn(&AxisPosition) -> Pose + '_> = match (section.context.programmed_path, machine) {
             (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
             (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
-            (ProgrammedPath::Tip, Some(machine)) => {
-                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: axis_at(machine, position, section) })
-            }
+            (ProgrammedPath::Tip, Some(machine)) => Box::new(move |position| Pose {
+                tip_mm: tip_mm(position),
+                axis: axis_at(machine, position, &section.context),
+            }),
             (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
             (ProgrammedPath::Axes, _) if self.is_at_first_cut(section) => {
                 Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: UP })
@@ -243,9 +259,15 @@ fn is_tilted(axis: Vector) -> bool {
     axis[2] < 0.0 || libm::hypot(axis[0], axis[1]) > UPRIGHT_RAD
 }
 
+/// Origin of the program's coordinates for the tip.
+fn origin_of(context: &MoveContext) -> Vector {
+    let origin = context.origin.linear.map(Nm::to_mm);
+    [origin[0], origin[1], origin[2] - Nm::to_mm(context.tool)]
+}
+
 /// Direction of the tool axis on the part.
-fn axis_at(machine: &Machine, position: &AxisPosition, section: &PathSection) -> Vector {
-    machine.axis_at(rotary_deg(machine, position, section))
+fn axis_at(machine: &Machine, position: &AxisPosition, context: &MoveContext) -> Vector {
+    machine.axis_at(rotary_deg(machine, position, context))
 }
 
 /// Frame of the tool on the part at these positions of the rotary axes.
@@ -259,8 +281,8 @@ fn frame_at(machine: &Machine, rotary_deg: [f64; 2]) -> Frame {
 }
 
 /// Positions of the machine's rotary axes in the order of its description.
-fn rotary_deg(machine: &Machine, position: &AxisPosition, section: &PathSection) -> [f64; 2] {
-    let origin_deg = section.context.origin.rotary.map(MicroDeg::to_deg);
+fn rotary_deg(machine: &Machine, position: &AxisPosition, context: &MoveContext) -> [f64; 2] {
+    let origin_deg = context.origin.rotary.map(MicroDeg::to_deg);
     machine.rotary().each_ref().map(|axis| {
         let index = letter_index(axis.letter);
         position[3 + index] - origin_deg[index]

@@ -75,7 +75,7 @@ pub fn counts(port: &NativePort) -> Option<Counts> {
 }
 
 /// Always `None`: this system has no counters.
-#[cfg(not(target_os = "linux"))]
+#[cfg(all(any(unix, windows), not(target_os = "linux")))]
 pub fn counts(_port: &NativePort) -> Option<Counts> {
     None
 }

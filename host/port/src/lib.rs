@@ -18,6 +18,7 @@ pub mod url;
 
 pub mod list;
 
+#[cfg(any(unix, windows))]
 pub mod serial;
 
 pub mod loopback;

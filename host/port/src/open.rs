@@ -6,6 +6,7 @@ use super::fault::Fault;
 use super::list::{find, ports};
 use super::loopback::Loopback;
 use super::rfc2217::Rfc2217;
+#[cfg(any(unix, windows))]
 use super::serial::Serial;
 use super::socket::Socket;
 use super::spy::{CreateFile, Spy};
@@ -36,19 +37,29 @@ pub fn open_with(url: &PortUrl, settings: &SerialSettings, create: CreateFile) -
                 "LinuxCNC reads files, not a line; this is a port for `stream` alone",
             ));
         }
-        Base::Native(name) => Box::new(Serial::open(name, settings)?),
+        Base::Native(name) => native(name, settings)?,
         Base::Loop(logging) => Box::new(Loopback::open(*logging)),
         Base::Socket(address, logging) => Box::new(Socket::open(address, *logging)?),
         Base::Rfc2217(address, options) => Box::new(Rfc2217::open(address, options, settings)?),
         Base::Hwgrep(wanted) => {
-            let can_be_opened = |name: &str| Serial::open(name, settings).is_ok();
+            let can_be_opened = |name: &str| native(name, settings).is_ok();
             let found = find(&ports(false), wanted, can_be_opened);
             let message = "no such port; `arcfeed ports -v` lists what the expression is looked for in";
             let name = found.ok_or_else(|| PortError::in_words(&url.text, message))?;
-            Box::new(Serial::open(&name, settings)?)
+            native(&name, settings)?
         }
     };
     wrap(url, port, create)
+}
+
+#[cfg(any(unix, windows))]
+fn native(name: &str, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
+    Ok(Box::new(Serial::open(name, settings)?))
+}
+
+#[cfg(not(any(unix, windows)))]
+fn native(name: &str, _: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
+    Err(PortError::in_words(name, "this system has no serial ports"))
 }
 
 /// Adds the wrappers of a URL to a port, the outermost last.

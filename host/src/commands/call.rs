@@ -56,12 +56,24 @@ pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<(), Failure> {
     match function {
         Function::Check(command) => command.run(),
         Function::Init(command) => command.run(),
-        Function::Adapt(command) => command.run(),
+        Function::Adapt(command) => adapt(&command),
         Function::Plan(command) => command.run(),
         Function::Simulate(command) => command.run(),
         Function::Lobes(command) => command.run(),
         Function::Law(command) => command.run(),
         Function::Sweep(command) => command.run(),
+    }
+}
+
+/// Adapts a program, and writes the report of its run if one is requested.
+///
+/// # Errors
+/// Those of the command.
+pub fn adapt(command: &Adapt) -> Result<(), Failure> {
+    command.run()?;
+    match command.report() {
+        Some((input, path)) => Simulate::report_of(input.clone(), path.to_owned()).run(),
+        None => Ok(()),
     }
 }
 

@@ -14,6 +14,7 @@ use crate::adapt::{Adapted, Known, PlanReason, PlannedBlock, adapt_with};
 use crate::checksum::fingerprint;
 use crate::console::note;
 use crate::engagement::EngagementMap;
+use crate::files;
 use crate::job::JobFile;
 use crate::job::cutting::Coefficients;
 use crate::job::stl::StlFile;
@@ -119,7 +120,7 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
         Some(Blank::Stl(StlFile { path, unit })) => {
             made_of.extend(format!("{unit:?}").bytes());
-            made_of.extend(std::fs::read(path).map_err(|error| file_failure(path, &error))?);
+            made_of.extend(files::read(path).map_err(|error| file_failure(path, &error))?);
         }
         shape => made_of.extend(format!("{shape:?}").bytes()),
     }

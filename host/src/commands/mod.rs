@@ -38,14 +38,19 @@ pub mod board;
 
 pub mod parameters;
 
+#[cfg(not(target_family = "wasm"))]
 pub mod stream;
 
+#[cfg(not(target_family = "wasm"))]
 pub mod sweep;
 
+#[cfg(not(target_family = "wasm"))]
 pub mod verify;
 
+#[cfg(not(target_family = "wasm"))]
 pub mod serve;
 
+#[cfg(not(target_family = "wasm"))]
 pub mod ports;
 
 pub mod plan;

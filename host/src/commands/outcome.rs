@@ -2,8 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_nc::machining::ToolInSpindle;
@@ -231,14 +230,15 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
     })
 }
 
-/// Flag that is set when this process gets Ctrl-C or a request to terminate. The first call installs the handler. A command that runs
-/// as a function leaves both to the process of its caller.
+/// Flag that is set when this process gets Ctrl-C or a request to terminate; in a page nothing sets it. The first call installs the
+/// handler. A command that runs as a function leaves both to the process of its caller.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
-    static WATCH: Once = Once::new();
+    #[cfg(not(target_family = "wasm"))]
     if console::capture().is_none() {
+        static WATCH: std::sync::Once = std::sync::Once::new();
         // Fails only if another handler is set, which never happens here.
-        WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, Ordering::Relaxed))));
+        WATCH.call_once(|| drop(ctrlc::set_handler(|| RAISED.store(true, std::sync::atomic::Ordering::Relaxed))));
     }
     &RAISED
 }

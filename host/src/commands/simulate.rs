@@ -35,6 +35,10 @@ mod block_table;
 
 pub(super) mod run_tables;
 
+mod progress_line;
+
+mod stock_frames;
+
 pub(super) mod observer;
 
 mod spindle_load;
@@ -54,7 +58,6 @@ pub(super) mod assertions;
 pub(super) mod junit;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use arcfeed_control::ControlSettings;
 use arcfeed_dexel::deviation::HeightMap;
@@ -67,6 +70,7 @@ use arcfeed_units::LengthUnit;
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
 use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
+use crate::clock::Instant;
 use crate::console::{note, print, without_notes};
 use crate::job::{JobFile, SpindleLimits};
 use crate::program::{Folder, Program, in_capitals};
@@ -149,6 +153,12 @@ impl Simulate {
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
         let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
+        observers
+            .iter_mut()
+            .for_each(|observer| observer.trace.follow(file.machine.as_ref().map(|named| named.machine)));
+        if self.report.is_some() {
+            observers[0].record_stock();
+        }
         let started = Instant::now();
         let adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;

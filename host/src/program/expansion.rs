@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arcfeed_nc::alarm::{Alarm, Cause, Fault, NotModelled};
 use arcfeed_nc::block::{Notice, NoticeKind, Parsed, Reading, is_title, parse_line};
@@ -28,6 +28,7 @@ use super::library::Folder;
 use super::lines::lines_read;
 use super::run_faults::{RunFaults, in_main};
 use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
+use crate::clock::Instant;
 
 /// Reason for which an adapted program must not start again by itself.
 const RESTARTS: &str = "it would start the program again with the last feed in force; end it with M30";

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use arcfeed_nc_macro::program::Library;
 use arcfeed_nc_macro::stack::Bounds;
 
+use crate::files;
+
 /// Folder with subprograms, one per file: `O9010`, with `.nc` or without, or `9010.nc`.
 #[derive(Clone, Debug)]
 pub struct Folder(pub PathBuf);
@@ -16,7 +18,7 @@ impl Folder {
         let names = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
         let paths =
             names.iter().flat_map(|name| ["", ".nc", ".NC"].map(|ending| self.0.join(format!("{name}{ending}"))));
-        paths.into_iter().find(|path| path.is_file())
+        paths.into_iter().find(|path| files::is_file(path).unwrap_or(false))
     }
 }
 
@@ -25,7 +27,7 @@ impl Library for Folder {
         let mut text = Vec::new();
         // One byte more than all programs may have is enough to reject it.
         let most = Bounds::default().memory as u64 + 1;
-        std::fs::File::open(self.file(number)?).ok()?.take(most).read_to_end(&mut text).ok()?;
+        files::open(&self.file(number)?).ok()?.0.take(most).read_to_end(&mut text).ok()?;
         Some(text)
     }
 }

@@ -13,6 +13,8 @@ use arcfeed_nc_macro::program::first_macro;
 use arcfeed_nc_macro::variables::OutsideValues;
 use memchr::memchr;
 
+use crate::files;
+
 use super::contour_check::contour_diagnostics;
 use super::lines::LineReader;
 use super::summary::ProgramSummary;
@@ -92,8 +94,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
         )
     };
     let read = || -> std::io::Result<Result<Vec<u8>, u64>> {
-        let file = std::fs::File::open(path)?;
-        let size = file.metadata()?.len();
+        let (file, size) = files::open(path)?;
         if size > BYTES_MAX {
             return Ok(Err(size));
         }

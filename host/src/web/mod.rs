@@ -7,19 +7,19 @@ pub mod snapshot;
 #[cfg(feature = "web")]
 pub mod reply;
 
-#[cfg(feature = "web")]
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
 pub mod request;
 
-#[cfg(feature = "web")]
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
 pub mod server;
 
-#[cfg(feature = "web")]
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
 mod live_page;
 
-#[cfg(not(feature = "web"))]
+#[cfg(any(not(feature = "web"), target_family = "wasm"))]
 mod no_page;
 
-#[cfg(feature = "web")]
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
 pub use live_page::LivePage;
-#[cfg(not(feature = "web"))]
+#[cfg(any(not(feature = "web"), target_family = "wasm"))]
 pub use no_page::LivePage;

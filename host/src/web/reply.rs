@@ -1,5 +1,6 @@
 //! Answers of the server.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::net::TcpStream;
@@ -18,18 +19,18 @@ pub struct Reply<'b> {
     /// Name under which a browser saves it.
     pub file_name: Option<String>,
     /// Body.
-    pub body: &'b [u8],
+    pub body: Cow<'b, [u8]>,
 }
 
 impl<'b> Reply<'b> {
     /// Page.
-    pub fn html(body: &'b [u8]) -> Self {
-        Reply { status: "200 OK", kind: "text/html; charset=utf-8", file_name: None, body }
+    pub fn html(body: impl Into<Cow<'b, [u8]>>) -> Self {
+        Reply { status: "200 OK", kind: "text/html; charset=utf-8", file_name: None, body: body.into() }
     }
 
     /// Sentence.
-    pub fn text(status: &'static str, body: &'b str) -> Self {
-        Reply { status, kind: "text/plain; charset=utf-8", file_name: None, body: body.as_bytes() }
+    pub fn text(status: &'static str, body: impl Into<String>) -> Self {
+        Reply { status, kind: "text/plain; charset=utf-8", file_name: None, body: body.into().into_bytes().into() }
     }
 
     /// Writes the whole answer.

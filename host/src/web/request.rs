@@ -115,7 +115,7 @@ impl Request {
     /// It is longer than `max`, which is answered, or its sender is gone.
     pub fn body(&mut self, max: usize) -> io::Result<Vec<u8>> {
         if self.length > max {
-            Reply::text("413 Content Too Large", &format!("at most {max} bytes are read here"))
+            Reply::text("413 Content Too Large", format!("at most {max} bytes are read here"))
                 .write(&mut self.stream)?;
             close(&mut self.stream)?;
             return Err(io::Error::other("too large"));

@@ -1,7 +1,7 @@
 // Data of a report, as host/src/report/page/viewer writes them (docs/report.md).
 
 /** Version of the layout that this viewer reads. */
-const SCHEMA = 1;
+const SCHEMA = 2;
 
 /** Stored value that stands for "no value". */
 const NONE = -0x80000000;
@@ -17,16 +17,30 @@ interface Header {
     title: string;
     unit: string;
     runs: { name: string; points: number; columns: ColumnHead[] }[];
-    tool: [number, number][];
-    heights: { columns: number; lowest: [number, number]; step: number; cells: number; column: ColumnHead } | null;
+    tools: [number, number][][];
+    heights: HeightsHead | null;
+    solids: { name: string; vertices: number; corners: number; columns: ColumnHead[] }[];
     findings: Finding[];
     text_bytes: number;
+}
+
+interface HeightsHead {
+    columns: number;
+    lowest: [number, number];
+    step: number;
+    cells: number;
+    column: ColumnHead;
+    frames: { count: number; changes: number; columns: ColumnHead[] };
 }
 
 export interface Finding {
     severity: 'alarm' | 'warning' | 'note';
     run: string;
     block: number;
+    /** Time of the run, s; without it the beginning of the block. */
+    at?: number;
+    /** Place that is marked. */
+    place?: [number, number, number];
     text: string;
 }
 
@@ -46,7 +60,28 @@ export interface Heights {
     columns: number;
     lowest: [number, number];
     step: number;
+    /** Before the run. */
     values: Float64Array;
+    frames: Frames;
+}
+
+/** Changes of the heights at some times of the run. */
+export interface Frames {
+    at: Float64Array;
+    /** Number of changes up to and including each frame. */
+    end: Float64Array;
+    cell: Float64Array;
+    height: Float64Array;
+}
+
+/** Solid as triangles. */
+export interface Solid {
+    name: string;
+    x: Float64Array;
+    y: Float64Array;
+    z: Float64Array;
+    /** Three vertices of each triangle. */
+    corners: Float64Array;
 }
 
 export interface Line {
@@ -59,8 +94,10 @@ export interface ReportData {
     title: string;
     unit: string;
     runs: RunData[];
-    tool: [number, number][];
+    /** Closed outlines: pairs of radius and height above the tip. */
+    tools: [number, number][][];
     heights: Heights | null;
+    solids: Solid[];
     findings: Finding[];
     lines: Line[];
 }
@@ -85,10 +122,21 @@ export async function read(base64: string): Promise<ReportData> {
         const read = columns.map((head): [string, Column] => [head.name, take(head, points)]);
         return { name, points, columns: new Map(read) };
     });
-    const heights = header.heights && { ...header.heights, values: take(header.heights.column, header.heights.cells).values };
+    const heights = header.heights && readHeights(header.heights, take);
+    const solids = header.solids.map(({ name, vertices, corners, columns }) => {
+        const [x, y, z, of] = columns.map((head, index) => take(head, index < 3 ? vertices : corners).values);
+        return { name, x, y, z, corners: of };
+    });
     const lines = readLines(new TextDecoder().decode(bytes.subarray(at, at + header.text_bytes)));
-    const { title, unit, tool, findings } = header;
-    return { title, unit, runs, tool, heights, findings, lines };
+    const { title, unit, tools, findings } = header;
+    return { title, unit, runs, tools, heights, solids, findings, lines };
+}
+
+function readHeights(head: HeightsHead, take: (head: ColumnHead, count: number) => Column): Heights {
+    const { columns, lowest, step, frames } = head;
+    const values = take(head.column, head.cells).values;
+    const [at, end, cell, height] = frames.columns.map((head, index) => take(head, index < 2 ? frames.count : frames.changes).values);
+    return { columns, lowest, step, values, frames: { at, end, cell, height } };
 }
 
 /** Sums of the differences, whose bytes stand in four planes. */

@@ -153,7 +153,11 @@ class Viewer implements Follower {
     private select(run: Run, time: number, source: 'scene' | 'curves' | 'listing' | 'scrub' | 'start' | 'machine'): void {
         this.run = run;
         this.time = Math.min(Math.max(time, run.begin), run.end);
-        for (const run of this.runs) this.scene?.moveTool(run, run.placeAt(this.timeOf(run)));
+        for (const run of this.runs) {
+            const time = this.timeOf(run);
+            this.scene?.moveTool(run, run.placeAt(time), run.toolAt(run.indexAt(time)), run.axisAt(time));
+        }
+        this.scene?.moveStock(this.timeOf(this.runs[this.runs.length - 1]));
         this.curves.mark(new Map(this.runs.map((run) => [run, this.timeOf(run)])));
         const index = run.indexAt(this.time);
         const line = run.line[index];
@@ -305,7 +309,9 @@ class Viewer implements Follower {
             const box = element<HTMLInputElement>(what);
             box.addEventListener('change', () => this.scene?.setVisible(what, box.checked));
         }
-        element('stock-label').hidden = !this.data.heights;
+        element('stock-label').hidden = !this.data.heights && this.data.solids.length === 0;
+        if (!this.data.heights) element('stock-name').textContent = 'Part';
+        document.querySelectorAll<HTMLElement>('#curves-bar .key').forEach((key) => (key.hidden = this.runs.length < 2));
         element('theme').addEventListener('click', () => this.theme(document.documentElement.dataset.theme !== 'dark'));
         const along = element<HTMLSelectElement>('along');
         along.addEventListener('change', () => {
@@ -355,7 +361,8 @@ class Viewer implements Follower {
         buttons.forEach((button, at) => button.setAttribute('aria-current', String(at === index)));
         buttons[index]?.scrollIntoView({ block: 'nearest' });
         if (this.shown !== 'both' && this.shown !== run.name) this.show(run.name as Shown);
-        this.select(run, run.timeOfBlock(finding.block), 'scrub');
+        this.select(run, finding.at ?? run.timeOfBlock(finding.block), 'scrub');
+        this.scene?.mark(finding.place ?? null);
     }
 
     private play(): void {

@@ -21,6 +21,9 @@ export class Run {
     readonly block: Float64Array;
     readonly line: Float64Array;
     readonly rapid: Float64Array;
+    /** Direction of the tool's axis; without it the tool stands along Z. */
+    readonly axis: [Float64Array, Float64Array, Float64Array] | null;
+    private readonly tools: Float64Array | null;
     /** Path length from the beginning. */
     readonly length: Float64Array;
     /** First point of each stretch of one line. */
@@ -38,6 +41,8 @@ export class Run {
         this.block = column('block');
         this.line = column('line');
         this.rapid = column('rapid');
+        this.axis = columns.has('i') ? [column('i'), column('j'), column('k')] : null;
+        this.tools = columns.get('tool')?.values ?? null;
         this.length = new Float64Array(points);
         const [x, y, z] = this.place;
         for (let i = 1; i < points; i++) {
@@ -71,6 +76,24 @@ export class Run {
         const i = this.indexAt(time);
         const part = this.part(i, time);
         return this.place.map((axis) => (i > 0 ? axis[i - 1] + (axis[i] - axis[i - 1]) * part : axis[i])) as [number, number, number];
+    }
+
+    /** Direction from the tip to the holder on the way to a point. */
+    axisAt(time: number): [number, number, number] {
+        if (!this.axis) return [0, 0, 1];
+        const i = this.indexAt(time);
+        const part = this.part(i, time);
+        return this.axis.map((axis) => (i > 0 ? axis[i - 1] + (axis[i] - axis[i - 1]) * part : axis[i])) as [number, number, number];
+    }
+
+    isUpright(index: number): boolean {
+        return !this.axis || this.axis[2][index] > 1 - 1e-9;
+    }
+
+    /** Index of the tool on the way to a point; -1 if its shape is not known. */
+    toolAt(index: number): number {
+        const tool = this.tools ? this.tools[index] : 0;
+        return Number.isNaN(tool) ? -1 : tool;
     }
 
     /** Time of the place nearest to another one, among the moves of the line that begins at a point. */

@@ -1,15 +1,17 @@
 // The path in three dimensions: lines coloured by a quantity, the tool, the remaining heights, axes and views.
 import {
     AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
-    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Points, PointsMaterial, Scene, Vector2, Vector3, WebGLRenderer,
+    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Scene, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import { NO_VALUE } from './colors';
-import type { ReportData } from './data';
+import type { ReportData, Solid } from './data';
 import type { Run } from './run';
+import { axisLine, boxOf, chordsOf, point } from './shapes';
+import { Stock } from './stock';
 
 export type ViewName = 'iso' | 'XY' | 'XZ' | 'YZ';
 
@@ -27,6 +29,13 @@ const NEAR = 14;
 /** Runs with more segments are drawn one pixel wide, which stays fluid. */
 const WIDE_MAX = 60_000;
 
+/** Runs with more segments are drawn one pixel wide while the picture moves. */
+const STILL_MAX = 4_000;
+/** Runs with more segments are drawn with about as many chords while the picture moves. */
+const COARSE_MAX = 15_000;
+/** Time without a move after which the whole path is drawn, ms. */
+const REST = 200;
+
 const WIDTH = 3;
 
 interface Drawn {
@@ -35,8 +44,14 @@ interface Drawn {
     cutting: LineSegments2 | LineSegments;
     /** End points of the segments in `cutting`. */
     segments: Int32Array;
+    /** Chords in the place of one or several segments each, while the picture moves. */
+    coarse: LineSegments | null;
+    /** End points of the chords. */
+    chords: Int32Array;
     rapids: LineSegments;
+    /** Tools of the run, of which one is seen, and the mark of the tip. */
     tool: Group;
+    shapes: Mesh[];
 }
 
 export class PathScene {
@@ -46,32 +61,43 @@ export class PathScene {
     private readonly controls: OrbitControls;
     private readonly drawn: Drawn[];
     private readonly heights: Mesh | null;
+    private readonly stockOf: Stock | null;
+    private readonly solids: Mesh[];
+    private readonly place = point(0x1457d9, 15);
     private readonly center = new Vector3();
     private readonly low = new Vector3();
     private readonly high = new Vector3();
-    /** Box of the remaining stock. */
-    private readonly stock: [Vector3, Vector3] = [new Vector3(), new Vector3()];
+    /** Box of the stock, or of the solids. */
+    private stock: [Vector3, Vector3] = [new Vector3(), new Vector3()];
     private radius = 1;
     /** Half of the width and of the height of the cutting path as seen in the last view. */
     private seen: [number, number] = [1, 1];
     private shown: Run[] = [];
     private isAsked = false;
+    /** The picture moves until this timer ends. */
+    private rest = 0;
 
     /** `after` is called after each frame. */
     constructor(private readonly canvas: HTMLCanvasElement, data: ReportData, runs: Run[], private readonly after: () => void) {
         this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
         this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         this.measure(runs);
-        this.drawn = runs.map((run) => this.draw(run, data.tool));
+        this.drawn = runs.map((run) => this.draw(run, data.tools));
         this.drawn.forEach(({ group }) => this.scene.add(group));
+        this.stockOf = data.heights ? new Stock(data.heights, runs[runs.length - 1], data.tools) : null;
         this.heights = data.heights ? this.surface(data.heights) : null;
         if (this.heights) this.scene.add(this.heights);
+        if (data.solids.length > 0) this.stock = boxOf(data.solids);
+        this.solids = data.solids.map((solid) => this.solid(solid));
+        this.solids.forEach((solid) => this.scene.add(solid));
+        this.place.visible = false;
+        this.scene.add(this.place);
         const light = new DirectionalLight(0xffffff, 2.2);
         light.position.set(0.5, -1, 1.5);
         this.scene.add(light, new AmbientLight(0xffffff, 1.2));
         this.camera.up.set(0, 0, 1);
         this.controls = new OrbitControls(this.camera, canvas);
-        this.controls.addEventListener('change', () => this.request());
+        this.controls.addEventListener('change', () => this.move());
         this.show(runs.slice(-1));
         this.view('iso');
         new ResizeObserver(() => this.resize()).observe(canvas.parentElement ?? canvas);
@@ -89,7 +115,7 @@ export class PathScene {
         this.camera.zoom = 1;
         this.controls.update();
         this.camera.updateMatrixWorld();
-        this.frame(name === 'iso' && this.heights?.visible ? [[this.low, this.high], this.stock] : [[this.low, this.high]]);
+        this.frame(name === 'iso' && (this.heights ?? this.solids[0])?.visible ? [[this.low, this.high], this.stock] : [[this.low, this.high]]);
         this.resize();
     }
 
@@ -104,7 +130,7 @@ export class PathScene {
             if (what === 'rapids') drawn.rapids.visible = isVisible;
             if (what === 'tool') drawn.tool.visible = isVisible;
         });
-        if (what === 'stock' && this.heights) this.heights.visible = isVisible;
+        if (what === 'stock') [this.heights, ...this.solids].forEach((mesh) => mesh && (mesh.visible = isVisible));
         this.request();
     }
 
@@ -117,23 +143,45 @@ export class PathScene {
     paint(run: Run, color: (index: number) => [number, number, number]): void {
         const drawn = this.drawn.find((drawn) => drawn.run === run);
         if (!drawn) return;
-        const colors = new Float32Array(6 * drawn.segments.length);
         const linear = new Color();
-        drawn.segments.forEach((end, segment) => {
-            linear.setRGB(...color(end), 'srgb');
-            colors.set([linear.r, linear.g, linear.b, linear.r, linear.g, linear.b], 6 * segment);
-        });
+        const colors = (ends: Int32Array) => {
+            const colors = new Float32Array(6 * ends.length);
+            for (let segment = 0; segment < ends.length; segment++) {
+                linear.setRGB(...color(ends[segment]), 'srgb');
+                for (const at of [6 * segment, 6 * segment + 3]) [colors[at], colors[at + 1], colors[at + 2]] = [linear.r, linear.g, linear.b];
+            }
+            return colors;
+        };
         const { geometry } = drawn.cutting;
-        if (geometry instanceof LineSegmentsGeometry) geometry.setColors(colors);
-        else geometry.setAttribute('color', new BufferAttribute(colors, 3));
+        if (geometry instanceof LineSegmentsGeometry) geometry.setColors(colors(drawn.segments));
+        else geometry.setAttribute('color', new BufferAttribute(colors(drawn.segments), 3));
+        drawn.coarse?.geometry.setAttribute('color', new BufferAttribute(colors(drawn.chords), 3));
         this.request();
     }
 
-    /** Moves the tool of a run. */
-    moveTool(run: Run, place: [number, number, number]): void {
+    /** Moves the tool of a run; without a direction it stands along Z. */
+    moveTool(run: Run, place: [number, number, number], tool = 0, axis: [number, number, number] = [0, 0, 1]): void {
         const drawn = this.drawn.find((drawn) => drawn.run === run);
-        drawn?.tool.position.copy(this.local(...place));
+        if (!drawn) return;
+        drawn.tool.position.copy(this.local(...place));
+        drawn.tool.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...axis).normalize());
+        drawn.shapes.forEach((shape, index) => (shape.visible = index === tool));
+        this.move();
+    }
+
+    /** Marks a place, or none. */
+    mark(place: [number, number, number] | null): void {
+        this.place.visible = place !== null;
+        if (place) this.place.position.copy(this.local(...place));
         this.request();
+    }
+
+    /** Shows the stock at a time of the last run. */
+    moveStock(time: number): void {
+        if (!this.stockOf || !this.heights) return;
+        this.stockOf.moveTo(time);
+        this.setHeights(this.heights.geometry, this.stockOf.values);
+        this.move();
     }
 
     /** Run and time of the path nearest to the pointer, if it is near. */
@@ -183,6 +231,18 @@ export class PathScene {
         });
     }
 
+    /** The next picture is one of many: the whole path is drawn after the last one. */
+    private move(): void {
+        if (this.drawn.some(({ coarse }) => coarse)) {
+            clearTimeout(this.rest);
+            this.rest = window.setTimeout(() => {
+                this.rest = 0;
+                this.request();
+            }, REST);
+        }
+        this.request();
+    }
+
     private request(): void {
         if (this.isAsked) return;
         this.isAsked = true;
@@ -197,7 +257,11 @@ export class PathScene {
         const width = size.x / this.shown.length;
         this.renderer.setScissorTest(true);
         this.shown.forEach((run, index) => {
-            this.drawn.forEach(({ run: own, group }) => (group.visible = own === run));
+            this.drawn.forEach(({ run: own, group, cutting, coarse }) => {
+                group.visible = own === run;
+                cutting.visible = !coarse || this.rest === 0;
+                if (coarse) coarse.visible = !cutting.visible;
+            });
             this.setFrustum(width, size.y);
             this.renderer.setViewport(index * width, 0, width, size.y);
             this.renderer.setScissor(index * width, 0, width, size.y);
@@ -269,70 +333,102 @@ export class PathScene {
         return new Vector3(x, y, z).sub(this.center);
     }
 
-    private draw(run: Run, outline: [number, number][]): Drawn {
-        const ends = (rapid: number) => Int32Array.from(Array(run.points).keys()).filter((i) => i > 0 && run.rapid[i] === rapid);
-        const positions = (segments: Int32Array) => {
+    private draw(run: Run, outlines: [number, number][][]): Drawn {
+        const ends = (rapid: number) => Int32Array.from({ length: run.points }, (_, i) => i).filter((i) => i > 0 && run.rapid[i] === rapid);
+        const center = this.center.toArray();
+        const positions = (segments: Int32Array, starts: Int32Array = segments.map((end) => end - 1)) => {
             const values = new Float32Array(6 * segments.length);
-            segments.forEach((end, segment) => {
+            for (let segment = 0; segment < segments.length; segment++) {
                 for (let k = 0; k < 6; k++) {
                     const axis = k % 3;
-                    values[6 * segment + k] = run.place[axis][k < 3 ? end - 1 : end] - this.center.getComponent(axis);
+                    values[6 * segment + k] = run.place[axis][k < 3 ? starts[segment] : segments[segment]] - center[axis];
                 }
-            });
+            }
             return values;
         };
-        const lines = (segments: Int32Array) => new BufferGeometry().setAttribute('position', new BufferAttribute(positions(segments), 3));
+        const lines = (segments: Int32Array, starts?: Int32Array) =>
+            new BufferGeometry().setAttribute('position', new BufferAttribute(positions(segments, starts), 3));
+        const group = new Group();
         const segments = ends(0);
         const isWide = segments.length <= WIDE_MAX;
         const cutting = isWide
             ? new LineSegments2(new LineSegmentsGeometry().setPositions(positions(segments)), new LineMaterial({ vertexColors: true, linewidth: WIDTH }))
             : new LineSegments(lines(segments), new LineBasicMaterial({ vertexColors: true }));
+        const [starts, chords] = segments.length > STILL_MAX ? chordsOf(segments, COARSE_MAX) : [new Int32Array(), new Int32Array()];
+        const coarse = chords.length > 0 ? new LineSegments(lines(chords, starts), new LineBasicMaterial({ vertexColors: true })) : null;
+        if (coarse) {
+            coarse.frustumCulled = false;
+            group.add(coarse);
+        }
         const rapids = new LineSegments(lines(ends(1)), new LineBasicMaterial({ color: new Color(...NO_VALUE), transparent: true, opacity: 0.5 }));
         const tool = new Group();
-        if (outline.length > 1) {
-            const closed = [...outline, outline[0]].map(([radius, height]) => new Vector2(radius, height));
-            const material = new MeshLambertMaterial({ color: 0xd8a33a, transparent: true, opacity: 0.4, side: DoubleSide, depthWrite: false });
-            tool.add(new Mesh(new LatheGeometry(closed, 48).rotateX(Math.PI / 2), material));
-        }
-        const tip = new BufferGeometry().setAttribute('position', new BufferAttribute(new Float32Array(3), 3));
-        const mark = new Points(tip, new PointsMaterial({ color: 0xe0301e, size: 11, sizeAttenuation: false, depthTest: false, transparent: true }));
-        // Above the tool, which is drawn among the transparent objects too.
-        mark.renderOrder = 1;
-        tool.add(mark);
-        const group = new Group();
+        const material = new MeshLambertMaterial({ color: 0xd8a33a, transparent: true, opacity: 0.4, side: DoubleSide, depthWrite: false });
+        const shapes = outlines.map((outline) => {
+            const closed = [...outline, ...outline.slice(0, 1)].map(([radius, height]) => new Vector2(radius, height));
+            return new Mesh(new LatheGeometry(closed, 48).rotateX(Math.PI / 2), material);
+        });
+        shapes.forEach((shape) => tool.add(shape));
+        const top = outlines.flat().reduce((most, [, height]) => Math.max(most, height), 0);
+        if (run.axis && top > 0) tool.add(axisLine(1.5 * top));
+        tool.add(point(0xe0301e, 11));
         [cutting, rapids, tool].forEach((object) => {
             object.frustumCulled = false;
             group.add(object);
         });
-        return { run, group, cutting, segments, rapids, tool };
+        return { run, group, cutting, segments, coarse, chords, rapids, tool, shapes };
     }
 
     /** Surface through the middles of the cells. */
     private surface({ columns, lowest, step, values }: NonNullable<ReportData['heights']>): Mesh {
         const rows = values.length / columns;
-        const known = values.filter((z) => !Number.isNaN(z));
-        const [bottom, top] = [known.reduce((a, b) => Math.min(a, b), this.low.z), known.reduce((a, b) => Math.max(a, b), this.low.z)];
-        this.stock[0].set(lowest[0], lowest[1], bottom);
-        this.stock[1].set(lowest[0] + columns * step, lowest[1] + rows * step, top);
+        const [bottom, top] = this.stockOf?.range() ?? [0, 0];
+        this.stock[0].set(lowest[0], lowest[1], Math.min(bottom, this.low.z));
+        this.stock[1].set(lowest[0] + columns * step, lowest[1] + rows * step, Math.max(top, this.low.z));
         const positions = new Float32Array(3 * values.length);
-        values.forEach((height, cell) => {
+        for (let cell = 0; cell < values.length; cell++) {
             const [x, y] = [lowest[0] + (cell % columns + 0.5) * step, lowest[1] + (Math.floor(cell / columns) + 0.5) * step];
-            this.local(x, y, Number.isNaN(height) ? 0 : height).toArray(positions, 3 * cell);
-        });
-        const triangles: number[] = [];
+            this.local(x, y, 0).toArray(positions, 3 * cell);
+        }
+        const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
+        geometry.setIndex(new BufferAttribute(new Uint32Array(6 * Math.max(rows - 1, 0) * Math.max(columns - 1, 0)), 1));
+        geometry.userData = { columns, rows };
+        this.setHeights(geometry, values);
+        // The path runs in and behind the material, and stays visible.
+        const glass = { transparent: true, opacity: 0.45, depthWrite: false };
+        const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
+        mesh.frustumCulled = false;
+        return mesh;
+    }
+
+    /** Heights of the surface; it has holes where nothing is left. */
+    private setHeights(geometry: BufferGeometry, values: Float64Array): void {
+        const { columns, rows } = geometry.userData;
+        const [positions, index] = [geometry.getAttribute('position').array, geometry.getIndex()];
+        if (!index) return;
+        for (let cell = 0; cell < values.length; cell++) positions[3 * cell + 2] = (values[cell] || 0) - this.center.z;
+        let used = 0;
         for (let row = 0; row + 1 < rows; row++) {
             for (let column = 0; column + 1 < columns; column++) {
                 const a = row * columns + column;
-                const corners = [a, a + 1, a + columns, a + columns + 1];
-                if (corners.some((cell) => Number.isNaN(values[cell]))) continue;
-                triangles.push(a, a + 1, a + columns, a + 1, a + columns + 1, a + columns);
+                const [b, c, d] = [a + 1, a + columns, a + columns + 1];
+                if (Number.isNaN(values[a] + values[b] + values[c] + values[d])) continue;
+                index.array.set([a, b, c, b, d, c], used);
+                used += 6;
             }
         }
-        const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
-        geometry.setIndex(triangles);
+        index.array.fill(0, used);
+        index.needsUpdate = true;
+        geometry.getAttribute('position').needsUpdate = true;
         geometry.computeVertexNormals();
-        // The path runs in and behind the material, and stays visible.
-        const glass = { transparent: true, opacity: 0.45, depthWrite: false };
+    }
+
+    private solid({ x, y, z, corners }: Solid): Mesh {
+        const positions = new Float32Array(3 * x.length);
+        for (let vertex = 0; vertex < x.length; vertex++) this.local(x[vertex], y[vertex], z[vertex]).toArray(positions, 3 * vertex);
+        const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
+        geometry.setIndex(new BufferAttribute(Uint32Array.from(corners), 1));
+        geometry.computeVertexNormals();
+        const glass = { transparent: true, opacity: 0.55, depthWrite: false };
         return new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
     }
 }

@@ -1,4 +1,5 @@
 // Page that takes a program, completes its job and shows its report: host/src/commands/view.
+import { InPage, Server, text, type Backend } from './backend';
 
 interface Question {
     key: string;
@@ -22,6 +23,7 @@ function element<T extends HTMLElement>(id: string): T {
 }
 
 let state: State | null = null;
+let backend: Backend = new Server();
 
 /** Shows the state; the report only if it is a new one. */
 function show(next: State, isNewReport: boolean): void {
@@ -40,7 +42,7 @@ function show(next: State, isNewReport: boolean): void {
     element('report-part').hidden = !next.has_report;
     const report = element<HTMLIFrameElement>('report');
     if (!next.has_report) report.removeAttribute('src');
-    else if (isNewReport) report.src = `report?${Date.now()}`;
+    else if (isNewReport) void backend.address('report').then(({ url }) => (report.src = url));
     document.documentElement.dataset.state = 'ready';
 }
 
@@ -87,11 +89,11 @@ async function post(path: string, body: BodyInit, words: string): Promise<void> 
     document.documentElement.dataset.state = 'busy';
     busy(true);
     try {
-        const answer = await fetch(path, { method: 'POST', body });
-        if (answer.ok) show(await answer.json(), true);
-        else failed(await answer.text());
-    } catch {
-        failed('No connection to arcfeed: start `arcfeed view` again, and open the address that it prints.');
+        const answer = await backend.request(path, body);
+        if (answer.isOk) show(JSON.parse(text(answer)), true);
+        else failed(text(answer));
+    } catch (error) {
+        failed(error instanceof Error ? error.message : String(error));
     } finally {
         clearInterval(timer);
         element('elapsed').textContent = '';
@@ -109,8 +111,8 @@ function failed(words: string): void {
     document.documentElement.dataset.state = 'failed';
 }
 
-function take(file: File | undefined): void {
-    if (file) void post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+async function take(file: File | undefined): Promise<void> {
+    if (file) await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
 }
 
 function controls(): void {
@@ -123,13 +125,13 @@ function controls(): void {
     drop.addEventListener('drop', (event) => {
         event.preventDefault();
         drop.classList.remove('over');
-        take(event.dataTransfer?.files[0]);
+        void take(event.dataTransfer?.files[0]);
     });
     // A file that misses the zone would be opened in place of the page.
     addEventListener('dragover', (event) => event.preventDefault());
     addEventListener('drop', (event) => event.preventDefault());
     const file = element<HTMLInputElement>('file');
-    file.addEventListener('change', () => take(file.files?.[0]));
+    file.addEventListener('change', () => void take(file.files?.[0]));
     const values = element<HTMLFormElement>('values');
     values.addEventListener('submit', (event) => {
         event.preventDefault();
@@ -140,15 +142,48 @@ function controls(): void {
         element('run').click();
     });
     element('run').addEventListener('click', () => void post('run', answered(), 'Adapting and simulating …'));
-    element('stop').addEventListener('click', () => void fetch('stop', { method: 'POST' }));
+    element('stop').addEventListener('click', () => backend.stop());
+}
+
+/** The example that is in the page: a program and its job. */
+function example(): void {
+    const [program, job] = ['example-program', 'example-job'].map((id) => document.getElementById(id));
+    const button = element<HTMLButtonElement>('example');
+    button.hidden = !program || !job;
+    button.addEventListener('click', async () => {
+        await take(new File([program?.textContent ?? ''], program?.dataset.name ?? ''));
+        element<HTMLTextAreaElement>('job').value = job?.textContent ?? '';
+        element('run').click();
+    });
+}
+
+/** Downloads come from arcfeed inside the page; a server has them at their addresses. */
+function downloads(): void {
+    for (const link of document.querySelectorAll<HTMLAnchorElement>('.downloads a')) {
+        const path = link.getAttribute('href') ?? '';
+        link.addEventListener('click', async (event) => {
+            event.preventDefault();
+            const { url, name } = await backend.address(path);
+            const file = Object.assign(document.createElement('a'), { href: url });
+            if (name && path !== 'report') file.download = name;
+            else file.target = '_blank';
+            file.click();
+        });
+    }
 }
 
 async function start(): Promise<void> {
     const isDark = matchMedia('(prefers-color-scheme: dark)').matches;
     document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
     controls();
-    const answer = await fetch('state');
-    show(await answer.json(), true);
+    const arcfeed = document.getElementById('arcfeed-wasm')?.textContent;
+    if (arcfeed) {
+        element('where').textContent = 'arcfeed runs inside this page: nothing leaves it.';
+        backend = await InPage.load(arcfeed);
+        downloads();
+        example();
+    }
+    show(JSON.parse(text(await backend.request('state'))), true);
 }
 
 void start();

@@ -3,6 +3,14 @@
 //! `host/web/test/page.mjs` drives the browser. The facts that it looks for come from closed forms of the program and from the figures of
 //! `simulate --json`, which do not go through the page.
 
+mod in_page;
+
+mod moments;
+
+mod planned;
+
+mod scale;
+
 mod served;
 
 use std::path::Path;

@@ -34,6 +34,8 @@ mod soak;
 
 mod linuxcnc;
 
+mod web;
+
 use std::process::ExitCode;
 use std::thread;
 
@@ -48,6 +50,7 @@ const USAGE: &str = "usage: cargo xtask test    install what is missing, run eve
                                   reads, MINUTES (10) for each target
        cargo xtask linuxcnc    install LinuxCNC where it is missing, and print the figures of the published slot on it: as
                                   programmed, with F words, and with the component (root)
+       cargo xtask web FOLDER    the start page with arcfeed inside it, as FOLDER/index.html
        cargo xtask help    this text";
 
 fn main() -> ExitCode {
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         ["soak"] => ended(soak::soak(None)),
         ["soak", minutes] => ended(soak::soak(Some(minutes))),
         ["linuxcnc"] => ended(linuxcnc::figures()),
+        ["web", folder] => ended(web::write(folder)),
         ["help"] => {
             println!("{USAGE}");
             ExitCode::SUCCESS

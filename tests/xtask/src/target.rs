@@ -1,22 +1,33 @@
-//! The Rust target of the chip: present, or installed for the pinned toolchain.
+//! Rust targets: present, or installed for the pinned toolchain.
 
 use crate::command::{Failure, announce, output, program, run};
 
 /// Cortex-M4F and M7F, hard float.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// Installs the target where it is missing.
+/// A page in a browser.
+pub const PAGE: &str = "wasm32-unknown-unknown";
+
+/// Installs the target of the chip where it is missing.
 ///
 /// # Errors
 /// No rustup, or it could not install; says what was tried and what to do.
 pub fn install() -> Result<(), Failure> {
     announce("target of the chip");
-    let installed = output(&mut program("rustup", &["target", "list", "--installed"])).map_err(explain)?;
-    if installed.lines().any(|line| line.trim() == TARGET) {
+    add(TARGET).map_err(explain)
+}
+
+/// Installs a target where it is missing.
+///
+/// # Errors
+/// No rustup, or it could not install.
+pub fn add(target: &str) -> Result<(), Failure> {
+    let installed = output(&mut program("rustup", &["target", "list", "--installed"]))?;
+    if installed.lines().any(|line| line.trim() == target) {
         return Ok(());
     }
-    announce(&format!("installing {TARGET}"));
-    run(&mut program("rustup", &["target", "add", TARGET])).map_err(explain)
+    announce(&format!("installing {target}"));
+    run(&mut program("rustup", &["target", "add", target]))
 }
 
 fn explain(failure: Failure) -> Failure {

@@ -2,26 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
+use arcfeed_plan::geometry::mesh::{Triangle, blank, finished};
 use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
 use arcfeed_plan::output::limits::StockLimit;
 use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
-use arcfeed_plan::vector::Point;
 
 use super::super::engage::write_map_of_equal_slots;
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
-use super::page;
 use super::plan_result::{PlanResult, feeds};
+use super::slot_frame::{blades, in_slot, sector};
+use super::{page, viewer};
 use crate::console::note;
 use crate::part::MachineSource;
+use crate::report::page::Page;
 
 /// Largest distance of meshes from the surfaces, mm.
 pub(super) const CHORD_MM: f64 = 0.02;
-/// Width of the stock on either side of the slot, in pitches.
-pub(super) const BESIDE_PITCHES: f64 = 0.75;
-/// Depth of the stock below the hub, mm.
-pub(super) const BELOW_HUB_MM: f64 = 5.0;
 /// Distance of the simulation's dexel rays, mm.
 pub(super) const RAYS_MM: f64 = 0.5;
 /// Settings of the control, beside the job.
@@ -43,7 +40,7 @@ pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result
     let settings = control_settings(composed);
     let map = format!("{stem}.engaged.toml");
     let job = job(composed, &name, &map, settings.as_ref().map(|_| SETTINGS))?;
-    let page = page::report(composed).page().to_string();
+    let page = Page { viewer: Some(viewer::data(composed)), ..page::report(composed).page() }.to_string();
     let mut files: Vec<(&str, &[u8])> = vec![
         (&name, text.as_bytes()),
         ("job.toml", job.as_bytes()),
@@ -117,22 +114,9 @@ fn setup(composed: &PlanResult) -> Setup {
 
 /// Blank and finished part about the slot, slot frame.
 fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
-    let blisk = &composed.part.blisk;
-    let at = |point: Point| libm::atan2(point.y, point.x);
-    let from = at(composed.slot.pressure.point(0.5, 0.5));
-    let facing = f64::from(blisk.facing());
-    let middle = from + facing * blisk.pitch_rad() / 2.0;
-    let reach = (0.5 + BESIDE_PITCHES) * blisk.pitch_rad();
-    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
-    let sector = Sector {
-        angles_rad: [middle - reach, middle + reach],
-        faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
-    };
-    let blades = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
-    let turn = composed.valued.plan.turn;
-    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
-        .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+    let (blisk, sector) = (&composed.part.blisk, sector(composed));
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades(composed), CHORD_MM)]
+        .map(|triangles| in_slot(composed, triangles))
 }
 
 fn job(composed: &PlanResult, program: &str, map: &str, settings: Option<&str>) -> Result<String, Failure> {

@@ -8,10 +8,16 @@ mod refusal;
 mod plan_result;
 
 #[cfg(feature = "plan")]
+mod slot_frame;
+
+#[cfg(feature = "plan")]
 mod figures;
 
 #[cfg(feature = "plan")]
 mod page;
+
+#[cfg(feature = "plan")]
+mod viewer;
 
 #[cfg(feature = "plan")]
 mod files;

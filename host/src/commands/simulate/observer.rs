@@ -1,9 +1,6 @@
 //! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
 
-use std::panic::resume_unwind;
 use std::sync::atomic::Ordering;
-use std::thread;
-use std::time::Instant;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
@@ -11,14 +8,16 @@ use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_units::Micros;
-use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::outcome::{Failure, on_interrupt};
 use super::block_lines::BlockLocator;
 use super::move_log::MoveLog;
 use super::path_trace::PathTrace;
+use super::progress_line::ProgressLine;
 use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
+use super::stock_frames::StockFrames;
+use crate::clock::Instant;
 use crate::console::{self, Progress};
 
 /// Longest simulated run: a program that takes longer does not end.
@@ -38,6 +37,8 @@ pub struct RunObserver {
     pub log: MoveLog,
     /// Path with the values along it.
     pub trace: PathTrace,
+    /// Stock at many times, if they are recorded.
+    pub stock: Option<StockFrames>,
     /// Override, %, from each time on.
     pub overrides: Vec<(Micros, u8)>,
     /// Tables of `--trace`.
@@ -53,6 +54,11 @@ impl RunObserver {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
+    }
+
+    /// Makes the observer record the stock at many times of the run.
+    pub fn record_stock(&mut self) {
+        self.stock = self.cutter.as_ref().map(|cutter| StockFrames::new(cutter.stock()));
     }
 
     /// Makes the observer write the tables of the run; with a `locator` they contain the lines of the program.
@@ -86,6 +92,7 @@ impl RunObserver {
         run_observed(simulation, takes_long, |simulation| self.observe(simulation))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+            self.stock.iter_mut().for_each(|stock| stock.end(simulation.now(), cutter));
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
         self.trace.end();
@@ -96,6 +103,7 @@ impl RunObserver {
         self.report_to_caller(simulation)?;
         if let Some(cutter) = &mut self.cutter {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
+            self.stock.iter_mut().for_each(|stock| stock.observe(simulation.now(), cutter));
         }
         self.loads.iter_mut().for_each(|loads| loads.observe(simulation));
         self.record(simulation);
@@ -159,17 +167,21 @@ pub struct ObservedEnd {
     pub ended: Instant,
 }
 
-/// Simulates two runs to their ends at the same time, each on a thread of its own. Only the first shows its progress.
+/// Simulates two runs to their ends, each on a thread of its own where there are threads. Only the first shows its
+/// progress.
 pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [ObservedEnd; 2] {
     let run = |observer: &mut RunObserver, simulation: &mut Simulation| ObservedEnd {
         result: observer.run(simulation),
         ended: Instant::now(),
     };
+    if cfg!(target_family = "wasm") {
+        return [run(first, one), run(second, other)];
+    }
     let capture = console::capture();
-    thread::scope(|scope| {
+    std::thread::scope(|scope| {
         let other = scope.spawn(|| console::captured(capture, || run(second, other)));
         let one = run(first, one);
-        [one, other.join().unwrap_or_else(|panic| resume_unwind(panic))]
+        [one, other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
     })
 }
 
@@ -184,7 +196,7 @@ pub fn run_observed(
     mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let shown = takes_long.filter(|_| console::capture().is_none());
-    let bar = shown.map(|name| (name, ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr())));
+    let line = shown.map(ProgressLine::begin);
     for period in 0_u64.. {
         if simulation.is_done() {
             break;
@@ -194,12 +206,10 @@ pub fn run_observed(
         if simulation.now() > RUN_MAX {
             return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
         }
-        if let Some((name, bar)) = bar.as_ref().filter(|_| period % SIGN_EVERY == 0) {
-            let (executed, now_s) = (simulation.control().executed().len(), simulation.now().to_s());
-            bar.set_message(format!("{name}: {executed} blocks, {now_s:.0} s of machine time"));
-            bar.tick();
+        if let Some(line) = line.as_ref().filter(|_| period % SIGN_EVERY == 0) {
+            line.show(simulation.control().executed().len(), simulation.now().to_s());
         }
     }
-    bar.inspect(|(_, bar)| bar.finish_and_clear());
+    line.inspect(ProgressLine::clear);
     Ok(())
 }

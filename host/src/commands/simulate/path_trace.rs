@@ -4,8 +4,13 @@
 //! A run of any length has a bounded number of points: if there are too many, those that follow the one before too
 //! soon are merged into the next, and the largest chip load and feed stay.
 
+use arcfeed_control::action::MoveContext;
 use arcfeed_hil_sim::override_source::OverrideSource;
+use arcfeed_hil_sim::removal::placement::WorkpiecePlacement;
+use arcfeed_hil_sim::removal::trail::AxisPosition;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
+use arcfeed_kinematics::machine::Machine;
+use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
@@ -21,6 +26,12 @@ const CHANGE_RATIO: f64 = 1e-2;
 /// Longest interval.
 const INTERVAL_MAX: Micros = Micros::from_ms(250);
 
+/// Axis of a tool that stands along Z.
+pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Component of the axis at the end of an interval along that at its beginning: 1 degree.
+const SAME_AXIS_RATIO: f64 = 0.999_847_7;
+
 /// Positions that are compared with the straight line; if there are more, every second one is left out.
 const COMPARED_MAX: usize = 32;
 
@@ -31,6 +42,10 @@ pub struct TracePoint {
     pub at: Micros,
     /// X, Y, Z of the tool's tip in the workpiece's coordinates.
     pub position_mm: [f64; 3],
+    /// Direction from the tip to the holder there.
+    pub axis: [f64; 3],
+    /// Tool in the spindle.
+    pub tool: ToolInSpindle,
     /// Blocks executed, up to and including the block in execution.
     pub block: u32,
     /// Whether the move is a rapid.
@@ -48,6 +63,11 @@ pub struct TracePoint {
 pub struct PathTrace {
     points: Vec<TracePoint>,
     points_max: usize,
+    /// Machine that turns the part or the tool, and the part on it.
+    machine: Option<Machine>,
+    placement: WorkpiecePlacement,
+    /// Rotary axes a period ago, degrees.
+    rotary_deg: Option<[f64; 3]>,
     /// Shortest time between two points.
     interval_min: Micros,
     /// Last period, with the values of its interval.
@@ -64,7 +84,21 @@ impl Default for PathTrace {
 
 impl PathTrace {
     fn new(points_max: usize) -> Self {
-        PathTrace { points: Vec::new(), points_max, interval_min: Micros(0), open: None, passed: Vec::new() }
+        PathTrace {
+            points: Vec::new(),
+            points_max,
+            machine: None,
+            placement: WorkpiecePlacement::default(),
+            rotary_deg: None,
+            interval_min: Micros(0),
+            open: None,
+            passed: Vec::new(),
+        }
+    }
+
+    /// Makes the trace follow the part of a machine, which its rotary axes turn.
+    pub fn follow(&mut self, machine: Option<Machine>) {
+        self.machine = machine;
     }
 
     /// Processes a millisecond of the run.
@@ -77,19 +111,39 @@ impl PathTrace {
         if self.open.is_none() {
             self.begin(now, block, segment);
         }
-        let [x, y, z, ..] = control.actual_axes();
-        let origin = simulation.context().origin.linear.map(Nm::to_mm);
         let was_rapid = self.open.is_some_and(|open| open.is_rapid);
         let is_rapid = segment.map_or(was_rapid, |segment| segment.path == Path::Rapid);
+        let (axes, context) = (control.actual_axes(), simulation.context());
+        let (position_mm, axis) = self.pose(&axes, context, !is_rapid && segment.is_some());
         self.add(TracePoint {
             at: now,
-            position_mm: [x - origin[0], y - origin[1], z - origin[2]],
+            position_mm,
+            axis,
+            tool: context.machining.tool,
             block,
             is_rapid,
             feed_mm_per_min: if segment.is_some() { control.speed_mm_per_s() * S_PER_MIN } else { 0.0 },
             chip_ratio: simulation.meter().last_ratio().filter(|_| segment.is_some() && !is_rapid),
             percent: control.override_percent(),
         });
+    }
+
+    /// Tip and axis in the workpiece's coordinates: with rotary axes on the part as it is at its first cut.
+    fn pose(&mut self, axes: &AxisPosition, context: &MoveContext, cuts: bool) -> ([f64; 3], [f64; 3]) {
+        let rotary_deg = [axes[3], axes[4], axes[5]];
+        let stands = self.rotary_deg.replace(rotary_deg) == Some(rotary_deg);
+        if let Some(machine) = &self.machine {
+            let mut tip = *axes;
+            tip[2] -= context.tool.to_mm();
+            if cuts {
+                self.placement.locate_at(&tip, context, stands);
+            }
+            if let Some(pose) = self.placement.pose(&tip, context, machine) {
+                return (pose.tip_mm, pose.axis);
+            }
+        }
+        let origin = context.origin.linear.map(Nm::to_mm);
+        ([0, 1, 2].map(|axis: usize| axes[axis] - origin[axis]), UP)
     }
 
     /// Processes the end of the run.
@@ -107,7 +161,8 @@ impl PathTrace {
         let position_mm = segment.map_or([0.0; 3], |segment| segment.start.linear.map(Nm::to_mm));
         let at = Micros(now.0.saturating_sub(STEP.0));
         let (feed_mm_per_min, chip_ratio, percent) = (0.0, None, 100);
-        self.push(TracePoint { at, position_mm, block, is_rapid: true, feed_mm_per_min, chip_ratio, percent });
+        let (axis, tool, is_rapid) = (UP, ToolInSpindle::Unstated, true);
+        self.push(TracePoint { at, position_mm, axis, tool, block, is_rapid, feed_mm_per_min, chip_ratio, percent });
     }
 
     fn add(&mut self, next: TracePoint) {
@@ -136,7 +191,8 @@ impl PathTrace {
             (open, next) => open.is_some() == next.is_some(),
         };
         let Some(from) = self.points.last() else { return false };
-        (open.block, open.is_rapid) == (next.block, next.is_rapid)
+        (open.block, open.is_rapid, open.tool) == (next.block, next.is_rapid, next.tool)
+            && from.axis.iter().zip(next.axis).map(|(a, b)| a * b).sum::<f64>() >= SAME_AXIS_RATIO
             && is_near(open.feed_mm_per_min, next.feed_mm_per_min)
             && chips_agree
             && open.percent.abs_diff(next.percent) <= 1
@@ -213,7 +269,8 @@ mod tests {
     fn point(ms: u64, position_mm: [f64; 3], block: u32) -> TracePoint {
         let (feed_mm_per_min, chip_ratio, percent) = (600.0, Some(1.0), 100);
         let at = Micros::from_ms(ms);
-        TracePoint { at, position_mm, block, is_rapid: false, feed_mm_per_min, chip_ratio, percent }
+        let (axis, tool) = (UP, ToolInSpindle::Unstated);
+        TracePoint { at, position_mm, axis, tool, block, is_rapid: false, feed_mm_per_min, chip_ratio, percent }
     }
 
     fn trace(points_max: usize, points: impl Iterator<Item = TracePoint>) -> Vec<TracePoint> {

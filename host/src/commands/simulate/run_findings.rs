@@ -56,7 +56,7 @@ pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) 
 }
 
 fn finding(severity: &'static str, run: &'static str, block: u32, text: String) -> RunFinding {
-    RunFinding { severity, run, block, text }
+    RunFinding { severity, run, block, at_s: None, place: None, text }
 }
 
 fn named(block: u32, n: Option<i64>, text: &str) -> String {

@@ -24,6 +24,7 @@ use super::edges;
 use super::mark_figures::MarkReference;
 use super::surface;
 use crate::engagement::sections::TangentialForce;
+use crate::files;
 use crate::job::workpiece::{Blank, Body};
 use crate::job::{Cutting, JobFile, Workpiece};
 use crate::place::place;
@@ -58,7 +59,7 @@ impl<'a> Setup<'a> {
     /// The workpiece is invalid, or larger than allowed, or the tool has no such shape.
     pub fn of(path: &Path, file: &'a JobFile) -> Result<Option<Self>, Failure> {
         let Some(workpiece) = &file.workpiece else { return Ok(None) };
-        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let text = files::read_to_string(path).unwrap_or_default();
         let located = |offset: usize| {
             let [line, column] = place(&text, offset);
             format!("{}:{line}:{column}", path.display())

@@ -1,7 +1,5 @@
 //! Data of the report's viewer: both runs with their values, findings, tool, remaining heights and NC text.
 
-use arcfeed_dexel::deviation::HeightMap;
-use arcfeed_dexel::lattice::Lattice;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::rate::windows;
@@ -10,18 +8,18 @@ use arcfeed_model::job::Job;
 use arcfeed_model::tool::Tool as JobTool;
 use arcfeed_units::{LengthUnit, Micros, Nm};
 
-use super::edges::UPRIGHT;
 use super::listing::ProgramListing;
 use super::observer::RunObserver;
-use super::path_trace::TracePoint;
+use super::path_trace::{TracePoint, UP};
 use super::run_findings::findings;
+use super::stock_frames::StockFrames;
 use crate::report::figures::RunReport;
 use crate::report::material::VolumeUnit;
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{HeightGrid, RunPath, ViewerData};
 
-/// Most cells of the remaining heights along an edge; more share a cell.
-const CELLS_MAX: usize = 256;
+/// Step of the components of a tool's axis.
+const AXIS_QUANTUM: f64 = 1e-6;
 
 /// W per kW.
 const W_PER_KW: f64 = 1e3;
@@ -55,9 +53,14 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
     ViewerData {
         title: title.to_owned(),
         unit: job.unit.label(),
-        runs: sides.map(|(name, observer, lines)| run(job.unit, name, observer, lines)).into(),
-        tool: outline(&job.tools.first().tool, after.cutter.as_ref(), job.unit),
-        heights: after.cutter.as_ref().map(|cutter| heights(cutter, job.unit)),
+        runs: sides.map(|(name, observer, lines)| run(job, name, observer, lines)).into(),
+        tools: outlines(job, after.cutter.as_ref()),
+        heights: after
+            .cutter
+            .as_ref()
+            .zip(after.stock.as_ref())
+            .map(|(cutter, stock)| heights(cutter, stock, job.unit)),
+        solids: Vec::new(),
         findings: findings(report, job.unit, chips),
         lines: listing.lines.clone(),
         is_live: false,
@@ -65,7 +68,8 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
 }
 
 /// Columns of a path; `lines` has the line of the program for each block.
-pub fn path_columns(unit: LengthUnit, points: &[TracePoint], lines: &[Option<usize>]) -> Vec<Column> {
+pub fn path_columns(job: &Job, points: &[TracePoint], lines: &[Option<usize>]) -> Vec<Column> {
+    let unit = job.unit;
     let is_inch = unit == LengthUnit::Inch;
     let (position, feed) = if is_inch { (1e-5, 1e-2) } else { (1e-4, 1e-1) };
     let feed_unit = if is_inch { "in/min" } else { "mm/min" };
@@ -74,7 +78,7 @@ pub fn path_columns(unit: LengthUnit, points: &[TracePoint], lines: &[Option<usi
     };
     let in_unit = |mm: f64| mm / unit.mm();
     let line = |point: &TracePoint| lines.get((point.block as usize).checked_sub(1)?).copied().flatten();
-    vec![
+    let mut columns = vec![
         column("time", "s", 1e-3, &|point| Some(point.at.to_s())),
         column("x", unit.label(), position, &|point| Some(in_unit(point.position_mm[0]))),
         column("y", unit.label(), position, &|point| Some(in_unit(point.position_mm[1]))),
@@ -85,12 +89,20 @@ pub fn path_columns(unit: LengthUnit, points: &[TracePoint], lines: &[Option<usi
         column("feed", feed_unit, feed, &|point| Some(in_unit(point.feed_mm_per_min)).filter(|_| !point.is_rapid)),
         column("chip", "", 1e-3, &|point| point.chip_ratio),
         column("override", "%", 1.0, &|point| Some(f64::from(point.percent))),
-    ]
+    ];
+    if points.iter().any(|point| point.axis != UP) {
+        let axes = [("i", 0), ("j", 1), ("k", 2)];
+        columns.extend(axes.map(|(name, axis)| column(name, "", AXIS_QUANTUM, &move |point| Some(point.axis[axis]))));
+    }
+    if job.tools.len() > 1 {
+        columns.push(column("tool", "", 1.0, &|point| job.tool_in(point.tool).map(|tool| tool as f64)));
+    }
+    columns
 }
 
-fn run(unit: LengthUnit, name: &'static str, observer: &RunObserver, lines: &[Option<usize>]) -> RunPath {
+fn run(job: &Job, name: &'static str, observer: &RunObserver, lines: &[Option<usize>]) -> RunPath {
     let points = observer.trace.points();
-    let mut columns = path_columns(unit, points, lines);
+    let (unit, mut columns) = (job.unit, path_columns(job, points, lines));
     let mut add = |name, unit, quantum, windows: Vec<Window>| {
         columns.push(Column::new(ColumnHead { name, unit, quantum }, largest(points, &windows)));
     };
@@ -124,12 +136,18 @@ fn largest(points: &[TracePoint], windows: &[Window]) -> Vec<Option<f64>> {
     begins.zip(points).map(value).collect()
 }
 
-/// Closed outline: of the cutting solid if there is one, otherwise a cylinder or a ring of an assumed height.
-pub fn outline(tool: &JobTool, cutter: Option<&StockCutter>, unit: LengthUnit) -> Vec<[f64; 2]> {
+/// Closed outline of each tool of a job.
+pub fn outlines(job: &Job, cutter: Option<&StockCutter>) -> Vec<Vec<[f64; 2]>> {
+    let mut solids = cutter.into_iter().flat_map(StockCutter::tools);
+    job.tools.iter().map(|setup| outline(&setup.tool, solids.next(), job.unit)).collect()
+}
+
+/// Closed outline of the cutting solid if there is one, otherwise of a cylinder or a ring of an assumed height.
+fn outline(tool: &JobTool, cutting: Option<&Tool>, unit: LengthUnit) -> Vec<[f64; 2]> {
     let own =
         |radii: [f64; 2], height: f64| vec![[radii[1], 0.0], [radii[0], 0.0], [radii[0], height], [radii[1], height]];
-    let outline_mm = match (cutter, tool) {
-        (Some(cutter), _) => solid(cutter.tool()),
+    let outline_mm = match (cutting, tool) {
+        (Some(cutting), _) => solid(cutting),
         (None, JobTool::CupMill(cup)) => {
             let radii = [cup.outer_radius, cup.inner_radius].map(Nm::to_mm);
             own(radii, HEIGHT_RATIO * (radii[0] - radii[1]))
@@ -152,26 +170,33 @@ fn solid(tool: &Tool) -> Vec<[f64; 2]> {
     points
 }
 
-/// Highest material over each cell, seen along Z.
-fn heights(cutter: &StockCutter, unit: LengthUnit) -> HeightGrid {
-    let (stock, in_unit) = (cutter.stock(), |mm: f64| mm / unit.mm());
-    let (lattice, map) = (stock.lattice(), HeightMap::new(stock, UPRIGHT));
-    let [columns, _] = lattice.size(UPRIGHT);
-    let rows: Vec<&[Option<f64>]> = map.heights_mm().chunks(columns.max(1)).collect();
-    let shared = columns.max(rows.len()).div_ceil(CELLS_MAX).max(1);
-    let width = columns.div_ceil(shared);
-    let mut highest = Vec::with_capacity(width * rows.len().div_ceil(shared));
-    for rows in rows.chunks(shared) {
-        for column in 0..width {
-            let cells = rows.iter().flat_map(|row| row.iter().skip(column * shared).take(shared)).flatten();
-            highest.push(cells.copied().reduce(f64::max).map(in_unit));
-        }
-    }
+/// Heights of the stock over the run.
+fn heights(cutter: &StockCutter, stock: &StockFrames, unit: LengthUnit) -> HeightGrid {
+    let (lattice, in_unit) = (cutter.stock().lattice(), |mm: f64| mm / unit.mm());
     let quantum = if unit == LengthUnit::Inch { 1e-4 } else { 1e-3 };
+    let height = ColumnHead { name: "height", unit: unit.label(), quantum };
+    let count = |name| ColumnHead { name, unit: "", quantum: 1.0 };
+    let frames = stock.frames();
+    let ends = frames.iter().scan(0, |end, frame| {
+        *end += frame.changes.len();
+        Some(Some(*end as f64))
+    });
+    let changes = || frames.iter().flat_map(|frame| &frame.changes);
     HeightGrid {
-        columns: width,
-        lowest: Lattice::across(UPRIGHT).map(|axis| in_unit(lattice.lowest_mm()[axis])),
-        step: in_unit(lattice.step_mm()) * shared as f64,
-        heights: Column::new(ColumnHead { name: "height", unit: unit.label(), quantum }, highest),
+        columns: stock.columns,
+        lowest: StockFrames::lowest_mm(lattice).map(in_unit),
+        step: in_unit(stock.step_mm(lattice)),
+        heights: Column::new(height, stock.first.iter().map(|height| height.map(in_unit))),
+        frames: [
+            Column::new(
+                ColumnHead { name: "at", unit: "s", quantum: 1e-3 },
+                frames.iter().map(|frame| Some(frame.at.to_s())),
+            ),
+            Column::new(count("end"), ends),
+        ],
+        changes: [
+            Column::new(count("cell"), changes().map(|(cell, _)| Some(*cell as f64))),
+            Column::new(height, changes().map(|(_, height)| height.map(in_unit))),
+        ],
     }
 }

@@ -2,12 +2,13 @@
 
 use std::net::SocketAddr;
 
+use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, S_PER_MIN, US_PER_S};
 
 use super::super::outcome::Failure;
-use super::super::simulate::path_trace::TracePoint;
-use super::super::simulate::viewer::{outline, path_columns};
+use super::super::simulate::path_trace::{TracePoint, UP};
+use super::super::simulate::viewer::{outlines, path_columns};
 use super::preparation::PreparedProgram;
 use crate::console::note;
 use crate::dnc::transmission::Transmission;
@@ -45,15 +46,16 @@ pub fn serve(
 fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String {
     let job = &ready.file.job;
     let lines: Vec<Option<usize>> = sending.lines().iter().map(|line| Some(line.source).filter(|n| *n > 0)).collect();
-    let mut columns = path_columns(job.unit, &thinned(path(ready, sending)), &lines);
+    let mut columns = path_columns(job, &thinned(path(ready, sending)), &lines);
     // The override is the machine's, and the chip load is measured there.
     columns.retain(|column| column.head.name != "override" && !column.has_no_value());
     let viewer = ViewerData {
         title: title.to_owned(),
         unit: job.unit.label(),
         runs: vec![RunPath { name: "planned", columns }],
-        tool: outline(&job.tools.first().tool, None, job.unit),
+        tools: outlines(job, None),
         heights: None,
+        solids: Vec::new(),
         findings: Vec::new(),
         lines: listing(&ready.whole),
         is_live: true,
@@ -80,6 +82,8 @@ fn path(ready: &PreparedProgram, sending: &Transmission) -> Vec<TracePoint> {
                 feed_mm_per_min,
                 chip_ratio: None,
                 percent: 100,
+                tool: ToolInSpindle::Unstated,
+                axis: UP,
             }
         };
         let first = u32::from(!points.is_empty());

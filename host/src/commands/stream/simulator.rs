@@ -188,6 +188,7 @@ impl Stream {
     /// Observer of the run, with the tables of `--trace`.
     fn observer(&self, ready: &PreparedProgram) -> Result<RunObserver, Failure> {
         let mut observer = RunObserver::default();
+        observer.trace.follow(ready.file.machine.as_ref().map(|named| named.machine));
         if let Some(path) = &self.trace {
             let PreparedProgram { file, program, .. } = ready;
             let adapted = adapt_with(program, &file.job, Known::of(file));

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use toml::de::DeValue;
 
+use crate::files;
 use crate::job::questions;
 use crate::toml_values::walk;
 
@@ -67,7 +68,7 @@ pub fn foreign_file(text: &str, folder: &Path) -> Option<String> {
     let mut found = None;
     walk(text, &mut |_, _, value| {
         if let DeValue::String(string) = value.get_ref()
-            && let Ok(path) = folder.join(string.as_ref()).canonicalize()
+            && let Ok(path) = files::canonicalize(folder.join(string.as_ref()))
             && !path.starts_with(folder)
         {
             found.get_or_insert_with(|| string.to_string());

@@ -3,16 +3,26 @@
 #[cfg(feature = "web")]
 mod input;
 
-#[cfg(feature = "web")]
-mod workspace;
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
+mod runner;
+
+#[cfg(all(feature = "web", target_family = "wasm"))]
+mod in_page;
 
 #[cfg(feature = "web")]
-mod site;
+pub mod workspace;
+
+#[cfg(feature = "web")]
+pub mod site;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use super::outcome::Failure;
+#[cfg(all(feature = "web", target_family = "wasm"))]
+use in_page::Runner;
+#[cfg(all(feature = "web", not(target_family = "wasm")))]
+use runner::Runner;
 
 /// Adapt a program on a page in the browser: drop it in, answer what its job needs, see it before and after, download it
 ///
@@ -33,7 +43,7 @@ impl ViewCommand {
     ///
     /// # Errors
     /// The file cannot be read, nothing can listen at the address, or the build has no pages.
-    #[cfg(feature = "web")]
+    #[cfg(all(feature = "web", not(target_family = "wasm")))]
     pub fn run(&self) -> Result<(), Failure> {
         use std::sync::Arc;
         use std::sync::atomic::Ordering;
@@ -49,7 +59,8 @@ impl ViewCommand {
         let interrupted = on_interrupt();
         let failed = |error: std::io::Error| Failure::Machine(format!("temporary folder: {error}"));
         let folder = tempfile::tempdir().map_err(failed)?;
-        let workspace = Arc::new(Workspace::new(folder.path()).map_err(failed)?);
+        let real = folder.path().canonicalize().map_err(failed)?;
+        let workspace = Arc::new(Workspace::new(&real).map_err(failed)?);
         if let Some(path) = &self.job {
             workspace.open(path)?;
         }
@@ -69,7 +80,7 @@ impl ViewCommand {
     ///
     /// # Errors
     /// The build has no pages.
-    #[cfg(not(feature = "web"))]
+    #[cfg(any(not(feature = "web"), target_family = "wasm"))]
     pub fn run(&self) -> Result<(), Failure> {
         let _options = (&self.job, self.web);
         Err(Failure::Usage(format!("view: {}", crate::features::not_built_in("pages", "web"))))

@@ -1,4 +1,4 @@
-//! Requests of the page.
+//! Requests of the page: of browsers to a server, or of the page to the arcfeed inside it (`host/wasm`).
 
 use std::io;
 use std::sync::Arc;
@@ -7,8 +7,6 @@ use super::input::FormValues;
 use super::workspace::{PageFile, Workspace};
 use crate::report::page::viewer::start_page;
 use crate::web::reply::Reply;
-use crate::web::request::Request;
-use crate::web::server::Site;
 
 /// Largest program, bytes.
 const PROGRAM_MAX: usize = 64 << 20;
@@ -18,43 +16,62 @@ const TEXT_MAX: usize = 1 << 20;
 /// The page, over a workspace.
 pub struct ViewSite(pub Arc<Workspace>);
 
-impl Site for ViewSite {
-    fn respond(&self, mut request: Request) -> io::Result<()> {
-        let workspace = &self.0;
-        match (request.is_post, request.path.as_str()) {
-            (false, "") => request.reply(&Reply::html(start_page().as_bytes())),
-            (false, "state") => self.state(request),
-            (false, "report") => self.file(request, PageFile::Report),
-            (false, "adapted") => self.file(request, PageFile::Adapted),
-            (false, "job") => self.file(request, PageFile::Job),
-            (true, "stop") => {
-                workspace.stop();
-                request.reply(&Reply::text("202 Accepted", ""))
-            }
-            (true, "program" | "init" | "run") => {
-                if !workspace.begin() {
-                    return request
-                        .reply(&Reply::text("409 Conflict", "another run is under way: wait for it, or stop it"));
-                }
-                let done = self.work(&mut request);
-                // Before the answer: the page may send its next request as soon as it has it.
-                workspace.end();
-                match done? {
-                    Ok(()) => self.state(request),
-                    Err(fault) => request.reply(&Reply::text("400 Bad Request", &fault)),
-                }
-            }
-            _ => request.reply(&Reply::text("404 Not Found", "there is no such page")),
-        }
+#[cfg(not(target_family = "wasm"))]
+impl crate::web::server::Site for ViewSite {
+    fn respond(&self, mut request: crate::web::request::Request) -> io::Result<()> {
+        let [path, query] = [request.path.clone(), request.query.clone()];
+        let reply = self.reply(request.is_post, [&path, &query], |max| request.body(max))?;
+        request.reply(&reply)
     }
 }
 
 impl ViewSite {
+    /// Answers a request for a path with a query; `body` reads what was posted, of so many bytes at most.
+    ///
+    /// # Errors
+    /// The browser is gone, or the disk is full.
+    pub fn reply(
+        &self,
+        is_post: bool,
+        [path, query]: [&str; 2],
+        body: impl FnOnce(usize) -> io::Result<Vec<u8>>,
+    ) -> io::Result<Reply<'static>> {
+        let workspace = &self.0;
+        match (is_post, path) {
+            (false, "") => Ok(Reply::html(start_page().into_bytes())),
+            (false, "state") => self.state(),
+            (false, "report") => Ok(self.file(PageFile::Report)),
+            (false, "adapted") => Ok(self.file(PageFile::Adapted)),
+            (false, "job") => Ok(self.file(PageFile::Job)),
+            (true, "stop") => {
+                workspace.stop();
+                Ok(Reply::text("202 Accepted", ""))
+            }
+            (true, "program" | "init" | "run") => {
+                if !workspace.begin() {
+                    return Ok(Reply::text("409 Conflict", "another run is under way: wait for it, or stop it"));
+                }
+                let done = self.work([path, query], body);
+                // Before the answer: the page may send its next request as soon as it has it.
+                workspace.end();
+                match done? {
+                    Ok(()) => self.state(),
+                    Err(fault) => Ok(Reply::text("400 Bad Request", fault)),
+                }
+            }
+            _ => Ok(Reply::text("404 Not Found", "there is no such page")),
+        }
+    }
+
     /// Does what is asked; `Err` inside: a fault of the request.
-    fn work(&self, request: &mut Request) -> io::Result<Result<(), String>> {
-        let body = request.body(if request.path == "program" { PROGRAM_MAX } else { TEXT_MAX })?;
-        match request.path.as_str() {
-            "program" => self.0.take(&request.query, &body)?,
+    fn work(
+        &self,
+        [path, query]: [&str; 2],
+        body: impl FnOnce(usize) -> io::Result<Vec<u8>>,
+    ) -> io::Result<Result<(), String>> {
+        let body = body(if path == "program" { PROGRAM_MAX } else { TEXT_MAX })?;
+        match path {
+            "program" => self.0.take(query, &body)?,
             "init" => match serde_json::from_slice::<FormValues>(&body) {
                 Ok(values) => self.0.propose(&values),
                 Err(error) => return Ok(Err(error.to_string())),
@@ -64,20 +81,20 @@ impl ViewSite {
         Ok(Ok(()))
     }
 
-    fn state(&self, request: Request) -> io::Result<()> {
-        let state = serde_json::to_vec(&self.0.state())?;
-        request.reply(&Reply { status: "200 OK", kind: "application/json", file_name: None, body: &state })
+    fn state(&self) -> io::Result<Reply<'static>> {
+        let body = serde_json::to_vec(&self.0.state())?.into();
+        Ok(Reply { status: "200 OK", kind: "application/json", file_name: None, body })
     }
 
-    fn file(&self, request: Request, output: PageFile) -> io::Result<()> {
+    fn file(&self, output: PageFile) -> Reply<'static> {
         let Ok((bytes, name)) = self.0.read(output) else {
-            return request.reply(&Reply::text("404 Not Found", "there is none yet"));
+            return Reply::text("404 Not Found", "there is none yet");
         };
         match output {
-            PageFile::Report => request.reply(&Reply::html(&bytes)),
+            PageFile::Report => Reply::html(bytes),
             _ => {
                 let kind = "text/plain; charset=utf-8";
-                request.reply(&Reply { status: "200 OK", kind, file_name: Some(name), body: &bytes })
+                Reply { status: "200 OK", kind, file_name: Some(name), body: bytes.into() }
             }
         }
     }

@@ -1,29 +1,26 @@
 //! Temporary folder of the page: the program, its job, and what arcfeed makes of them.
 //!
-//! The commands run as processes of their own, so a browser gets the words that a terminal gets, and a run can be stopped.
+//! A browser gets the words that a terminal gets, because a [runner](Runner) runs the same commands.
 
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use serde::Serialize;
 
 use super::super::outcome::{Failure, file_failure};
+use super::Runner;
 use super::input::{FormValues, OpenQuestion, foreign_file, open_questions, plain_name};
-
-/// Time between two looks at a running command.
-const PERIOD: Duration = Duration::from_millis(20);
-/// Most bytes of messages that are shown.
-const MESSAGES_MAX: usize = 64 * 1024;
+use crate::files;
 
 /// Folder and state, shared by all browsers.
 pub struct Workspace {
     folder: PathBuf,
     files: Mutex<Files>,
-    running: Mutex<Running>,
+    /// A command of a browser is under way.
+    is_taken: AtomicBool,
+    runner: Runner,
 }
 
 /// Program and job.
@@ -34,14 +31,6 @@ struct Files {
     /// The job is a file of the command line, which the page does not change.
     is_fixed: bool,
     messages: String,
-}
-
-#[derive(Default)]
-struct Running {
-    /// A command of a browser is under way.
-    is_taken: bool,
-    child: Option<Child>,
-    is_closed: bool,
 }
 
 /// State for the page.
@@ -60,19 +49,25 @@ pub struct PageState {
 /// File that a browser may fetch.
 #[derive(Clone, Copy, Debug)]
 pub enum PageFile {
+    /// Page with the run before and after.
     Report,
+    /// Adapted program.
     Adapted,
+    /// Job file.
     Job,
 }
 
 impl Workspace {
-    /// Workspace in an empty folder.
+    /// Workspace in a folder, by its absolute path.
+    ///
+    /// # Errors
+    /// Folders cannot be made in it.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        let folder = folder.canonicalize()?;
         for part in ["in", "out"] {
-            std::fs::create_dir(folder.join(part))?;
+            files::clear_folder(&folder.join(part))?;
         }
-        Ok(Workspace { folder, files: Mutex::default(), running: Mutex::default() })
+        let runner = Runner::new(folder);
+        Ok(Workspace { folder: folder.to_owned(), files: Mutex::default(), is_taken: AtomicBool::new(false), runner })
     }
 
     /// Begins with a job or a program of the command line.
@@ -81,12 +76,12 @@ impl Workspace {
     /// The file cannot be read.
     pub fn open(&self, path: &Path) -> Result<(), Failure> {
         if path.extension().is_some_and(|extension| extension == "toml") {
-            let absolute = path.canonicalize().map_err(|error| file_failure(path, &error))?;
+            let absolute = files::canonicalize(path).map_err(|error| file_failure(path, &error))?;
             *self.files() = Files { job: Some(absolute), is_fixed: true, ..Files::default() };
             self.adapt();
             return Ok(());
         }
-        let bytes = std::fs::read(path).map_err(|error| file_failure(path, &error))?;
+        let bytes = files::read(path).map_err(|error| file_failure(path, &error))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         self.take(&name, &bytes).map_err(|error| file_failure(path, &error))
     }
@@ -97,11 +92,10 @@ impl Workspace {
     /// The disk is full.
     pub fn take(&self, name: &str, program: &[u8]) -> io::Result<()> {
         for part in ["in", "out"] {
-            std::fs::remove_dir_all(self.folder.join(part))?;
-            std::fs::create_dir(self.folder.join(part))?;
+            files::clear_folder(&self.folder.join(part))?;
         }
         let path = self.folder.join("in").join(plain_name(name));
-        std::fs::write(&path, program)?;
+        files::write(&path, program)?;
         *self.files() = Files { job: Some(path.with_extension("toml")), program: Some(path), ..Files::default() };
         self.propose(&FormValues::default());
         Ok(())
@@ -129,7 +123,7 @@ impl Workspace {
                 self.files().messages = message;
                 return Ok(());
             }
-            std::fs::write(job, text)?;
+            files::write(job, text)?;
         }
         self.adapt();
         Ok(())
@@ -148,67 +142,34 @@ impl Workspace {
 
     /// Runs arcfeed in the folder of the program; its messages are kept.
     fn command(&self, arguments: &[String]) {
-        let messages = self.run(arguments).unwrap_or_else(|error| format!("arcfeed does not start: {error}"));
+        let messages = self.runner.run(arguments).unwrap_or_else(|error| format!("arcfeed does not start: {error}"));
         self.files().messages = messages;
-    }
-
-    fn run(&self, arguments: &[String]) -> io::Result<String> {
-        let log = self.folder.join("messages");
-        let mut command = Command::new(std::env::current_exe()?);
-        command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(File::create(&log)?);
-        command.current_dir(self.folder.join("in"));
-        {
-            let mut running = self.running();
-            if running.is_closed {
-                return Ok("the page has ended".into());
-            }
-            running.child = Some(command.spawn()?);
-        }
-        let ended = loop {
-            let ended = match &mut self.running().child {
-                Some(child) => child.try_wait()?,
-                None => return Ok("stopped".into()),
-            };
-            match ended {
-                Some(status) => break status,
-                None => std::thread::sleep(PERIOD),
-            }
-        };
-        self.running().child = None;
-        let mut messages = std::fs::read(&log)?;
-        messages.truncate(MESSAGES_MAX);
-        let messages = String::from_utf8_lossy(&messages).into_owned();
-        Ok(if ended.success() || !messages.is_empty() { messages } else { format!("arcfeed: {ended}") })
     }
 
     /// Takes the workspace for a command; `false` if another browser has it.
     pub fn begin(&self) -> bool {
-        !std::mem::replace(&mut self.running().is_taken, true)
+        !self.is_taken.swap(true, Ordering::Relaxed)
     }
 
     /// Gives the workspace back.
     pub fn end(&self) {
-        self.running().is_taken = false;
+        self.is_taken.store(false, Ordering::Relaxed);
     }
 
     /// Stops the running command.
     pub fn stop(&self) {
-        if let Some(mut child) = self.running().child.take() {
-            let _has_ended = child.kill();
-            let _reaped = child.wait();
-        }
+        self.runner.stop();
     }
 
     /// Stops everything for good.
     pub fn close(&self) {
-        self.running().is_closed = true;
-        self.stop();
+        self.runner.close();
     }
 
     /// State for the page.
     pub fn state(&self) -> PageState {
         let files = self.files().clone();
-        let job = files.job.as_ref().and_then(|path| std::fs::read_to_string(path).ok());
+        let job = files.job.as_ref().and_then(|path| files::read_to_string(path).ok());
         let questions = job.as_deref().map(open_questions).unwrap_or_default();
         PageState {
             program: files.program.or_else(|| files.job.clone()).map(|path| name(&path)),
@@ -216,7 +177,7 @@ impl Workspace {
             is_fixed: files.is_fixed,
             questions,
             messages: files.messages,
-            has_report: self.path(PageFile::Report).exists(),
+            has_report: files::is_file(&self.path(PageFile::Report)).is_ok(),
         }
     }
 
@@ -225,17 +186,16 @@ impl Workspace {
     /// # Errors
     /// There is none yet.
     pub fn read(&self, output: PageFile) -> io::Result<(Vec<u8>, String)> {
-        let files = self.files().clone();
-        let stem =
-            files.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
+        let now = self.files().clone();
+        let stem = now.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();
         let stem = plain_name(&stem);
-        let extension = files.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
+        let extension = now.program.as_ref().and_then(|program| program.extension()).unwrap_or("nc".as_ref());
         match output {
-            PageFile::Report => Ok((std::fs::read(self.path(output))?, format!("{stem}.html"))),
+            PageFile::Report => Ok((files::read(self.path(output))?, format!("{stem}.html"))),
             PageFile::Adapted => {
-                Ok((std::fs::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
+                Ok((files::read(self.path(output))?, format!("{stem}-adapted.{}", extension.to_string_lossy())))
             }
-            PageFile::Job => Ok((std::fs::read(files.job.unwrap_or_default())?, format!("{stem}.toml"))),
+            PageFile::Job => Ok((files::read(now.job.unwrap_or_default())?, format!("{stem}.toml"))),
         }
     }
 
@@ -251,16 +211,12 @@ impl Workspace {
     /// An old result does not stay beside a new job.
     fn clear_output(&self) {
         for output in [PageFile::Report, PageFile::Adapted] {
-            let _was_not_there = std::fs::remove_file(self.path(output));
+            let _was_not_there = files::remove_file(self.path(output));
         }
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {
         self.files.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn running(&self) -> MutexGuard<'_, Running> {
-        self.running.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -11,9 +11,8 @@ use arcfeed_plan::output::stl::to_stl;
 use arcfeed_plan::vector::Point;
 
 use super::super::super::outcome::Failure;
-use super::super::files::{
-    BELOW_HUB_MM, BESIDE_PITCHES, CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files,
-};
+use super::super::files::{CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files};
+use super::super::slot_frame::{BELOW_HUB_MM, BESIDE_PITCHES};
 use super::figures::PlungeFigures;
 use super::page::page;
 use super::result::PlungeResult;

@@ -37,7 +37,7 @@ pub fn slot(report: &PlanReport) -> String {
     way.way(path);
     way.mark("C", path.base);
     let legend: String = COLORS.iter().enumerate().fold(String::new(), |mut legend, (index, color)| {
-        let _ = write!(legend, "<span style=\"color:{color}\">movement {}</span> ", index + 1);
+        let _ = write!(legend, "<span style=\"border-bottom:3px solid {color}\">movement {}</span> ", index + 1);
         legend
     });
     format!(

@@ -4,7 +4,7 @@
 //! compressed block:
 //!
 //! ```text
-//! base64( zlib( length of the header as u32, little-endian | header, JSON | columns of the runs | columns of the heights | text ) )
+//! base64( zlib( length of the header as u32, little-endian | header, JSON | columns of the runs | columns of the heights | columns of the solids | text ) )
 //! ```
 
 pub mod column;
@@ -16,7 +16,7 @@ use self::column::{Column, ColumnHead};
 use super::png::base64;
 
 /// Version of the data's layout; a change that an older viewer cannot read has another one.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// Compression of the data, of 10; higher levels take much longer for 1 % less.
 const LEVEL: u8 = 6;
@@ -42,10 +42,12 @@ pub struct ViewerData {
     pub unit: &'static str,
     /// Runs: before, then after.
     pub runs: Vec<RunPath>,
-    /// Closed outline of the tool: radius and height above the tip.
-    pub tool: Vec<[f64; 2]>,
-    /// Heights that remain after the run, if there is a workpiece.
+    /// Closed outlines of the tools: radius and height above the tip.
+    pub tools: Vec<Vec<[f64; 2]>>,
+    /// Heights of the stock over the last run, if there is a workpiece.
     pub heights: Option<HeightGrid>,
+    /// Solids that stay as they are.
+    pub solids: Vec<Solid>,
     /// Findings in order of importance.
     pub findings: Vec<RunFinding>,
     /// Lines of the program, each with its text as sent if that differs.
@@ -63,7 +65,7 @@ pub struct RunPath {
     pub columns: Vec<Column>,
 }
 
-/// Heights over the columns and rows of a grid.
+/// Heights over the columns and rows of a grid, before a run and at some times of it.
 #[derive(Clone, Debug)]
 pub struct HeightGrid {
     /// Cells along X.
@@ -72,8 +74,23 @@ pub struct HeightGrid {
     pub lowest: [f64; 2],
     /// Edge of a cell.
     pub step: f64,
-    /// Heights row by row from the lowest Y; no value where nothing is left.
+    /// Heights before the run, row by row from the lowest Y; no value where nothing is left.
     pub heights: Column,
+    /// Times of the frames, and the number of changes up to and including each.
+    pub frames: [Column; 2],
+    /// Cells that change, frame by frame, and their new heights.
+    pub changes: [Column; 2],
+}
+
+/// Solid as triangles.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    /// Name.
+    pub name: &'static str,
+    /// X, Y, Z of the vertices.
+    pub vertices: [Column; 3],
+    /// Three vertices of each triangle, by their indices.
+    pub corners: Column,
 }
 
 /// Finding about a block of a run, for the viewer.
@@ -85,6 +102,12 @@ pub struct RunFinding {
     pub run: &'static str,
     /// Blocks executed, up to and including the block.
     pub block: u32,
+    /// Time of the run, s; without it the beginning of the block.
+    #[serde(rename = "at", skip_serializing_if = "Option::is_none")]
+    pub at_s: Option<f64>,
+    /// Place that is marked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<[f64; 3]>,
     /// Text.
     pub text: String,
 }
@@ -95,8 +118,9 @@ struct Header<'a> {
     title: &'a str,
     unit: &'static str,
     runs: Vec<RunHeader<'a>>,
-    tool: &'a [[f64; 2]],
+    tools: &'a [Vec<[f64; 2]>],
     heights: Option<HeightsHeader>,
+    solids: Vec<SolidHeader>,
     findings: &'a [RunFinding],
     text_bytes: usize,
 }
@@ -115,9 +139,25 @@ struct HeightsHeader {
     step: f64,
     cells: usize,
     column: ColumnHead,
+    frames: FramesHeader,
 }
 
-/// Page that takes a program and shows its report, for a server.
+#[derive(Serialize)]
+struct FramesHeader {
+    count: usize,
+    changes: usize,
+    columns: Vec<ColumnHead>,
+}
+
+#[derive(Serialize)]
+struct SolidHeader {
+    name: &'static str,
+    vertices: usize,
+    corners: usize,
+    columns: Vec<ColumnHead>,
+}
+
+/// Page that takes a program and shows its report, for a server. `cargo xtask web` writes the same one with arcfeed inside it.
 pub fn start_page() -> String {
     let [connects, icon] = SERVED;
     format!(
@@ -148,8 +188,9 @@ impl ViewerData {
             title: &self.title,
             unit: self.unit,
             runs: self.runs.iter().map(RunPath::header).collect(),
-            tool: &self.tool,
+            tools: &self.tools,
             heights: self.heights.as_ref().map(HeightGrid::header),
+            solids: self.solids.iter().map(Solid::header).collect(),
             findings: &self.findings,
             text_bytes: text.len(),
         };
@@ -157,7 +198,8 @@ impl ViewerData {
         let mut bytes = (header.len() as u32).to_le_bytes().to_vec();
         bytes.extend(header);
         self.runs.iter().flat_map(|run| &run.columns).for_each(|column| column.write(&mut bytes));
-        self.heights.iter().for_each(|grid| grid.heights.write(&mut bytes));
+        self.heights.iter().flat_map(HeightGrid::columns).for_each(|column| column.write(&mut bytes));
+        self.solids.iter().flat_map(Solid::columns).for_each(|column| column.write(&mut bytes));
         bytes.extend(text);
         bytes
     }
@@ -190,7 +232,24 @@ impl RunPath {
 
 impl HeightGrid {
     fn header(&self) -> HeightsHeader {
-        let HeightGrid { columns, lowest, step, ref heights } = *self;
-        HeightsHeader { columns, lowest, step, cells: heights.len(), column: heights.head }
+        let HeightGrid { columns, lowest, step, ref heights, ref frames, ref changes } = *self;
+        let columns_of_frames = frames.iter().chain(changes).map(|column| column.head).collect();
+        let frames = FramesHeader { count: frames[0].len(), changes: changes[0].len(), columns: columns_of_frames };
+        HeightsHeader { columns, lowest, step, cells: heights.len(), column: heights.head, frames }
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &Column> {
+        std::iter::once(&self.heights).chain(&self.frames).chain(&self.changes)
+    }
+}
+
+impl Solid {
+    fn header(&self) -> SolidHeader {
+        let columns = self.columns().map(|column| column.head).collect();
+        SolidHeader { name: self.name, vertices: self.vertices[0].len(), corners: self.corners.len(), columns }
+    }
+
+    fn columns(&self) -> impl Iterator<Item = &Column> {
+        self.vertices.iter().chain(std::iter::once(&self.corners))
     }
 }
