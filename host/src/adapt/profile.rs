@@ -59,6 +59,8 @@ struct Asked<'a, L> {
 
 /// The demand at five evenly spaced points of an interval. Those at its quarters reveal a jump that happens to lie on the chord.
 struct Quarters {
+    /// Ends of the interval.
+    ends: [Point; 2],
     /// The least path per tooth, infinite where no feed is too high at any of them.
     least: f64,
     /// That in the middle.
@@ -209,7 +211,7 @@ impl<L: FeedLaw> Asked<'_, L> {
         if quarters.is_smooth() {
             return quarters.bound();
         }
-        let least = self.looked_at(first, last, &quarters, DEPTH_MAX, f64::INFINITY);
+        let least = self.looked_at(&quarters, DEPTH_MAX, f64::INFINITY);
         let (mut low, mut high, mut bottom) = (first.0, last.0, least);
         for _ in 0..DESCENTS {
             let third = (high - low) / 3.0;
@@ -224,9 +226,9 @@ impl<L: FeedLaw> Asked<'_, L> {
         bottom
     }
 
-    /// The least between two points, halved as long as it might dip below what is known: the answers at these points, and
-    /// `known` elsewhere in the cell.
-    fn looked_at(&self, first: Point, last: Point, quarters: &Quarters, depth: usize, known: f64) -> f64 {
+    /// The least in an interval, halved as long as it might dip below what is known: the answers at its points, and `known`
+    /// elsewhere in the cell.
+    fn looked_at(&self, quarters: &Quarters, depth: usize, known: f64) -> f64 {
         if quarters.is_smooth() || quarters.dip.is_infinite() || depth == 0 {
             return quarters.bound();
         }
@@ -235,18 +237,17 @@ impl<L: FeedLaw> Asked<'_, L> {
             return lowest;
         }
         self.left.set(left - 1);
+        let [first, last] = quarters.ends;
         let middle = (0.5 * (first.0 + last.0), quarters.middle);
-        let mut halves = [(first, middle), (middle, last)].map(|(from, to)| (from, to, self.quarters(from, to)));
-        if quarters.is_rough(halves.each_ref().map(|(.., half)| half)) {
-            return halves.into_iter().map(|(.., half)| half.lowest()).fold(lowest, f64::min);
+        let mut halves = [self.quarters(first, middle), self.quarters(middle, last)];
+        if quarters.is_rough(&halves) {
+            return halves.iter().map(Quarters::lowest).fold(lowest, f64::min);
         }
         // The lower half first: what it has leaves less to look for in the other.
         if last.1 < first.1 {
             halves.reverse();
         }
-        halves.iter().fold(quarters.least, |least, (from, to, half)| {
-            least.min(self.looked_at(*from, *to, half, depth - 1, least.min(known)))
-        })
+        halves.iter().fold(quarters.least, |least, half| least.min(self.looked_at(half, depth - 1, least.min(known))))
     }
 
     fn quarters(&self, first: Point, last: Point) -> Quarters {
@@ -259,6 +260,7 @@ impl<L: FeedLaw> Asked<'_, L> {
         // A rise within a few steps may be a jump, which no step of f32 accounts for.
         let step = if steps > 2.0 * ROUNDED_STEPS { libm::fabs(last.1 - first.1) / steps } else { 0.0 };
         Quarters {
+            ends: [first, last],
             least,
             middle: paths[2],
             negligible: f64::max(SHARP_RATIO * least, ROUNDED_STEPS * step),
@@ -287,7 +289,7 @@ impl Quarters {
     }
 
     /// Reports whether neither half dips much less than the whole.
-    fn is_rough(&self, halves: [&Quarters; 2]) -> bool {
+    fn is_rough(&self, halves: &[Quarters; 2]) -> bool {
         self.dip <= ROUGH_MAX_RATIO * self.least && halves.iter().all(|half| half.dip >= ROUGH_RATIO * self.dip)
     }
 
