@@ -27,7 +27,7 @@ pub struct Memory {
     /// Consecutive invalid frames, at the last tick, of the position's input and of the link.
     pub(super) invalid: [u8; 2],
     pub(super) counters: Counters,
-    /// How far below 1 the override ratio must be at the end of the segment that began last; 0 if it may be 1.
+    /// Part of the programmed feed by which the override must be below 1 at the end of the segment that began last; 0 if it may be 1.
     pub(super) reserve_ratio: f32,
 }
 

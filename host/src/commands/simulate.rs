@@ -223,12 +223,8 @@ impl Simulate {
 
     /// Judges the assertions, prints those that hold, and writes the outcomes.
     fn judge(&self, evidence: &Evidence<'_>, has_ended: bool, started: Instant) -> Result<(), Failure> {
-        let judged = |assertion: &Assertion| match evidence.report.alarms.first() {
-            Some(alarm) => assertion.without_run(&alarm.to_string()),
-            None if !has_ended => assertion.without_run("see the message of the command"),
-            None => assertion.judge(evidence),
-        };
-        let outcomes: Vec<AssertionOutcome> = self.assertions.iter().map(judged).collect();
+        let outcomes: Vec<AssertionOutcome> =
+            self.assertions.iter().map(|assertion| assertion.after(evidence, has_ended)).collect();
         if let Some(path) = &self.junit {
             let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
             write_whole(path, TestSuite { job, outcomes: &outcomes, time_s }.to_string().as_bytes())?;

@@ -103,6 +103,15 @@ impl Assertion {
         AssertionOutcome { text: self.text.clone(), verdict, largest: None }
     }
 
+    /// Judges the assertion after a run that has ended, or stopped.
+    pub fn after(&self, evidence: &Evidence<'_>, has_ended: bool) -> AssertionOutcome {
+        match evidence.report.alarms.first() {
+            Some(alarm) => self.without_run(&alarm.to_string()),
+            None if !has_ended => self.without_run("see the message of the command"),
+            None => self.judge(evidence),
+        }
+    }
+
     /// Judges the assertion on the data of a run.
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
         let (verdict, largest) = match self.figure.values(self.limit, evidence) {
