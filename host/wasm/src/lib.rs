@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! The interface is that of C, without pointers into Rust's data but these two: the page writes a request where [`request`]
-//! says, calls [`answer`], and reads the answer where [`reply`] says. A worker of the page calls them, one at a time
+//! The interface is that of C, without pointers into Rust's data but these two: the page writes a request where `request`
+//! says, calls `answer`, and reads the answer where `reply` says. A worker of the page calls them, one at a time
 //! (`host/web/src/worker.ts`).
 //!
 //! ```text
