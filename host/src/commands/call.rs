@@ -19,6 +19,7 @@ use super::lobes::Lobes;
 use super::outcome::Failure;
 use super::plan::PlanCommand;
 use super::simulate::Simulate;
+#[cfg(not(target_family = "wasm"))]
 use super::sweep::Sweep;
 use crate::adapt::{BlockLaw, Known, adapt_with};
 use crate::plural::counted;
@@ -34,6 +35,7 @@ enum Function {
     Simulate(Box<Simulate>),
     Lobes(Lobes),
     Law(Law),
+    #[cfg(not(target_family = "wasm"))]
     Sweep(Sweep),
 }
 
@@ -61,6 +63,7 @@ pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<(), Failure> {
         Function::Simulate(command) => command.run(),
         Function::Lobes(command) => command.run(),
         Function::Law(command) => command.run(),
+        #[cfg(not(target_family = "wasm"))]
         Function::Sweep(command) => command.run(),
     }
 }

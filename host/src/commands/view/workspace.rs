@@ -1,6 +1,6 @@
 //! Temporary folder of the page: the program, its job, and what arcfeed makes of them.
 //!
-//! A browser gets the words that a terminal gets, because a [runner](Runner) runs the same commands.
+//! A browser gets the words that a terminal gets, because a runner runs the same commands.
 
 use std::io;
 use std::path::{Path, PathBuf};
