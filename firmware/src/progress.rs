@@ -92,7 +92,7 @@ struct LineTrack {
     direction: [f32; 3],
 }
 
-/// Progress on a segment; state.
+/// Progress on a segment. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// On an arc: unit vector from the rotation centre to the last sample.

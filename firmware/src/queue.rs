@@ -20,7 +20,7 @@ const END_TOLERANCE_MM: f32 = 0.01;
 /// Tolerance of every axis at the end of a rapid.
 const REST_TOLERANCE: Nm = Nm(20_000);
 
-/// Follower of the position through the queued segments; state.
+/// Follower of the position through the queued segments. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Follower {
     progress: ControllerState,

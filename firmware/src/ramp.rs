@@ -39,7 +39,7 @@ pub struct Ramp {
     step_percent: u32,
 }
 
-/// Override ratio at the output, before rounding; state.
+/// Override ratio at the output, before rounding. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     ratio: f32,

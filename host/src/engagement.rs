@@ -49,7 +49,7 @@ pub struct MappedMove {
     pub table: Option<EngagedTable>,
 }
 
-/// Finds the moves of a program in a map, in the order of execution; state.
+/// Finds the moves of a program in a map, in the order of execution. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct Lookup<'m> {
     ahead: &'m [MappedMove],

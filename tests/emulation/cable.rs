@@ -13,7 +13,7 @@ pub const FROM_BOARD: usize = 1;
 /// Bytes in transit, with their time of arrival.
 type OnItsWay = VecDeque<(Micros, Vec<u8>)>;
 
-/// A cable with something at its far end; state.
+/// A cable with something at its far end. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Cable<A> {
     /// Device at the far end.

@@ -29,7 +29,7 @@ pub const SET: u32 = 1;
 /// Session of a host that starts once.
 const SESSION: u32 = 0x4051_0001;
 
-/// A host; state.
+/// A host. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Host {
     link: Link,

@@ -1,6 +1,6 @@
 //! Whole numbers from a seed: xorshift64*, the same on every machine.
 
-/// Generator of pseudo-random numbers; state.
+/// Generator of pseudo-random numbers. Keeps its state between calls.
 #[derive(Clone, Copy, Debug)]
 pub struct Random(u64);
 

@@ -46,7 +46,7 @@ pub struct RandomCase {
     route: Route,
 }
 
-/// Path of the tool's centre; state.
+/// Path of the tool's centre. Keeps its state between calls.
 #[derive(Clone, Copy, Debug)]
 enum Route {
     /// Position relative to the rotation centre, nm; cosine and sine of the turn per tick.
@@ -106,7 +106,7 @@ impl RandomCase {
         self.segment.path == Path::Line
     }
 
-    /// Stock of the block if it cuts with a ring.
+    /// Stock of the block if its tool is a cup mill; `None` for an end mill.
     pub fn stock(&self) -> Option<&Stock> {
         match &self.rule.work {
             Work::Ring(_, stock) => Some(stock),

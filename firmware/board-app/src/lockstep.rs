@@ -40,7 +40,7 @@ pub trait BoardLines {
     fn send(&mut self, line: BoardLine, bytes: &[u8]) -> usize;
 }
 
-/// The board's end of the machine line; state.
+/// The board's end of the machine line. Keeps its state between calls.
 #[derive(Debug, Default)]
 pub struct Lockstep {
     line: PlainLine,

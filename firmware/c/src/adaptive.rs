@@ -41,7 +41,7 @@ const RAPID: i32 = 1;
 const FEEDS: core::ops::RangeInclusive<i32> = 2..=3;
 
 /// Combination of arcfeed's override with the control's own, for a control whose override input can only reduce the
-/// feed; state.
+/// feed. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AdaptiveFeed {
     /// Dial requested last, %; `None` before the first request.

@@ -31,7 +31,7 @@ pub struct LineMove {
 /// Room for moves.
 pub type Slots = [Option<LineMove>];
 
-/// The move in execution; state.
+/// The move in execution. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InWork {
     /// None.

@@ -4,7 +4,7 @@
 //! settled level restarts the count. The counters are stored bit-sliced, one bit of each in a word, so that a tick
 //! costs the same for one contact and for sixteen.
 
-/// Debouncing of sixteen contacts; state.
+/// Debouncing of sixteen contacts. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contacts {
     settled: u16,

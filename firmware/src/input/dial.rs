@@ -18,7 +18,7 @@ pub struct DialInput {
     highest_percent: u8,
 }
 
-/// Last reading of the dial; state.
+/// Last reading of the dial. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DialState {
     held: u16,

@@ -16,7 +16,7 @@ pub struct Encoder {
     most_counts: u16,
 }
 
-/// Position of an axis; state.
+/// Position of an axis. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counter {
     last: u16,

@@ -104,7 +104,7 @@ impl Supervisor {
         Ok(Supervisor { controller: Controller::new(PositionFilter::Exact), ramp, settings })
     }
 
-    /// The controller, for other users of its position filter.
+    /// The controller, for code outside of the supervisor that needs its position filter.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }

@@ -8,7 +8,7 @@ use arcfeed_units::PERCENT;
 /// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;
 
-/// Operator's override dial; state.
+/// Operator's override dial. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorDial {
     percent: u8,

@@ -9,7 +9,7 @@ use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
 use super::state::{Disarm, Hold, State};
 
-/// Reason for the override that is put out.
+/// Reason for the override at the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
@@ -23,7 +23,7 @@ pub enum Reason {
     NoSpindle,
     /// The demand is below `min`: the override is `min`, and the chip is thicker than its target.
     Floor {
-        /// Excess of the chip, % rounded up; `u16::MAX` if the law demands no feed.
+        /// Excess of the chip, % rounded up; `u16::MAX` if the demanded feed is 0.
         chip_excess_percent: u16,
     },
     /// The demand is above a limit: the override is at the limit.

@@ -27,7 +27,7 @@ use super::action::{Action, ReadBlock};
 use super::path::to_pose;
 use super::settings::{ControlSettings, Switches};
 
-/// Drives of axes and spindle in a simulated control; state.
+/// Drives of axes and spindle in a simulated control. Keeps its state between calls.
 #[derive(Debug)]
 pub struct DriveState {
     loops: Option<PositionLoops>,

@@ -21,7 +21,7 @@ use super::prepared_move::{ActiveMove, Advance, MoveLimits, PreparedMove, Queued
 use super::settings::ControlSettings;
 use super::trapezoid::Trapezoid;
 
-/// Interpolator: moves the axes along the blocks read ahead; state.
+/// Interpolator: moves the axes along the blocks read ahead. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Interpolator {
     planner: SpeedPlanner,

@@ -107,7 +107,7 @@ pub struct AlarmRecord {
     pub fault: Fault,
 }
 
-/// A simulated Fanuc-like control with its axes; state.
+/// A simulated Fanuc-like control with its axes. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Control {
     settings: ControlSettings,

@@ -80,6 +80,6 @@ pub struct LineCounters {
     pub bytes: u64,
     /// Times DC3 was sent.
     pub xoff_count: u32,
-    /// Most characters that came after a DC3.
+    /// Largest number of characters that arrived after one DC3.
     pub max_bytes_after_xoff: u32,
 }

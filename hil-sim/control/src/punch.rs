@@ -12,7 +12,7 @@ use arcfeed_nc_macro::print::Output;
 
 use super::code::{DC1, DC2, DC3, DC4, TapeCode, with_even_parity};
 
-/// Output of the control to the sender (POPEN, DPRNT, BPRNT, PCLOS); state.
+/// Output of the control to the sender (POPEN, DPRNT, BPRNT, PCLOS). Keeps its state between calls.
 #[derive(Debug, Default)]
 pub struct Punch {
     queue: VecDeque<u8>,

@@ -51,7 +51,7 @@ pub enum ReceivedBlock {
     },
 }
 
-/// Reader of tape code: detects the code, and the label and the end of a program; state.
+/// Reader of tape code: detects the code, and the label and the end of a program. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Tape {
     settings: TapeSettings,

@@ -149,7 +149,7 @@ impl Dexel {
         self.take(cut).length_mm
     }
 
-    /// Removes the material inside `cut`; returns the effect on the ray.
+    /// Removes the material inside `cut`; returns the removed length, and the change of the memory of the ray.
     #[inline]
     pub fn take(&mut self, cut: Interval) -> Taken {
         match self {

@@ -43,7 +43,7 @@ pub struct Process {
     edge_displacements: EdgeDisplacements,
 }
 
-/// Displacements of the edges, each with its own; state.
+/// Displacements of the edges, each with its own. Keeps its state between calls.
 #[derive(Clone, Debug, Default)]
 struct EdgeDisplacements {
     places: Places,

@@ -22,7 +22,7 @@ pub struct InProcess<'q, const N: usize> {
     log: Log,
 }
 
-/// Log of the board; state.
+/// Log of the board. Keeps its state between calls.
 #[derive(Debug, Default)]
 struct Log {
     /// Frames, each with the number of ticks after which it is sent.

@@ -83,7 +83,7 @@ pub struct EngagedSample {
     pub intervals_deg: [Option<[f64; 2]>; 2],
 }
 
-/// Meter of the tool's engagement: the tool in the layers of the workpiece, with the samples so far; state.
+/// Meter of the tool's engagement: the tool in the layers of the workpiece, with the samples so far. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct EngagementMeter {
     settings: EngagementSettings,

@@ -81,7 +81,7 @@ pub struct SectionJoint {
     pub cosine_ratio: f64,
 }
 
-/// Descending moves of a run with their sections so far; state.
+/// Descending moves of a run with their sections so far. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub(super) struct SectionMeter {
     settings: SectionSettings,

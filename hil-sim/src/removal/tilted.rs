@@ -70,7 +70,7 @@ impl Solid for PartOf<'_> {
     }
 }
 
-/// Layers in force and what the tool has swept so far; state.
+/// Layers in force and what the tool has swept so far. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub(super) struct TiltedLayers {
     workpiece: TiltedWorkpiece,

@@ -42,15 +42,16 @@ pub struct PassStep {
     pub torque_n_m: f64,
 }
 
-/// Tracker of the teeth's passes through the material; state.
+/// Tracker of the teeth's passes through the material. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct ToothPasses {
+    /// Cutting circle of each tooth.
     sides: Vec<Edge>,
     /// Pass of each tooth that is in the material.
     open: Vec<Option<ToothPass>>,
     /// Passes that the last step ended.
     ended: Vec<ToothPass>,
-    /// Passes since they were last taken, if they are recorded.
+    /// Ended passes that the caller has not taken yet, if passes are recorded.
     recorded: Option<Vec<ToothPass>>,
 }
 

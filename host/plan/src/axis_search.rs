@@ -10,18 +10,18 @@ use crate::cup_mill::room::{DirectionGrid, LEAN_MAX_RAD, LEAN_STEP_RAD, Room, le
 use crate::cup_mill::side::RAISES;
 use crate::cutter::CupMill;
 
-/// Direction of the tool, and the value of its plan.
+/// Direction of the tool that the search has tried, with the share of the slot that its plan removes.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// Prepared slot, by the edges from which the path starts.
     pub edge: usize,
-    /// Direction with its room.
+    /// Direction, with the width that it leaves for the ring between the blades.
     pub room: Room,
-    /// Parts of the sides' height that are left out.
+    /// Number of equal parts of the blades' height, from the hub, that are left out.
     pub raise: usize,
-    /// Removed fraction of the slot.
+    /// Removed part of the slot's volume, 0 to 1.
     pub share_ratio: f64,
-    /// Lean and tilt.
+    /// Lean and tilt, as coordinates of the search.
     at: [f64; 2],
 }
 

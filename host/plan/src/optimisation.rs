@@ -103,8 +103,8 @@ impl<'p> Problem<'p> {
         }
     }
 
-    /// Best plan whose proof holds, with the proof; if none holds, the best plan with its proof. If the axis is
-    /// given, there is only one plan.
+    /// Best plan that is proven free of collisions, with its proof; if there is none, the best plan with its failed proof. Plans that
+    /// `admits` rejects do not count as proven. With `axis` only the plan along this axis is tried.
     ///
     /// # Errors
     /// There is no plan.

@@ -13,7 +13,7 @@ use crate::engagement::EngagementMap;
 use crate::engagement::sections::{DescentLookup, MappedDescent, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
 
-/// Reader of the descending moves of a program, each with the plunge law and its sections; state.
+/// Reader of the descending moves of a program, each with the plunge law and its sections. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct Descents<'a> {
     law: Law,

@@ -165,7 +165,7 @@ struct CorneredLine {
 }
 
 impl<'a> OffsetMoves<'a> {
-    /// Reader of these lines; `reader` is the control before the first line.
+    /// Offset moves of `lines`. `reader` has the modal state of the control before the first of them.
     pub fn new(reader: Reader, lines: impl Iterator<Item = &'a [u8]> + 'a) -> Self {
         OffsetMoves {
             lines: Box::new(lines),

@@ -201,9 +201,8 @@ impl PlannedBlock {
         self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
     }
 
-    /// Whether the contour law slows down an arc that is shorter than the braking distance of the axes. Such an arc
-    /// keeps its programmed feed: the chip is never thicker than the centre's feed per tooth, and the feed per tooth
-    /// at the contour is a mean over several teeth.
+    /// Whether the contour law asks for a lower feed on an arc that is shorter than the braking distance of the axes. The caller then keeps
+    /// the programmed feed. This is safe, because the chip is never thicker than the centre's feed per tooth.
     pub fn is_too_short_to_slow_down(&self, job: &Job, accelerations_mm_per_s2: &[f64; 3]) -> bool {
         let law = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule).law);
         let (Some(LawKind::Contour { .. }), Some(arc), Some(sent), Some(programmed)) =

@@ -1,4 +1,4 @@
-//! A law asked along a move: its answers at evenly spaced points, and between them a bound that it does not undercut.
+//! Demand of a law along a move: its values at evenly spaced points, and between them a lower bound.
 
 use std::cell::Cell;
 use std::iter::once;

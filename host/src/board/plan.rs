@@ -220,8 +220,8 @@ impl BoardPlan {
         self.ends.partition_point(|end| *end <= messages)
     }
 
-    /// Number of moves that are over once the control has started `blocks` blocks: those of all lines before the last
-    /// of them.
+    /// Number of moves that have certainly ended when the control has started `blocks` blocks: all moves of the lines before the line of
+    /// the block that it started last.
     pub fn over(&self, blocks: usize, sending: &Transmission) -> usize {
         let in_work = sending.line_of_block(blocks).unwrap_or(0);
         self.lines.partition_point(|line| *line < in_work)

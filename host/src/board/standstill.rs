@@ -9,7 +9,7 @@ use arcfeed_units::Micros;
 /// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
-/// Detector of a board that no longer sees the moves of the control; state.
+/// Detector of a board that no longer sees the moves of the control. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Standstill {
     /// Moves done, as the board saw it.

@@ -82,7 +82,7 @@ pub struct MappedDescents {
     pub moves: Vec<MappedDescent>,
 }
 
-/// Finds the descending moves of a program in a map, in the order of execution; state.
+/// Finds the descending moves of a program in a map, in the order of execution. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct DescentLookup<'m> {
     ahead: &'m [MappedDescent],

@@ -298,10 +298,15 @@ pub struct SerialTable {
 pub struct DncTable {
     pub code: Option<Spanned<String>>,
     pub tv_check: bool,
+    /// Seconds.
     pub reaction: Option<Spanned<f64>>,
+    /// Seconds.
     pub start_timeout: Option<Spanned<f64>>,
+    /// Seconds.
     pub xoff_timeout: Option<Spanned<f64>>,
+    /// Blocks.
     pub report_every: Option<Spanned<usize>>,
+    /// Blocks.
     pub read_ahead: Option<usize>,
 }
 

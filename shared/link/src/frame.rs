@@ -25,7 +25,7 @@ pub const PAYLOAD_MAX: usize = 224;
 pub const HEADER_LEN: usize = 10;
 /// Length of the checksum, after the payload.
 pub const CHECK_LEN: usize = 4;
-/// Longest prefix that a class puts before a message.
+/// Largest number of bytes that a message class puts before the message, such as its sequence number.
 pub const PREFIX_MAX: usize = 2;
 /// Longest body. Below 254 bytes, so that stuffing adds only one byte.
 pub const BODY_MAX: usize = HEADER_LEN + PREFIX_MAX + PAYLOAD_MAX + CHECK_LEN;

@@ -84,7 +84,7 @@ pub enum SettingsError {
 }
 
 impl LinkSettings {
-    /// Settings for a line of 115 200 bit/s and most USB adapters.
+    /// Settings for a line of 115 200 bit/s, with time-outs that most USB adapters keep. `schema` is the hash of the messages.
     pub const fn new(role: Role, schema: u32) -> Self {
         LinkSettings {
             role,

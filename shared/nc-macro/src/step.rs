@@ -50,7 +50,7 @@ pub enum MacroStep {
     End(Ending),
 }
 
-/// End of a program, by its cause.
+/// Reason why a program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// M02 or M30.

@@ -122,7 +122,7 @@ pub enum OutsideValues {
     },
 }
 
-/// System variables that the blocks with a `/` so far may have changed.
+/// System variables whose values depend on whether the blocks with a `/` so far were executed or skipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SwitchedValues {
     /// None.

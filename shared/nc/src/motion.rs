@@ -17,7 +17,7 @@ pub enum MotionKind {
 }
 
 impl MotionKind {
-    /// Kind of motion of a G code; `None` for codes of other groups.
+    /// Kind of motion of a modal G code of group 1; `None` without a code, or for one of another group.
     #[inline]
     pub const fn of_code(code: Option<i64>) -> Option<Self> {
         match code {

@@ -118,7 +118,7 @@ impl TapeCode {
         }
     }
 
-    /// Meaning of a frame.
+    /// Symbol that one row of holes, a byte, stands for.
     ///
     /// # Errors
     /// Wrong parity, or an undefined combination of holes.

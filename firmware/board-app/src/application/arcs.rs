@@ -8,7 +8,7 @@ use arcfeed_link::message::table::SegmentArcs;
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::{EngagedError, EngagedTable};
 
-/// Engaged arcs received for the next segment; state.
+/// Engaged arcs received for the next segment. Keeps its state between calls.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one of it")]
 pub enum ReceivedArcs {

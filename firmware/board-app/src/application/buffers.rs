@@ -13,7 +13,7 @@ use arcfeed_firmware::active::{ActiveSegment, Conditions};
 
 use super::arcs::ReceivedArcs;
 
-/// The job in force, the parameter set being received, and the engaged arcs of the next segment; state.
+/// The job in force, the parameter set being received, and the engaged arcs of the next segment. Keeps its state between calls.
 #[derive(Debug)]
 pub struct Buffers {
     /// The job in force, if there is one.

@@ -29,7 +29,7 @@ use super::report;
 /// Maximum number of answers that wait for the link.
 const REPLIES: usize = 8;
 
-/// Executes host commands; state.
+/// Executes host commands. Keeps its state between calls.
 pub struct CommandHandler<'q> {
     dispatch: Dispatch<'q>,
     identity: Identity,

@@ -13,7 +13,7 @@ use super::messages::{Command, Notice, PlannedMove, TaskStatus};
 /// Maximum number of notices that wait for room in the queue.
 const NOTICES: usize = 8;
 
-/// Sender of commands and notices to the control task, with what waits for room; state.
+/// Sender of commands and notices to the control task, with what waits for room. Keeps its state between calls.
 pub struct Dispatch<'q> {
     commands: Producer<'q, Command>,
     notices: Producer<'q, Notice>,

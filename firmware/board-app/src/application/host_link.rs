@@ -16,7 +16,7 @@ const REPORT_TTL: Span = Span::from_ms(300);
 /// Number of free slots of the link that the log leaves for answers.
 const LOG_LEAVES: usize = 4;
 
-/// The board's end of the link; state.
+/// The board's end of the link. Keeps its state between calls.
 pub struct HostLink<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
     link: Link<WINDOW, KINDS>,
     handler: CommandHandler<'q>,

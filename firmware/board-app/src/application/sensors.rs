@@ -27,7 +27,7 @@ pub struct Sensors {
     pub signals: Signals,
 }
 
-/// Receiver of a machine line's samples; state.
+/// Receiver of a machine line's samples. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineLine {
     last: Sensors,

@@ -68,7 +68,7 @@ pub struct Tap<const N: usize> {
     heard: Micros,
 }
 
-/// Progress of the control task; state.
+/// Progress of the control task. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default)]
 struct TaskProgress {
     /// Number of segments that it has done.
@@ -77,7 +77,7 @@ struct TaskProgress {
     known: (u32, u32),
 }
 
-/// Evaluation of the positions; state.
+/// Evaluation of the positions. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default)]
 struct Axes {
     /// Position at rest, or last position.

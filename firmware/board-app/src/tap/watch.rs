@@ -26,7 +26,7 @@ const AT: Nm = Nm(20_000);
 /// Distance of an axis at which it has left a place.
 const AWAY: Nm = Nm(100_000);
 
-/// Gate: a part of the program that cannot be followed, and the progress of the axes through it; state.
+/// Gate: a part of the program that cannot be followed, and the progress of the axes through it. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gate {
     from: Option<Pose>,
@@ -63,7 +63,7 @@ fn farthest(position: &Pose, place: &Pose) -> u64 {
     axes.map(|(at, to)| at.0.abs_diff(to.0)).max().unwrap_or(0)
 }
 
-/// Progress of the axes along the path of a move; state.
+/// Progress of the axes along the path of a move. Keeps its state between calls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PathProgress {
     along_mm: f32,

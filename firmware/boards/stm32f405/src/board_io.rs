@@ -113,7 +113,7 @@ impl BoardIo {
         self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
     }
 
-    /// Reports a late tick: a fault of the board, as its time base is wrong.
+    /// Makes a late tick a fault of the board at the next tick, because its time base is wrong.
     pub fn report_late(&mut self) {
         self.once = Some(BoardFault::Hardware);
     }

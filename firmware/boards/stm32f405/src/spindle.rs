@@ -27,7 +27,7 @@ impl SpindleTimer {
         SpindleTimer(timer)
     }
 
-    /// The last period if there was a pulse since the last call, and the time since the last pulse.
+    /// Period before the newest pulse, if there was a pulse since the previous call, and the time since the newest pulse.
     pub fn read(&mut self) -> TachoSample {
         let is_captured = self.0.sr().read().cc1if().bit_is_set();
         // Reading the capture clears the flag.

@@ -48,7 +48,7 @@ pub struct Servo {
     pub axes: [AxisServo; AXES],
 }
 
-/// Simulated position loops: actual positions of the axes; state.
+/// Simulated position loops: actual positions of the axes. Keeps its state between calls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionLoops {
     servo: Servo,

@@ -198,7 +198,7 @@ impl EdgeEngagement {
         EdgePoses { pose: *pose, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
-    /// Middle of an edge; its height is measured like that of the layers.
+    /// Middle of an element of the cutting edges, mm; Z counts as for the layers of the workpiece.
     pub fn edge_mm(&self, edge: usize, at: &EdgePoses) -> Vector3<f64> {
         let (height_mm, radius_mm) = match edge.checked_sub(self.histories.len()) {
             None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),

@@ -36,7 +36,7 @@ pub struct Stepping {
     pub passes_max: usize,
 }
 
-/// Vibrating structure as a sum of its modes; state.
+/// Vibrating structure as a sum of its modes. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct Vibration {
     stepping: Stepping,

@@ -44,9 +44,9 @@ pub struct JobFile<'a> {
 /// Feed law in a job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law<'a> {
-    /// Law of the source: the contact with one line. It ignores the other circle and the other face; where these cut a
-    /// thicker chip ([`StockLimit::elsewhere_ratio`]), the rule's feed per tooth is lower by their ratio, and a
-    /// movement with a high ratio gets no rule: it keeps its programmed feed.
+    /// Law of the cup-mill source: it considers the contact of one circle of the ring with one stock line only. Where the other circle, or
+    /// the other limit of the stock, has a chip that is thicker by some ratio ([`StockLimit::elsewhere_ratio`]), the rule's feed per tooth
+    /// is divided by this ratio. A movement with a high ratio gets no rule and keeps its programmed feed.
     Circumference,
     /// Law for the whole engaged arc of both circles, by this engagement map, relative to the job file.
     EngagedArc(&'a str),

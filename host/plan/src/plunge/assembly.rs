@@ -15,7 +15,7 @@ use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionFamily, SectionPlane};
 
-/// Plan of a passage while its families are added; state.
+/// Plan of a passage while its families are added. Keeps its state between calls.
 pub struct Assembly<'a> {
     passage: &'a Passage<'a>,
     planes: Vec<PlungePlane>,

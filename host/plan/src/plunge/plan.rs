@@ -42,10 +42,10 @@ impl SectionFamily for Radial<'_> {
 }
 
 impl Passage<'_> {
-    /// Plan of the passage.
+    /// Plans the plunges that clear the passage.
     ///
     /// # Errors
-    /// The mill does not pass, or its core would stand on material.
+    /// The mill is too wide for the passage, or its centre, which has no edges, would run into material.
     pub fn plan(&self) -> Result<PassagePlan, PlungeInfeasible> {
         let largest = self.largest();
         let range_mm = self.range_mm()?;

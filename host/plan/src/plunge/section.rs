@@ -75,10 +75,10 @@ pub struct SectionHeights {
     pub roof_mm: f64,
 }
 
-/// Points between both blades of a passage.
+/// Centre line of a passage: points half way between its two blades.
 pub struct Midway {
     points: Vec<Point>,
-    /// Distance within which points count for the angle at a place, mm.
+    /// Radius about a place within which points determine the passage's angle there, mm.
     spread_mm: f64,
 }
 

@@ -4,7 +4,7 @@
 /// Most characters of leader and trailer.
 const LEADER_MAX: usize = 4_096;
 
-/// Detector of the beginning of a client's next program; state.
+/// Detector of the beginning of a client's next program. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub enum ProgramStart {
     /// Only leader so far, of this length.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use arcfeed_nc::text::Lines;
 
-/// Blocks of a text as sent, each with its line of the program; state.
+/// Blocks of a text as sent, each with its line of the program. Keeps its state between calls.
 ///
 /// The control executes each block as received, so it is the next line of the text with the same bytes.
 #[derive(Clone, Debug, Default)]

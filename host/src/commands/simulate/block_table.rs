@@ -39,7 +39,7 @@ pub struct BlockRecord {
     pub target_mm: Option<f64>,
 }
 
-/// Summary of each block of a run so far; state.
+/// Summary of each block of a run so far. Keeps its state between calls.
 #[derive(Debug, Default)]
 pub struct BlockLog(BTreeMap<u32, BlockSummary>);
 

@@ -103,7 +103,7 @@ pub fn seal(header_and_entries: &[u8]) -> [u8; CHECK_LEN] {
 /// Receiver of the entries of a prepared program: line, kind, payload.
 pub type OnEntry<'f> = &'f mut dyn FnMut(u32, u8, &[u8]) -> Result<(), RefusalCode>;
 
-/// Reader of a prepared program that arrives in parts of any length; state.
+/// Reader of a prepared program that arrives in parts of any length. Keeps its state between calls.
 #[derive(Clone)]
 pub struct PreparedReader {
     piece: Vec<u8, PIECE_MAX>,

@@ -22,7 +22,7 @@ use super::validation;
 /// Bits of the messages that a complete set must contain besides its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
 
-/// Parameter set that is being received; state.
+/// Parameter set that is being received. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct Staging {
     /// 0: none, or a rejected one.
