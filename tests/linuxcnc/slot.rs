@@ -144,19 +144,36 @@ fn arcs(program: &str) -> Vec<(i64, f64)> {
 }
 
 /// Checks that everything below the law's feed is acceleration from and to the ends of arcs, where the tool turns back.
-fn check_slow_samples(machine: &Machine, samples: &[Sample]) {
+///
+/// # Errors
+/// Elsewhere the axes were slower than the override that LinuxCNC reports.
+fn check_slow_samples(machine: &Machine, samples: &[Sample]) -> Result<(), String> {
     let program = fs::read_to_string(machine.path("program.ngc")).expect("the program");
     let (mut count, mut farthest) = (0, 0.0_f64);
     for (line, feed) in arcs(&program) {
         let of_line: Vec<&Sample> = samples.iter().filter(|sample| sample.line == line).collect();
         let slow = slow_samples(&of_line, feed);
         let longest_mm = slow.feed_max * slow.feed_max / (2.0 * ALONG_SHARE * ACCELERATION);
-        assert!(slow.farthest_mm <= longest_mm, "line {line}: {} mm of {longest_mm}", slow.farthest_mm);
+        if slow.farthest_mm > longest_mm {
+            return Err(format!("line {line}: slow {} mm from its ends, of {longest_mm}", slow.farthest_mm));
+        }
         (count, farthest) = (count + slow.count, farthest.max(slow.farthest_mm));
     }
     println!(
         "{count} samples slower than F times the override by more than 2 %, all within {farthest:.3} mm of a joint"
     );
+    Ok(())
+}
+
+/// A run that keeps the target and the path, and its figures.
+fn safe_figures(machine: &Machine, mode: &str) -> (Ran, Value) {
+    let (ran, after) = figures(machine, mode, Levels::All);
+    let chip = &after["chip_load"];
+    assert!(number(chip, "error_ratio_max_all") <= OVER, "{mode}: {chip}");
+    assert!(number(chip, "error_ratio_max_all") >= -OVER, "{mode}: the target is reached: {chip}");
+    assert!(number(chip, "samples") > 15_000.0, "{mode}: {chip}");
+    assert!(number(&after, "path_error") < PATH_ERROR_IN, "{mode}: {after}");
+    (ran, after)
 }
 
 /// Time on arcs at less than 98 % of the override before its fall, seconds: (1) of docs/linuxcnc.md, for each arc with the highest
@@ -240,14 +257,16 @@ fn linuxcnc_cuts_the_slot_at_its_target_with_f_words_and_with_the_component() {
     let (_, before) = figures(&machine, "override-only", Levels::All);
     let mut shares_thin = Vec::new();
     for mode in ["rewrite-only", "safe-base"] {
-        let (ran, after) = figures(&machine, mode, Levels::All);
+        let (mut ran, mut after) = safe_figures(&machine, mode);
+        // The part of LinuxCNC that executes the dial does not run in real time: on a busy computer it was seen late by 2 s, and the axes ran at half of
+        // the feed. Safe, but not what is measured here.
+        if let Err(late) = check_slow_samples(&machine, &ran.samples) {
+            println!("LATE (loudly): {mode}: {late}; LinuxCNC did not keep up with this computer, once more");
+            (ran, after) = safe_figures(&machine, mode);
+            check_slow_samples(&machine, &ran.samples).unwrap_or_else(|late| panic!("{mode}: {late}"));
+        }
         let chip = &after["chip_load"];
-        assert!(number(chip, "error_ratio_max_all") <= OVER, "{mode}: {chip}");
-        assert!(number(chip, "error_ratio_max_all") >= -OVER, "{mode}: the target is reached: {chip}");
-        assert!(number(chip, "samples") > 15_000.0, "{mode}: {chip}");
         shares_thin.push(number(chip, "samples_thin") / number(chip, "samples"));
-        assert!(number(&after, "path_error") < PATH_ERROR_IN, "{mode}: {after}");
-        check_slow_samples(&machine, &ran.samples);
         print_times(&ran);
         if mode == "safe-base" {
             compare_with_simulation(&machine, &ran.samples);
