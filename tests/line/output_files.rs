@@ -276,6 +276,6 @@ fn only_one_module_writes_files() {
         }
     }
     // The port's own way to create the file of a spy, for which the program has another; the folder of `view`, which is removed.
-    let others = ["host/src/commands/view/workspace.rs", "host/port/src/open.rs"];
+    let others = ["host/src/commands/view/runner.rs", "host/port/src/open.rs"];
     assert_eq!(found, others, "these write past host/src/output.rs");
 }
