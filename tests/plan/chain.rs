@@ -94,6 +94,8 @@ fn infeasible_plans_give_a_reason_and_write_nothing() {
     assert!(wide.contains("no ring of this width passes") && wide.contains("mm missing between"), "{wide}");
     let crowded = refused(&[("blades = 19", "blades = 100")]);
     assert!(crowded.contains("this rotor cannot be planned"), "{crowded}");
+    let open = refused(&[("blades = 19", "blades = 2")]);
+    assert!(open.contains("no slot for a ring"), "{open}");
     let shallow = refused(&[("cavity_depth = 1.5", "cavity_depth = 0.5")]);
     assert!(shallow.contains("the cup is 12.7 mm deep"), "{shallow}");
     let fixture = "[[fixture]]\nfrom = [\"70 mm\", \"-60 mm\", \"-60 mm\"]\nto = [\"140 mm\", \"60 mm\", \"-15 mm\"]\n\n[machine]";

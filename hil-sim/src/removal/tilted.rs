@@ -124,16 +124,20 @@ impl TiltedLayers {
     pub fn turn_to(&mut self, chord: &ToolChord) -> Result<Layers, LatticeError> {
         let about_mm = self.workpiece.about_mm.map(|_| chord.frame.coordinates(chord.ends_mm[0]));
         let solid = self.workpiece.blank.in_frame(&chord.frame);
-        let sweeps: Vec<Sweep> = self.sweeps.iter().map(|sweep| sweep.in_frame(&chord.frame)).collect();
-        let machined = Machined { solid: &*solid, tool: &self.workpiece.tool, sweeps: &sweeps };
-        let [rise_mm, step_mm] = self.sizes_mm;
-        let mut corners_mm = machined.bounds_mm();
+        let mut corners_mm = solid.bounds_mm();
         if let Some((about_mm, radius_mm)) = about_mm.zip(self.workpiece.about_mm) {
             for axis in [0, 1] {
                 corners_mm[0][axis] = corners_mm[0][axis].max(about_mm[axis] - ABOUT_RADII * radius_mm);
                 corners_mm[1][axis] = corners_mm[1][axis].min(about_mm[axis] + ABOUT_RADII * radius_mm);
             }
         }
+        let sweeps = self.sweeps.iter().map(|sweep| sweep.in_frame(&chord.frame));
+        let tool = &self.workpiece.tool;
+        let [rise_mm, step_mm] = self.sizes_mm;
+        // The outermost rays stand up to a step beyond the corners.
+        let reach_mm = tool.middle_mm().abs() + tool.reach_mm() + step_mm;
+        let sweeps: Vec<Sweep> = sweeps.filter(|sweep| comes_near(sweep, reach_mm, &corners_mm)).collect();
+        let machined = Machined { solid: &*solid, tool, sweeps: &sweeps };
         let layers = Layers::of_solid(&PartOf { solid: &machined, corners_mm }, 2, rise_mm, step_mm)?;
         (self.frame, self.about_mm, self.tip_mm) = (chord.frame, about_mm, None);
         self.is_tilted |= chord.is_tilted();
@@ -168,6 +172,14 @@ impl TiltedLayers {
             }
         }
     }
+}
+
+/// Whether a tool, no farther from its tip than its reach, comes beside a box in the plane of the layers.
+fn comes_near(sweep: &Sweep, reach_mm: f64, corners_mm: &[Vector; 2]) -> bool {
+    [0, 1].into_iter().all(|axis: usize| {
+        let (from, to) = (sweep.from_mm[axis], sweep.to_mm[axis]);
+        from.min(to) - reach_mm <= corners_mm[1][axis] && from.max(to) + reach_mm >= corners_mm[0][axis]
+    })
 }
 
 /// Whether a sweep goes on where another ends, straight ahead under the same axis.

@@ -52,6 +52,14 @@ pub enum Infeasible {
     /// There is a path, but its proof does not hold.
     #[error("the best paths collide, or leave less than the allowance: their proofs do not hold")]
     Unproven,
+    /// The straight way from blade to blade leads through the hub.
+    #[error(
+        "with {blades} blades the straight way from tip to tip leads through the hub: there is no slot for a ring; take a tool that mills pockets"
+    )]
+    NoSlot {
+        /// Number of blades.
+        blades: u32,
+    },
     /// There would be too many levels.
     #[error(
         "levels of {depth_max_mm} mm are too many for a depth of {depth_mm:.1} mm: `axial_depth_max` must be {least_mm:.3} mm or more"

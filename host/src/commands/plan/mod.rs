@@ -60,7 +60,7 @@ enum Method {
 struct CupMill {
     /// The part file
     part: PathBuf,
-    /// Folder for the NC program, job.toml, stock.stl, finished.stl and report.html; created if it does not exist
+    /// Folder for the NC program, job.toml with its engagement map, stock.stl, finished.stl and report.html; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Plan and prove other rings, by width and middle radius, and mark the one that removes most
