@@ -15,6 +15,8 @@ from typing import Any
 
 import arcfeed
 import kubernetes_validate
+import polars
+import polars.testing
 import pytest
 import yaml
 from conftest import ROOT, SLOT
@@ -52,6 +54,17 @@ def write_sweep(folder: Path, runs: int = RUNS) -> Path:
 
 def table(folder: Path) -> bytes:
     return (folder / "runs/part-00001.parquet").read_bytes()
+
+
+def is_as_in(folder: Path, other: Path) -> bool:
+    """Whether two tables have the same rows, where another build may differ in the last digits of a number."""
+    one, two = (polars.read_parquet(path / "runs/part-00001.parquet") for path in (folder, other))
+    try:
+        polars.testing.assert_frame_equal(one, two, rel_tol=1e-9, abs_tol=0)
+    except AssertionError as error:
+        print(error)
+        return False
+    return True
 
 
 def runs_made(folder: Path) -> Counter[str]:
@@ -105,7 +118,8 @@ def test_sweep_has_the_table_of_the_program_in_shards_too(program: Program, tmp_
     for index in (2, 1):
         assert arcfeed.sweep(campaign, tmp_path / "shards", shard=(index, 2), threads=1) == {}
     arcfeed.sweep(campaign, tmp_path / "shards", merge=True)
-    assert table(tmp_path / "whole") == table(tmp_path / "expected") == table(tmp_path / "shards")
+    assert table(tmp_path / "whole") == table(tmp_path / "shards")
+    assert is_as_in(tmp_path / "whole", tmp_path / "expected")
     (one,) = program("sweep", str(campaign), "--run=1")
     again = arcfeed.sweep(campaign, run=1)
     assert again.pop("real_time_factor") > 0 and one.pop("real_time_factor") > 0 and again == one
@@ -143,11 +157,9 @@ def test_a_run_that_is_not_accepted_raises_with_the_command_that_repeats_it(tmp_
     assert raised.value.result[0]["unaccepted"] == 1
 
 
-def test_a_dask_cluster_has_the_rows_of_one_computer_although_a_worker_is_killed(
-    program: Program, tmp_path: Path
-) -> None:
+def test_a_dask_cluster_has_the_rows_of_one_computer_although_a_worker_is_killed(tmp_path: Path) -> None:
     campaign, folder = write_sweep(tmp_path), tmp_path / "out"
-    program("sweep", str(campaign), "-o", str(tmp_path / "whole"))
+    arcfeed.sweep(campaign, tmp_path / "whole")
     found: list[dict[str, Any]] = []
     killed_after = 0
     with (
