@@ -47,15 +47,17 @@ pub fn run(command: &mut Command) -> Result<(), Failure> {
     if status.success() { Ok(()) } else { Err(failed(command, status.code())) }
 }
 
-/// Runs to the end and answers what it printed.
+/// Runs to the end and answers what it printed; what a failed command printed goes to stdout.
 ///
 /// # Errors
 /// As [`run`].
 pub fn output(command: &mut Command) -> Result<String, Failure> {
     let output = command.stderr(Stdio::inherit()).output().map_err(|error| not_started(command, &error))?;
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     if output.status.success() {
-        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+        Ok(printed)
     } else {
+        print!("{printed}");
         Err(failed(command, output.status.code()))
     }
 }
