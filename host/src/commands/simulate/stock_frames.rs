@@ -20,6 +20,8 @@ const FRAMES_MAX: usize = 128;
 const CHANGES_MAX: usize = 1 << 20;
 /// Time between two frames at first.
 const INTERVAL: Micros = Micros::from_ms(100);
+/// Longest time between two frames.
+const INTERVAL_MAX: Micros = Micros::from_ms(3_600_000);
 /// Change of a height that counts.
 const CHANGE_MM: f64 = 1e-3;
 
@@ -116,7 +118,7 @@ impl StockFrames {
         self.frames.push(frame);
         let changes = |frames: &[StockFrame]| frames.iter().map(|frame| frame.changes.len()).sum::<usize>();
         while self.frames.len() > 1 && (self.frames.len() > FRAMES_MAX || changes(&self.frames) > CHANGES_MAX) {
-            self.interval = Micros(2 * self.interval.0);
+            self.interval = Micros(2 * self.interval.0).min(INTERVAL_MAX);
             let pairs = std::mem::take(&mut self.frames);
             let mut pairs = pairs.into_iter();
             while let Some(early) = pairs.next() {
