@@ -177,9 +177,10 @@ impl WorkpiecePlacement {
         match machine {
             Some(machine) if !turns => {
                 let position = &section.positions[0];
-                let frame = match is_by_axes {
-                    true => self.in_first_cut(machine, position),
-                    false => frame_at(machine, rotary_deg(machine, position, &section.context)),
+                let frame = if is_by_axes {
+                    self.in_first_cut(machine, position)
+                } else {
+                    frame_at(machine, rotary_deg(machine, position, &section.context))
                 };
                 Ok(ToolChord { ends_mm, frame })
             }

@@ -77,6 +77,8 @@ export class InPage implements Backend {
     /** The program that a new worker gets. */
     private program: [string, BodyInit] | null = null;
     private urls = new Map<string, string>();
+    /** Ends with the last request: the worker gets one after the other. */
+    private last: Promise<unknown> = Promise.resolve();
 
     private constructor(private readonly module: WebAssembly.Module) {
         this.worker = this.start();
@@ -91,7 +93,13 @@ export class InPage implements Backend {
         return new InPage(await WebAssembly.compile(await new Response(stream).arrayBuffer()));
     }
 
-    async request(path: string, body?: BodyInit): Promise<Reply> {
+    request(path: string, body?: BodyInit): Promise<Reply> {
+        const reply = this.last.then(() => this.ask(path, body));
+        this.last = reply.catch(() => {});
+        return reply;
+    }
+
+    private async ask(path: string, body?: BodyInit): Promise<Reply> {
         const [own, query] = path.split('?');
         if (own === 'program' && body !== undefined) this.program = [path, body];
         const posted = new Uint8Array(await new Response(body ?? '').arrayBuffer());
@@ -131,7 +139,7 @@ export class InPage implements Backend {
         this.fail = null;
         this.worker.terminate();
         this.worker = this.start();
-        if (this.program && fail) await this.request(...this.program).catch(() => {});
+        if (this.program && fail) await this.ask(...this.program).catch(() => {});
         fail?.(new Error(words));
     }
 

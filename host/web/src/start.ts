@@ -40,10 +40,18 @@ function show(next: State, isNewReport: boolean): void {
     element('messages').hidden = next.messages.trim() === '';
     element('messages').textContent = next.messages;
     element('report-part').hidden = !next.has_report;
-    const report = element<HTMLIFrameElement>('report');
-    if (!next.has_report) report.removeAttribute('src');
-    else if (isNewReport) void backend.address('report').then(({ url }) => (report.src = url));
+    if (!next.has_report) showReport(null);
+    else if (isNewReport) void backend.address('report').then(({ url }) => state === next && showReport(url));
     document.documentElement.dataset.state = 'ready';
+}
+
+/** A new frame for every report: in one that is still empty after its last page, a browser under load may lose the next one. */
+function showReport(url: string | null): void {
+    const last = element<HTMLIFrameElement>('report');
+    const next = last.cloneNode() as HTMLIFrameElement;
+    if (url === null) next.removeAttribute('src');
+    else next.src = url;
+    last.replaceWith(next);
 }
 
 /** Field of an open question. */

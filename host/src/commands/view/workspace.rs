@@ -148,12 +148,12 @@ impl Workspace {
 
     /// Takes the workspace for a command; `false` if another browser has it.
     pub fn begin(&self) -> bool {
-        !self.is_taken.swap(true, Ordering::Relaxed)
+        !self.is_taken.swap(true, Ordering::Acquire)
     }
 
     /// Gives the workspace back.
     pub fn end(&self) {
-        self.is_taken.store(false, Ordering::Relaxed);
+        self.is_taken.store(false, Ordering::Release);
     }
 
     /// Stops the running command.
@@ -177,7 +177,7 @@ impl Workspace {
             is_fixed: files.is_fixed,
             questions,
             messages: files.messages,
-            has_report: files::is_file(&self.path(PageFile::Report)).is_ok(),
+            has_report: files::is_file(&self.path(PageFile::Report)).is_ok_and(|is_file| is_file),
         }
     }
 
