@@ -3,7 +3,13 @@
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use wait4::Wait4;
+
+/// A command that takes less is not worth a line.
+const WORTH_A_LINE: Duration = Duration::from_secs(10);
 
 /// A step that failed.
 #[derive(Debug)]
@@ -43,8 +49,32 @@ pub fn program(name: impl Into<OsString>, arguments: &[&str]) -> Command {
 /// # Errors
 /// Not started, or another exit code than 0, which is passed on.
 pub fn run(command: &mut Command) -> Result<(), Failure> {
-    let status = command.status().map_err(|error| not_started(command, &error))?;
+    let (status, cost) = run_timed(command)?;
+    announce_cost(cost);
     if status.success() { Ok(()) } else { Err(failed(command, status.code())) }
+}
+
+/// Runs to the end; returns the line about its cost too, if it is worth one: time by the clock, and processor time of the command and
+/// of what it started.
+///
+/// # Errors
+/// Not started.
+pub fn run_timed(command: &mut Command) -> Result<(ExitStatus, Option<String>), Failure> {
+    let began = Instant::now();
+    let used = command.spawn().and_then(|mut child| child.wait4()).map_err(|error| not_started(command, &error))?;
+    let [clock, processor] = [began.elapsed(), used.rusage.utime + used.rusage.stime];
+    let line = (clock.max(processor) >= WORTH_A_LINE).then(|| {
+        let [clock, processor] = [clock, processor].map(|time| time.as_secs());
+        format!("{clock} s by the clock, {processor} s of processor time: {}", shown(command))
+    });
+    Ok((used.status, line))
+}
+
+/// Says what a command cost.
+pub fn announce_cost(cost: Option<String>) {
+    if let Some(cost) = cost {
+        announce(&cost);
+    }
 }
 
 /// Runs to the end and answers what it printed; what a failed command printed goes to stdout.
@@ -86,7 +116,7 @@ pub fn build_dir() -> Result<PathBuf, Failure> {
         .ok_or_else(|| Failure::new(format!("{} is not in a build directory", executable.display())))
 }
 
-/// As one would type it: without the path to the program.
+/// A command as one would type it: without the path to the program.
 fn shown(command: &Command) -> String {
     let name = Path::new(command.get_program()).file_stem().unwrap_or(command.get_program());
     let words = std::iter::once(name).chain(command.get_args());

@@ -9,15 +9,15 @@
 //! its line printed at the end.
 
 use std::fmt;
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::num::NonZero;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use crate::command::{Failure, announce, build_dir, cargo, failed, not_started, program, run};
+use crate::command::{Failure, announce, announce_cost, build_dir, cargo, failed, program, run, run_timed};
 use crate::python::Checked;
 use crate::selection::Selection;
 
@@ -115,11 +115,16 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     let waiting = Mutex::new(others.into_iter());
     let (tally_of_all, results) = (Mutex::new(&mut *tally), Mutex::new(Vec::new()));
     let run_one = |arguments: Vec<String>| {
+        let printed = log.with_file_name(format!("xtask-{}.log", arguments.last().map_or("tests", String::as_str)));
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let mut tests = cargo(&arguments);
-        let output = tests.env(SKIP_LOG, &log).env(THREADS, &threads).output();
+        let ended = run_into(tests.env(SKIP_LOG, &log).env(THREADS, &threads), &printed);
         let mut tally = tally_of_all.lock().unwrap_or_else(PoisonError::into_inner);
-        let result = show(&tests, output, &mut tally);
+        let result = ended.and_then(|(status, cost)| {
+            show(&printed, &mut tally)?;
+            announce_cost(cost);
+            if status.success() { Ok(()) } else { Err(failed(&tests, status.code())) }
+        });
         results.lock().unwrap_or_else(PoisonError::into_inner).push(result);
     };
     if !has_priorities() {
@@ -149,22 +154,33 @@ fn next<T>(waiting: &Mutex<impl Iterator<Item = T>>) -> Option<T> {
     waiting.lock().unwrap_or_else(PoisonError::into_inner).next()
 }
 
+/// Runs to the end, with all that is printed in one file, which can be read meanwhile.
+fn run_into(command: &mut Command, printed: &Path) -> Result<(ExitStatus, Option<String>), Failure> {
+    let file = File::create(printed).and_then(|file| Ok((file.try_clone()?, file)));
+    let (out, err) = file.map_err(|error| not_written(printed, &error))?;
+    run_timed(command.stdout(out).stderr(err))
+}
+
 /// Shows what a run printed, and adds it up. Tests may print bytes that are no text.
-fn show(command: &Command, output: io::Result<Output>, tally: &mut Tally) -> Result<(), Failure> {
-    let output = output.map_err(|error| not_started(command, &error))?;
-    let shown = io::stderr().write_all(&output.stderr).and_then(|()| io::stdout().write_all(&output.stdout));
+fn show(printed: &Path, tally: &mut Tally) -> Result<(), Failure> {
+    let bytes = fs::read(printed).map_err(|error| not_written(printed, &error))?;
+    let shown = io::stdout().write_all(&bytes);
     shown.map_err(|error| Failure::new(format!("output of cargo test: {error}")))?;
-    String::from_utf8_lossy(&output.stdout).lines().for_each(|line| tally.add(line));
-    if output.status.success() { Ok(()) } else { Err(failed(command, output.status.code())) }
+    String::from_utf8_lossy(&bytes).lines().for_each(|line| tally.add(line));
+    Ok(())
+}
+
+fn not_written(path: &Path, error: &io::Error) -> Failure {
+    Failure::new(format!("{}: {error}", path.display()))
 }
 
 /// Starts the log empty: lines of an earlier run say nothing about this one.
 fn write_log(log: &Path) -> Result<(), Failure> {
-    fs::write(log, "").map_err(|error| Failure::new(format!("{}: {error}", log.display())))
+    fs::write(log, "").map_err(|error| not_written(log, &error))
 }
 
 fn read_log(log: &Path) -> Result<Vec<String>, Failure> {
-    let text = fs::read(log).map_err(|error| Failure::new(format!("{}: {error}", log.display())))?;
+    let text = fs::read(log).map_err(|error| not_written(log, &error))?;
     Ok(String::from_utf8_lossy(&text).lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect())
 }
 
