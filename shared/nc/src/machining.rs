@@ -41,7 +41,7 @@ pub struct Machining {
     pub spindle: SpindleCommand,
 }
 
-/// What the T and M words of the program so far have commanded: the selected tool, the tool in the spindle, and
+/// State commanded by the T and M words of the program so far: the selected tool, the tool in the spindle, and
 /// whether the spindle turns. The speed is stored in [`super::modal::Modal::spindle`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MachiningState {

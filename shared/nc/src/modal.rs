@@ -95,7 +95,7 @@ pub struct Cycle {
     pub dwell: Micros,
 }
 
-/// What one block makes the control do: its motion and its other actions.
+/// Effect of one block on the control: its motion and its other actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
     /// The single move of the block; `None` if it has none or several.
