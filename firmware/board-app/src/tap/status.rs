@@ -43,7 +43,7 @@ pub enum TapLossReason {
     /// A block would cause an alarm, or needs what the tap does not have: macros, calls, state of the switches for
     /// `/`.
     NotUnderstood(Fault),
-    /// What the program does depends on data in the control, such as a system variable or another program.
+    /// The effect of the program depends on data in the control, such as a system variable or another program.
     OutOfSight,
     /// The axes are not on the path of the move that they should execute.
     OffPath,
