@@ -1,4 +1,5 @@
-//! Constant feed per tooth on the cutting circumference: the chip at the contact B with the stock line is a.
+//! Circumference law: constant feed per tooth on the cutting circle. The chip at the contact B with the stock line is
+//! the target a.
 //!
 //! B is the intersection of cutting circle and stock line with u.(A - O) >= 0 and an advancing edge; if there are two,
 //! the one with the thicker chip (smaller step). With n the line's unit normal and q the line's distance from O along

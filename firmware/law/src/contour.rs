@@ -1,5 +1,5 @@
-//! Constant feed at the finished contour, like Siemens' CFC and CFIN, Heidenhain's M109 and M110, and Fanuc's internal
-//! circular feed.
+//! Contour law: constant feed along the finished contour, like Siemens' CFC and CFIN, Heidenhain's M109 and M110, and
+//! Fanuc's internal circular feed.
 //!
 //! The contour's radius Rc is the path radius q of the tool's centre plus (inside) or minus (outside) the tool's
 //! radius r. For a feed F at the contour, the centre moves at

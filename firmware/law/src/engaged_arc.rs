@@ -1,4 +1,4 @@
-//! The thickest chip over the whole engaged arc is a.
+//! Engaged-arc law: the thickest chip anywhere on the engaged arc is the target a.
 //!
 //! For each edge of the ring (its own r0 and k) the thickest chip is at the engaged direction nearest to k v:
 //!

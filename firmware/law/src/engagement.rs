@@ -1,5 +1,5 @@
-//! Constant chip thickness of an ordinary end mill: radial chip thinning on lines, and the larger engagement in inside
-//! corners and arcs.
+//! Engagement law: constant chip thickness of an ordinary end mill, with radial chip thinning on lines, and the larger
+//! engagement in inside corners and arcs.
 //!
 //! With tool radius r, radial depth ae, contour radius Rc (path radius q = Rc - r) and a corner of angle b:
 //!

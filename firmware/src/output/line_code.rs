@@ -1,4 +1,4 @@
-//! The code of an override on the eight lines *FV0 to *FV7.
+//! Code of a feed override on the eight lines *FV0 to *FV7, from which a Fanuc-like control reads it.
 //!
 //! Line i is active low and weighs 2^i per cent. The control reads the sum of the weights of the lines that are low;
 //! all lines low reads 0 %, as all lines high does, so that a broken wire or a dead card stops the axes (Fanuc

@@ -1,4 +1,4 @@
-//! Eight pins that are written one after the other.
+//! The eight output pins of the override lines *FV0 to *FV7, written one after the other.
 
 use embedded_hal::digital::{OutputPin, PinState};
 

@@ -1,4 +1,4 @@
-//! *FV0 to *FV7 driven directly by eight pins, written one after the other.
+//! Override lines *FV0 to *FV7 driven directly by eight pins, written one after the other.
 //!
 //! The control samples the lines at any time, also between two writes. Therefore every update first releases the lines
 //! that are high in the new code c', then pulls down those that are low in it. The first phase passes through subsets

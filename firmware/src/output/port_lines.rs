@@ -1,4 +1,4 @@
-//! *FV0 to *FV7 on one port with simultaneous writes of all eight pins.
+//! Override lines *FV0 to *FV7 on one port, which writes all eight pins at the same instant.
 //!
 //! All lines change in the same cycle: the pins have the old code c, then the new code c', without an intermediate
 //! code. Neither an order nor a memory of c is needed: every update writes all eight lines.

@@ -1,4 +1,4 @@
-//! Settling time of the wiring: couplers, relays, filters.
+//! Settling time of the wiring between output pins and control: couplers, relays, filters.
 
 use embedded_hal::delay::DelayNs;
 

@@ -1,4 +1,4 @@
-//! Inputs of the supervisor at a tick, and their evaluation.
+//! Inputs at a tick of the supervisor, which decides whether the feed laws may set the override, and their evaluation.
 
 use arcfeed_units::Span;
 

@@ -1,4 +1,4 @@
-//! State of the supervisor between ticks.
+//! State of the supervisor, which decides whether the feed laws may set the override, between ticks.
 
 use arcfeed_units::Span;
 

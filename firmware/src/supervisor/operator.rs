@@ -1,4 +1,4 @@
-//! The operator's dial.
+//! The operator's override dial, and its effect on the override that a feed law demands.
 //!
 //! Up to 100 % it is a share of the law's demand. Above 100 % it has no effect on a demand, whose chip is at its
 //! target already. If it is turned down far enough, the operator takes over.

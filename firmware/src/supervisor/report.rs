@@ -1,4 +1,4 @@
-//! Reasons, alarms and counters of the supervisor.
+//! Reasons, alarms and counters of the supervisor, which decides whether the feed laws may set the override.
 
 use arcfeed_units::PERCENT;
 use arcfeed_units::fmath;

@@ -1,4 +1,4 @@
-//! Tracking of the segment in execution: whether it was followed without a gap since its beginning.
+//! Tracking of the segment (move) in execution: whether it was followed without a gap since its beginning.
 //!
 //! The progress along an arc is unambiguous only from its start. Therefore a law starts on a segment at its beginning
 //! and stops at a loss of samples; after a loss it resynchronises at the beginning of the next segment.

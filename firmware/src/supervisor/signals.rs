@@ -1,4 +1,5 @@
-//! Binary signals in one word, one bit each; a single comparison detects that none is set.
+//! Binary signals for the supervisor (faults, requests, conditions) in one word, one bit each; a single comparison
+//! detects that none is set.
 
 /// Set of binary signals for the supervisor: faults of the board, requests of a person, and conditions of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

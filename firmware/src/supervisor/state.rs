@@ -1,4 +1,5 @@
-//! States and transitions.
+//! States of the supervisor, which decides whether the feed laws may set the override, and the transitions between
+//! them.
 
 use arcfeed_units::Span;
 

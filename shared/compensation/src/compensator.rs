@@ -1,4 +1,4 @@
-//! The compensator: a state machine that offsets a contour move by move.
+//! Cutter compensation (G41, G42): a state machine that offsets a contour move by move.
 //!
 //! ```text
 //!           offset, line                     offset

@@ -1,4 +1,5 @@
-//! Corners of a contour: the points of the tool centre between two moves, relative to the programmed corner.
+//! Corners of a contour under cutter compensation: points of the tool centre between two moves, relative to the
+//! programmed corner.
 //!
 //! With the unit tangents t1 and t2 before and behind the corner, the vectors n1 and n2 of the offset at a right angle
 //! to them, and the offset r:

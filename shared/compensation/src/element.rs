@@ -1,4 +1,4 @@
-//! Geometry of a programmed move in the plane of compensation.
+//! Geometry of a programmed move in the plane of cutter compensation.
 
 use arcfeed_nc::motion::Plane;
 use arcfeed_nc::segment::{Path, Segment};

@@ -1,4 +1,5 @@
-//! Segments of the tool centre between the points of the corners, and the check that they run with the contour.
+//! Moves of the tool centre between the points of the corners under cutter compensation, and the check that they run
+//! with the contour.
 //!
 //! Interference, as the manuals define it (B-63944EN-1, page 216; B-63664EN, 12.3.6): the offset path of a line runs
 //! against the line; that of an arc has lost more at its ends than the arc turns. A control may then leave out vectors

@@ -1,4 +1,4 @@
-//! Vectors in the plane of compensation, mm, and points in nanometres.
+//! Vectors in the plane of cutter compensation, mm, and points in nanometres.
 
 use arcfeed_nc::motion::{Plane, Pose};
 use arcfeed_units::Nm;

@@ -1,4 +1,4 @@
-//! Feed limit of the axes on a move.
+//! Largest feed on a move at which no axis exceeds its maximum speed.
 //!
 //! With dq_i the travel of axis i, V_i its maximum speed and s the length along which the feed is measured,
 //!

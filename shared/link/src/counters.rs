@@ -1,4 +1,4 @@
-//! Counters of a link.
+//! Counters of a link between host and board.
 
 use arcfeed_units::Span;
 

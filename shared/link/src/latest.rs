@@ -1,5 +1,5 @@
-//! The latest-wins class: a value has a kind and a time to live; a newer value replaces one of its kind that has not
-//! been sent.
+//! Messages of which only the newest counts (class latest-wins): a value has a kind and a time to live, and replaces
+//! one of its kind that has not been sent.
 
 use heapless::Vec;
 

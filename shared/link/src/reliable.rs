@@ -1,4 +1,4 @@
-//! The reliable class: go-back-N over a line that does not reorder.
+//! Messages that are delivered once and in order (class reliable): go-back-N over a line that does not reorder.
 //!
 //! The sender keeps all unacknowledged messages and sends them again when its timer expires or the receiver reports a
 //! gap. The receiver accepts only the next expected message, so it needs no buffer for reordering.

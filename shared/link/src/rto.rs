@@ -1,4 +1,4 @@
-//! Retransmission time-out: RFC 6298.
+//! Time-out after which an unacknowledged message is sent again: RFC 6298.
 //!
 //! ```text
 //! first sample     SRTT = R, RTTVAR = R/2                                            (1)

@@ -1,4 +1,4 @@
-//! Settings of a link.
+//! Settings of a link between host and board: role, times and limits.
 
 use super::frame::ENCODED_MAX;
 use arcfeed_units::{Micros, Span, US_PER_S};

@@ -1,4 +1,4 @@
-//! State of a link, and the messages that it delivers.
+//! State of a link between host and board, and the messages that it delivers.
 
 use arcfeed_units::{Micros, Span};
 

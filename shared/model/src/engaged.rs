@@ -1,5 +1,5 @@
-//! Table of a ring's engaged arcs, one for each circle, over the path travelled. It is computed beforehand from the
-//! removed material.
+//! Engaged arcs of a cup mill's two cutting circles (directions in which their edges are in material) over the path
+//! travelled: a table that is computed beforehand from the removed material.
 //!
 //! *Frame.* A direction from the tool's centre is an angle from the direction towards the rotation centre A (on a line: to
 //! the left of the motion), positive towards the side on which the circle's edges advance: with the motion for the outer

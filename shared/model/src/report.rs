@@ -1,4 +1,4 @@
-//! Statistics of a run, accumulated sample by sample.
+//! Statistics of the chip load of a run, accumulated sample by sample.
 
 /// A chip counts as thin if it is below its target by more than this fraction of the target.
 pub const THIN_RATIO: f64 = 0.02;

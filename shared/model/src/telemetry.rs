@@ -1,4 +1,4 @@
-//! Reports of the machine, one each millisecond.
+//! State of the machine, reported each millisecond.
 
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::{Micros, MmPerMin};

@@ -1,4 +1,4 @@
-//! Calls and returns: G65, G66, G66.1, M98, M99, M198.
+//! Calls of subprograms and macros, and returns: G65, G66, G66.1, M98, M99, M198.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;

@@ -1,4 +1,4 @@
-//! Expressions: parsed and evaluated in one pass.
+//! Expressions of macro statements: parsed and evaluated in one pass.
 //!
 //! Precedence: functions, then `* / MOD AND`, then `+ - OR XOR`, then comparisons, of which each pair of brackets may
 //! hold one; its value is 1 or 0. A vacant variable counts as zero in an operation, stays vacant on its own, and is

@@ -1,4 +1,4 @@
-//! Functions and operators of expressions, angles in degrees.
+//! Functions and operators of macro expressions, angles in degrees.
 //!
 //! Source: operation lists of Fanuc's custom macro B. ROUND rounds half away from zero, FIX towards zero, FUP away
 //! from it. MOD rounds both operands to whole numbers first; its result has the sign of the first. AND, OR and XOR

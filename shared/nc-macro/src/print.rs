@@ -1,4 +1,4 @@
-//! Output of DPRNT and BPRNT.
+//! Output of a program over the control's serial line: DPRNT and BPRNT.
 //!
 //! `DPRNT[text #v[wf]]`: letters, digits and `+ - /` unchanged, `*` as a blank; a variable with `w` digits before the
 //! decimal point and `f` after it, the last one rounded (truncated if `f` is 0). `BPRNT[text #v[f]]`: letters in ISO

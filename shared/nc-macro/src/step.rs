@@ -1,4 +1,4 @@
-//! Settings and results of the macro interpreter.
+//! Settings of the macro interpreter, and the actions and faults that it returns.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! Variables: local, common and system variables.
+//! Variables of macro programs: local, common and system variables.
 //!
 //! | number | what |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! Rules for the numbers of each address letter.
+//! Rules for the numbers after each address letter.
 //!
 //! The numbers of digits differ between the series of controls (see [`super::settings::Settings`]). In all of them
 //! only axes, feeds, radii and G accept a decimal point, and only axes and radii a minus sign.

@@ -1,4 +1,4 @@
-//! Clock and instruction counter.
+//! Clock of the emulated board, and counter of executed instructions.
 //!
 //! Under `-icount shift=7` QEMU advances the clock by exactly 2^7 ns for each instruction of the guest, accesses to
 //! devices included. The board's timers count at 25 MHz, 40 ns a step: one instruction is 3.2 steps, so the count of

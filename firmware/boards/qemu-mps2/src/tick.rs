@@ -1,4 +1,4 @@
-//! The tick: data of the timer's interrupt, and its cost.
+//! The control tick: data of the timer's interrupt, and its cost.
 //!
 //! The main program passes samples of the machine to the tick and receives setpoints from it, both through lock-free
 //! queues. In lockstep the sample gives the time; otherwise each tick is a millisecond after the previous one.

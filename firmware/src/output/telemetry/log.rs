@@ -1,4 +1,4 @@
-//! Ring buffer of the last records.
+//! Ring buffer of the last telemetry records.
 
 use heapless::Deque;
 

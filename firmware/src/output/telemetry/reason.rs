@@ -1,4 +1,4 @@
-//! Numbers of the reasons in telemetry.
+//! Numbers by which telemetry states the reason of an override.
 //!
 //! A number never changes its meaning, because loggers outlive firmware versions. New causes get new numbers; the tens
 //! digit is the family. Additional data of a reason (the excess of a chip over its target) is the record's detail.

@@ -1,4 +1,4 @@
-//! Sender of the log's records to a line.
+//! Sender of telemetry records over a serial line.
 
 use embedded_io::Write;
 

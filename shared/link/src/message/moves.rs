@@ -1,4 +1,4 @@
-//! Encoding of segments and of their engaged arcs as messages.
+//! Encoding of segments (moves) and of their engaged arcs as messages.
 //!
 //! An arc is sent with its centre only: the board computes start and end relative to it and checks them as the control
 //! does.

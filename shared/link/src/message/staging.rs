@@ -1,4 +1,5 @@
-//! Staging of a set of parameters: it takes effect only when it is complete, has the right checksum, and is valid.
+//! Receiver of a job that arrives as a set of messages: the job takes effect only if the set is complete, has the
+//! right checksum, and is valid.
 
 use heapless::Vec;
 
