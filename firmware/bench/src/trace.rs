@@ -54,7 +54,7 @@ pub struct Trace {
     pub in_stock: [u32; 3],
     /// Ticks with a demand at which positions were filtered.
     pub filtered: u32,
-    /// Of these, ticks without a new position.
+    /// Ticks among them without a new position.
     pub missing: u32,
 }
 

@@ -49,7 +49,7 @@ pub enum StartUp {
     B,
 }
 
-/// What the radius behind a D word means to the program: the tool's radius, or only its wear (in CAM systems the type
+/// Meaning of the radius behind a D word to the program: the tool's radius, or only its wear (in CAM systems the type
 /// of compensation).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompensationType {
