@@ -54,7 +54,7 @@ pub struct Trace {
     pub in_stock: [u32; 3],
     /// Ticks with a demand at which positions were filtered.
     pub filtered: u32,
-    /// Ticks among them without a new position.
+    /// Ticks with a demand and a filtered position at which no new position arrived.
     pub missing: u32,
 }
 

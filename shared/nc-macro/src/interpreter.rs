@@ -37,7 +37,7 @@ pub struct Interpreter {
 
 impl Interpreter {
     /// Interpreter at the start of the first program in `text`; `library` supplies subprograms that are not in it. In
-    /// DNC operation `text` is empty, and [`Interpreter::feed`] supplies the lines.
+    /// DNC operation [`Interpreter::feed`] supplies the lines of the main program.
     pub fn new(text: &[u8], library: Box<dyn Library>, settings: MacroSettings, context: &Context) -> Self {
         let mut variables = Variables::new(*context);
         variables.outside = settings.outside;

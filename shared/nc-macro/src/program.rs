@@ -116,7 +116,7 @@ impl File {
         self.lines.get(usize::try_from(index).ok()?)
     }
 
-    /// Lines of the first program of the file; `None` if the file has no lines.
+    /// Lines of the first program of the file; `None` if no text was read.
     pub fn main(&self) -> Option<LineRange> {
         self.spans.first().copied()
     }

@@ -108,7 +108,7 @@ pub struct TaskStatus {
     pub epoch: u16,
     /// Number of segments that have ended since the start; wraps around.
     pub executed: u32,
-    /// Whether the move in the record is in execution; otherwise it is the last one.
+    /// Whether a move is in execution, whose number is the block of the record; otherwise that number means nothing.
     pub is_in_work: bool,
     /// Reason why arming was rejected, if it was since the previous status; the last one counts.
     pub refusal: Option<Refusal>,

@@ -62,11 +62,11 @@ pub struct TapCounters {
     pub blocks: u32,
     /// Moves that were passed to the control task.
     pub segments: u32,
-    /// Moves among them that a law governs.
+    /// Moves that were passed to the control task and that a law governs.
     pub governed: u32,
     /// Programs that have started.
     pub programs: u32,
-    /// Programs among them that started before the previous one had ended.
+    /// Programs that started before the previous one had ended.
     pub restarts: u32,
     /// Number of times that the tap lost track of what the control does.
     pub losses: u32,

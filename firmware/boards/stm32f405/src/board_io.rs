@@ -113,7 +113,7 @@ impl BoardIo {
         self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
     }
 
-    /// Makes the board's fault of the next tick out of a late tick, because the time base is then wrong.
+    /// Records that a tick came too late: the next tick reports a fault of the board, because its time base is wrong.
     pub fn report_late(&mut self) {
         self.once = Some(BoardFault::Hardware);
     }
