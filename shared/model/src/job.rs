@@ -209,7 +209,7 @@ pub enum LawKind {
     },
     /// Constant feed per tooth along the finished contour instead of along the path of the tool's centre.
     Contour {
-        /// Whether arcs outside a contour keep the programmed feed at the centre instead of a higher one.
+        /// Whether arcs outside a contour have the target feed at the centre instead of a higher one.
         inside_only: bool,
         /// Lower limit of the centre's feed, as a fraction of the feed at the contour; it acts on tight inside arcs.
         floor_ratio: f32,

@@ -36,7 +36,7 @@ pub enum Continuation {
 }
 
 /// The macro call that the word with index `at` commands (G65, G66 or G66.1), with the words after it as arguments.
-/// With the timing of the call if it is modal (G66, G66.1). `None` if that word is no macro call.
+/// With the timing of the call if it is modal (G66, G66.1). `None` if there is no such word.
 ///
 /// # Errors
 /// PS0076, PS0078 or PS0129 at the missing or wrong word.

@@ -20,7 +20,7 @@ const FEED_DECIMALS: i32 = 4;
 /// A word of a block with its value computed, and its column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MacroWord {
-    /// Address letter; `,` for the addresses `,C` and `,R`.
+    /// Address letter. The comma of `,C` or `,R` is an entry of its own before that of the letter.
     pub letter: u8,
     /// Number as text without variables, for the reader of plain blocks.
     pub spelled: Vec<u8>,
