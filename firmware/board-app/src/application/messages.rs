@@ -104,7 +104,7 @@ pub struct TaskStatus {
     pub state: State,
     /// Alarm to be shown to the operator.
     pub alarm: Alarm,
-    /// Epoch: number of times that the laws lost the override, including the start; wraps around.
+    /// Epoch: number of changes to fallback, disarmed or faulted, plus one for the start; wraps around.
     pub epoch: u16,
     /// Number of segments that have ended since the start; wraps around.
     pub executed: u32,

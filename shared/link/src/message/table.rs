@@ -279,7 +279,7 @@ messages! {
     0x22 Down Request {
         /// Requested action.
         what: RequestCode,
-        /// Epoch (count of fallbacks) in the report that the person has seen; an older one is stale.
+        /// Epoch in the report that the person has seen; a request with an older one is stale.
         epoch: u16,
     }
     /// Asks for the message `Info`.
@@ -358,7 +358,7 @@ messages! {
         alarm: AlarmCode,
         /// Override at the output, %.
         override_percent: u8,
-        /// Epoch: number of times that the laws lost the override, including the start; wraps around.
+        /// Epoch: number of changes to fallback, disarmed or faulted, plus one for the start; wraps around.
         epoch: u16,
         /// Number of segments that have ended since the start; wraps around.
         executed: u32,
