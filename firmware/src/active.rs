@@ -15,7 +15,8 @@ use crate::progress::Track;
 use crate::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
 
-/// A segment prepared once when the block becomes active.
+/// One move of the program, prepared for the control ticks when its block arrives: its path, its sent feed, its
+/// limits, and the largest override ratio at each place of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveSegment {
     /// `None` for a rapid: the machine decides its path.
@@ -43,23 +44,26 @@ pub(crate) struct MachineRatio {
     pub by: LimitedBy,
 }
 
-/// Conditions of a segment besides its geometry: rule, engagement, spindle speed and limits.
+/// Conditions that decide about the feed of a segment besides its geometry: cut rule, engagement, spindle speed, limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions<'a> {
-    /// Cut rule whose law governs the segment.
+    /// Cut rule whose law governs the segment; `None` if no law does.
     pub rule: Option<&'a CutRule>,
-    /// Engaged arcs along the segment, for a rule that expects engagement per move.
+    /// Engaged arcs along the segment, for a rule that expects them with each move; otherwise `None`.
     pub along: Option<&'a EngagedTable>,
-    /// Commanded spindle speed.
+    /// Commanded spindle speed, for which the law computes the feed.
     pub spindle: RevPerMin,
-    /// Feed limit; `None` for rapids.
+    /// Largest feed on the segment by the machine's limits and, if a law governs it, by the job's; `None` for rapids
+    /// and where no limit is known.
     pub limit: Option<FeedLimit>,
-    /// Largest override at the end of the segment, %: the one with which the next move can begin.
+    /// Largest override at the end of the segment, %, above which the next move would begin too fast; 100 if the next
+    /// move does not matter.
     pub end_percent: u8,
 }
 
 impl<'a> Conditions<'a> {
-    /// Conditions of a move of the program as the control received it: its F counts as the programmed feed.
+    /// Conditions of a move as the control received it: the spindle speed is the job's, the move's F counts as the
+    /// programmed feed, and no next move is considered.
     pub fn of(segment: &Segment, rule: Option<&'a CutRule>, job: &Job) -> Self {
         Conditions {
             rule,
@@ -85,18 +89,18 @@ fn limit(segment: &Segment, is_governed: bool, job: &Job) -> Option<FeedLimit> {
 }
 
 impl ActiveSegment {
-    /// Prepares a segment of the program as the control received it, with the cut rule whose law governs it.
+    /// Prepares a move as the control received it; `rule` is the cut rule whose law governs it, `None` if no law does.
     pub fn new(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         ActiveSegment::with_conditions(segment, &Conditions::of(segment, rule, job), job)
     }
 
-    /// Prepares a segment under these conditions.
+    /// Prepares a move under these conditions, with the law of their cut rule.
     pub fn with_conditions(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
         let law = SegmentLaw::with_engagement(segment, conditions.rule, conditions.along, job);
         ActiveSegment::with_law(segment, &law, conditions, job)
     }
 
-    /// Prepares a segment under a given law instead of that of its rule.
+    /// Prepares a move under this law instead of that of its cut rule.
     pub fn with_law(segment: &Segment, law: &SegmentLaw, conditions: &Conditions<'_>, job: &Job) -> Self {
         let Conditions { spindle, limit, end_percent, .. } = *conditions;
         let (end, track) = (segment.end, Track::new(segment));
@@ -116,41 +120,45 @@ impl ActiveSegment {
         ActiveSegment { track, sent: Some(SentFeed { feed, ipt_center, machine }), end, envelope }
     }
 
-    /// Length of the path; `None` for a rapid.
+    /// Length of the path, mm; of a helix, of its arc in the plane. `None` for a rapid.
     pub fn length_mm(&self) -> Option<f32> {
         self.track.as_ref().map(Track::length_mm)
     }
 
-    /// Largest override with which the segment can begin, %; above it the beginning would be cut too fast.
+    /// Largest override with which the move may begin, %. Above it, the law's demand or a feed limit at its beginning
+    /// would be exceeded.
     pub fn begin_percent(&self) -> u8 {
         let machine = self.sent.map_or(f32::INFINITY, |sent| sent.machine.feed_ratio);
         // The cast saturates at 255.
         self.envelope.begin_percent().min((machine * PERCENT) as u8)
     }
 
-    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
+    /// Amount by which the override must be below 100 % at the end of this segment because of the next one, as a
+    /// ratio; 0 if 100 % is allowed.
     pub fn reserve_ratio(&self) -> f32 {
         self.envelope.reserve_ratio()
     }
 
-    /// End position of the segment.
+    /// Positions of the axes at the end of the segment.
     pub fn end(&self) -> &Pose {
         &self.end
     }
 
-    /// Whether the override acts on the segment: not on rapids, on inverse-time feeds, or without a feed.
+    /// Whether the feed override acts on the segment; it does not on rapids, on inverse-time feeds, or without a feed.
     pub fn takes_override(&self) -> bool {
         self.sent.is_some()
     }
 
-    /// Feed of the machine under an override, within its limits; `None` if the override does not act.
+    /// Feed of the machine at this override, reduced to the segment's feed limit; `None` if the override does not act
+    /// on the segment.
     pub fn feed_at(&self, feed_override: FeedOverride) -> Option<MmPerMin> {
         let sent = self.sent.as_ref()?;
         let ratio = fmath::min(f32::from(feed_override.percent) / PERCENT, sent.machine.feed_ratio);
         Some(MmPerMin(sent.feed.0 * ratio))
     }
 
-    /// Ratio of a feed per tooth at the centre to that of the sent feed; `None` if the override does not act.
+    /// Ratio of a feed per tooth at the tool's centre to the one that the sent feed gives at the commanded spindle
+    /// speed; `None` if the override does not act on the segment.
     pub fn ratio_of(&self, ipt_center: MmPerTooth) -> Option<f32> {
         self.sent.as_ref().map(|sent| ipt_center.0 / sent.ipt_center.0)
     }

@@ -5,19 +5,21 @@ use crate::supervisor::input::{Input, Work};
 use crate::supervisor::memory::Memory;
 use crate::supervisor::{Output, Supervisor};
 
-/// Hardware that the controller needs.
+/// Hardware that the controller needs, implemented once for each chip, emulator or simulator.
 pub trait Board {
-    /// Reads the inputs of this tick.
+    /// Reads the inputs at the beginning of a tick; [`Board::input`] then returns them.
     fn measure(&mut self);
-    /// Measured inputs, by reference: a copy would cost the tick more than its use.
+    /// Inputs that [`Board::measure`] has read. By reference, because a copy would take the tick longer than their
+    /// use.
     fn input(&self) -> &Input;
-    /// The segment in execution and its count; `None` if there is none.
+    /// The segment in execution, with a number that is different for each segment; `None` if none is in execution.
     fn work(&self) -> Work<'_>;
-    /// Sets the override at the output.
+    /// Passes the override of this tick to the control.
     fn set_override(&mut self, feed_override: FeedOverride);
 }
 
-/// Task of a tick, with its state. The default is power-on: 0 %, rising to the operator's dial.
+/// The feed controller's work at each control tick, with its state between ticks. By default as after power-on: 0 %,
+/// from where the override rises to the operator's dial.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Task {
     memory: Memory,
@@ -31,12 +33,12 @@ impl From<Memory> for Task {
 }
 
 impl Task {
-    /// Memory of the supervisor.
+    /// State of the supervisor, which decides whether the feed laws may set the override.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// Runs one tick: measures, decides, sets the output. Returns the decision.
+    /// Runs one tick: reads the inputs, decides on the override, sets the output. Returns the decision.
     pub fn run(&mut self, supervisor: &Supervisor, board: &mut impl Board) -> Output {
         board.measure();
         let output = supervisor.tick(&mut self.memory, board.work(), board.input());

@@ -6,13 +6,14 @@ use arcfeed_units::{MmPerMin, RevPerMin, Span};
 use crate::active::ActiveSegment;
 use crate::progress::{PositionFilter, Progress};
 
-/// Follower of the position along segments; configuration.
+/// Computes the progress of the tool along its segment from measured positions. Holds only settings; the state is a
+/// [`ControllerState`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Controller {
     filter: PositionFilter,
 }
 
-/// Progress on the segment in execution, and its sent feed.
+/// Progress of the tool on the segment in execution, and the segment's sent feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControllerState {
     progress: Progress,
@@ -20,23 +21,23 @@ pub struct ControllerState {
     feed_change_ratio: f32,
 }
 
-/// Measured values of a tick.
+/// Position, spindle speed and time that a board has measured at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Position of the tool's centre; `None` without a new sample since the last tick.
+    /// Position of the tool's centre in the program's coordinates; `None` if there is no new one since the last tick.
     pub position: Option<Pose>,
-    /// Spindle speed.
+    /// Measured spindle speed; 0 if unknown.
     pub spindle: RevPerMin,
     /// Time since the last tick.
     pub dt: Span,
 }
 
-/// Sample from which the progress is computed.
+/// Position from which the progress along a segment is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PositionSample<'a> {
-    /// Position, as in [`Measurement::position`].
+    /// Position of the tool's centre; `None` if there is no new one since the last tick.
     pub position: Option<&'a Pose>,
-    /// Time since the last tick, at most the longest tick.
+    /// Time since the last tick, limited to the longest expected tick.
     pub dt: Span,
 }
 
@@ -47,7 +48,7 @@ impl Default for ControllerState {
 }
 
 impl ControllerState {
-    /// Progress on the segment in execution; meaningless on rapids.
+    /// Progress on the segment in execution; meaningless if that is a rapid.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }
@@ -71,12 +72,12 @@ impl ControllerState {
 }
 
 impl Controller {
-    /// A controller with a position filter.
+    /// A controller that filters positions in this way.
     pub const fn new(filter: PositionFilter) -> Self {
         Controller { filter }
     }
 
-    /// Processes a tick on a segment; `begins` is true on the first one.
+    /// Processes the position of one tick; `begins` is true at the first tick of a segment.
     #[inline(always)]
     pub fn follow(
         &self,

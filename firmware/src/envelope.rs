@@ -28,7 +28,8 @@ use arcfeed_law::{FeedLaw, NoDemand, Place, SegmentLaw};
 
 /// Cells along a segment.
 const CELLS: usize = 128;
-/// Delay from a decision to its feed, s: a tick, two scans of a ladder of 8 ms, the lag of the axes. (assumed)
+/// Assumed time from a decision of the controller to the feed that it causes, s: a tick, two scans of 8 ms of the
+/// machine's PLC, and the lag of the axes.
 pub const RESPONSE_S: f32 = 0.03;
 /// Fraction of the slew that (1) uses, because of the discrete ticks.
 const SLEW_SHARE: f32 = 0.9;
@@ -46,7 +47,8 @@ const RATIO_MAX: f32 = 3.0;
 /// Tolerance of the rounding to a whole per cent.
 const PERCENT_TOLERANCE: f32 = 0.01;
 
-/// Largest ratio along a segment from which the override can still fall in time; prepared once with the segment.
+/// Largest override ratio at each place of a segment from which the override can still fall, at its slew rate, to what
+/// the rest of the segment and the next one need. Computed once, when the segment is prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Envelope {
     /// Borders: before each cell and after the last one.
@@ -71,18 +73,19 @@ const ANSWERS: u16 = (1 << ANSWER_BITS) - 1;
 /// Code of a demand; the codes of refusals follow the order of [`NoDemand`], so that the compiler needs no conversion.
 const ANSWERED: u16 = 5;
 
-/// Sent feed and limits of a segment: inputs of an envelope besides the law.
+/// Sent feed and limits of a segment, from which its envelope (largest override ratio at each place) is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sent {
-    /// Sent feed.
+    /// Feed along the path that the control received.
     pub feed: MmPerMin,
-    /// Number of teeth divided by the feed, min/mm.
+    /// Number of teeth that cut, divided by the sent feed in mm/min; divided by the spindle speed it is the reciprocal
+    /// of the feed per tooth.
     pub teeth_min_per_mm: f32,
-    /// Commanded spindle speed.
+    /// Commanded spindle speed, for which the law's demand is converted to a ratio.
     pub spindle: RevPerMin,
-    /// Largest ratio that the override, the machine and the job allow.
+    /// Largest ratio of wanted to sent feed that the override, the machine and the job allow.
     pub max_ratio: f32,
-    /// Largest override at the segment's end.
+    /// Largest override at the segment's end, %, above which the next move would begin too fast.
     pub end_percent: u8,
 }
 
@@ -95,7 +98,7 @@ struct Answers {
 }
 
 impl Envelope {
-    /// Envelope of a law.
+    /// Envelope of a segment whose path is `track` under this law, for an override within these limits.
     pub fn new(law: &SegmentLaw, track: &Track, sent: &Sent, limits: &OverrideLimits) -> Self {
         let constant = Envelope::constant(sent.end_percent);
         let keeps_feed_behind = sent.end_percent >= PERCENT as u8;
@@ -125,8 +128,8 @@ impl Envelope {
         Envelope { borders, parts_per_mm, fallen_mm: length_mm - response_mm, fall_per_mm, spindle, ..constant }
     }
 
-    /// Constant envelope for a segment without a law, at any spindle speed: the sent feed, limited to the ratio with
-    /// which the next segment can begin.
+    /// Envelope of a segment without a law: 100 % at any spindle speed, or `end_percent` if that is lower, because the
+    /// next segment cannot begin with more.
     pub fn constant(end_percent: u8) -> Self {
         let end_ratio = f32::from(end_percent) / PERCENT;
         Envelope {
@@ -139,18 +142,19 @@ impl Envelope {
         }
     }
 
-    /// Largest override at the beginning of the segment, %.
+    /// Largest override with which the segment may begin, %.
     pub fn begin_percent(&self) -> u8 {
         (self.at(0.0).0 * PERCENT + PERCENT_TOLERANCE) as u8
     }
 
-    /// Reduction of the ratio, from 1, that the next segment requires at the end of this one.
+    /// Amount by which the override must be below 100 % at the segment's end because of the next one, as a ratio; 0 if
+    /// 100 % is allowed.
     pub fn reserve_ratio(&self) -> f32 {
         1.0 - fmath::sqrt(fmath::min(self.end_squared, 1.0))
     }
 
-    /// Ratio after a distance travelled on the segment, at the commanded spindle speed; and the reason if the law has
-    /// no demand there.
+    /// Largest override ratio after a distance travelled on the segment, for the commanded spindle speed. With the
+    /// reason if the law has no demand there.
     #[inline(always)]
     pub fn at(&self, travelled_mm: f32) -> (f32, Result<(), NoDemand>) {
         let place = ((travelled_mm * self.parts_per_mm) as u32).min(CELLS as u32 * PARTS - 1);
@@ -164,7 +168,8 @@ impl Envelope {
         (ratio, before.answer())
     }
 
-    /// Factor of the ratio for a slower spindle, which scales all demands; a faster spindle does not raise the ratio.
+    /// Factor, at most 1, for the ratio if the spindle is slower than commanded: the feed per tooth then stays the
+    /// same. A faster spindle does not raise the ratio.
     #[inline(always)]
     pub fn spindle_share(&self, measured: RevPerMin) -> f32 {
         let is_slower = fmath::is_positive(measured.0) && measured.0 < self.spindle.0;

@@ -23,16 +23,17 @@ use arcfeed_law::Place;
 /// Millimetres in a nanometre, for positions on the tick.
 const MM_PER_NM: f32 = 1e-6;
 
-/// Filter of position samples; configuration.
+/// Filter by which measured positions correct the computed position of the tool on its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PositionFilter {
-    /// No filter: exact samples without noise, delay or gaps.
+    /// No filter: positions are exact, not delayed, and never missing.
     Exact,
-    /// Alpha-beta filter.
+    /// Alpha-beta filter, for positions that are noisy, delayed or missing.
     AlphaBeta(AlphaBeta),
 }
 
-/// Gains of the alpha-beta filter for position and speed.
+/// Gains of the alpha-beta filter: which fraction of the difference to a measured position corrects the computed
+/// position and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaBeta {
     /// Fraction of the residual that corrects the position, 0 to 1.
@@ -44,10 +45,11 @@ pub struct AlphaBeta {
 }
 
 impl PositionFilter {
-    /// A filter with the given gain (0 to 1 exclusive; small: smooth and slow) for samples that are `delay` old. The
-    /// gain of the speed follows from critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 - alpha).
+    /// Alpha-beta filter with this gain for position, 0 to 1 exclusive (small: smooth and slow), for samples that are
+    /// `delay` old on arrival. The gain for speed follows from critical damping: beta = 2 (2 - alpha) - 4 sqrt(1 -
+    /// alpha).
     ///
-    /// `None` if the gain is out of range.
+    /// `None` if the gain is not in this range.
     pub fn new(alpha_ratio: f32, delay: Span) -> Option<Self> {
         let in_range = alpha_ratio > 0.0 && alpha_ratio < 1.0;
         let beta_ratio = 2.0 * (2.0 - alpha_ratio) - 4.0 * fmath::sqrt(1.0 - alpha_ratio);
@@ -56,7 +58,7 @@ impl PositionFilter {
     }
 }
 
-/// Path of a segment, for the computation of progress; configuration.
+/// Path of a segment, prepared so that the tool's progress on it can be computed at each tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
     length_mm: f32,
@@ -92,7 +94,7 @@ struct LineTrack {
     direction: [f32; 3],
 }
 
-/// Progress on a segment. Keeps its state between calls.
+/// Progress of the tool on its segment: the path travelled, and the speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// On an arc: unit vector from the rotation centre to the last sample.
@@ -104,19 +106,19 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Path from the segment's start; for a helix, in the plane of its arc.
+    /// Path travelled from the segment's start, mm; on a helix, in the plane of its arc.
     pub fn travelled_mm(&self) -> f32 {
         self.travelled_mm
     }
 
-    /// Estimated speed along the path.
+    /// Estimated speed along the path, mm/s.
     pub fn speed_mm_per_s(&self) -> f32 {
         self.speed_mm_per_us * US_PER_S as f32
     }
 }
 
 impl Track {
-    /// The track of a cutting move; `None` for rapids, whose path the machine decides.
+    /// Path of a cutting move; `None` for rapids, because the machine decides on their path.
     pub fn new(segment: &Segment) -> Option<Self> {
         let length_mm = segment.feed_length_mm() as f32;
         let shape = match &segment.path {
@@ -138,7 +140,7 @@ impl Track {
         self.length_mm
     }
 
-    /// Progress before the first sample: at the start, with the speed of the previous segment.
+    /// Progress before the first sample: at the segment's start, with the speed on the previous segment.
     pub fn begin(&self, before: &Progress) -> Progress {
         let direction = self.start_direction();
         Progress { direction, speed_mm_per_us: before.speed_mm_per_us, ..Progress::default() }
@@ -152,7 +154,7 @@ impl Track {
         }
     }
 
-    /// Places at the borders of `parts` equal parts, for laws.
+    /// Places at the ends of `parts` equal parts of the path, for the evaluation of a law.
     pub fn places(&self, parts: usize) -> impl Iterator<Item = Place> {
         let part_mm = self.length_mm() / parts as f32;
         let mut direction = self.start_direction();
@@ -180,7 +182,8 @@ impl Track {
         }
     }
 
-    /// Processes a tick with or without a sample.
+    /// Advances the progress by one tick of duration `dt`; `sample` is the measured position, `None` if there is no
+    /// new one.
     #[inline(always)]
     pub fn advance(&self, filter: &PositionFilter, progress: &mut Progress, sample: Option<&Pose>, dt: Span) {
         if let Some(position) = sample {

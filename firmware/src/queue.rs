@@ -20,7 +20,7 @@ const END_TOLERANCE_MM: f32 = 0.01;
 /// Tolerance of every axis at the end of a rapid.
 const REST_TOLERANCE: Nm = Nm(20_000);
 
-/// Follower of the position through the queued segments. Keeps its state between calls.
+/// Finds out, from the position alone, which of the queued segments is in execution and when it ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Follower {
     progress: ControllerState,
@@ -29,12 +29,14 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// The first segment of the queue as the segment in execution. Its count is unique, also across runs.
+    /// The segment in execution, which is the first one of the queue, with its number. The number is unique, also
+    /// across restarts. `None` if the queue is empty.
     pub fn in_work<'s>(&self, front: Option<&'s ActiveSegment>) -> Work<'s> {
         front.map(|segment| (self.count, segment))
     }
 
-    /// Advances along the segment in execution. Returns true if it is done and must leave the queue.
+    /// Processes the position of a tick; `front` is the first segment of the queue. Returns whether that segment has
+    /// ended and must leave the queue.
     pub fn follow(&mut self, controller: &Controller, front: &ActiveSegment, measured: &Measurement) -> bool {
         let sample = PositionSample { position: measured.position.as_ref(), dt: measured.dt };
         controller.follow(&mut self.progress, front, &sample, !self.is_entered);
@@ -46,7 +48,7 @@ impl Follower {
         is_done
     }
 
-    /// Restarts after the queue was emptied.
+    /// Starts anew after the queue was emptied.
     pub fn restart(&mut self) {
         self.progress = ControllerState::default();
         self.next_segment();

@@ -12,7 +12,7 @@ use arcfeed_units::{PERCENT, Span, US_PER_S};
 /// Relative tolerance below a step, which still counts as the step: prevents the loss of a whole step by f32 rounding.
 const STEP_TOLERANCE_RATIO: f32 = 5e-6;
 
-/// An override of the control, whole per cent.
+/// A feed override as the control receives it, whole per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedOverride {
@@ -25,7 +25,7 @@ impl FeedOverride {
     pub const PROGRAMMED: FeedOverride = FeedOverride { percent: 100 };
 }
 
-/// Bounds, slew rates and step of the override, validated; configuration.
+/// Checked bounds, slew rates and step of the override, by which a wanted ratio becomes an override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
     min_ratio: f32,
@@ -39,40 +39,40 @@ pub struct Ramp {
     step_percent: u32,
 }
 
-/// Override ratio at the output, before rounding. Keeps its state between calls.
+/// Override at the output as a ratio (1 is 100 %), before it is rounded to a step of the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     ratio: f32,
 }
 
-/// Bound of the override that limits a wanted ratio.
+/// Result of limiting a wanted override ratio to the bounds of the job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bound {
-    /// No bound limits the ratio.
+    /// The ratio lies within the bounds.
     Free,
-    /// The ratio is below `min`: the chip exceeds its target.
+    /// The ratio is below the lower bound, which is used instead: the chip exceeds its target.
     Floor,
-    /// The ratio is above `max`.
+    /// The ratio is above the upper bound, which is used instead.
     Ceiling,
-    /// The ratio is NaN: 100 %.
+    /// The ratio is not a number; 100 % is used instead.
     NotANumber,
 }
 
-/// Reason why bounds of the override are rejected.
+/// Reason why bounds, step or slew rates of the override are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitsError {
-    /// `min` is above 100, or `max` is below 100 or above 254.
+    /// The lower bound is above 100 %, or the upper bound is below 100 % or above 254 %.
     Range,
-    /// The step is zero or does not divide 100.
+    /// The step is zero, or does not divide 100 %.
     Step,
-    /// A slew is not a positive number.
+    /// A slew rate is not a positive number.
     Slew,
 }
 
 impl Ramp {
-    /// Checks the bounds of the override.
+    /// Ramp with these bounds, step and slew rates.
     ///
     /// # Errors
     /// See [`LimitsError`].
@@ -100,7 +100,7 @@ impl Ramp {
         })
     }
 
-    /// Limits a wanted ratio to `min` and `max`; returns which bound was met.
+    /// Limits a wanted ratio to the bounds; returns it with the bound that was met.
     #[inline(always)]
     pub fn bounded(&self, ratio: f32) -> (f32, Bound) {
         if ratio > self.max_ratio {
@@ -114,13 +114,13 @@ impl Ramp {
         }
     }
 
-    /// Largest ratio, for targets without a law.
+    /// The upper bound as a ratio, which also limits overrides without a law.
     pub fn max_ratio(&self) -> f32 {
         self.max_ratio
     }
 
-    /// Moves the level towards a target, with one time span for rises and another for falls. A NaN target becomes the
-    /// level, which gives 0 %.
+    /// Moves the level towards the target ratio, by the upward slew rate for at most the time `rise`, or by the
+    /// downward one for at most `fall`. If the target is NaN, the level becomes NaN, which is output as 0 %.
     #[inline(always)]
     pub fn slew(&self, level: &mut Level, target_ratio: f32, [rise, fall]: [Span; 2]) {
         let (rise, fall) = (self.up_ratio_per_us * rise.us(), self.down_ratio_per_us * fall.us());
@@ -135,7 +135,7 @@ impl Ramp {
         };
     }
 
-    /// The level rounded down to a step of the control; at most `max`, and 0 for NaN.
+    /// The level rounded down to a step of the control, but not above the upper bound; 0 % for NaN.
     #[inline(always)]
     pub fn round_down(&self, level: &Level) -> FeedOverride {
         // The conversion drops the fraction of a step.
@@ -145,34 +145,35 @@ impl Ramp {
 }
 
 impl Level {
-    /// The level of a whole override.
+    /// The level of this override.
     pub fn at(feed_override: FeedOverride) -> Self {
         Level { ratio: f32::from(feed_override.percent) / PERCENT }
     }
 
-    /// Ratio at the output before rounding.
+    /// The level as a ratio: 1 is 100 %.
     pub fn ratio(self) -> f32 {
         self.ratio
     }
 
-    /// Lowers the level at once to `ceiling_ratio` if it is higher.
+    /// Lowers the level at once to this ratio if it is higher; zero if the ratio is negative.
     #[inline(always)]
     pub fn fall_to(&mut self, ceiling_ratio: f32) {
         self.ratio = fmath::min(self.ratio, fmath::max(ceiling_ratio, 0.0));
     }
 
-    /// Lowers the level at once to this fraction of itself.
+    /// Lowers the level at once to this fraction of its value.
     pub fn fall_by(&mut self, share_ratio: f32) {
         self.fall_to(self.ratio * share_ratio);
     }
 
-    /// Sets the level to zero.
+    /// Sets the level to zero at once.
     pub fn stop(&mut self) {
         self.ratio = 0.0;
     }
 
-    /// Keeps the actual feed when the programmed feed changes by `feed_change_ratio`, but not below `safe_ratio`. The
-    /// caller then lowers the level to the target of the new block.
+    /// Changes the level at once so that the actual feed stays the same when the programmed feed becomes
+    /// `feed_change_ratio` times as large; the level does not fall below `safe_ratio`. The caller then lowers it to
+    /// the target of the new block.
     pub fn carry(&mut self, feed_change_ratio: f32, safe_ratio: f32) {
         self.ratio = fmath::max(self.ratio / feed_change_ratio, safe_ratio);
     }

@@ -5,14 +5,14 @@ use arcfeed_firmware::board::Board;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::input::{Input, Work};
 
-/// Board for measurements: given inputs, a given segment, and the override put out.
+/// Board for measurements, without hardware: the caller sets the inputs and the segment, and reads the last override.
 #[derive(Clone, Debug)]
 pub struct BoardIo {
-    /// The segment in execution and its count.
+    /// The segment in execution, with its number; `None` if none is in execution.
     pub segment: Option<(u32, ActiveSegment)>,
-    /// Measured inputs.
+    /// Inputs that the controller reads at the next tick.
     pub input: Input,
-    /// Last override.
+    /// Override that the controller has set last.
     pub output: FeedOverride,
 }
 

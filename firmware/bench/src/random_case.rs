@@ -24,19 +24,19 @@ use crate::random::Random;
 /// One of this number of position samples is missing.
 const MISSING: u64 = 50;
 
-/// Law for the random cases of a run.
+/// Law under which random cases are drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawChoice {
-    /// The job gives the law.
+    /// This law of a job.
     Job(LawKind),
-    /// A table of knots.
+    /// A random table of feeds per tooth, without a job's law.
     Table,
 }
 
-/// A job, one of its blocks, and the position of the tool on it.
+/// A random job, one block that it governs, and the moving position of the tool on that block.
 #[derive(Debug)]
 pub struct RandomCase {
-    /// The job.
+    /// The random job, with its limits.
     pub job: Job,
     /// Filter of position samples.
     pub filter: PositionFilter,
@@ -56,7 +56,7 @@ enum Route {
 }
 
 impl RandomCase {
-    /// Draws a case for a law.
+    /// Draws a random case for a law.
     pub fn draw(random: &mut Random, choice: LawChoice) -> Self {
         let is_for_rings = matches!(choice, LawChoice::Job(LawKind::Circumference | LawKind::EngagedArc { .. }));
         let cutting = if is_for_rings { for_ring(random, choice) } else { for_end_mill(random) };
@@ -90,7 +90,7 @@ impl RandomCase {
         RandomCase { job, filter: filter(random), rule, segment, table, route }
     }
 
-    /// The block, prepared under its law.
+    /// The block, prepared for the controller under its law.
     pub fn active(&self) -> ActiveSegment {
         let conditions = Conditions::of(&self.segment, Some(&self.rule), &self.job);
         match &self.table {
@@ -101,7 +101,7 @@ impl RandomCase {
         }
     }
 
-    /// Whether the block is a line.
+    /// Whether the block is a straight move.
     pub fn is_line(&self) -> bool {
         self.segment.path == Path::Line
     }
@@ -114,7 +114,7 @@ impl RandomCase {
         }
     }
 
-    /// Inputs of the next tick.
+    /// Moves the tool on by one tick, and returns what the board measures then.
     pub fn advance(&mut self, random: &mut Random) -> Measurement {
         let mut noisy = |nm: f64| Nm(nm as i64 + random.below(10_000) as i64 - 5_000);
         let linear = match &mut self.route {

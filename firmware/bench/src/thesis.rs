@@ -123,16 +123,16 @@ impl Maths<f32> for Fpu {
     }
 }
 
-/// Inputs of the equations, mm.
+/// Inputs of the equations for one movement of the cup mill, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Movement<T> {
-    /// M and N, two points of the stock limit, in the frame at O.
+    /// M and N, two points of the stock line, in the frame at the tool's centre O.
     pub limits: [[T; 2]; 2],
-    /// Radius of the cutting circle: R or r by movement.
+    /// Radius of the circle that cuts: R or r, depending on the movement.
     pub edge_radius: T,
-    /// Radius of the path about the rotation centre: r or R by movement.
+    /// Radius of the path of the tool's centre about the rotation centre: r or R, depending on the movement.
     pub path_radius: T,
-    /// k: +1 for the outer edge, -1 for the inner.
+    /// k: +1 if the outer circle cuts, -1 if the inner one does.
     pub advance: T,
     /// a, feed per tooth on the circumference.
     pub feed_per_tooth: T,
@@ -143,12 +143,12 @@ pub struct Movement<T> {
 pub struct Step<T> {
     /// s, feed per tooth at the centre, mm along the chord.
     pub chord: T,
-    /// alpha, the same as an angle about the rotation centre, rad.
+    /// alpha, the same step as an angle about the rotation centre, rad.
     pub turn: T,
 }
 
-/// One pass through the source's loop, equations (8) to (29): the step of a tooth, and the limits M and N in the
-/// frame after the step.
+/// One pass through the source's loop, equations (8) to (29): the step of the tool's centre for one tooth, and the
+/// points M and N of the stock line in the frame after the step.
 pub fn tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let (step, next) = step::<T, M>(movement, line(movement.limits));
     let (cos, sin) = (M::cos(step.turn), M::sin(step.turn));
@@ -210,8 +210,8 @@ fn next_center<T: Real, M: Maths<T>>(movement: &Movement<T>, x_c: T, y_c: T) -> 
     if nearer { (x, y) } else { (x_other, y_other) }
 }
 
-/// Same result as [`tooth`] with fewer instructions: one intersection in place of two, coordinates in place of
-/// angles, no function but the square root.
+/// The same result as [`tooth`] with fewer instructions: it computes one intersection instead of two, coordinates
+/// instead of angles, and no function except square roots.
 pub fn lean_tooth<T: Real, M: Maths<T>>(movement: &Movement<T>) -> (Step<T>, [[T; 2]; 2]) {
     let Movement { limits, edge_radius: r0, path_radius: rho, advance, feed_per_tooth } = *movement;
     let [a, b, c] = line(limits);

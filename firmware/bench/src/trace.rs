@@ -21,9 +21,9 @@ use arcfeed_units::{MmPerTooth, Span};
 use crate::random::Random;
 use crate::random_case::{LawChoice, RandomCase};
 
-/// Ticks of a run.
+/// Number of control ticks of a run.
 pub const TICKS: u32 = 120_000;
-/// Laws under test, one run each, with their names.
+/// Laws that are run, one after the other, with their names.
 pub const LAWS: [(&str, LawChoice); 9] = [
     ("circumference", LawChoice::Job(LawKind::Circumference)),
     ("engaged-arc-one-edge", LawChoice::Job(LawKind::EngagedArc { both_edges: false })),
@@ -39,22 +39,22 @@ pub const LAWS: [(&str, LawChoice); 9] = [
 const SEED: u64 = 0x5eed_0fa2_cfee_d001;
 const TICKS_PER_BLOCK: u64 = 400;
 
-/// Result of a run: a hash, and numbers of ticks by case.
+/// Result of a run: a hash of all outputs, and the number of ticks of certain kinds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Trace {
-    /// FNV-1a of all outputs.
+    /// FNV-1a hash (64 bits) of all outputs.
     pub hash: u64,
-    /// The law had a demand.
+    /// Ticks at which the law had a demand.
     pub governed: u32,
-    /// The law had none, though there was one.
+    /// Ticks at which a law governed the segment but had no demand.
     pub refused: u32,
-    /// Governed ticks on a line.
+    /// Ticks with a demand on a straight move.
     pub on_lines: u32,
-    /// Governed ticks of a ring in stock that is a half plane, a polygon, a disc.
+    /// Ticks with a demand of a cup mill, by its stock: half plane, polygon, round blank.
     pub in_stock: [u32; 3],
-    /// Governed ticks with a filtered position.
+    /// Ticks with a demand at which positions were filtered.
     pub filtered: u32,
-    /// Filtered ticks without a sample.
+    /// Ticks with a demand and a filtered position at which no new position arrived.
     pub missing: u32,
 }
 

@@ -14,32 +14,32 @@ use arcfeed_firmware::supervisor::signals::BoardFault;
 /// start.
 const SESSIONS_PER_START: u32 = 1 << 16;
 
-/// Configuration of a board at its start.
+/// Data that a board needs at its start.
 #[derive(Clone, Copy, Debug)]
 pub struct Config {
-    /// Source of its segments.
+    /// Source of its segments: the host, or the DNC line that it taps.
     pub supply: Supply,
-    /// Settings of the supervisor.
+    /// Time-outs and thresholds of the supervisor.
     pub settings: Settings,
-    /// Identity of the board. The number of starts makes its sessions unique.
+    /// Name, version and last start; the number of starts makes the numbers of its sessions unique.
     pub identity: Identity,
-    /// A fault found at the start.
+    /// Fault that was found at the start; `None` without one.
     pub fault: Option<BoardFault>,
 }
 
 /// Reason why a board cannot be assembled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyError {
-    /// Invalid settings of the supervisor.
+    /// The settings of the supervisor contradict each other.
     Settings(SettingsError),
-    /// Invalid settings of the link.
+    /// The settings of the link are invalid.
     Link(LinkError),
 }
 
-/// Assembles a board at its start, with these queues.
+/// Makes the host link and the control task of a board, at the two ends of these queues.
 ///
 /// # Errors
-/// Invalid settings.
+/// The settings of the supervisor or of the link are invalid.
 pub fn assemble<const AHEAD: usize>(
     queues: &mut Queues<AHEAD>,
     config: Config,

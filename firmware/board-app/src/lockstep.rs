@@ -17,30 +17,30 @@ use arcfeed_units::Micros;
 
 use crate::main_loop::MainLoop;
 
-/// Serial line of a board.
+/// One of the serial lines of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardLine {
-    /// To the host.
+    /// Line to the host program.
     Link,
-    /// To the machine.
+    /// Line to the simulated machine.
     Machine,
-    /// To the sender of NC text, tapped.
+    /// Line to the sender of the NC program, which the board taps.
     Sender,
-    /// To the control.
+    /// Line to the control, on which the tapped characters are passed on.
     Control,
 }
 
-/// Access to the serial lines of a board.
+/// Serial lines of a board, as the chip or the simulator implements them.
 pub trait BoardLines {
-    /// Number of received bytes that wait.
+    /// Number of bytes that have arrived on a line and were not taken yet.
     fn waiting(&self, line: BoardLine) -> usize;
-    /// The next received byte.
+    /// The next byte that has arrived on a line; `None` if there is none.
     fn receive(&mut self, line: BoardLine) -> Option<u8>;
     /// Sends bytes; returns the number of accepted bytes.
     fn send(&mut self, line: BoardLine, bytes: &[u8]) -> usize;
 }
 
-/// The board's end of the machine line. Keeps its state between calls.
+/// The board's end of the line to a simulated machine, with which it exchanges a sample and an answer each period.
 #[derive(Debug, Default)]
 pub struct Lockstep {
     line: PlainLine,
@@ -64,13 +64,13 @@ impl Lockstep {
         Lockstep { line: PlainLine::new(), waiting: None, taken: none, put: none, incomplete: 0 }
     }
 
-    /// Mode of the first sample; `None` before it has arrived.
+    /// Clock of the machine, as its first sample states it; `None` before that sample has arrived.
     pub fn mode(&mut self, lines: &mut impl BoardLines) -> Option<ModeCode> {
         self.sample(lines).map(|sample| sample.mode)
     }
 
-    /// Runs a period if all of its bytes have arrived; returns whether it did. `tick` runs one tick with a sample and
-    /// returns the outputs; its byte counts are ignored.
+    /// Runs one period if the machine's sample and all bytes that it announces have arrived; returns whether it did.
+    /// `tick` must run one control tick with the sample and return the outputs; the byte counts that it returns are ignored.
     pub fn poll<const N: usize>(
         &mut self,
         main_loop: &mut MainLoop<'_, N>,
@@ -157,13 +157,13 @@ impl Lockstep {
         self.incomplete = self.incomplete.wrapping_add(u32::from(sent < length));
     }
 
-    /// Numbers of invalid frames on the machine line, and of answers that could not be sent; they wrap around.
+    /// Numbers of invalid frames from the machine and of answers that could not be sent; they wrap around.
     pub fn faults(&self) -> [u32; 2] {
         [self.line.invalid(), self.incomplete]
     }
 }
 
-/// Forwards received characters in both directions of the tapped line; returns their number.
+/// Passes the characters that have arrived on the tapped line on, in both directions; returns their number.
 pub fn forward<const N: usize>(main_loop: &mut MainLoop<'_, N>, lines: &mut impl BoardLines, now: Micros) -> u32 {
     let mut passed = 0_u32;
     while let Some(byte) = lines.receive(BoardLine::Sender) {

@@ -7,19 +7,21 @@ use arcfeed_units::Micros;
 use crate::application::host_link::HostLink;
 use crate::tap::{Tap, TapSegment};
 
-/// Host link and tap; state. The tap has room for `N` characters; with `N` = 0 there is no tap and no code for it.
+/// Main loop of a board: its host link, and its tap if it has one. The tap has room for `N` characters; with `N` = 0
+/// there is no tap, and no code for it.
 pub struct MainLoop<'q, const N: usize> {
     host_link: HostLink<'q>,
     tap: Option<&'q mut Tap<N>>,
 }
 
 impl<'q, const N: usize> MainLoop<'q, N> {
-    /// A main loop. With a tap the segments come from the tapped line, and the job must have been loaded.
+    /// Main loop of these parts. With a tap, the segments come from the tapped line, and the job must have been loaded
+    /// before.
     pub fn new(host_link: HostLink<'q>, tap: Option<&'q mut Tap<N>>) -> Self {
         MainLoop { host_link, tap }
     }
 
-    /// Processes bytes received on the link.
+    /// Processes bytes that have arrived on the link at the time `now`.
     pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
         self.host_link.on_link_bytes(now, bytes);
     }
@@ -30,24 +32,25 @@ impl<'q, const N: usize> MainLoop<'q, N> {
         self.host_link.poll_link(now, out)
     }
 
-    /// Processes a character of the sender; returns it for the control.
+    /// Processes a character that has arrived from the sender of the NC program; returns it to be passed on to the
+    /// control.
     pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
         self.parts().1.map_or(byte, |tap| tap.from_sender(now, byte))
     }
 
-    /// Processes a character of the control; returns it for the sender.
+    /// Processes a character that has arrived from the control; returns it to be passed on to the sender.
     pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
         self.parts().1.map_or(byte, |tap| tap.from_control(now, byte))
     }
 
-    /// Registers that a character of the sender was lost or unreadable.
+    /// Records that a character of the sender was lost or could not be read.
     pub fn on_line_error(&mut self) {
         if let Some(tap) = self.parts().1 {
             tap.on_line_error();
         }
     }
 
-    /// Processes a new position, before its tick.
+    /// Processes a new position of the axes; to be called before the tick that uses it.
     pub fn on_position(&mut self, position: &Pose) {
         let (host_link, Some(tap)) = self.parts() else { return };
         let status = host_link.handler().status();
@@ -63,7 +66,7 @@ impl<'q, const N: usize> MainLoop<'q, N> {
         }
     }
 
-    /// Does the periodic work, ideally before and after each tick.
+    /// Does everything that does not depend on arriving bytes; to be called before and after each tick.
     pub fn run(&mut self, now: Micros) {
         self.host_link.run(now);
     }
@@ -73,21 +76,21 @@ impl<'q, const N: usize> MainLoop<'q, N> {
         (host_link, if N == 0 { None } else { tap.as_deref_mut() })
     }
 
-    /// The link to the host.
+    /// Link to the host.
     pub fn host_link(&self) -> &HostLink<'q> {
         &self.host_link
     }
 
-    /// The link to the host, for input that does not come over a line.
+    /// Link to the host, for input that does not come over a line.
     pub fn host_link_mut(&mut self) -> &mut HostLink<'q> {
         &mut self.host_link
     }
 
-    /// The tap.
+    /// The tap; `None` if the board has none.
     pub fn tap(&self) -> Option<&Tap<N>> {
         self.tap.as_deref()
     }
 }
 
-/// A board without a tap.
+/// Main loop of a board without a tap.
 pub type Untapped<'q> = MainLoop<'q, 0>;

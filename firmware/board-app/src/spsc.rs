@@ -15,7 +15,7 @@ pub struct Producer<'q, T>(spsc::Producer<'q, T>);
 /// Reading end of a queue, first in, first out.
 pub struct Consumer<'q, T>(spsc::Consumer<'q, T>);
 
-/// Both ends of a queue; it holds `N` - 1 items.
+/// Divides a queue into its writing and its reading end; it holds up to `N` - 1 items.
 pub fn split<T, const N: usize>(queue: &mut Queue<T, N>) -> (Producer<'_, T>, Consumer<'_, T>) {
     let (producer, consumer) = queue.split();
     (Producer(producer), Consumer(consumer))
@@ -31,13 +31,13 @@ impl<T> Producer<'_, T> {
         if self.capacity() == SIZELESS { Err(item) } else { self.0.enqueue(item) }
     }
 
-    /// Whether there is room for an item.
+    /// Whether the queue can take another item.
     #[inline(always)]
     pub fn ready(&self) -> bool {
         self.capacity() != SIZELESS && self.0.ready()
     }
 
-    /// Number of items.
+    /// Number of items in the queue.
     #[inline(always)]
     pub fn len(&self) -> usize {
         if self.capacity() == SIZELESS { 0 } else { self.0.len() }
@@ -49,7 +49,7 @@ impl<T> Producer<'_, T> {
         self.len() == 0
     }
 
-    /// Maximum number of items.
+    /// Largest number of items that the queue can hold.
     #[inline(always)]
     pub fn capacity(&self) -> usize {
         self.0.capacity()
@@ -69,7 +69,7 @@ impl<T> Consumer<'_, T> {
         self.0.peek()
     }
 
-    /// Number of items.
+    /// Number of items in the queue.
     #[inline(always)]
     pub fn len(&self) -> usize {
         if self.0.capacity() == SIZELESS { 0 } else { self.0.len() }

@@ -12,22 +12,22 @@
 // Size of a controller without moves, bytes.
 #define ARCFEED_CONTROLLER_SIZE 16384
 
-// Size of a move, bytes: the memory for n moves is `ARCFEED_CONTROLLER_SIZE` + n * `ARCFEED_MOVE_SIZE`.
+// Size of one stored move, bytes: a controller for n moves needs `ARCFEED_CONTROLLER_SIZE` + n * `ARCFEED_MOVE_SIZE`.
 #define ARCFEED_MOVE_SIZE 512
 
-// Alignment of the memory, bytes.
+// Required alignment of the memory for a controller, bytes.
 #define ARCFEED_ALIGNMENT 8
 
-// No cut rule governs the move.
+// Value of `rule`: no law governs the move.
 #define ARCFEED_NO_RULE 255
 
-// A line that is no line: no block is in execution.
+// Value of `line`: no block is in execution.
 #define ARCFEED_NO_LINE -1
 
-// Path of a move: positioning, on a path that the control chooses.
+// Path of a move: rapid traverse, on a path that the control chooses.
 #define ARCFEED_PATH_RAPID 0
 
-// Path of a move: a line.
+// Path of a move: a straight cutting move.
 #define ARCFEED_PATH_LINE 1
 
 // Path of a move: a clockwise arc in XY.
@@ -48,7 +48,7 @@
 // Path of a move: a counter-clockwise arc in YZ.
 #define ARCFEED_PATH_CCW_YZ 7
 
-// Signal: G41 or G42 is active.
+// Signal: cutter compensation (G41 or G42) is active.
 #define ARCFEED_SIGNAL_CUTTER_COMPENSATION 1
 
 // Signal: the control ignores the override.
@@ -60,10 +60,10 @@
 // Signal: thread cutting is active.
 #define ARCFEED_SIGNAL_THREADING 8
 
-// Signal: G63 is active.
+// Signal: G63 (tapping mode) is active, which holds the feed at 100 %.
 #define ARCFEED_SIGNAL_FEED_FORCED 16
 
-// Signal: the axes are positioning.
+// Signal: the axes are in rapid traverse.
 #define ARCFEED_SIGNAL_RAPID 32
 
 // Signal: feed hold is active.
@@ -78,46 +78,46 @@
 // Signal: a failure of supply, clock, output or dial.
 #define ARCFEED_SIGNAL_FAULT_HARDWARE 1024
 
-// Signal: a person arms; acts once when it rises.
+// Signal: a person arms, so that the laws may set the override; acts once when it rises.
 #define ARCFEED_SIGNAL_ARM 65536
 
-// Signal: a person disarms; acts once when it rises.
+// Signal: a person takes the override from the laws; acts once when it rises.
 #define ARCFEED_SIGNAL_DISARM 131072
 
 // Signal: a person resets a fault; acts once when it rises.
 #define ARCFEED_SIGNAL_RESET 262144
 
-// Output state: not armed since the start or a reset.
+// Output state idle: nobody has armed the laws since the start or a reset of a fault.
 #define ARCFEED_STATE_IDLE 0
 
-// Output state: a law acts as soon as a move begins.
+// Output state armed: a law sets the override as soon as a move begins.
 #define ARCFEED_STATE_ARMED 1
 
-// Output state: the laws set the override.
+// Output state running: a law sets the override.
 #define ARCFEED_STATE_RUNNING 2
 
-// Output state: the axes are held.
+// Output state holding: feed hold or an override of 0 % stops the axes; the override does not rise.
 #define ARCFEED_STATE_HOLDING 3
 
-// Output state: position or link was lost.
+// Output state fallback: position or link was lost; a person must arm again.
 #define ARCFEED_STATE_FALLBACK 4
 
-// Output state: 0 % until a person resets the fault.
+// Output state faulted: 0 % until a person resets the fault.
 #define ARCFEED_STATE_FAULTED 5
 
-// Output state: the override has nothing to act on.
+// Output state inhibited: the override does not act on the present feed (rapid, tapping, threading).
 #define ARCFEED_STATE_INHIBITED 6
 
-// Output state: operator, request or condition have taken the override.
+// Output state disarmed: the operator, a request or a condition of the control has taken the override from the laws.
 #define ARCFEED_STATE_DISARMED 7
 
-// Result of a call.
+// Result of a call of this interface.
 enum ArcfeedStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Done.
+  // The call has done what it should.
   ARCFEED_STATUS_OK = 0,
   // More bytes of the prepared program are needed.
   ARCFEED_STATUS_INCOMPLETE = 1,
@@ -131,7 +131,7 @@ enum ArcfeedStatus
   ARCFEED_STATUS_NO_CONTROLLER = -4,
   // There is a controller at this address already.
   ARCFEED_STATUS_EXISTS = -5,
-  // The laws have the override: disarm first.
+  // Not possible while the laws are armed: disarm first.
   ARCFEED_STATUS_BUSY = -6,
   // The bytes are not a page or a prepared program.
   ARCFEED_STATUS_FORM = -7,
@@ -141,7 +141,7 @@ enum ArcfeedStatus
   ARCFEED_STATUS_CHECKSUM = -9,
   // A value is invalid.
   ARCFEED_STATUS_VALUE = -10,
-  // There is no room for another move.
+  // The memory has no place for another move.
   ARCFEED_STATUS_FULL = -11,
   // A line is not after the line of the last move.
   ARCFEED_STATUS_ORDER = -12,
@@ -158,7 +158,7 @@ typedef int32_t ArcfeedStatus;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A controller in the caller's memory.
+// A feed controller in the caller's memory; used only through pointers.
 typedef struct ArcfeedController {
   uint8_t _opaque[0];
 } ArcfeedController;
@@ -175,21 +175,21 @@ typedef struct ArcfeedMove {
   int64_t end_microdeg[3];
   // Centre of an arc in its plane, nm: X Y, Z X or Y Z; ignored for other paths.
   int64_t center_nm[2];
-  // Feed as the control has it, nm/min; 0 or below if there is none.
+  // Feed as the control receives it (F), nm/min; 0 or below if there is none.
   int64_t feed_nm_per_min;
-  // Upper limit of the feed by the job's ceiling, nm/min; 0 for none but that of the job.
+  // Further upper limit of the feed, nm/min, such as the job's ceiling for the programmed feed; 0: only the job's limits.
   int64_t max_feed_nm_per_min;
-  // Commanded spindle speed, rev/min; 0 for that of the tool.
+  // Commanded spindle speed, rev/min; 0 for the job's speed of the tool.
   float spindle_rev_per_min;
-  // `ARCFEED_PATH_...`.
+  // Shape of the path, one of `ARCFEED_PATH_...`.
   uint8_t path;
-  // Index of the governing cut rule, or `ARCFEED_NO_RULE`.
+  // Index, from 0, of the cut rule whose law governs the move, or `ARCFEED_NO_RULE`.
   uint8_t rule;
-  // Largest override at the end, %: the one with which the next move can begin.
+  // Largest override at the end of the move, %, with which the next move may begin; 100 if that does not matter.
   uint8_t end_percent;
 } ArcfeedMove;
 
-// Inputs of a tick.
+// Inputs of a control tick: measured values, signals, and the line in execution.
 typedef struct ArcfeedInput {
   // X, Y, Z of the tool's centre in workpiece coordinates, nm; see `arcfeed_nm`.
   int64_t position_nm[3];
@@ -197,39 +197,39 @@ typedef struct ArcfeedInput {
   int64_t position_microdeg[3];
   // Age of the position, us: 0 for a new one.
   uint32_t position_age_us;
-  // Age of the last sign of life of the host that supplies the moves, us; 0 if all are here.
+  // Age of the last valid frame of the host that supplies the moves, us; 0 if all moves are stored here.
   uint32_t link_age_us;
   // Time since the last tick, us.
   uint32_t dt_us;
-  // Union of `ARCFEED_SIGNAL_...`.
+  // Signals that are active: the sum of their `ARCFEED_SIGNAL_...`.
   uint32_t signals;
   // Line of the block in execution; `ARCFEED_NO_LINE` or any negative number if there is none.
   int32_t line;
-  // Spindle speed, rev/min.
+  // Measured spindle speed, rev/min; 0 if unknown.
   float spindle_rev_per_min;
   // The operator's dial, %, if the controller's output replaces it; 100 if the control applies the dial itself.
   uint8_t operator_percent;
 } ArcfeedInput;
 
-// Outputs of a tick.
+// Outputs of a control tick: override, state, and reason.
 typedef struct ArcfeedOutput {
   // Override as a ratio: `override_percent` / 100.
   float override_ratio;
-  // Ratio of the feed that the law demands to the feed that the control has; 0 without a law.
+  // Feed that the law demands, divided by F as the control receives it; 0 without a law.
   float wanted_ratio;
-  // Estimated chip load as a ratio of its target; 0 without a law.
+  // Estimated chip load divided by its target; 0 without a law.
   float chip_ratio;
-  // Override, %.
+  // Override to be set, %.
   uint8_t override_percent;
-  // `ARCFEED_STATE_...`.
+  // State of the supervisor, one of `ARCFEED_STATE_...`.
   uint8_t state;
   // Reason of the override: a number of docs/outputs.md.
   uint8_t reason;
-  // 0 none, 1 passing, 2 latched until a person acts.
+  // Alarm: 0 none, 1 as long as its condition lasts, 2 until a person acts.
   uint8_t alarm;
-  // Reason why an arming of this tick was rejected, a `RefusalCode` of docs/protocol.md; 0 for none.
+  // Reason why arming, requested at this tick, was rejected: a `RefusalCode` of docs/protocol.md; 0 for none.
   uint8_t refusal;
-  // 1 if a move of the program is followed.
+  // 1 if the position is followed along a move that began at its start; otherwise 0.
   uint8_t is_followed;
 } ArcfeedOutput;
 
@@ -253,11 +253,11 @@ typedef struct ArcfeedAdaptiveInput {
 
 // Outputs for a control whose override input can only reduce the feed.
 typedef struct ArcfeedAdaptiveOutput {
-  // Reduction for the control's input, 0 to 1.
+  // Factor for the control's input that reduces the feed, 0 to 1.
   double adaptive_feed_ratio;
   // Value to which the control's own override is to be set when this number changes, %.
   int32_t dial_percent;
-  // 1 if no axis may feed.
+  // 1 if the control must stop the feed of all axes; otherwise 0.
   uint8_t feed_inhibit;
 } ArcfeedAdaptiveOutput;
 

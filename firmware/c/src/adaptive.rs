@@ -40,8 +40,8 @@ const RAPID: i32 = 1;
 /// Motion types of feed moves.
 const FEEDS: core::ops::RangeInclusive<i32> = 2..=3;
 
-/// Combination of arcfeed's override with the control's own, for a control whose override input can only reduce the
-/// feed. Keeps its state between calls.
+/// Combines arcfeed's override with the control's own, for a control whose override input can only reduce the feed: it
+/// raises the control's own override while the laws act, and reduces the feed by the input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AdaptiveFeed {
     /// Dial requested last, %; `None` before the first request.
@@ -55,7 +55,8 @@ pub struct AdaptiveFeed {
 }
 
 impl AdaptiveFeed {
-    /// Processes a tick with this state and override; the outputs, and whether the output is not in force.
+    /// Processes a tick at which the supervisor has this state and override. Returns the outputs, and whether the
+    /// control does not apply them, which is a fault.
     pub fn update(
         &mut self,
         state: &State,

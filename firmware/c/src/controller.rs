@@ -30,7 +30,7 @@ use crate::values::{
 /// Signals of [`BoardFault`]; all others are those of a machine line.
 const FAULTS: [BoardFault; 3] = [BoardFault::Watchdog, BoardFault::Parameters, BoardFault::Hardware];
 
-/// Controller with its parameters; state. The moves are in the caller's memory behind it.
+/// Controller with its parameters and state, as the C functions use it; the moves are in the caller's memory after it.
 pub struct Controller {
     supervisor: Supervisor,
     memory: Memory,
@@ -54,7 +54,7 @@ struct Checked {
 }
 
 impl Controller {
-    /// An idle controller without parameters, at 100 %.
+    /// A controller in the idle state at 100 %, without parameters.
     ///
     /// # Errors
     /// Never: the default settings are valid.
@@ -74,17 +74,17 @@ impl Controller {
         })
     }
 
-    /// Whether parameters and, if it is a prepared program, all of its moves are in force.
+    /// Whether the parameters are in force, and, if they belong to a prepared program, all of its moves.
     pub fn is_ready(&self) -> bool {
         self.buffers.job().is_some() && (!self.is_prepared || self.reader.result() == Ok(true))
     }
 
-    /// Number of moves.
+    /// Number of stored moves.
     pub fn moves(&self) -> usize {
         self.used
     }
 
-    /// Puts the parameters of a page in force and deletes all moves.
+    /// Puts the parameters of a flash page in force and deletes all moves.
     ///
     /// # Errors
     /// The laws have the override, or the page is invalid; then there are no parameters.
@@ -95,16 +95,16 @@ impl Controller {
         Ok(())
     }
 
-    /// Adds a move behind those of earlier lines.
+    /// Stores a move of a line after those of all earlier lines.
     ///
     /// # Errors
-    /// It is invalid, out of order or without room, or there are no parameters.
+    /// The move is invalid, its line is not after that of the last one, no slot is free, or there are no parameters.
     pub fn add_move(&mut self, slots: &mut Slots, line: u32, added: &ArcfeedMove) -> Result<(), ArcfeedStatus> {
         let message = message(added).ok_or(ArcfeedStatus::Value)?;
         Ok(self.add_segment(slots, line, &message)?)
     }
 
-    /// Begins to load a prepared program; deletes the parameters and moves of the one before.
+    /// Begins to load a prepared program: deletes parameters and moves.
     ///
     /// # Errors
     /// The controller is armed: a feed law may be setting the override.
@@ -112,7 +112,7 @@ impl Controller {
         self.clear(true)
     }
 
-    /// Reads the next bytes of a prepared program. Returns whether it is complete and in force.
+    /// Reads the next bytes of a prepared program. Returns whether it is complete and now in force.
     ///
     /// # Errors
     /// It is invalid: there are no parameters and no moves.
@@ -137,7 +137,7 @@ impl Controller {
         }
     }
 
-    /// Runs one tick. Returns whether all inputs were valid; an invalid one has had no effect.
+    /// Runs one tick. Returns the outputs, and whether all inputs were valid; an invalid one is ignored.
     pub fn tick(&mut self, slots: &Slots, input: &ArcfeedInput) -> (ArcfeedOutput, bool) {
         let Checked { mut input, line, is_valid } = check(input);
         self.invalid_in_row =
@@ -162,7 +162,8 @@ impl Controller {
         (values, is_valid)
     }
 
-    /// Combines the override of the last tick with the control's own.
+    /// Combines the override of the last tick with the control's own, for a control whose input can only reduce the
+    /// feed.
     pub fn adaptive_feed(&mut self, input: &ArcfeedAdaptiveInput) -> ArcfeedAdaptiveOutput {
         let (output, has_failed) = self.adaptive.update(&self.memory.state(), self.override_ratio, input);
         if has_failed {

@@ -23,7 +23,7 @@ use crate::values::{
     ArcfeedInput, ArcfeedMove, ArcfeedOutput,
 };
 
-/// A controller in the caller's memory.
+/// A feed controller in the caller's memory; used only through pointers.
 #[repr(C)]
 pub struct ArcfeedController {
     _opaque: [u8; 0],

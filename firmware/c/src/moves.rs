@@ -15,10 +15,10 @@ const START_TOLERANCE: Nm = Nm(500_000);
 /// The same of a rotary axis.
 const START_TOLERANCE_ROTARY: MicroDeg = MicroDeg(100_000);
 
-/// A prepared move with its line.
+/// A prepared move, and the program line at which the control executes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineMove {
-    /// Line of its block, from 1.
+    /// Number of the line of its block, the first of the file being 1.
     pub line: u32,
     /// Start position.
     pub start: Pose,
@@ -28,27 +28,28 @@ pub struct LineMove {
     pub segment: ActiveSegment,
 }
 
-/// Room for moves.
+/// Slots in the caller's memory, each for one move.
 pub type Slots = [Option<LineMove>];
 
-/// The move in execution. Keeps its state between calls.
+/// The move in execution, found from the line that the control reports; the index is that of its slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InWork {
-    /// None.
+    /// No line is in execution.
     #[default]
     Nothing,
-    /// A line without a move, or one that did not begin at the start of its move.
+    /// This line is in execution; it has no move, or the axes were not at the move's start when it began, so no law
+    /// governs it.
     Ungoverned(u32),
-    /// A line whose move is in this slot, without a position since its beginning.
+    /// This line is in execution, and its move is in this slot; there was no position yet since it began.
     Awaited(u32, usize),
-    /// A line whose move is in this slot, followed from its start.
+    /// This line is in execution, and its move, in this slot, was begun at its start.
     Begun(u32, usize),
 }
 
-/// Adds a move behind the `used` ones.
+/// Stores a move after the first `used` ones.
 ///
 /// # Errors
-/// Its line is not after that of the last one, or there is no room.
+/// Its line is not after that of the last one, or no slot is free.
 pub fn push(slots: &mut Slots, used: usize, added: LineMove) -> Result<(), RefusalCode> {
     let last = used.checked_sub(1).and_then(|last| slots.get(last)).and_then(Option::as_ref);
     if added.line == 0 || last.is_some_and(|last| last.line >= added.line) {
@@ -59,7 +60,7 @@ pub fn push(slots: &mut Slots, used: usize, added: LineMove) -> Result<(), Refus
 }
 
 impl InWork {
-    /// Processes the line in execution and the position, if it is new; `moves` are those in use.
+    /// Processes the reported line and the position of a tick (`None` if it is not new); `moves` are the slots in use.
     pub fn update(self, line: Option<u32>, position: Option<&Pose>, moves: &Slots) -> InWork {
         let Some(line) = line else { return InWork::Nothing };
         let awaited = match self {
@@ -76,7 +77,7 @@ impl InWork {
         }
     }
 
-    /// The move in execution, if it began at its start.
+    /// The move in execution, if it was begun at its start; otherwise `None`.
     pub fn begun(self, moves: &Slots) -> Option<&LineMove> {
         match self {
             InWork::Begun(_, slot) => moves.get(slot).and_then(Option::as_ref),
@@ -86,7 +87,7 @@ impl InWork {
 }
 
 impl LineMove {
-    /// The move as the supervisor gets it.
+    /// The move with its number, as the supervisor takes it.
     pub fn work(&self) -> Work<'_> {
         Some((self.line, &self.segment))
     }

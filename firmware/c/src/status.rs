@@ -4,11 +4,11 @@ use arcfeed_link::message::codes::RefusalCode;
 use arcfeed_link::message::page::PageError;
 use arcfeed_link::message::prepared::PreparedError;
 
-/// Result of a call.
+/// Result of a call of this interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ArcfeedStatus {
-    /// Done.
+    /// The call has done what it should.
     Ok = 0,
     /// More bytes of the prepared program are needed.
     Incomplete = 1,
@@ -22,7 +22,7 @@ pub enum ArcfeedStatus {
     NoController = -4,
     /// There is a controller at this address already.
     Exists = -5,
-    /// The laws have the override: disarm first.
+    /// Not possible while the laws are armed: disarm first.
     Busy = -6,
     /// The bytes are not a page or a prepared program.
     Form = -7,
@@ -32,7 +32,7 @@ pub enum ArcfeedStatus {
     Checksum = -9,
     /// A value is invalid.
     Value = -10,
-    /// There is no room for another move.
+    /// The memory has no place for another move.
     Full = -11,
     /// A line is not after the line of the last move.
     Order = -12,

@@ -1,4 +1,5 @@
-//! Constant feed per tooth on the cutting circumference: the chip at the contact B with the stock line is a.
+//! Circumference law: constant feed per tooth on the cutting circle. The chip at the contact B with the stock line is
+//! the target a.
 //!
 //! B is the intersection of cutting circle and stock line with u.(A - O) >= 0 and an advancing edge; if there are two,
 //! the one with the thicker chip (smaller step). With n the line's unit normal and q the line's distance from O along
@@ -21,8 +22,8 @@ use arcfeed_units::{Mm, MmPerTooth, Nm};
 use super::step::{Cut, PreparedCut};
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Circumference law prepared for one arc: keeps the feed per tooth on the cutting circle at its contact with the
-/// stock line. All lengths relative to the rotation centre A.
+/// Circumference law prepared for one arc of a cup mill: it keeps the feed per tooth on the cutting circle, at its
+/// contact with the stock line, at the target. All lengths are relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circumference {
     cut: PreparedCut,
@@ -36,21 +37,21 @@ pub struct Circumference {
     offset_mm: f32,
 }
 
-/// Geometry that determines the circumference law's demand along an arc, for analyses of the whole arc. All lengths
-/// relative to the rotation centre A.
+/// Geometry from which the circumference law computes its demand along an arc, for analyses of the whole arc.
+/// Positions are relative to the rotation centre A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
-    /// rho, mm.
+    /// rho: radius of the path of the tool's centre about A, mm.
     pub path_radius_mm: f32,
-    /// r0, mm.
+    /// r0: radius of the circle that cuts, mm.
     pub edge_radius_mm: f32,
-    /// k: 1 for an edge that advances outward, -1 inward.
+    /// k: 1 for the outer cutting circle, whose edges advance outward, -1 for the inner one.
     pub edge_sign: i8,
-    /// a, the wanted feed per tooth.
+    /// a: target feed per tooth on the cutting circle.
     pub feed_per_tooth: MmPerTooth,
     /// k on a counter-clockwise arc, -k on a clockwise one.
     pub advance_sign: i8,
-    /// Unit normal of the stock line.
+    /// Unit normal of the stock line, pointing out of the material.
     pub normal: [f32; 2],
     /// Distance of the stock line from A along the normal, mm.
     pub offset_mm: f32,
@@ -73,7 +74,8 @@ struct Contact {
 }
 
 impl Circumference {
-    /// Prepares the law for an arc, with the stock line at the arc's height. Uses f64, once per block.
+    /// Prepares the law for an arc that one cutting circle cuts; `stock` is the stock line at the arc's height.
+    /// Computes in f64, because it runs once for each block.
     pub fn for_arc(arc: &Arc, edge_radius: Mm, edge: Edge, stock: &StockLine, feed_per_tooth: MmPerTooth) -> Self {
         let [nx, ny] = stock.normal;
         let path_radius = Mm(arc.radius_mm() as f32);
@@ -89,7 +91,7 @@ impl Circumference {
         }
     }
 
-    /// Quantities that determine the demand along the arc.
+    /// Geometry from which the demand along the arc is computed.
     pub fn geometry(&self) -> ContactGeometry {
         ContactGeometry {
             path_radius_mm: self.path_radius_mm,

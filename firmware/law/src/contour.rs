@@ -1,5 +1,5 @@
-//! Constant feed at the finished contour, like Siemens' CFC and CFIN, Heidenhain's M109 and M110, and Fanuc's internal
-//! circular feed.
+//! Contour law: constant feed along the finished contour, like Siemens' CFC and CFIN, Heidenhain's M109 and M110, and
+//! Fanuc's internal circular feed.
 //!
 //! The contour's radius Rc is the path radius q of the tool's centre plus (inside) or minus (outside) the tool's
 //! radius r. For a feed F at the contour, the centre moves at
@@ -20,24 +20,25 @@ use arcfeed_units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Limits of the contour law.
+/// Limits of the contour law, which keeps the feed along the finished contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourLimits {
     /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).
     pub inside_only: bool,
-    /// Smallest factor: lower limit of the feed as a fraction of the programmed feed.
+    /// Smallest feed of the tool's centre, as a fraction of the feed at the contour; it acts on tight inside arcs.
     pub floor_ratio: f32,
 }
 
-/// Contour law prepared for one segment: keeps the feed along the finished contour. Its demand is the same everywhere
-/// on the segment.
+/// Contour law prepared for one segment: the tool's centre moves so that the feed along the finished contour is the
+/// target. Its demand is the same everywhere on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contour {
     demand: Result<FeedDemand, NoDemand>,
 }
 
 impl Contour {
-    /// Prepares the law for an arc of path radius q; infinite for a line.
+    /// Prepares the law for a path of the tool's centre with this radius (infinite for a line); a is the target feed
+    /// per tooth at the contour.
     pub fn new(path_radius: Mm, tool_radius: Mm, side: ContourSide, a: MmPerTooth, limits: ContourLimits) -> Self {
         Contour { demand: demand(path_radius.0, tool_radius.0, side, a.0, limits) }
     }

@@ -1,4 +1,4 @@
-//! The thickest chip over the whole engaged arc is a.
+//! Engaged-arc law: the thickest chip anywhere on the engaged arc is the target a.
 //!
 //! For each edge of the ring (its own r0 and k) the thickest chip is at the engaged direction nearest to k v:
 //!
@@ -21,29 +21,30 @@ use super::region::{CircleAt, Region};
 use super::step::Cut;
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Edges of the ring whose chip must not exceed the target.
+/// Cutting circles of a cup mill on which the chip must not exceed the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePolicy {
-    /// Both: the thicker chip decides.
+    /// Both: the one with the thicker chip decides.
     Both,
-    /// Only one edge, regardless of the other.
+    /// Only this one; the other is ignored.
     Only(Edge),
 }
 
-/// Geometry of the ring and its path, for the engaged-arc law.
+/// Radii of a cup mill and of its path, and the target feed per tooth, for the engaged-arc law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
-    /// R: outer radius.
+    /// R: radius of the outer cutting circle.
     pub outer_radius: Mm,
-    /// r: inner radius; zero for a solid tool.
+    /// r: radius of the inner cutting circle; zero for a tool without a bore.
     pub inner_radius: Mm,
-    /// rho: path radius; infinite for a straight path.
+    /// rho: radius of the path of the tool's centre; infinite for a straight path.
     pub path_radius: Mm,
-    /// a: target feed per tooth.
+    /// a: target for the thickest chip.
     pub feed_per_tooth: MmPerTooth,
 }
 
-/// Engaged-arc law prepared for one segment: limits the thickest chip on the whole engaged arc of the ring.
+/// Engaged-arc law prepared for one segment: keeps the thickest chip anywhere on the engaged arc of a cup mill at the
+/// target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedArc {
     cuts: [Option<Cut>; 2],
@@ -53,7 +54,8 @@ pub struct EngagedArc {
 }
 
 impl EngagedArc {
-    /// Prepares the law, with the stock relative to the segment's origin.
+    /// Prepares the law for a segment; positions in `region`, the stock, are relative to the arc's rotation centre or
+    /// the line's start.
     pub fn new(ring: Ring, policy: EdgePolicy, region: Region) -> Self {
         let cut = |edge, edge_radius: Mm| {
             let Ring { path_radius, feed_per_tooth, .. } = ring;
@@ -67,7 +69,8 @@ impl EngagedArc {
         EngagedArc { cuts, region, is_sound }
     }
 
-    /// Passes the position of each knot of an engagement table to `take`: path from the start of the segment, mm.
+    /// Calls `take` with the position of each knot of the engagement table: path from the segment's start, mm. Never,
+    /// if the stock is a shape.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         if let Region::Engaged(table) = &self.region {
             table.knots().iter().for_each(|knot| take(knot.travelled.0));

@@ -1,5 +1,5 @@
-//! Constant chip thickness of an ordinary end mill: radial chip thinning on lines, and the larger engagement in inside
-//! corners and arcs.
+//! Engagement law: constant chip thickness of an ordinary end mill, with radial chip thinning on lines, and the larger
+//! engagement in inside corners and arcs.
 //!
 //! With tool radius r, radial depth ae, contour radius Rc (path radius q = Rc - r) and a corner of angle b:
 //!
@@ -25,29 +25,29 @@ use arcfeed_units::{Mm, MmPerTooth};
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Shape of the path in relation to the contour.
+/// Shape of the tool's path, as far as it changes the engagement of an end mill.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathShape {
-    /// A straight pass, or an arc around the outside of a contour.
+    /// A straight pass, or an arc around the outside of a contour, which counts as straight.
     Straight,
-    /// An inside arc.
+    /// An arc inside a contour, on which the engagement is larger.
     Inside {
         /// Radius of the contour, Rc.
         contour_radius: Mm,
-        /// Angle of the arc, b.
+        /// b: angle of the arc, radians.
         turn_rad: f32,
     },
 }
 
-/// Engagement law prepared for one segment of an end mill: keeps the largest chip thickness. Its demand is the same
-/// everywhere on the segment.
+/// Engagement law prepared for one segment of an end mill: keeps the largest chip thickness at the target. Its demand
+/// is the same everywhere on the segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Engagement {
     demand: Result<FeedDemand, NoDemand>,
 }
 
 impl Engagement {
-    /// Prepares the law: tool radius r, radial depth ae, target for the largest chip thickness a.
+    /// Prepares the law for this tool radius (r), radial depth of cut (ae) and largest chip thickness (a).
     pub fn new(tool_radius: Mm, radial_depth: Mm, chip: MmPerTooth, shape: PathShape) -> Self {
         Engagement { demand: demand(tool_radius.0, radial_depth.0, chip.0, shape) }
     }
@@ -63,7 +63,8 @@ impl FeedLaw for Engagement {
     }
 }
 
-/// Factor of the straight feed that keeps the chip thickness in an inside arc. (6)
+/// Factor by which the feed of a straight pass is to be multiplied in an inside arc, so that the largest chip
+/// thickness stays the same; at most 1. (6)
 ///
 /// # Errors
 /// [`NoDemand::BadInput`] for radii and depths that are not positive numbers or a depth above the diameter,

@@ -37,7 +37,7 @@ use engagement::{Engagement, PathShape};
 use region::Region;
 use table::Table;
 
-/// A law prepared for one segment.
+/// A feed law, prepared for one segment: says at each place which feed per tooth the tool's centre needs.
 pub trait FeedLaw {
     /// Demand of the law at a place of the segment.
     ///
@@ -45,30 +45,30 @@ pub trait FeedLaw {
     /// Reason why the law has no demand there.
     fn demand(&self, place: &Place) -> Result<FeedDemand, NoDemand>;
 
-    /// Whether the demand is the same at every place.
+    /// Whether the demand is the same at every place of the segment.
     fn is_uniform(&self) -> bool {
         false
     }
 }
 
-/// Position of the tool's centre on its segment, in the plane of the segment.
+/// Position and direction of motion of the tool's centre on its segment, in the plane of the segment.
 ///
-/// The frame's origin is the rotation centre A of an arc, the start of a line.
+/// The origin is the rotation centre A of an arc, or the start of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Position of the tool's centre, mm.
     pub center_mm: [f32; 2],
-    /// Unit vector of the motion, v.
+    /// Unit vector in the direction of motion, v.
     pub motion: [f32; 2],
-    /// Unit vector towards the rotation centre; on a line, perpendicular to the motion.
+    /// Unit vector from the tool's centre towards the rotation centre; on a line, to the left of the motion.
     pub towards: [f32; 2],
     /// Path from the segment's start, mm.
     pub travelled_mm: f32,
 }
 
 impl Place {
-    /// A place on an arc: `direction` is the unit vector from the rotation centre, `turn_ratio` +1 counter-clockwise
-    /// and -1 clockwise.
+    /// Place on an arc: `direction` is the unit vector from the rotation centre to the tool's centre, `turn_ratio` is
+    /// +1 for a counter-clockwise and -1 for a clockwise arc.
     #[inline(always)]
     pub fn on_arc(direction: [f32; 2], turn_ratio: f32, radius_mm: f32, travelled_mm: f32) -> Self {
         let [x, y] = direction;
@@ -80,32 +80,35 @@ impl Place {
         }
     }
 
-    /// A place on a line: `motion` is its direction in the plane.
+    /// Place on a line: `motion` is the unit vector of its direction in the plane.
     pub fn on_line(motion: [f32; 2], travelled_mm: f32) -> Self {
         let [x, y] = motion;
         Place { center_mm: [travelled_mm * x, travelled_mm * y], motion, towards: [-y, x], travelled_mm }
     }
 }
 
-/// Answer of a law at a place: path of the centre per tooth, and the contact that decides it.
+/// Demand of a feed law at a place: the path of the tool's centre per tooth, and the contact point for which it is
+/// computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FeedDemand {
     /// Path of the tool's centre per tooth, mm.
     pub path_mm_per_tooth: f32,
-    /// Direction of the decisive contact: its components along the edge's advance and towards the rotation centre.
+    /// Unit vector from the tool's centre to that contact point. Components: in the direction in which the edge
+    /// advances, and towards the rotation centre.
     pub contact: [f32; 2],
 }
 
 impl FeedDemand {
-    /// Angle of the contact from the direction of the rotation centre, positive towards the cutting side, radians.
+    /// Angle from the direction towards the rotation centre to the contact point, positive towards the side on which
+    /// the edges advance, radians.
     pub fn contact_rad(&self) -> f32 {
         let [advance, towards] = self.contact;
         fmath::atan2(advance, towards)
     }
 }
 
-/// Reason why a law has no demand.
+/// Reason why a law demands no feed at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NoDemand {
@@ -113,39 +116,41 @@ pub enum NoDemand {
     NoLaw,
     /// The cutting circle does not meet the stock.
     NoContact,
-    /// The cutting circle meets the stock only where the edge recedes, or where the law is not valid.
+    /// The cutting circle meets the stock only where its edges recede, or where the law's formula is not valid.
     OutsideValidity,
-    /// The target chip is thicker than any feed can make it there: no feed is too high.
+    /// No feed makes a chip as thick as the target there, so no feed is too high.
     ChipUnreachable,
-    /// An input is not a number, or a radius or feed per tooth is not positive.
+    /// An input is not a number, or a radius or a feed per tooth is not positive.
     BadInput,
 }
 
-/// Law that governs a segment, prepared for it.
+/// Feed law of a segment, prepared for it.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and one segment is active at a time")]
 pub enum SegmentLaw {
-    /// Constant feed per tooth on the circumference.
+    /// Constant feed per tooth on the circumference of a cup mill, at the contact with the stock line.
     Circumference(Circumference),
-    /// The thickest chip over the whole engaged arc.
+    /// The thickest chip anywhere on the engaged arc is kept at the target.
     EngagedArc(EngagedArc),
-    /// Constant feed at the finished contour.
+    /// Constant feed along the finished contour.
     Contour(Contour),
-    /// Constant chip thickness of an ordinary end mill.
+    /// Constant chip thickness of an end mill.
     Engagement(Engagement),
-    /// Feed per tooth from a table.
+    /// Feed per tooth from a table over the path.
     Table(Table),
     /// No law governs this segment: it runs as programmed.
     Programmed,
 }
 
 impl SegmentLaw {
-    /// The job's law for a segment under `rule`; [`SegmentLaw::Programmed`] if tool, law and rule are incompatible.
+    /// The law of the rule's tool, prepared for a segment. [`SegmentLaw::Programmed`] without a rule, and if tool,
+    /// law, rule and segment do not fit together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
         SegmentLaw::with_engagement(segment, rule, None, job)
     }
 
-    /// The job's law for a segment with the engagement sent for it, used when its rule expects engagement per move.
+    /// As [`SegmentLaw::for_segment`], with the engaged arcs that were sent for this segment; they count if the rule
+    /// expects them with each move.
     pub fn with_engagement(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
         let Some(rule) = rule else { return SegmentLaw::Programmed };
         let setup = job.tool_of(rule);
@@ -174,8 +179,8 @@ impl SegmentLaw {
 }
 
 impl SegmentLaw {
-    /// Passes the positions at which a table of the law may bend or jump to `take`: paths from the start of the
-    /// segment, mm.
+    /// Calls `take` with each position at which the demand may bend or jump because of a table of the law: path from
+    /// the segment's start, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         match self {
             SegmentLaw::Table(law) => law.knots_mm(take),

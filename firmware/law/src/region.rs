@@ -15,10 +15,11 @@ use super::Place;
 /// Tolerance of a crossing at a corner, relative to the circle's radius, for f32 rounding.
 const CORNER_RATIO: f32 = 1e-5;
 
-/// Region of material relative to the segment's origin; lengths in mm.
+/// Stock in the plane of a segment; positions are relative to the segment's origin (rotation centre, or start of a
+/// line), mm.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Region {
-    /// The intersection of half planes `normal . p <= offset`.
+    /// The area on the material side of all of these lines.
     Convex(Vec<HalfPlane, EDGES_MAX>),
     /// A round blank.
     Disc {
@@ -27,16 +28,16 @@ pub enum Region {
         /// Radius.
         radius_mm: f32,
     },
-    /// Not a shape, but the engaged arcs along the segment.
+    /// Not a shape, but the directions in which the cutting circles are in material, along the segment.
     Engaged(EngagedTable),
 }
 
-/// A cutting circle with the tool at a place of its path.
+/// A cutting circle of the tool at a place of its path.
 #[derive(Clone, Copy, Debug)]
 pub struct CircleAt<'p> {
-    /// Cutting edge.
+    /// Outer or inner cutting circle.
     pub edge: Edge,
-    /// r0, mm.
+    /// r0: radius of the circle, mm.
     pub radius_mm: f32,
     /// Place of the tool.
     pub place: &'p Place,
@@ -45,9 +46,9 @@ pub struct CircleAt<'p> {
 /// Half plane of material: the points p with `normal . p <= offset_mm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
-    /// Unit normal, out of the material.
+    /// Unit normal, pointing out of the material.
     pub normal: Vector2<f32>,
-    /// Distance from the segment's origin along the normal.
+    /// Distance of the border from the segment's origin along the normal, mm.
     pub offset_mm: f32,
 }
 
@@ -59,8 +60,8 @@ impl HalfPlane {
 }
 
 impl Region {
-    /// Stock of a program relative to a segment's origin (mm) at the segment's height; `None` if the engagement is
-    /// given with the segment.
+    /// Stock of a job, moved to a segment's origin (mm) and cut at the segment's height (mm); `None` if the engaged
+    /// arcs come with each segment.
     pub fn new(stock: &Stock, origin_mm: [f64; 2], height_mm: f64) -> Option<Self> {
         Some(match stock {
             Stock::Convex(lines) => {
@@ -83,7 +84,7 @@ impl Region {
         })
     }
 
-    /// Whether all numbers are finite.
+    /// Whether all numbers are finite, so that comparisons with them are valid.
     pub fn is_sound(&self) -> bool {
         let is_sound = |place: &Vector2<f32>, length: f32| length.is_finite() && place.iter().all(|x| x.is_finite());
         match self {
@@ -94,7 +95,7 @@ impl Region {
         }
     }
 
-    /// Whether the direction k v of the circle's advance is engaged.
+    /// Whether the circle is in material straight ahead, that is in the direction in which its edges advance.
     pub fn is_engaged_ahead(&self, circle: &CircleAt<'_>) -> bool {
         let ahead = || circle.point(Vector2::from(circle.place.motion) * circle.advance_ratio());
         match self {
@@ -110,8 +111,8 @@ impl Region {
         }
     }
 
-    /// Passes the possible directions of the engaged arc's ends to `visit`: their components along k v and towards the
-    /// rotation centre.
+    /// Calls `visit` with the directions in which the engaged arc may begin or end, as unit vectors. Components: in
+    /// the direction in which the edges advance (k v), and towards the rotation centre.
     pub fn ends(&self, circle: &CircleAt<'_>, mut visit: impl FnMut([f32; 2])) {
         let mut crossing = |u: Vector2<f32>| visit(circle.in_moving_frame(u));
         let (center_mm, circle_mm) = (Vector2::from(circle.place.center_mm), circle.radius_mm);

@@ -41,16 +41,17 @@ const SERIES_LIMIT: f32 = 1e-3;
 /// tau / 2 rho below which two terms of the arc tangent's series are exact to f32.
 const SMALL_STEP_RATIO: f32 = 0.01;
 
-/// Geometry and target chip of a cut: all inputs of the step per tooth except the contact.
+/// Geometry and target chip of one cutting circle on a path: everything that the step per tooth depends on except the
+/// contact with the stock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
-    /// rho, radius of the centre's path about A; infinite for a straight path.
+    /// rho: radius of the path of the tool's centre about the rotation centre A; infinite for a straight path.
     pub path_radius: Mm,
-    /// r0, radius of the cutting circle.
+    /// r0: radius of the cutting circle.
     pub edge_radius: Mm,
-    /// Cutting edge: gives the sign k.
+    /// Outer or inner cutting circle; gives the sign k.
     pub edge: Edge,
-    /// a, target feed per tooth on the circumference.
+    /// a: target feed per tooth on the cutting circle.
     pub feed_per_tooth: MmPerTooth,
 }
 
@@ -74,8 +75,9 @@ pub struct PreparedCut {
 }
 
 impl Cut {
-    /// Path of the centre per tooth, along its arc, for a contact in direction u of the moving frame:
-    /// `along_ratio` = u.v, `towards_ratio` = u.(A - O)/rho.
+    /// Path of the tool's centre per tooth, along its arc, at which the chip at a contact is the target. The contact
+    /// is the unit vector u from the tool's centre: `along_ratio` is its component in the direction of motion (u.v),
+    /// `towards_ratio` the one towards the rotation centre (u.(A - O)/rho).
     ///
     /// # Errors
     /// [`NoDemand::OutsideValidity`] where the edge does not advance, [`NoDemand::ChipUnreachable`] where no step gives
@@ -86,7 +88,7 @@ impl Cut {
         cut.path_per_tooth(cut.denominator_mm(advance * r0, towards_ratio * r0)?)
     }
 
-    /// Path of the centre per tooth whose chord is the target chip: the step straight into the material.
+    /// Path of the tool's centre per tooth whose chord is the target chip: the step for material straight ahead.
     ///
     /// # Errors
     /// [`NoDemand::BadInput`] as above, [`NoDemand::ChipUnreachable`] for a chip thicker than the path's own circle.
@@ -128,20 +130,20 @@ impl PreparedCut {
         }
     }
 
-    /// k: 1 for an edge that advances outward, -1 inward.
+    /// k: 1 for the outer circle, whose edges advance outward, -1 for the inner one.
     pub fn edge_sign(&self) -> i8 {
         if self.closing_per_mm < 0.0 { -1 } else { 1 }
     }
 
-    /// Target feed per tooth a, computed back from (1) by the root that loses no digits; NaN for an invalid cut.
+    /// a: target feed per tooth, computed back from (1) by the root that loses no digits; NaN for an invalid cut.
     pub fn feed_per_tooth(&self, edge_radius: Mm) -> MmPerTooth {
         let Mm(r0) = edge_radius;
         let k = f32::from(self.edge_sign());
         MmPerTooth(self.excess_mm2 / (r0 + fmath::sqrt(r0 * r0 + k * self.excess_mm2)))
     }
 
-    /// h + sqrt D, mm, for a contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm` = r0 u.(A - O)/rho. A larger value
-    /// means a thicker chip at a given feed. NaN for invalid input.
+    /// h + sqrt D, mm, the divisor of the step in (5), for the contact at r0 u: `advance_mm` = k r0 u.v, `towards_mm`
+    /// = r0 u.(A - O)/rho. A larger value means a thicker chip at a given feed. NaN for invalid input.
     ///
     /// # Errors
     /// [`NoDemand::OutsideValidity`] where the edge does not advance, [`NoDemand::ChipUnreachable`] where no step gives the
@@ -161,7 +163,7 @@ impl PreparedCut {
         (h, h * h - p * self.excess_mm2) // (4)
     }
 
-    /// Path of the centre per tooth, along its arc, for a result of [`PreparedCut::denominator_mm`].
+    /// Path of the tool's centre per tooth, along its arc, from a result of [`PreparedCut::denominator_mm`]. (5), (6)
     ///
     /// # Errors
     /// [`NoDemand::BadInput`] for NaN, and for a step too large or too small for f32.

@@ -9,25 +9,27 @@ use heapless::Vec;
 
 use super::{FeedDemand, FeedLaw, NoDemand, Place};
 
-/// Table law prepared for one segment: feed per tooth at knots along the path, linear between them.
+/// Table law prepared for one segment: feed per tooth at the tool's centre at knots along the path, linear between
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     knots: Vec<Knot, TABLE_KNOTS_MAX>,
 }
 
-/// Reason why knots are rejected.
+/// Reason why knots of a feed table are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableError {
-    /// There is no knot, or there are more than [`TABLE_KNOTS_MAX`].
+    /// There is no knot, or more than [`TABLE_KNOTS_MAX`].
     Count,
-    /// The path of this knot is not larger than that of the previous knot, or is not a finite number.
+    /// The path of the knot with this index (from 0) is not larger than that of the knot before, or is not a finite
+    /// number.
     Order(usize),
-    /// The feed per tooth of this knot is not a positive number.
+    /// The feed per tooth of the knot with this index (from 0) is not a positive number.
     Feed(usize),
 }
 
 impl Table {
-    /// Checks the knots.
+    /// Table of these knots, which must be in the order of the path.
     ///
     /// # Errors
     /// See [`TableError`].
@@ -48,7 +50,7 @@ impl Table {
 }
 
 impl Table {
-    /// Passes the position of each knot to `take`: path from the start of the segment, mm.
+    /// Calls `take` with the position of each knot: path from the segment's start, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         self.knots.iter().for_each(|(travelled, _)| take(travelled.0));
     }

@@ -4,7 +4,7 @@
 //! settled level restarts the count. The counters are stored bit-sliced, one bit of each in a word, so that a tick
 //! costs the same for one contact and for sixteen.
 
-/// Debouncing of sixteen contacts. Keeps its state between calls.
+/// Debounces sixteen switches, one bit each: a level counts only after eight consecutive ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contacts {
     settled: u16,
@@ -13,12 +13,12 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Contacts that are settled at these levels, which must be the safe ones.
+    /// Starts with these levels as the debounced ones; they must be the safe ones.
     pub const fn at(settled: u16) -> Self {
         Contacts { settled, counts: [0; 3] }
     }
 
-    /// Processes the levels of this tick, one bit each; returns the settled levels.
+    /// Processes the levels read at this tick, one bit for each contact; returns the debounced levels.
     pub fn follow(&mut self, levels: u16) -> u16 {
         let differs = levels ^ self.settled;
         let [ones, twos, fours] = self.counts;

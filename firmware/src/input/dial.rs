@@ -9,7 +9,8 @@
 //!
 //! so it is at most b below the reading and never above it.
 
-/// Ends of the dial, in counts of the converter; configuration.
+/// Readings of the converter at both ends of the operator's override dial, and the range of readings that an intact
+/// wire gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DialInput {
     lowest: u16,
@@ -18,14 +19,14 @@ pub struct DialInput {
     highest_percent: u8,
 }
 
-/// Last reading of the dial. Keeps its state between calls.
+/// Last reading of the dial, and the number of ticks without a plausible one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DialState {
     held: u16,
     implausible_ticks: u8,
 }
 
-/// Fault of the dial: open, shorted, or no reading.
+/// The dial's wire is open or shorted, or its converter gives no reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DialBroken;
 
@@ -37,8 +38,9 @@ const MARGIN: u16 = 64;
 const IMPLAUSIBLE_TICKS_MAX: u8 = 5;
 
 impl DialInput {
-    /// A dial that reads `lowest` counts at 0 % and `highest` at `highest_percent`, on a converter whose last count is
-    /// `full_scale`. `None` if the ends are too near the rails to detect a broken wire, or too near each other.
+    /// Dial that reads `lowest` counts at 0 % and `highest` counts at `highest_percent`, on a converter whose largest
+    /// count is `full_scale`. `None` if the ends are too near the rails for a broken wire to be detected, or too near
+    /// each other.
     pub const fn new(lowest: u16, highest: u16, full_scale: u16, highest_percent: u8) -> Option<Self> {
         let far_from_rails = lowest > 2 * MARGIN && highest.saturating_add(2 * MARGIN) < full_scale;
         let (low, high) = (lowest.saturating_add(BACKLASH), highest.saturating_sub(BACKLASH));
@@ -50,7 +52,8 @@ impl DialInput {
         Some(DialInput { lowest: low, span: high.saturating_sub(low), plausible, highest_percent })
     }
 
-    /// Processes the reading of this tick; returns per cent, rounded down. Zero before the first plausible reading.
+    /// Processes the reading of this tick, in counts (`None`: no reading). Returns the dial's position in per cent,
+    /// rounded down; zero before the first plausible reading. Implausible readings are ignored until they last.
     ///
     /// # Errors
     /// No plausible reading for five consecutive ticks.

@@ -9,35 +9,36 @@
 
 use arcfeed_units::Nm;
 
-/// Scale and limits of an axis; configuration.
+/// Scale of an axis' incremental encoder, and the largest plausible change in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Encoder {
     nm_per_count: i32,
     most_counts: u16,
 }
 
-/// Position of an axis. Keeps its state between calls.
+/// Position of an axis in counts from its zero, and the last reading of its timer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counter {
     last: u16,
     counts: i32,
 }
 
-/// Reading of an encoder that the axis cannot have made.
+/// The encoder's reading is one that the axis cannot have caused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncoderFault {
-    /// The reading changed by more than the axis can move in a tick.
+    /// It differs from the previous one by more counts than the axis can move in a tick.
     Jump {
-        /// Counts since the previous sample.
+        /// Counts since the previous reading, positive or negative.
         counts: i16,
     },
-    /// The count exceeds 32 bits.
+    /// The position in counts exceeds 32 bits.
     Range,
 }
 
 impl Encoder {
-    /// An axis that moves at most `most_counts` in a tick. A negative scale reverses the sense. `None` for a scale of
-    /// zero, or if jumps could not be detected: zero counts, or more than 16 384.
+    /// Encoder of an axis that moves at most `most_counts` counts in a tick. A negative `nm_per_count` reverses the
+    /// sense. `None` if the scale is zero, or `most_counts` is zero or above 16 384, because jumps could then not be
+    /// detected.
     pub const fn new(nm_per_count: i32, most_counts: u16) -> Option<Self> {
         if nm_per_count == 0 || most_counts == 0 || most_counts > 1 << 14 {
             return None;
@@ -45,10 +46,10 @@ impl Encoder {
         Some(Encoder { nm_per_count, most_counts })
     }
 
-    /// Processes the timer's reading of this tick; returns the position relative to the axis's zero.
+    /// Processes the timer's reading of this tick; returns the position of the axis relative to its zero.
     ///
     /// # Errors
-    /// The reading is impossible: the counter is invalid from here on.
+    /// The reading is impossible; `counter` then has no valid position until it is set to zero again.
     pub fn follow(&self, counter: &mut Counter, reading: u16) -> Result<Nm, EncoderFault> {
         let change = reading.wrapping_sub(counter.last) as i16; // (1)
         if change.unsigned_abs() > self.most_counts {
@@ -61,7 +62,7 @@ impl Encoder {
 }
 
 impl Counter {
-    /// An axis at its zero, with the timer at `reading`.
+    /// Counter of an axis that stands at its zero while the timer reads `reading`.
     pub fn zero_at(reading: u16) -> Self {
         Counter { last: reading, counts: 0 }
     }

@@ -10,10 +10,11 @@ use crate::supervisor::input::Freshness;
 
 use super::encoder::{Counter, Encoder};
 
-/// Readings of the three timers X, Y, Z; `None` while a receiver reports a broken line.
+/// Readings of the timers that count the encoders of X, Y and Z; `None` while a receiver reports a broken line.
 pub type Readings = Option<[u16; 3]>;
 
-/// Position of the tool; state. Unknown by default.
+/// Position of the tool from three incremental encoders. Unknown until the operator sets zero, and again after a
+/// fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Position {
     axes: Option<[Counter; 3]>,
@@ -22,7 +23,8 @@ pub struct Position {
 }
 
 impl Position {
-    /// Processes the readings of this tick, `dt` after the last. `None` if they are invalid.
+    /// Processes the readings of this tick, `dt` after the last one. Returns the position, or `None` if it is unknown
+    /// or the readings are invalid.
     pub fn follow(&mut self, encoders: &[Encoder; 3], readings: Readings, dt: Span) -> Option<Pose> {
         let linear = self.axes.as_mut().zip(readings).and_then(|(axes, readings)| follow(encoders, axes, readings));
         if linear.is_some() {
@@ -34,7 +36,8 @@ impl Position {
         linear.map(|linear| Pose { linear, ..Pose::default() })
     }
 
-    /// Sets zero at the current position. Returns false without effect while a line is broken.
+    /// Makes the present position the program's zero. Returns false, and changes nothing, while an encoder line is
+    /// broken.
     pub fn set_zero(&mut self, readings: Readings) -> bool {
         if let Some(readings) = readings {
             self.axes = Some(readings.map(Counter::zero_at));
@@ -42,7 +45,7 @@ impl Position {
         readings.is_some()
     }
 
-    /// Age and validity of the position.
+    /// Time since the last valid position, and whether the position is known.
     pub fn freshness(&self) -> Freshness {
         Freshness { age: self.age.unwrap_or(Span(u32::MAX)), invalid_in_row: 0 }
     }

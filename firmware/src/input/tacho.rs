@@ -11,7 +11,7 @@
 
 use arcfeed_units::{RevPerMin, S_PER_MIN, US_PER_S};
 
-/// Pulses per revolution and range of speeds; configuration.
+/// Tacho of a spindle: the number of pulses per revolution, and the range of plausible speeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tacho {
     us_per_min_and_pulse: f32,
@@ -19,33 +19,33 @@ pub struct Tacho {
     longest_us: u32,
 }
 
-/// State of the measurement of tacho pulses.
+/// Rotation of the spindle, as far as the tacho pulses show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
-    /// No pulse for longer than the longest period.
+    /// Standstill: no pulse for longer than the period at the lowest speed.
     #[default]
     Standing,
-    /// A pulse without a valid period before it.
+    /// One pulse after standstill, or after an implausible period: no speed yet.
     Begun,
-    /// The pulses have this period.
+    /// The last two pulses were this far apart.
     Timed {
-        /// Period, microseconds.
+        /// Time between the two pulses, microseconds.
         period_us: u32,
     },
 }
 
-/// Readings of the timer at a tick.
+/// Readings, at a tick, of the timer that each tacho pulse restarts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TachoSample {
-    /// Time between the last two pulses, microseconds; `None` without a pulse since the last tick.
+    /// Time between the two newest pulses, microseconds; `None` if there was no pulse since the last tick.
     pub period_us: Option<u32>,
-    /// Time since the last pulse, microseconds.
+    /// Time since the newest pulse, microseconds.
     pub since_pulse_us: u32,
 }
 
 impl Tacho {
-    /// A tacho on a spindle with a range of speeds. `None` unless 0 < lowest < highest, with at least one pulse per
-    /// revolution and periods of 2 us to 30 s.
+    /// Tacho of a spindle with this range of speeds. `None` unless 0 < `lowest` < `highest`, there is at least one
+    /// pulse for each revolution, and the time between pulses is from 2 us to 30 s.
     pub fn new(pulses_per_rev: u16, lowest: RevPerMin, highest: RevPerMin) -> Option<Self> {
         let us_per_min_and_pulse = S_PER_MIN as f32 * US_PER_S as f32 / f32::from(pulses_per_rev);
         let period_us = |speed: RevPerMin| us_per_min_and_pulse / speed.0;
@@ -59,7 +59,7 @@ impl Tacho {
         })
     }
 
-    /// Processes the sample of this tick; returns zero if the pulses give no speed.
+    /// Processes the readings of this tick; returns the spindle speed, zero if the pulses give none.
     pub fn follow(&self, turning: &mut Turning, sample: TachoSample) -> RevPerMin {
         *turning = self.next(*turning, sample);
         match *turning {

@@ -3,7 +3,8 @@
 use super::OverrideOutput;
 use crate::ramp::FeedOverride;
 
-/// An output that stays released after a failure instead of retrying at each tick.
+/// Wraps an override output: after its first hardware failure it stays released (0 %) until a person resets it,
+/// instead of being written again at each tick.
 #[derive(Clone, Debug)]
 pub struct Latched<O: OverrideOutput> {
     output: O,
@@ -11,12 +12,12 @@ pub struct Latched<O: OverrideOutput> {
 }
 
 impl<O: OverrideOutput> Latched<O> {
-    /// An output without a fault.
+    /// Wraps an output without a failure.
     pub fn new(output: O) -> Self {
         Latched { output, fault: None }
     }
 
-    /// The first fault since the last reset.
+    /// The first failure since the last reset; `None` if there was none.
     pub fn fault(&self) -> Option<&O::Error> {
         self.fault.as_ref()
     }

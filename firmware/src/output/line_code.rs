@@ -1,4 +1,4 @@
-//! The code of an override on the eight lines *FV0 to *FV7.
+//! Code of a feed override on the eight lines *FV0 to *FV7, from which a Fanuc-like control reads it.
 //!
 //! Line i is active low and weighs 2^i per cent. The control reads the sum of the weights of the lines that are low;
 //! all lines low reads 0 %, as all lines high does, so that a broken wire or a dead card stops the axes (Fanuc
@@ -6,10 +6,10 @@
 
 use crate::ramp::FeedOverride;
 
-/// Number of lines.
+/// Number of override lines, *FV0 to *FV7.
 pub const LINES: usize = 8;
 
-/// Largest override that the lines can represent, %.
+/// Largest override that the lines can code, %.
 pub const HIGHEST_PERCENT: u8 = 254;
 
 /// All lines low, which the control reads as 0 %.
@@ -21,36 +21,36 @@ const ALL_LOW: u8 = 0xFF;
 pub struct LineCode(u8);
 
 impl LineCode {
-    /// All lines high: 0 %.
+    /// All lines high, which the control reads as 0 %.
     pub const RELEASED: LineCode = LineCode(0);
 
-    /// The code of an override, limited to [`HIGHEST_PERCENT`].
+    /// The code of an override; one above [`HIGHEST_PERCENT`] is limited to it.
     pub fn of(feed_override: FeedOverride) -> Self {
         LineCode(feed_override.percent.min(HIGHEST_PERCENT))
     }
 
-    /// The override that a control reads.
+    /// The override that a control reads from these lines.
     pub fn reads(self) -> FeedOverride {
         FeedOverride { percent: if self.0 == ALL_LOW { 0 } else { self.0 } }
     }
 
-    /// Whether *FV`line` is low, so that its weight counts.
+    /// Whether the line with this number (0 to 7) is low, so that its weight counts.
     pub fn is_low(self, line: u8) -> bool {
         u32::from(self.0).checked_shr(u32::from(line)).is_some_and(|bits| bits & 1 == 1)
     }
 
-    /// Levels of all lines as a port would hold them: bit i is 1 while *FVi is high.
+    /// Levels of all lines as the bits of an output port: bit i is 1 if *FVi is high.
     pub fn levels(self) -> u8 {
         !self.0
     }
 
-    /// Lines that are low in both codes.
+    /// The code whose low lines are those that are low in both codes.
     #[must_use]
     pub fn shared_with(self, other: LineCode) -> Self {
         LineCode(self.0 & other.0)
     }
 
-    /// Whether some line is low in `self` and high in `other`.
+    /// Whether at least one line is low in `self` and high in `other`.
     pub fn has_more_than(self, other: LineCode) -> bool {
         self.0 & !other.0 != 0
     }

@@ -1,10 +1,10 @@
-//! Eight pins that are written one after the other.
+//! The eight output pins of the override lines *FV0 to *FV7, written one after the other.
 
 use embedded_hal::digital::{OutputPin, PinState};
 
 use super::line_code::{LINES, LineCode};
 
-/// Output line that failed.
+/// Output line whose pin has failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OutputLine {
@@ -14,7 +14,7 @@ pub enum OutputLine {
     Strobe,
 }
 
-/// Failure of a pin; if several fail, the first one.
+/// Failure of an output pin; if several fail, of the first one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LineError<E> {
@@ -24,19 +24,19 @@ pub struct LineError<E> {
     pub source: E,
 }
 
-/// The pins of *FV0 to *FV7, in this order.
+/// The eight output pins of *FV0 to *FV7, in this order.
 #[derive(Clone, Debug)]
 pub struct OutputLines<P> {
     pins: [P; LINES],
 }
 
 impl<P: OutputPin> OutputLines<P> {
-    /// The lines at the current levels of their pins; writes nothing.
+    /// Takes the pins as they are, without writing any.
     pub fn new(pins: [P; LINES]) -> Self {
         OutputLines { pins }
     }
 
-    /// Releases the lines that are high in `code`. None goes low.
+    /// Sets those pins high whose line is high in `code`, and leaves the others.
     ///
     /// # Errors
     /// A pin has failed; all lines are then released.
@@ -44,7 +44,7 @@ impl<P: OutputPin> OutputLines<P> {
         self.drive(code.levels(), PinState::High)
     }
 
-    /// Pulls down the lines that are low in `code`. None goes high.
+    /// Sets those pins low whose line is low in `code`, and leaves the others.
     ///
     /// # Errors
     /// A pin has failed; all lines are then released.
@@ -52,7 +52,7 @@ impl<P: OutputPin> OutputLines<P> {
         self.drive(!code.levels(), PinState::Low)
     }
 
-    /// Releases all lines, even if one fails.
+    /// Sets all pins high, which the control reads as 0 %; also if one of them fails.
     ///
     /// # Errors
     /// The first failed line.

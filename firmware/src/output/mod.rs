@@ -24,20 +24,21 @@ pub mod telemetry;
 
 use crate::ramp::FeedOverride;
 
-/// Output from which the control reads its feed override.
+/// Output by which the control receives its feed override, such as eight lines or a PWM.
 ///
-/// Both calls may block until the wiring has settled (microseconds), but never for the control.
+/// The functions may block for some microseconds, until the wiring has settled; they never wait for the control.
 pub trait OverrideOutput {
     /// Error of the hardware.
     type Error;
 
-    /// Sets the override. Meanwhile the control never reads more than the larger of the old and the new one.
+    /// Sets the override. While the output changes, the control never reads more than the larger of the old and the
+    /// new value.
     ///
     /// # Errors
     /// The hardware has failed. All parts that still work are then released, as by [`OverrideOutput::release`].
     fn put(&mut self, feed_override: FeedOverride) -> Result<(), Self::Error>;
 
-    /// De-energises the output, as a loss of power would: the control reads 0 %, its axes stop.
+    /// Switches the output off, as a loss of power would: the control reads 0 %, and its axes stop.
     ///
     /// # Errors
     /// A part of the hardware has failed; all others are released nonetheless.

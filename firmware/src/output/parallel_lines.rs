@@ -1,4 +1,4 @@
-//! *FV0 to *FV7 driven directly by eight pins, written one after the other.
+//! Override lines *FV0 to *FV7 driven directly by eight pins, written one after the other.
 //!
 //! The control samples the lines at any time, also between two writes. Therefore every update first releases the lines
 //! that are high in the new code c', then pulls down those that are low in it. The first phase passes through subsets
@@ -29,7 +29,7 @@ use super::lines::{LineError, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Override output on eight separate pins, without a register.
+/// Override output on the eight lines *FV0 to *FV7, each driven by a pin of its own.
 ///
 /// Pins of different types are passed as `&mut dyn OutputPin<Error = E>`.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ pub struct ParallelLines<P, D = NoDelay> {
 }
 
 impl<P: OutputPin> ParallelLines<P> {
-    /// An output on *FV0 to *FV7 with immediate wiring; releases the lines.
+    /// Output on these pins of *FV0 to *FV7, whose wiring follows at once; sets all lines high (0 %).
     ///
     /// # Errors
     /// The first failed pin.
@@ -51,8 +51,8 @@ impl<P: OutputPin> ParallelLines<P> {
 }
 
 impl<P: OutputPin, D: DelayNs> ParallelLines<P, D> {
-    /// An output on *FV0 to *FV7 with slow wiring; releases the lines. Updates must be further apart than the settling
-    /// time.
+    /// Output on these pins of *FV0 to *FV7, whose wiring needs time to follow; sets all lines high (0 %). Updates
+    /// must be further apart than the settling time.
     ///
     /// # Errors
     /// The first failed pin.

@@ -1,4 +1,4 @@
-//! *FV0 to *FV7 on one port with simultaneous writes of all eight pins.
+//! Override lines *FV0 to *FV7 on one port, which writes all eight pins at the same instant.
 //!
 //! All lines change in the same cycle: the pins have the old code c, then the new code c', without an intermediate
 //! code. Neither an order nor a memory of c is needed: every update writes all eight lines.
@@ -18,19 +18,19 @@ use super::line_code::LineCode;
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Port of eight pins that change together.
+/// Output port with eight pins that change at the same instant.
 pub trait LinePort {
     /// Error of the hardware.
     type Error;
 
-    /// Writes all levels in one cycle: bit i for *FVi, 1 is high.
+    /// Writes the levels of all pins in one cycle: bit i is the level of *FVi, 1 is high.
     ///
     /// # Errors
     /// The port has failed, or did not hold the previous levels; it has attempted the write nonetheless.
     fn write(&mut self, levels: u8) -> Result<(), Self::Error>;
 }
 
-/// Override output on the eight pins of one port.
+/// Override output on the eight lines *FV0 to *FV7, which one port drives together.
 #[derive(Clone, Debug)]
 pub struct PortLines<P, D = NoDelay> {
     port: P,
@@ -40,7 +40,7 @@ pub struct PortLines<P, D = NoDelay> {
 }
 
 impl<P: LinePort> PortLines<P> {
-    /// An output on a port with immediate wiring; releases the lines.
+    /// Output on this port, whose wiring follows at once; sets all lines high (0 %).
     ///
     /// # Errors
     /// The port has failed.
@@ -50,7 +50,8 @@ impl<P: LinePort> PortLines<P> {
 }
 
 impl<P: LinePort, D: DelayNs> PortLines<P, D> {
-    /// An output on a port with slow wiring; releases the lines. Updates must be further apart than the settling time.
+    /// Output on this port, whose wiring needs time to follow; sets all lines high (0 %). Updates must be further
+    /// apart than the settling time.
     ///
     /// # Errors
     /// The port has failed.

@@ -19,34 +19,35 @@ use crate::ramp::FeedOverride;
 /// Largest plausible reading, thousandths of a per cent: 1000 %.
 const PLAUSIBLE: i32 = 1_000_000;
 
-/// Readings of the control at both ends of the duty, thousandths of a per cent; to be measured on the machine.
+/// Override that the control reads at both ends of the PWM's duty, in thousandths of a per cent; to be measured on the
+/// machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration {
-    /// Reading at duty 0: zero, or negative with an offset or a live zero.
+    /// Reading at duty 0: zero, or negative if the input has an offset or a live zero.
     pub at_zero_duty_millipercent: i32,
     /// Reading at full duty.
     pub at_full_duty_millipercent: i32,
 }
 
-/// Reason why a calibration is rejected.
+/// Reason why a calibration of the analogue output is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CalibrationError {
     /// A reading exceeds 1000 %.
     Implausible,
-    /// The reading at duty 0 is above 0 %: neither a release nor a dead board would stop the axes.
+    /// The reading at duty 0 is above 0 %, so neither a release of the output nor a dead board would stop the axes.
     NoStop,
-    /// The reading at full duty is below the largest required override.
+    /// The reading at full duty is below the largest override that is needed.
     OutOfReach {
-        /// Reading at full duty, whole per cent.
+        /// Reading at full duty, whole per cent, rounded down.
         reached_percent: u8,
     },
-    /// A step of the duty exceeds 1 %.
+    /// One step of the duty changes the override by more than 1 %.
     Coarse,
 }
 
-/// An override input driven by a PWM duty; configuration, except for the output itself.
+/// Override output by a filtered PWM on the control's analogue override input.
 #[derive(Clone, Debug)]
 pub struct PwmOverride<P> {
     pwm: P,
@@ -57,10 +58,11 @@ pub struct PwmOverride<P> {
 }
 
 impl<P: SetDutyCycle> PwmOverride<P> {
-    /// An output on a PWM at its final frequency (the range of the duty depends on it); sets no duty yet.
+    /// Output on this PWM, which must already have its final frequency, because the range of the duty depends on it.
+    /// Sets no duty yet.
     ///
     /// # Errors
-    /// A calibration that cannot represent every override from 0 % to `highest` in steps of 1 %.
+    /// The calibration does not allow every override from 0 % to `highest` in steps of 1 %.
     pub fn new(pwm: P, calibration: Calibration, highest: FeedOverride) -> Result<Self, CalibrationError> {
         let Calibration { at_zero_duty_millipercent: zero, at_full_duty_millipercent: full } = calibration;
         let max_duty = pwm.max_duty_cycle();
@@ -87,7 +89,7 @@ impl<P: SetDutyCycle> PwmOverride<P> {
         }
     }
 
-    /// Duty of an override.
+    /// Duty at which the control reads this override, rounded down.
     pub fn duty(&self, feed_override: FeedOverride) -> u16 {
         let above_zero_duty_millipercent = millipercent(feed_override) + self.below_zero_millipercent;
         let duty = above_zero_duty_millipercent * u64::from(self.max_duty) / self.span_millipercent; // (1)

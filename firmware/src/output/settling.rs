@@ -1,18 +1,19 @@
-//! Settling time of the wiring: couplers, relays, filters.
+//! Settling time of the wiring between output pins and control: couplers, relays, filters.
 
 use embedded_hal::delay::DelayNs;
 
-/// Time that the lines need to follow the pins, and the delay source that waits for it.
+/// Time that the wiring between pins and control needs to follow, and the delay function that waits for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settling<D> {
-    /// Delay source.
+    /// Function that waits.
     pub delay: D,
-    /// Slowest release of a line, nanoseconds; with optical couplers this is some microseconds.
+    /// Longest time, nanoseconds, from setting a pin high until the control reads it; with optical couplers some
+    /// microseconds.
     pub settle_ns: u32,
 }
 
-/// Delay source that never waits, for lines that follow their pins at once.
+/// Delay that never waits, for wiring that follows at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NoDelay;
@@ -22,7 +23,7 @@ impl DelayNs for NoDelay {
 }
 
 impl Settling<NoDelay> {
-    /// No settling time.
+    /// Wiring that follows at once.
     pub const NONE: Self = Settling { delay: NoDelay, settle_ns: 0 };
 }
 

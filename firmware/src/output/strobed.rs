@@ -13,7 +13,7 @@ use super::lines::{LineError, OutputLine, OutputLines};
 use super::settling::{NoDelay, Settling};
 use crate::ramp::FeedOverride;
 
-/// Override output on eight data lines and a strobe, for a register.
+/// Override output on eight data lines and a strobe to an external register, which drives *FV0 to *FV7.
 #[derive(Clone, Debug)]
 pub struct Strobed<P, S, D = NoDelay> {
     lines: OutputLines<P>,
@@ -22,7 +22,7 @@ pub struct Strobed<P, S, D = NoDelay> {
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>> Strobed<P, S> {
-    /// An output on *FV0 to *FV7 and the strobe with immediate wiring; releases all lines of the register.
+    /// Output on these data and strobe pins, whose wiring follows at once; sets all lines of the register high (0 %).
     ///
     /// # Errors
     /// The first failed pin.
@@ -32,7 +32,8 @@ impl<P: OutputPin, S: OutputPin<Error = P::Error>> Strobed<P, S> {
 }
 
 impl<P: OutputPin, S: OutputPin<Error = P::Error>, D: DelayNs> Strobed<P, S, D> {
-    /// Output for slow wiring: waits before the strobe rises and while it is high.
+    /// Output on these data and strobe pins, whose wiring needs time to follow: it waits before the strobe rises, and
+    /// while the strobe is high.
     ///
     /// # Errors
     /// The first failed pin.

@@ -1,4 +1,4 @@
-//! Inputs of the supervisor at a tick, and their evaluation.
+//! Inputs at a tick of the supervisor, which decides whether the feed laws may set the override, and their evaluation.
 
 use arcfeed_units::Span;
 
@@ -7,34 +7,36 @@ use crate::controller;
 
 use super::signals::{Inhibit, Signals};
 
-/// The segment in execution and its count; `None` for none.
+/// The segment in execution, with a number that is different for each segment; `None` if none is in execution.
 pub type Work<'a> = Option<(u32, &'a ActiveSegment)>;
 
-/// Inputs of the supervisor at a tick, except the segment in execution.
+/// Measured values, dial and signals of a tick, from which the supervisor decides; without the segment in execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
     /// Position, spindle speed and the time since the last tick.
     pub measured: controller::Measurement,
-    /// Age and validity of the position.
+    /// Age and validity of the newest position.
     pub position: Freshness,
-    /// Age and validity of the link that supplies the segments; [`Freshness::NOW`] if all segments are on the board.
+    /// Age and validity of the newest frame of the link over which the segments arrive; [`Freshness::NOW`] if all
+    /// segments are on the board already.
     pub link: Freshness,
-    /// The operator's dial, %.
+    /// Position of the operator's override dial, %.
     pub operator_percent: u8,
     /// Signals of the control, the board and the operator, one bit each.
     pub signals: Signals,
 }
 
-/// Age and validity of a line's data.
+/// Age of the newest data from one source, and the number of invalid ones since.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Freshness {
     /// Time since the last valid sample or frame.
     pub age: Span,
-    /// Invalid frames since then (wrong checksum, stale sequence, out of range); they have no other effect.
+    /// Number of invalid frames since then (wrong checksum, old sequence number, or value out of range); their
+    /// contents are ignored.
     pub invalid_in_row: u8,
 }
 
-/// Source of data whose loss the supervisor detects.
+/// Source of data without which no law may set the override: the position or the link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
@@ -44,34 +46,33 @@ pub enum Source {
     Link,
 }
 
-/// A lost source, at the time of its detection.
+/// Loss of a source, as found at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// Lost source.
+    /// The lost source.
     pub source: Source,
-    /// Remaining time for which the last value is kept.
+    /// Time for which the override still keeps its last value.
     pub keep: Span,
 }
 
-/// Quality of the data from a source.
+/// Quality of the newest data from position and link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Recent and valid.
+    /// Recent and valid: a law may act.
     Fresh,
-    /// Too old or invalid, but not lost: the override does not change.
+    /// Too old or invalid, but not yet lost: the override does not change.
     Stale,
-    /// Lost.
+    /// So old, or so often invalid, that the source counts as lost.
     Lost,
 }
 
 impl Freshness {
-    /// Valid and of age zero.
+    /// Data of age zero, without invalid ones since.
     pub const NOW: Freshness = Freshness { age: Span(0), invalid_in_row: 0 };
 }
 
 impl Input {
-    /// Input of a board with a fresh position, spindle speed and time, but without an operator's dial and conditions
-    /// of the control.
+    /// Input with these measured values, a fresh position and link, the dial at 100 %, and no signals.
     pub const fn of(measured: controller::Measurement) -> Self {
         Input {
             measured,
@@ -82,7 +83,8 @@ impl Input {
         }
     }
 
-    /// Reason why the override must be 100 % at present: a condition, or a segment on which it does not act.
+    /// Reason why the override does not act at present: a condition of the control, or a segment without
+    /// a feed per minute. `None` if it acts.
     #[inline(always)]
     pub fn inhibiting(&self, work: Work<'_>) -> Option<Inhibit> {
         let no_feed = work.is_some_and(|(_, segment)| !segment.takes_override());

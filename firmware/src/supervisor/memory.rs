@@ -1,4 +1,4 @@
-//! State of the supervisor between ticks.
+//! State of the supervisor, which decides whether the feed laws may set the override, between ticks.
 
 use arcfeed_units::Span;
 
@@ -14,7 +14,8 @@ use super::segment_tracking::{Change, SegmentTracking};
 use super::signals::{Request, Signals};
 use super::state::{Disarm, Event, State};
 
-/// State of the supervisor between ticks. The default is that after power-on: idle, with the override at 0 %, from where it rises to the operator's dial.
+/// State of the supervisor (which decides whether the feed laws may set the override) between ticks. By default as
+/// after power-on: idle, with the override at 0 %, from where it rises to the operator's dial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory {
     pub(super) state: State,
@@ -32,12 +33,13 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Idle state of a board that knows the override at its output.
+    /// State after power-on for a board whose output already has this override.
     pub fn with_override(feed_override: FeedOverride) -> Self {
         Memory { level: Level::at(feed_override), ..Memory::default() }
     }
 
-    /// Armed state without a segment, at 100 %: the start of a simulated run.
+    /// Armed state (the laws may set the override) at 100 %, with no segment in execution: the start of a simulated
+    /// run.
     pub fn armed() -> Self {
         let mut memory = Memory {
             state: State::Armed,
@@ -48,7 +50,7 @@ impl Memory {
         memory
     }
 
-    /// State of the supervisor.
+    /// State of the state machine.
     pub fn state(&self) -> State {
         self.state
     }
@@ -58,12 +60,12 @@ impl Memory {
         &self.counters
     }
 
-    /// Override ratio at the output, before rounding to whole steps.
+    /// Override at the output as a ratio, before it is rounded to a step of the control.
     pub fn level(&self) -> Level {
         self.level
     }
 
-    /// Progress on the segment in execution; meaningless on rapids.
+    /// Progress of the tool on the segment in execution; meaningless if that is a rapid.
     pub fn progress(&self) -> &Progress {
         self.control.progress()
     }

@@ -43,7 +43,8 @@ use signals::{Inhibit, Request, Signals};
 use state::{Disarm, Event, Hold, State};
 use target::Target;
 
-/// Supervisor of one machine: decides whether the laws may have the override; configuration.
+/// Supervisor of one machine: decides at each tick whether the feed laws may set the override, and on its value. Holds
+/// only settings; the state is a [`Memory`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Supervisor {
     controller: Controller,
@@ -51,21 +52,22 @@ pub struct Supervisor {
     settings: Settings,
 }
 
-/// Decision of a tick: override, reason and state.
+/// Decision of the supervisor at one tick: override, reason and state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Output {
-    /// Override for the output.
+    /// Override to be output.
     pub feed_override: FeedOverride,
-    /// State of the supervisor.
+    /// State of the supervisor after this tick.
     pub state: State,
     /// Reason of the override.
     pub reason: Reason,
-    /// Alarm for the operator.
+    /// Alarm to be shown to the operator.
     pub alarm: Alarm,
-    /// Reason why an arming requested at this tick was rejected.
+    /// Reason why arming, requested at this tick, was rejected; `None` if it was not requested or was accepted.
     pub refusal: Option<Refusal>,
-    /// Feed per tooth at the centre that the law demands, along the path; while running.
+    /// Feed per tooth at the tool's centre that the law demands, along the path; `None` if no law sets the override,
+    /// or if it has no demand.
     pub ipt_center: Option<MmPerTooth>,
 }
 
@@ -86,15 +88,15 @@ struct Evaluation<'a> {
 }
 
 impl Supervisor {
-    /// A supervisor for a job.
+    /// Supervisor for a job, whose bounds of the override it keeps.
     ///
     /// # Errors
-    /// Invalid settings or bounds of the override.
+    /// The settings contradict each other, or the bounds of the override are invalid.
     pub fn new(job: &Job, settings: Settings) -> Result<Self, SettingsError> {
         Supervisor::within(&job.limits, settings)
     }
 
-    /// A supervisor for every job with these bounds.
+    /// Supervisor for every job with these bounds of the override.
     ///
     /// # Errors
     /// As of [`Supervisor::new`].
@@ -104,23 +106,23 @@ impl Supervisor {
         Ok(Supervisor { controller: Controller::new(PositionFilter::Exact), ramp, settings })
     }
 
-    /// The controller, for code outside of the supervisor that needs its position filter.
+    /// The controller that follows the position along segments, for code that needs the same position filter.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The same supervisor with a position filter.
+    /// The same supervisor with another filter for measured positions.
     #[must_use]
     pub fn with_filter(self, filter: PositionFilter) -> Self {
         Supervisor { controller: Controller::new(filter), ..self }
     }
 
-    /// Times and thresholds.
+    /// Time-outs and thresholds of the supervisor.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Runs one tick.
+    /// Decides on the override at one tick; `work` is the segment in execution.
     #[inline(always)]
     pub fn tick(&self, memory: &mut Memory, work: Work<'_>, input: &Input) -> Output {
         let seen = self.evaluate(memory, work, input);

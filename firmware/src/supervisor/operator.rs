@@ -1,4 +1,4 @@
-//! The operator's dial.
+//! The operator's override dial, and its effect on the override that a feed law demands.
 //!
 //! Up to 100 % it is a share of the law's demand. Above 100 % it has no effect on a demand, whose chip is at its
 //! target already. If it is turned down far enough, the operator takes over.
@@ -8,7 +8,7 @@ use arcfeed_units::PERCENT;
 /// Smallest movement of the dial that is not noise, percentage points.
 const RAISED_PERCENT: u8 = 2;
 
-/// Operator's override dial. Keeps its state between calls.
+/// The operator's override dial: its reading, and the largest reading from which a drop counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OperatorDial {
     percent: u8,
@@ -17,17 +17,18 @@ pub struct OperatorDial {
     share_ratio: f32,
 }
 
-/// Movement of the dial since the last tick.
+/// Movement of the dial since the last tick, as far as it has an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DialTurn {
     /// Not turned, or turned up.
     Kept,
-    /// Down: the feed falls proportionally.
+    /// Turned down, but not so far that the operator takes over: the override falls in proportion.
     Down {
-        /// Previous reading, %.
+        /// Reading before the movement, %.
         from_percent: u8,
     },
-    /// Down so far, or so low, that the operator takes over.
+    /// Turned down below the lower threshold, or by more than the allowed drop: the operator takes the override from
+    /// the laws.
     TakesOver,
 }
 
@@ -38,7 +39,8 @@ impl Default for OperatorDial {
 }
 
 impl OperatorDial {
-    /// Processes a reading, with the thresholds of the settings.
+    /// Processes a reading, %. The operator takes over below `below_percent`, or with a drop of more than
+    /// `drop_percent` from the largest reading.
     #[inline(always)]
     pub fn read(&mut self, percent: u8, below_percent: u8, drop_percent: u8) -> DialTurn {
         let turn = if percent == self.percent { DialTurn::Kept } else { self.turn_to(percent) };
@@ -59,32 +61,32 @@ impl OperatorDial {
         if percent < from_percent { DialTurn::Down { from_percent } } else { DialTurn::Kept }
     }
 
-    /// Takes the current reading as the reference for drops.
+    /// Makes the current reading the one from which drops are measured.
     pub fn take_reference(&mut self) {
         self.reference_percent = self.percent;
     }
 
-    /// The reading, %.
+    /// The last reading, %.
     pub fn percent(self) -> u8 {
         self.percent
     }
 
-    /// The reading as a ratio.
+    /// The last reading as a ratio: 1 at 100 %.
     pub fn ratio(self) -> f32 {
         f32::from(self.percent) / PERCENT
     }
 
-    /// Share of a law's demand that the operator allows, at most 1.
+    /// Factor by which the dial reduces a law's demand: its reading as a ratio, at most 1.
     pub fn share_ratio(self) -> f32 {
         self.share_ratio
     }
 
-    /// Ratio of the current share to that of the reading `from_percent`.
+    /// Factor by which the override must fall because the dial was turned from `from_percent` to its present reading.
     pub fn fall_ratio(self, from_percent: u8) -> f32 {
         if from_percent == 0 { 0.0 } else { self.share_ratio() / share_ratio(from_percent) }
     }
 
-    /// Whether the dial was turned up from `lowest_percent`.
+    /// Whether the dial was turned up from `lowest_percent` by more than noise.
     pub fn is_raised_from(self, lowest_percent: u8) -> bool {
         self.percent >= lowest_percent.saturating_add(RAISED_PERCENT)
     }

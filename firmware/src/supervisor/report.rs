@@ -1,4 +1,4 @@
-//! Reasons, alarms and counters of the supervisor.
+//! Reasons, alarms and counters of the supervisor, which decides whether the feed laws may set the override.
 
 use arcfeed_units::PERCENT;
 use arcfeed_units::fmath;
@@ -9,118 +9,119 @@ use super::input::Source;
 use super::signals::{BoardFault, Condition, Inhibit, Signals};
 use super::state::{Disarm, Hold, State};
 
-/// Reason for the override at the output.
+/// Reason for the override that is output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
-    /// The law's demand, or the slew towards it.
+    /// The law's demand, or the ramp towards it.
     Law,
-    /// The law has no demand: 100 %.
+    /// The law has no feed to demand at this place: 100 %.
     NoDemand(NoDemand),
-    /// No law governs the segment: 100 %.
+    /// No cut rule of the job matches the move, so no law governs it: 100 %.
     NoLaw,
-    /// The spindle speed is not a positive number: 100 %.
+    /// The measured spindle speed is not a positive number: 100 %.
     NoSpindle,
-    /// The demand is below `min`: the override is `min`, and the chip is thicker than its target.
+    /// The law demands less than the lower bound of the override, which is output: the chip is thicker than its
+    /// target.
     Floor {
-        /// Excess of the chip, % rounded up; `u16::MAX` if the demanded feed is 0.
+        /// Amount by which the chip exceeds its target, % rounded up; `u16::MAX` if the law demands a feed of zero.
         chip_excess_percent: u16,
     },
-    /// The demand is above a limit: the override is at the limit.
+    /// The law demands more than an upper limit allows: the override is at the limit.
     Limited(Limit),
-    /// The samples are stale: the override is unchanged.
+    /// Position or link is stale, but not lost: the override stays as it was.
     Stale,
-    /// Armed, without a segment for a law.
+    /// The laws may set the override, but no segment is in execution on which one can act.
     Waiting,
-    /// Not armed yet.
+    /// Nobody has armed the laws since the start.
     NotArmed,
-    /// The axes are held.
+    /// The axes are at standstill, by feed hold or an override of 0 %.
     Held(Hold),
-    /// Position or link was lost.
+    /// Position or link was lost; nobody has armed the laws since.
     Lost(Source),
     /// The board has a fault.
     Fault(BoardFault),
-    /// The override has nothing to act on.
+    /// The override does not act on the present feed.
     Inhibited(Inhibit),
-    /// The laws were disarmed.
+    /// The override was taken from the laws.
     Disarmed(Disarm),
 }
 
-/// Limit that reduces a law's demand.
+/// Upper limit that reduces a law's demand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limit {
-    /// `max` of the job.
+    /// The upper bound of the override in the job.
     Max,
     /// Maximum feed of a linear or rotary axis on this segment.
     Axis,
-    /// Clamp of the control on arcs.
+    /// The control's reduction of the feed on arcs, by their radius.
     ArcClamp,
-    /// The job's maximum feed, or its largest raise of the programmed feed.
+    /// The job's maximum feed, or its maximum multiple of the programmed feed.
     Ceiling,
 }
 
-/// Alarm level, for a lamp.
+/// Alarm level of the board, for a lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Alarm {
     /// No alarm.
     None,
-    /// Active while the condition that disarmed lasts.
+    /// Alarm as long as the condition of the control lasts because of which the laws were disarmed.
     Passing,
-    /// Active until a person resets the fault, or arms or disarms after a loss.
+    /// Alarm until a person acts: resets a fault, or arms or disarms after a loss.
     Latched,
 }
 
-/// Reason why arming was rejected.
+/// Reason why a person's request to arm the laws was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
-    /// A fault is active or was not reset.
+    /// The board has a fault, or it was not reset.
     Faulted,
-    /// Position or link is not fresh.
+    /// The data of position or link are not recent and valid.
     NotFresh,
-    /// After a loss: fresh, but not yet for long enough.
+    /// The data are recent and valid again after a loss, but not for the required time.
     NotResynchronised,
-    /// The dial is below its threshold, or was just turned down.
+    /// The operator's dial is below its threshold, or was just turned down too far.
     Operator,
-    /// A condition of the control.
+    /// A condition of the control forbids that a law sets the override.
     Condition(Condition),
 }
 
-/// Counters of events; they saturate.
+/// Counts of events since the start; they stop at their maximum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Invalid frames and samples ignored.
+    /// Invalid frames and samples, which were ignored.
     pub invalid_frames: u32,
-    /// Ticks in the running state with stale or invalid samples.
+    /// Ticks at which a law could not act because position or link was stale.
     pub stale_ticks: u32,
-    /// Ticks without a demand: the law does not meet the stock.
+    /// Ticks at which the law had no demand because the cutting edges do not meet the stock.
     pub no_contact_ticks: u32,
-    /// Ticks without a demand: outside the law's validity.
+    /// Ticks at which the law had no demand because its formula is not valid at this place.
     pub outside_validity_ticks: u32,
-    /// Ticks without a demand: the chip cannot be reached.
+    /// Ticks at which the law had no demand because no feed gives the wanted chip.
     pub unreachable_ticks: u32,
-    /// Ticks without a demand: an input or the demand is not a number.
+    /// Ticks at which the law had no demand because an input or its result was not a number.
     pub bad_input_ticks: u32,
-    /// Ticks without a spindle speed.
+    /// Ticks without a measured spindle speed.
     pub no_spindle_ticks: u32,
-    /// Ticks at the floor.
+    /// Ticks at which the law demanded less than the lower bound of the override.
     pub floor_ticks: u32,
-    /// Ticks at a limit.
+    /// Ticks at which the law demanded more than an upper limit.
     pub limited_ticks: u32,
-    /// Number of losses of position or link while engaged.
+    /// Losses of position or link while the laws were armed.
     pub losses: u32,
-    /// Faults.
+    /// Faults of the board.
     pub faults: u32,
-    /// Number of disarmings.
+    /// Number of times that the override was taken from the armed laws.
     pub disarms: u32,
-    /// Rejected armings.
+    /// Rejected requests to arm.
     pub refusals: u32,
 }
 
 impl Reason {
-    /// Reason of a state; in the running state the target has its own reason.
+    /// Reason that belongs to a state. In the running state, the law's target has the more exact reason.
     pub fn of_state(state: &State) -> Self {
         match *state {
             State::Idle => Reason::NotArmed,
@@ -136,7 +137,7 @@ impl Reason {
 }
 
 impl Alarm {
-    /// Alarm of a state; it may depend on a condition that excludes the laws.
+    /// Alarm level that belongs to a state, and to the conditions of the control among the signals.
     #[inline(always)]
     pub fn of(state: &State, signals: Signals) -> Self {
         match state {
@@ -153,7 +154,7 @@ impl Alarm {
 }
 
 impl Counters {
-    /// Counts a tick under its reason.
+    /// Counts one tick under its reason; reasons without a counter are not counted.
     #[inline(always)]
     pub fn count(&mut self, reason: Reason) {
         let counter = match reason {
@@ -179,7 +180,7 @@ impl Counters {
         count(counter);
     }
 
-    /// Counts a change of state.
+    /// Counts a change of state as fault, loss or disarming.
     pub fn count_change(&mut self, from: &State, to: &State) {
         match (from.is_engaged(), to) {
             (_, State::Faulted { .. }) => count(&mut self.faults),

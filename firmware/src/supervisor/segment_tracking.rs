@@ -1,36 +1,37 @@
-//! Tracking of the segment in execution: whether it was followed without a gap since its beginning.
+//! Tracking of the segment (move) in execution: whether it was followed without a gap since its beginning.
 //!
 //! The progress along an arc is unambiguous only from its start. Therefore a law starts on a segment at its beginning
 //! and stops at a loss of samples; after a loss it resynchronises at the beginning of the next segment.
 
 use super::input::Quality;
 
-/// Tracking state of the segment in execution.
+/// Whether the segment in execution was followed from its beginning, so that the tool's progress on it is known. The
+/// number is that of the segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SegmentTracking {
-    /// No sample since power-on.
+    /// Nothing is known yet: no tick since power-on.
     #[default]
     Unknown,
     /// No segment is in execution.
     Nothing,
-    /// A segment is in execution, but its beginning was missed.
+    /// A segment is in execution, but its beginning was missed, so no law acts on it.
     Unseen(u32),
-    /// Begun, but without a fresh sample so far.
+    /// A segment has begun, but there was no recent position since: a law can still start on it.
     Awaited(u32),
-    /// Followed since its beginning.
+    /// The segment was followed from its beginning: a law may act on it.
     Followed(u32),
 }
 
 /// Change of the segment in execution at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// No change.
+    /// The same segment as before, or none as before.
     Same,
-    /// The segment ended or another one began, but a law cannot start on it.
+    /// A segment has ended or begun, but no law can start now.
     Boundary,
-    /// A new segment with a fresh sample.
+    /// A segment has begun, and its position is recent: a law can start.
     Begins,
-    /// The first fresh sample on a segment that began earlier.
+    /// The segment began earlier, and its first recent position has arrived now: a law can start.
     BeginsLate,
 }
 
@@ -42,7 +43,7 @@ impl Change {
 }
 
 impl SegmentTracking {
-    /// Processes the count of the segment in execution.
+    /// Processes a tick at which the segment with the number `count` is in execution.
     #[inline(always)]
     pub fn update(&mut self, count: u32, quality: Quality) -> Change {
         let before = *self;
@@ -62,14 +63,14 @@ impl SegmentTracking {
         }
     }
 
-    /// Processes a tick without a segment in execution.
+    /// Processes a tick at which no segment is in execution.
     #[inline(always)]
     pub fn clear(&mut self) -> Change {
         let before = core::mem::replace(self, SegmentTracking::Nothing);
         if before.count().is_some() { Change::Boundary } else { Change::Same }
     }
 
-    /// Whether a law may act on the segment in execution.
+    /// Whether the segment in execution was followed from its beginning, so that a law may act on it.
     pub fn is_followed(self) -> bool {
         matches!(self, SegmentTracking::Followed(_))
     }

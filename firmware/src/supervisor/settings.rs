@@ -6,40 +6,42 @@ use crate::ramp::LimitsError;
 
 use super::input::{Freshness, Loss, Quality, Source};
 
-/// Times and thresholds of the supervisor; configuration.
+/// Time-outs and thresholds of the supervisor, which decides whether the feed laws may set the override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Time-outs of the position.
+    /// Time-outs of the measured position.
     pub position: Timeouts,
-    /// Time-outs of the link.
+    /// Time-outs of the link to the host.
     pub link: Timeouts,
-    /// Number of consecutive invalid frames that is a loss (K).
+    /// K: number of consecutive invalid frames or samples from which a source counts as lost.
     pub lost_after_frames: u8,
-    /// Time for which samples must be fresh without a gap before arming is accepted after a loss.
+    /// Time for which position and link must be fresh without a gap after a loss, before arming is accepted.
     pub resync: Span,
-    /// Longest tick: a longer one raises the override no further than one of this length.
+    /// Longest expected tick: a longer one raises the override no further than one of this length would.
     pub longest_tick: Span,
-    /// Dial value below which the operator takes over, %.
+    /// Position of the operator's dial, %, below which the operator takes the override from the laws.
     pub take_over_below_percent: u8,
-    /// Drop of the dial above which the operator takes over, percentage points.
+    /// Drop of the dial, percentage points, above which the operator takes the override from the laws.
     pub take_over_drop_percent: u8,
 }
 
-/// Time-outs of a source: stale, lost, and end of its last value.
+/// Ages of the newest data from one source from which they are stale, then lost, and up to which the last override is
+/// kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timeouts {
-    /// Age at which a sample or frame is stale: the override does not change.
+    /// Age from which data are stale: the override does not change.
     pub stale_after: Span,
-    /// Age at which the source is lost.
+    /// Age from which the source counts as lost.
     pub lost_after: Span,
-    /// Age up to which the last value is kept.
+    /// Age up to which the override keeps its last value after the loss; then it goes to 100 %, or to the dial if that
+    /// is lower.
     pub time_to_live: Span,
 }
 
-/// Reason why settings are rejected.
+/// Reason why settings of the supervisor are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SettingsError {
-    /// Invalid bounds of the override.
+    /// The bounds, step or slew rates of the override are invalid.
     Limits(LimitsError),
     /// 0 < `stale_after` <= `lost_after` <= `time_to_live` <= `resync` is violated, for position or link.
     Times,
@@ -67,7 +69,7 @@ impl Default for Settings {
 }
 
 impl Timeouts {
-    /// Time-outs in milliseconds: stale, lost, and end of the last value.
+    /// Time-outs in milliseconds: ages from which data are stale and lost, and up to which the last override is kept.
     pub const fn from_ms(stale_ms: u32, lost_ms: u32, keep_ms: u32) -> Self {
         Timeouts {
             stale_after: Span::from_ms(stale_ms),
@@ -83,7 +85,7 @@ impl Timeouts {
 }
 
 impl Settings {
-    /// Checks the settings.
+    /// Checks that the settings fit each other.
     ///
     /// # Errors
     /// See [`SettingsError`].
@@ -106,7 +108,7 @@ impl Settings {
         }
     }
 
-    /// Quality of position and link: the worse of the two.
+    /// Quality of position and link together: that of the worse one.
     #[inline(always)]
     pub fn quality(&self, position: &Freshness, link: &Freshness) -> Quality {
         let is_fresh = position.age <= self.position.stale_after && link.age <= self.link.stale_after;
@@ -124,7 +126,8 @@ impl Settings {
         if is_lost { Quality::Lost } else { Quality::Stale }
     }
 
-    /// The loss of position or link; if both are lost, that of the position. One of them must be lost.
+    /// The lost source, the position if both are lost, and the time for which the override still keeps its last value.
+    /// Call it only if one is lost.
     #[cold]
     pub fn loss(&self, position: &Freshness, link: &Freshness) -> Loss {
         let keep = self.position.keep(position.age).min(self.link.keep(link.age));

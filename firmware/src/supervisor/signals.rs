@@ -1,14 +1,15 @@
-//! Binary signals in one word, one bit each; a single comparison detects that none is set.
+//! Binary signals for the supervisor (faults, requests, conditions) in one word, one bit each; a single comparison
+//! detects that none is set.
 
-/// A set of signals: board faults, requests, and conditions of the machine.
+/// Set of binary signals for the supervisor: faults of the board, requests of a person, and conditions of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals(u32);
 
-/// Fault of the board.
+/// Fault of the board: 0 % until a person resets it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BoardFault {
-    /// The watchdog has expired, now or before this start.
+    /// The watchdog has expired, since the start or as the cause of it.
     Watchdog,
     /// The parameters have a wrong checksum or are invalid.
     Parameters,
@@ -16,14 +17,14 @@ pub enum BoardFault {
     Hardware,
 }
 
-/// Request of a person, at the machine or through the host.
+/// Request of a person, by a button at the machine or through the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// Give the override to the laws.
+    /// Arm: the laws may set the override.
     Arm,
-    /// Give the override back to the operator.
+    /// Disarm: the operator's dial sets the override.
     Disarm,
-    /// Clear a fault; only at the machine.
+    /// Clear a fault of the board; only by a button at the machine.
     Reset,
 }
 
@@ -31,57 +32,58 @@ pub enum Request {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Condition {
-    /// G41 or G42: the control corrects the feed of arcs itself.
+    /// Cutter compensation (G41, G42): the control itself changes the feed on arcs.
     CutterCompensation,
-    /// #3004 bit 1: the control ignores the override.
+    /// Bit 1 of the macro variable #3004: the control ignores the override.
     OverrideOff,
 }
 
-/// Reason why the override has nothing to act on at present.
+/// Reason why the override does not act on the present feed, so that no law may set it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Inhibit {
-    /// A tapping cycle.
+    /// A tapping cycle runs.
     Tapping,
-    /// Thread cutting.
+    /// A thread is being cut.
     Threading,
-    /// G63.
+    /// G63 (tapping mode) holds the feed at 100 %.
     FeedForced,
-    /// Positioning.
+    /// The axes are in rapid traverse.
     Rapid,
-    /// The segment has no feed per minute.
+    /// The segment in execution has no feed per minute.
     NoFeed,
 }
 
 impl Signals {
     /// No signal.
     pub const NONE: Signals = Signals(0);
-    /// G41 or G42 is active.
+    /// The control reports cutter compensation (G41 or G42).
     pub const CUTTER_COMPENSATION: Signals = Signals(1);
-    /// #3004 bit 1 is set.
+    /// The control reports that bit 1 of #3004 is set, so it ignores the override.
     pub const OVERRIDE_OFF: Signals = Signals(1 << 1);
-    /// A tapping cycle is active.
+    /// The control reports a tapping cycle.
     pub const TAPPING: Signals = Signals(1 << 2);
-    /// Thread cutting is active.
+    /// The control reports thread cutting.
     pub const THREADING: Signals = Signals(1 << 3);
-    /// G63 is active.
+    /// The control reports G63 (tapping mode), which holds the feed at 100 %.
     pub const FEED_FORCED: Signals = Signals(1 << 4);
-    /// The axes are positioning.
+    /// The control reports rapid traverse.
     pub const RAPID: Signals = Signals(1 << 5);
-    /// Feed hold is active.
+    /// The control reports feed hold.
     pub const FEED_HOLD: Signals = Signals(1 << 6);
 
-    /// Signals with one fault of the board.
+    /// The set with only this fault of the board.
     pub const fn of_fault(fault: BoardFault) -> Self {
         Signals(1 << (8 + fault as u32))
     }
 
-    /// Signals with one request: a pressed button or a command of the host. A request acts once, also if held.
+    /// The set with only this request, which a pressed button or a message of the host makes. It acts once, even if it
+    /// lasts.
     pub const fn of_request(request: Request) -> Self {
         Signals(1 << (16 + request as u32))
     }
 
-    /// Conditions and buttons from the bits of a machine line; `None` if other bits are set, as only the board itself
+    /// The set with these bits, as a machine reports them; `None` if other bits are set, because only the board itself
     /// can report its faults.
     pub const fn of_machine(bits: u32) -> Option<Self> {
         const CONDITIONS: u32 = 0x7F;
@@ -89,34 +91,34 @@ impl Signals {
         if bits & !(CONDITIONS | REQUESTS) == 0 { Some(Signals(bits)) } else { None }
     }
 
-    /// Bits of the signals, as in docs/protocol.md.
+    /// The set as bits, numbered as in docs/protocol.md.
     pub const fn bits(self) -> u32 {
         self.0
     }
 
-    /// Union of two sets.
+    /// The signals that are in either set.
     #[must_use]
     pub const fn with(self, others: Signals) -> Self {
         Signals(self.0 | others.0)
     }
 
-    /// Whether one of `others` is set.
+    /// Whether at least one of `others` is in the set.
     pub const fn has(self, others: Signals) -> bool {
         self.0 & others.0 != 0
     }
 
-    /// Signals that are not set in `before`.
+    /// The signals of this set that are not in `before`.
     #[must_use]
     pub const fn risen_since(self, before: Signals) -> Self {
         Signals(self.0 & !before.0)
     }
 
-    /// Whether a request is set.
+    /// Whether this request is in the set.
     pub const fn asks(self, request: Request) -> bool {
         self.has(Signals::of_request(request))
     }
 
-    /// The board's fault, if any; the watchdog has priority.
+    /// The fault in the set, `None` without one; if there are several, the watchdog first.
     #[inline(always)]
     pub fn fault(self) -> Option<BoardFault> {
         let faults = [BoardFault::Watchdog, BoardFault::Parameters, BoardFault::Hardware];
@@ -128,7 +130,7 @@ impl Signals {
         faults.into_iter().find(|fault| self.has(Signals::of_fault(*fault)))
     }
 
-    /// Condition that excludes the laws, if any.
+    /// The condition in the set under which no law may set the override; `None` without one.
     pub fn refusing(self) -> Option<Condition> {
         if self.has(Self::CUTTER_COMPENSATION) {
             Some(Condition::CutterCompensation)
@@ -137,7 +139,7 @@ impl Signals {
         }
     }
 
-    /// Reason why the override must be 100 % at present, if any.
+    /// The reason in the set why the override does not act on the present feed; `None` without one.
     #[inline(always)]
     pub fn inhibiting(self) -> Option<Inhibit> {
         let causes = [

@@ -1,4 +1,5 @@
-//! States and transitions.
+//! States of the supervisor, which decides whether the feed laws may set the override, and the transitions between
+//! them.
 
 use arcfeed_units::Span;
 
@@ -6,7 +7,7 @@ use super::input::{Loss, Quality, Source};
 use super::operator::OperatorDial;
 use super::signals::{BoardFault, Condition, Inhibit};
 
-/// State of the supervisor.
+/// State of the supervisor, which decides at each tick whether the feed laws may set the override.
 ///
 /// ```text
 ///                 Arm                     Work
@@ -34,112 +35,118 @@ use super::signals::{BoardFault, Condition, Inhibit};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// Not armed since power-on or reset: the dial's value.
+    /// Nobody has armed the laws since the start: the override follows the operator's dial.
     #[default]
     Idle,
-    /// A law acts as soon as a segment begins: 100 %, or the dial if it is lower.
+    /// The laws may set the override, and do so as soon as a segment begins; until then 100 %, or the dial if it is
+    /// lower.
     Armed,
-    /// The laws and the ramp set the override.
+    /// A law acts on the segment in execution: its demand, through the ramp, sets the override.
     Running,
-    /// The axes are held: the level does not rise, the progress is kept.
+    /// Feed hold or an override of 0 % stops the axes within a segment: the override does not rise, and the progress
+    /// is kept.
     Holding {
-        /// Cause of the hold.
+        /// Cause of the standstill.
         cause: Hold,
     },
-    /// Position or link is lost; a person must arm again, at the machine or through the host.
+    /// Position or link was lost. The override keeps its last value for a time, then goes to 100 %, or to the dial if
+    /// that is lower. A person must arm again, at the machine or through the host.
     Fallback {
-        /// Lost source.
+        /// The source that was lost.
         source: Source,
-        /// Remaining time of the last value; zero: moving to 100 %, or to the dial if it is lower.
+        /// Remaining time for which the last value is kept; zero from then on.
         keep: Span,
-        /// Time for which samples have been fresh again.
+        /// Time for which position and link have been fresh again without a gap.
         fresh_for: Span,
     },
-    /// 0 % until a person resets the fault.
+    /// The board has a fault: 0 % until a person resets it.
     Faulted {
         /// The first fault found.
         fault: BoardFault,
     },
-    /// The override has nothing to act on: 100 %, or the dial if it is lower.
+    /// The override does not act on the present feed (rapid, tapping, threading): 100 %, or the dial if it is lower.
     Inhibited {
-        /// Reason.
+        /// Reason why it does not act.
         why: Inhibit,
     },
-    /// The operator or a condition of the control has taken the override; a person must arm again.
+    /// The operator, a request, or a condition of the control has taken the override from the laws; a person must arm
+    /// again.
     Disarmed {
-        /// Cause.
+        /// Cause for which the override was taken.
         by: Disarm,
     },
 }
 
-/// Cause of the holding state.
+/// Cause for which the axes stop within a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hold {
-    /// Feed hold.
+    /// The control reports feed hold.
     Feed,
-    /// The override is 0 %: a law demands it and `min` is 0.
+    /// The override is 0 %, because a law demands it and the job's lower bound is 0 %.
     ZeroOverride,
 }
 
-/// Cause of a disarming.
+/// Cause for which the override was taken from the laws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Disarm {
-    /// The operator has turned the dial down: the dial's value, without a rise until the dial is turned up.
+    /// The operator has turned the dial down too far: the override is the dial's value, but does not rise until the
+    /// dial is turned up.
     Operator {
-        /// Smallest reading of the dial since then.
+        /// Smallest reading of the dial since then, %.
         lowest_percent: u8,
         /// Whether the dial was turned up since then.
         raised: bool,
     },
-    /// A request: the dial's value.
+    /// A person has requested it: the override follows the dial.
     Request,
-    /// A condition of the control: 100 %, or the dial if it is lower.
+    /// A condition of the control forbids that a law sets the override: 100 %, or the dial if it is lower.
     Condition(Condition),
 }
 
-/// Event of a tick, the most important first.
+/// Event that may change the supervisor's state; the first in this order that occurs at a tick counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The board has a fault.
     Fault(BoardFault),
-    /// A person resets a fault that is no longer active.
+    /// A person resets a fault that lasts no longer.
     Reset,
-    /// Disarming is requested.
+    /// A person requests that the override be taken from the laws.
     Disarm,
     /// Position or link is lost.
     Lost(Loss),
-    /// The operator takes over with the dial.
+    /// The operator has turned the dial down so far that it takes the override from the laws.
     Reduced {
         /// Reading of the dial, %.
         percent: u8,
     },
-    /// A condition of the control excludes the laws.
+    /// A condition of the control forbids that a law sets the override.
     Refuse(Condition),
-    /// Arming is requested and allowed.
+    /// A person requests to arm the laws, and the state and the data allow it.
     Arm,
-    /// The override has nothing to act on.
+    /// The override does not act on the present feed.
     Inhibit(Inhibit),
-    /// Feed hold on a followed segment.
+    /// Feed hold on a segment that was followed from its beginning.
     Hold,
-    /// The samples are stale, but not lost.
+    /// Position or link is stale, but not lost.
     Stale,
-    /// A followed segment is in execution and samples are fresh.
+    /// A segment that was followed from its beginning is in execution, and position and link are fresh.
     Work,
     /// No segment is in execution, or its beginning was missed.
     Rest,
-    /// The law's override is 0 %.
+    /// A law demands an override of 0 %.
     Halt,
 }
 
 impl State {
-    /// Whether the laws have the override, or get it back without arming.
+    /// Whether the laws set the override, or will without a person's action as soon as they can.
     pub fn is_engaged(&self) -> bool {
         matches!(self, State::Armed | State::Running | State::Holding { .. } | State::Inhibited { .. })
     }
 
-    /// Whether the state allows arming.
+    /// Whether a request to arm is accepted in this state. After a loss, data must have been fresh for the time
+    /// `resync`.
     pub fn can_arm(&self, resync: Span) -> bool {
         match self {
             State::Idle | State::Disarmed { .. } => true,
@@ -150,7 +157,8 @@ impl State {
         }
     }
 
-    /// Applies elapsed time: `lasted` for required durations, `passed` for time-outs.
+    /// Applies the time since the last tick: `passed` is all of it and counts for time-outs; `lasted` is limited to
+    /// the longest expected tick and counts for times that a state must last.
     #[inline(always)]
     pub fn elapse(&mut self, quality: Quality, dial: OperatorDial, [lasted, passed]: [Span; 2]) {
         match self {
@@ -173,7 +181,7 @@ impl State {
         }
     }
 
-    /// The state after an event.
+    /// The state after an event; the same state if the event has no effect in it.
     #[inline(always)]
     pub fn next(self, event: Event) -> State {
         match self {

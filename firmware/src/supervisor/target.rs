@@ -11,14 +11,15 @@ use arcfeed_law::NoDemand;
 use super::report::{Limit, Reason, excess_percent};
 use super::signals::Inhibit;
 
-/// Override ratio that is aimed at, with its reason.
+/// Override ratio that the law's demand leads to at a place of a segment, with its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// Ratio of the target feed to the sent feed, with the operator's share.
+    /// Target feed divided by the sent feed, reduced by the operator's dial.
     pub override_ratio: f32,
-    /// Reason, once the level has reached the target.
+    /// Reason for the override once the ramp has reached this ratio.
     pub reason: Reason,
-    /// Target feed per tooth at the centre, along the path: the law's demand, lowered in time for later demands.
+    /// Target feed per tooth at the tool's centre, along the path, lowered in time for what the rest of the segment
+    /// demands; `None` without a demand.
     pub ipt_center: Option<MmPerTooth>,
 }
 
@@ -32,7 +33,8 @@ struct Demand {
 }
 
 impl Target {
-    /// Target after a distance travelled on the segment, reduced to the share that the operator's dial allows.
+    /// Target after this distance travelled on the segment; `share_ratio`, at most 1, is the factor of the operator's
+    /// dial.
     #[inline(always)]
     pub fn at(travelled_mm: f32, segment: &ActiveSegment, spindle: RevPerMin, ramp: &Ramp, share_ratio: f32) -> Self {
         let Demand { ratio: demanded_ratio, ipt_center, reason, machine } = Demand::at(travelled_mm, segment, spindle);

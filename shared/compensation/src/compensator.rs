@@ -1,4 +1,4 @@
-//! The compensator: a state machine that offsets a contour move by move.
+//! Cutter compensation (G41, G42): a state machine that offsets a contour move by move.
 //!
 //! ```text
 //!           offset, line                     offset
@@ -36,39 +36,42 @@ const MOVES_MAX: usize = 2 * POINTS_MAX + WAITING_MAX + 2;
 /// No offset.
 const NONE: Point = [Nm(0); 2];
 
-/// A programmed move with the compensation in force.
+/// A programmed move, with the cutter compensation (G41, G42) in force on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourMove {
     /// Move as programmed.
     pub segment: Segment,
-    /// Plane of compensation.
+    /// Plane in which the tool is offset.
     pub plane: Plane,
-    /// Offset of the tool centre: positive to the left of the contour, 0 without compensation.
+    /// Distance of the tool centre from the contour, positive to its left seen in the direction of motion; 0 without
+    /// compensation.
     pub offset: Nm,
 }
 
-/// A move of the tool centre under cutter compensation.
+/// A move of the tool centre under cutter compensation (G41, G42).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CenterMove {
-    /// Move around a corner; it belongs to the programmed move that comes out next.
+    /// Added move around a corner of the contour, at the beginning of the programmed move that is returned next.
     Corner(Segment),
-    /// Move for a programmed one.
+    /// Offset path of a programmed move.
     Main(Segment),
 }
 
-/// Moves of the tool centre, in order.
+/// Moves of the tool centre, in the order in which the control makes them.
 pub type CenterMoves = heapless::Vec<CenterMove, MOVES_MAX>;
 
-/// Fault in a contour under cutter compensation: an alarm of the control, or a case that is not modelled.
+/// Fault of a contour under cutter compensation: an alarm that the control raises, or a case that this model does not
+/// cover. It says which of two moves has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationFault {
-    /// Fault of the held move: it and what follows it cannot be executed.
+    /// The held move, which waited for the next one: neither it nor anything after it can be executed.
     Held(Fault),
-    /// Fault of the move that was given; the held one is not affected.
+    /// The move just given; the held move, which waited for it, is not affected.
     Given(Fault),
 }
 
-/// Cutter compensation (G41, G42) of a contour, move by move: computes the path of the tool centre.
+/// Computes the path of the tool centre under cutter compensation (G41, G42), move by move. It holds each move back
+/// until the next one is known, because the corner between them decides where the move ends.
 #[derive(Clone, Debug)]
 pub struct Compensator {
     settings: CompensationSettings,
@@ -95,22 +98,23 @@ struct HeldMove {
 type Centers = heapless::Vec<Point, POINTS_MAX>;
 
 impl Compensator {
-    /// Compensator without an offset, before a contour.
+    /// Compensator without an offset, as before the first move of a contour.
     pub fn new(settings: CompensationSettings) -> Self {
         Compensator { settings, held: None, waiting: heapless::Vec::new(), blocks: 0, vector: NONE }
     }
 
-    /// Whether the tool is beside the contour, or moves to it or away from it.
+    /// Whether the tool is offset, or on the move that begins or ends the offset.
     pub fn is_active(&self) -> bool {
         self.held.is_some() || self.vector != NONE
     }
 
-    /// Move that waits for the next move, because its end depends on it.
+    /// The move that waits for the next move, because its end depends on it; `None` if none waits.
     pub fn held(&self) -> Option<&ContourMove> {
         self.held.as_ref().map(|held| &held.programmed)
     }
 
-    /// The tool centre for a programmed position, with the present offset.
+    /// Position of the tool centre for a programmed position: shifted in the plane by the offset at the end of the
+    /// last returned move.
     pub fn center(&self, position: Pose, plane: Plane) -> Pose {
         with_point(position, plane, add(in_plane(&position, plane), self.vector))
     }
@@ -120,10 +124,10 @@ impl Compensator {
         *self = Compensator::new(self.settings);
     }
 
-    /// Accepts the next move.
+    /// Accepts the next programmed move; returns the moves of the tool centre that are complete now.
     ///
     /// # Errors
-    /// PS0033, PS0034, PS0038, PS0041, and what this model does not compensate.
+    /// Alarms PS0033, PS0034, PS0038 and PS0041, and cases that this model does not compensate.
     pub fn add(&mut self, given: &ContourMove) -> Result<CenterMoves, CompensationFault> {
         let mut moves = CenterMoves::new();
         match Element::of(&given.segment, given.plane) {
@@ -134,20 +138,21 @@ impl Compensator {
         Ok(moves)
     }
 
-    /// Accepts a block without a move.
+    /// Accepts a block without a move. If the control does not read more blocks ahead, the held move ends at a right
+    /// angle to its path and is returned.
     ///
     /// # Errors
-    /// PS0041 of the held move.
+    /// PS0041 (interference) of the held move.
     pub fn add_block(&mut self) -> Result<CenterMoves, CompensationFault> {
         let mut moves = CenterMoves::new();
         self.count_block(&mut moves)?;
         Ok(moves)
     }
 
-    /// Ends the held move at a right angle to its path, because the control reads no further now.
+    /// Ends the held move at a right angle to its path and returns it, because the control now reads no further block.
     ///
     /// # Errors
-    /// PS0041 of the held move.
+    /// PS0041 (interference) of the held move.
     pub fn end_held(&mut self) -> Result<CenterMoves, CompensationFault> {
         let mut moves = CenterMoves::new();
         self.release_at_normal(&mut moves)?;

@@ -17,24 +17,28 @@ use arcfeed_units::Nm;
 use crate::compensator::{CenterMoves, CompensationFault, Compensator, ContourMove};
 use crate::vector::in_plane;
 
-/// Cutter compensation that a block commands, and its effect on the contour.
+/// Cutter compensation that a block commands: plane and offset, and what the block means for the contour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContourCommand {
     /// Plane of compensation.
     pub plane: Plane,
-    /// Offset of the tool centre: positive to the left of the contour, 0 without compensation.
+    /// Distance of the tool centre from the contour, positive to its left seen in the direction of motion; 0 without
+    /// compensation.
     pub offset: Nm,
-    /// Reason why the block cannot have an offset, or end one.
+    /// Reason why this block must not have an offset, or be within a contour; `None` if it may.
     pub refusal: Option<Fault>,
-    /// Reason why the block cannot stand between the moves of a contour.
+    /// Reason why this block must not stand between two moves of a contour, although it could stand outside of one; `None` if
+    /// it may.
     pub break_of_contour: Option<Fault>,
-    /// Whether moves were offset before the block, if the reader of the block has noted it.
+    /// Whether moves were offset before the block. Set by the reader of the program; always false from [`Self::of`].
     pub continues: bool,
-    /// Whether the control reads no further block before it has executed this one.
+    /// Whether the control reads no further block before it has executed this one, so that the held move cannot wait
+    /// for the next.
     pub stops_reading: bool,
-    /// Chamfer or rounded corner at the end of the block's move.
+    /// Chamfer or rounded corner (`,C`, `,R`) to be inserted at the end of the block's move.
     pub corner: Option<Corner>,
-    /// Whether the block has words: a comment is no block for the control's reading ahead.
+    /// Whether the block has words. A line with only a comment does not count among the blocks that the control reads
+    /// ahead.
     pub has_words: bool,
 }
 
@@ -54,7 +58,7 @@ impl Default for ContourCommand {
 }
 
 impl ContourCommand {
-    /// Command of a block; `modal` is the state after it.
+    /// Compensation commanded by a block; `modal` is the modal state after the block.
     pub fn of(line: &InterpretedLine, modal: &Modal, tables: &Tables) -> Self {
         ContourCommand {
             plane: modal.plane,
@@ -68,10 +72,11 @@ impl ContourCommand {
         }
     }
 
-    /// Passes the block, with its move, to the compensator.
+    /// Passes the block and its move, if it has one, to the compensator; returns the moves of the tool centre that are
+    /// complete now.
     ///
     /// # Errors
-    /// As [`Compensator::add`]; the refusal of a block within a contour.
+    /// Those of [`Compensator::add`]; also the fault of a block that must not stand in a contour.
     pub fn apply(
         &self,
         segment: Option<&Segment>,
@@ -100,13 +105,15 @@ impl ContourCommand {
     }
 }
 
-/// Distance of the tool centre from the path that is in force: positive to the left.
+/// Distance of the tool centre from the path: the tool radius of the offset in force (its D number), positive if the
+/// tool is on the left of the path, 0 without compensation.
 pub fn offset(modal: &Modal, tables: &Tables) -> Nm {
     let radius = tables.radius(modal.radius_offset);
     Nm(radius.0.saturating_mul(i64::from(side_sign(modal))))
 }
 
-/// Side of the path on which a positive radius puts the tool: 1 for the left, -1 for the right, 0 without compensation.
+/// Side of the path on which a positive radius puts the tool: 1 for the left, -1 for the right, 0 without
+/// compensation. A mirror image in the plane (G51) exchanges the sides of G41 and G42.
 pub fn side_sign(modal: &Modal) -> i8 {
     let (first, second, _) = modal.plane.axes();
     let is_mirrored = modal.frame.scaling().is_some_and(|scaling| {

@@ -1,4 +1,5 @@
-//! Corners of a contour: the points of the tool centre between two moves, relative to the programmed corner.
+//! Corners of a contour under cutter compensation: points of the tool centre between two moves, relative to the
+//! programmed corner.
 //!
 //! With the unit tangents t1 and t2 before and behind the corner, the vectors n1 and n2 of the offset at a right angle
 //! to them, and the offset r:
@@ -17,23 +18,27 @@
 use crate::element::{Branch, Circle};
 use crate::vector::{Vector, cross, dot, length, minus, plus, scaled, to_left, unit};
 
-/// Most points of a corner.
+/// Largest number of points of the tool centre at a corner.
 pub const POINTS_MAX: usize = 4;
-/// Distance along each axis within which the later of two points is omitted (parameter 5010; one least increment).
+/// Distance along each axis, mm, up to which the later of two points is left out, because the control makes no move so
+/// small (parameter 5010; one least increment).
 pub const SMALL_MM: f64 = 1e-3;
 /// Sine below which two directions are parallel.
 const PARALLEL: f64 = 1e-9;
 
-/// Points of the tool centre: end of the offset path before the corner, to the start of the one behind it.
+/// Points through which the tool centre goes at a corner, relative to the programmed corner: from the end of the
+/// offset path before it to the start of the one after it.
 pub type CornerPoints = heapless::Vec<Vector, POINTS_MAX>;
 
-/// Whether the tool is outside the corner; a tangent joint, and a turn back, count as outside.
+/// Whether the tool goes around the outside of the corner. A tangent joint and a reversal count as outside.
+/// `offset_mm` is positive to the left.
 pub fn is_outside(before: &Branch, behind: &Branch, offset_mm: f64) -> bool {
     let towards_tool = if offset_mm < 0.0 { -1.0 } else { 1.0 };
     cross(before.tangent, behind.tangent) * towards_tool <= PARALLEL
 }
 
-/// Points of a corner; `offset_mm` is positive to the left. `None` if the offset paths have no intersection.
+/// Points of the tool centre at a corner between two moves; `offset_mm` is positive to the left. `None` if the offset
+/// paths inside the corner do not intersect.
 pub fn corner(before: &Branch, behind: &Branch, offset_mm: f64) -> Option<CornerPoints> {
     let [first, second] = [before, behind].map(|branch| scaled(to_left(branch.tangent), offset_mm));
     let cosine = dot(before.tangent, behind.tangent);
@@ -66,7 +71,7 @@ pub fn corner(before: &Branch, behind: &Branch, offset_mm: f64) -> Option<Corner
     Some(points)
 }
 
-/// Corner whose offset paths meet in a single point.
+/// Corner at which the two offset paths meet in this single point.
 pub fn one(point: Vector) -> CornerPoints {
     let mut points = CornerPoints::new();
     add(&mut points, point);
@@ -79,7 +84,7 @@ fn add(points: &mut CornerPoints, point: Vector) {
     }
 }
 
-/// Whether a distance is so small that the control makes no move of it.
+/// Whether both components of a vector are so small that the control makes no move of it: up to [`SMALL_MM`].
 pub fn is_small([x, y]: Vector) -> bool {
     x.abs() <= SMALL_MM && y.abs() <= SMALL_MM
 }

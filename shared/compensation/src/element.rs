@@ -1,4 +1,4 @@
-//! Geometry of a programmed move in the plane of compensation.
+//! Geometry of a programmed move in the plane of cutter compensation.
 
 use arcfeed_nc::motion::Plane;
 use arcfeed_nc::segment::{Path, Segment};
@@ -6,12 +6,12 @@ use arcfeed_units::Nm;
 
 use crate::vector::{Point, Vector, between, in_plane, length, scaled, to_left, unit};
 
-/// A move in the plane of the compensation.
+/// A programmed move, projected onto the plane of cutter compensation.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     pub from: Point,
     pub to: Point,
-    /// The circle, for an arc.
+    /// Circle and sense of the arc; `None` for a line.
     pub arc: Option<ArcElement>,
 }
 
@@ -25,16 +25,16 @@ pub struct ArcElement {
     pub sweep_rad: f64,
 }
 
-/// The path as it leaves or reaches a corner: direction and, for an arc, its offset circle.
+/// The path at a corner: its direction of motion there and, for an arc, its offset circle.
 #[derive(Clone, Copy, Debug)]
 pub struct Branch {
     /// Direction of motion, length 1.
     pub tangent: Vector,
-    /// The offset circle, for an arc.
+    /// For an arc, the circle on which the tool centre runs; `None` for a line.
     pub circle: Option<Circle>,
 }
 
-/// A circle; the centre is relative to the corner.
+/// A circle; its centre is relative to the programmed corner, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     pub center: Vector,
@@ -42,7 +42,7 @@ pub struct Circle {
 }
 
 impl Element {
-    /// The move in the plane; `None` if it does not move there.
+    /// The move projected onto the plane; `None` if it does not move there.
     pub fn of(segment: &Segment, plane: Plane) -> Option<Self> {
         let (from, to) = (in_plane(&segment.start, plane), in_plane(&segment.end, plane));
         let arc = match &segment.path {
@@ -54,12 +54,12 @@ impl Element {
         (arc.is_some() || from != to).then_some(Element { from, to, arc })
     }
 
-    /// Direction and offset circle of the path at the start of the move; `offset_mm` is positive to the left.
+    /// The path at the start of the move; `offset_mm`, of the tool centre, is positive to the left.
     pub fn start(&self, offset_mm: f64) -> Branch {
         self.branch(self.from, offset_mm)
     }
 
-    /// Direction and offset circle of the path at the end of the move; `offset_mm` is positive to the left.
+    /// The path at the end of the move; `offset_mm`, of the tool centre, is positive to the left.
     pub fn end(&self, offset_mm: f64) -> Branch {
         self.branch(self.to, offset_mm)
     }
@@ -73,7 +73,8 @@ impl Element {
         Branch { tangent, circle: Some(Circle { center, radius_mm: length(center) - f64::from(arc.sign) * offset_mm }) }
     }
 
-    /// Smaller end radius of the arc, and radius of its offset path there; `None` for a line.
+    /// For an arc, the smaller of the radii at start and end, and the radius on which the tool centre runs there,
+    /// mm. Both radii differ if the arc is a spiral. `None` for a line.
     pub fn radii_mm(&self, offset_mm: f64) -> Option<(f64, f64)> {
         let arc = self.arc.as_ref()?;
         let [start, end] = [self.from, self.to].map(|point| length(between(point, arc.center)));
@@ -81,12 +82,12 @@ impl Element {
         Some((radius, radius - f64::from(arc.sign) * offset_mm))
     }
 
-    /// Vector of the offset at the start, at a right angle to the path.
+    /// Vector from the start of the programmed path to the tool centre, at a right angle to the path.
     pub fn normal_at_start(&self, offset: Nm) -> Vector {
         scaled(to_left(self.start(0.0).tangent), offset.to_mm())
     }
 
-    /// Vector of the offset at the end, at a right angle to the path.
+    /// Vector from the end of the programmed path to the tool centre, at a right angle to the path.
     pub fn normal_at_end(&self, offset: Nm) -> Vector {
         scaled(to_left(self.end(0.0).tangent), offset.to_mm())
     }

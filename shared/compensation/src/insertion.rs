@@ -23,19 +23,20 @@ use crate::vector::{Point, Vector, at, between, cross, dot, length, minus, plus,
 /// Angle between the moves below which nothing is inserted.
 const TANGENT_RAD: f64 = core::f64::consts::PI / 180.0;
 
-/// Chamfer or rounded corner (`,C`, `,R`) that the control inserts between two moves.
+/// Two consecutive moves between which the control inserts a chamfer or a rounded corner (`,C`, `,R`): the shortened
+/// moves and the inserted one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsertedCorner {
-    /// First move, up to the corner.
+    /// First move, shortened at its end.
     pub first: Segment,
-    /// The inserted move, with the feed of the first; `None` between moves that continue in one direction.
+    /// The inserted line or arc, with the feed of the first move; `None` between moves that continue in one direction.
     pub between: Option<Segment>,
-    /// Second move, from the corner on.
+    /// Second move, shortened at its start.
     pub second: Segment,
 }
 
 impl InsertedCorner {
-    /// Inserts a corner between two consecutive moves.
+    /// Inserts a chamfer or a rounded corner between two consecutive moves.
     ///
     /// # Errors
     /// PS0055 if the first move is too short for the corner or no such corner exists, PS0051 if the second is too short.

@@ -13,11 +13,12 @@
 
 use arcfeed_nc::segment::Segment;
 
-/// Parts per million in one.
+/// Parts per million in one: 100 % of the feed.
 pub const PPM: u32 = 1_000_000;
 
-/// Feed on the path of the tool centre over F, parts per million, rounded down; `least_percent` is M, and `None` for a control
-/// without the reduction. (1)
+/// Factor by which the control reduces the programmed F on the path of the tool centre, parts per million, rounded
+/// down; `center` is the offset path of `programmed`. `least_percent` is M, the smallest factor, and `None` for a
+/// control without the reduction. (1)
 pub fn feed_ratio_ppm(programmed: &Segment, center: &Segment, least_percent: Option<u8>) -> u32 {
     let (Some(arc), Some(center), Some(least_percent)) = (programmed.arc(), center.arc(), least_percent) else {
         return PPM;

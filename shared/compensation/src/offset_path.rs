@@ -1,4 +1,5 @@
-//! Segments of the tool centre between the points of the corners, and the check that they run with the contour.
+//! Moves of the tool centre between the points of the corners under cutter compensation, and the check that they run
+//! with the contour.
 //!
 //! Interference, as the manuals define it (B-63944EN-1, page 216; B-63664EN, 12.3.6): the offset path of a line runs
 //! against the line; that of an arc has lost more at its ends than the arc turns. A control may then leave out vectors
@@ -11,13 +12,14 @@ use arcfeed_nc::segment::{Arc, Path, Segment};
 use crate::element::{ArcElement, Element};
 use crate::vector::{Point, Vector, add, between, cross, dot, in_plane, length, subtract, unit, with_point};
 
-/// Rounding of two points to whole nanometres, mm.
+/// Largest distance, mm, that rounding of two points to whole nanometres can cause.
 pub const ROUNDING_MM: f64 = 2e-6;
 
-/// The move of the tool centre from one point to another, for a programmed move.
+/// The move of the tool centre from one point to another that belongs to a programmed move: a line, or an arc about
+/// the same centre. A rest of an arc that is lost in rounding is a line.
 ///
 /// # Errors
-/// PS0041 if it runs against the programmed move.
+/// PS0041 (interference) if it runs against the programmed move.
 pub fn offset_segment(segment: &Segment, plane: Plane, from: Point, to: Point) -> Result<Segment, Alarm> {
     let Some(element) = Element::of(segment, plane) else { return Ok(straight(segment, plane, from, to)) };
     let Some(arc) = &element.arc else {
@@ -39,14 +41,15 @@ pub fn offset_segment(segment: &Segment, plane: Plane, from: Point, to: Point) -
     Ok(along_arc(segment, plane, arc, [from, to], left_rad))
 }
 
-/// The move straight from one point to another, with the other axes of the programmed move.
+/// Straight move from one point of the plane to another; the other axes, feed and block are those of the programmed
+/// move.
 pub fn straight(segment: &Segment, plane: Plane, from: Point, to: Point) -> Segment {
     let path = if segment.path == Path::Rapid { Path::Rapid } else { Path::Line };
     let (start, end) = (with_point(segment.start, plane, from), with_point(segment.end, plane, to));
     Segment { start, end, path, ..*segment }
 }
 
-/// The move around a corner to the beginning of a programmed move: in the plane, at its start.
+/// Straight move in the plane around a corner, before a programmed move: the other axes stay at that move's start.
 pub fn around_corner(segment: &Segment, plane: Plane, from: Point, to: Point) -> Segment {
     straight(&Segment { end: segment.start, ..*segment }, plane, from, to)
 }

@@ -21,55 +21,61 @@ const STEPS_MIN: f64 = 64.0;
 /// Tolerance for the comparison of two positions.
 const SAME_DEG: f64 = 1e-3;
 
-/// Behaviour of the tool axis on a move between two points.
+/// Behaviour of the tool axis on a move between two points, compared with the shortest rotation (the arc) from its
+/// first direction to its last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transition {
-    /// The tool axis keeps to its arc.
+    /// The tool axis keeps to the arc, within the allowed angle.
     Smooth,
-    /// The tool axis would keep to its arc with added points.
+    /// The tool axis leaves the arc by more than the allowed angle, but would keep to it if points were added along
+    /// the arc.
     Coarse {
-        /// Largest angle from the arc without these points.
+        /// Largest angle of the tool axis from the arc without these points, degrees.
         departure_deg: f64,
     },
-    /// A branch change, or a rotation back by whole turns.
+    /// A branch change (a switch to the other solution of the rotary axes), or a rotation back by whole turns; added
+    /// points would not avoid it.
     Change(BranchChange),
 }
 
-/// Change between the two solutions of the rotary axes for the tool's direction: the axes turn by large angles while
-/// the tool barely moves.
+/// Move on which the rotary axes change from one of their two solutions for the tool's direction to the other, or by
+/// whole turns: they turn by large angles while the direction barely changes. It must not be made in the cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchChange {
     /// Index of the point at which the move ends.
     pub point: usize,
-    /// Positions of the rotary axes before it.
+    /// Positions of the rotary axes at the start of the move.
     pub from_deg: [f64; 2],
-    /// Positions of the rotary axes after it.
+    /// Positions of the rotary axes at its end.
     pub to_deg: [f64; 2],
-    /// Largest angle of the tool axis from its arc.
+    /// Largest angle, on the move, of the tool axis from the shortest rotation between its first and its last
+    /// direction.
     pub departure_deg: f64,
-    /// The axis whose range forces the change, and the point at which it would leave its range; `None` if the change
-    /// only shortens the path.
+    /// Rotary axis whose range forces the change, and index of the point at which that axis would leave its range
+    /// without it; `None` if the change only shortens the travel of the axes.
     pub forced_by: Option<(Letter, usize)>,
 }
 
-/// Moves that replace a branch change: out of the cut, reorientation, and back.
+/// Axis positions of the moves that replace a branch change, in order: out of the part, reorientation, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BranchChangeMoves {
-    /// After the retraction along the tool axis, out of the part.
+    /// After the retraction along the tool axis, out of the part, with the old rotary positions.
     pub retract: Axes,
-    /// Position at the upper end of Z if its range is known, otherwise the retracted position.
+    /// With Z at the upper end of its range, for the reorientation; the retracted position if the range of Z is
+    /// unknown.
     pub clear: Axes,
-    /// After the move of the rotary axes alone.
+    /// After the move of the rotary axes alone, to their new positions.
     pub reorient: Axes,
-    /// Above the point of return.
+    /// At the retraction distance from the next point of the path, along the tool axis.
     pub above: Axes,
-    /// Point of return, after the approach along the tool axis.
+    /// At the next point of the path, after the approach along the tool axis.
     pub back: Axes,
 }
 
 impl Machine {
-    /// Classifies each move of a path; the first entry belongs to the move to the second point. `allowed_deg` is the
-    /// allowed angle of the tool axis from its arc.
+    /// Classifies each move of a path; the first entry belongs to the move from the first point to the second.
+    /// `rotary_deg` has the positions of the rotary axes at each pose. A move is smooth if the tool axis leaves the
+    /// shortest rotation between its two directions by at most `allowed_deg`.
     pub fn transitions(&self, poses: &[ToolPose], rotary_deg: &[[f64; 2]], allowed_deg: f64) -> Vec<Transition> {
         let moves = poses.windows(2).zip(rotary_deg.windows(2)).enumerate();
         let passage = |(before, (poses_of, places)): (usize, (&[ToolPose], &[[f64; 2]]))| {
@@ -89,7 +95,8 @@ impl Machine {
         moves.map(passage).collect()
     }
 
-    /// Moves that replace a branch change: retraction by `distance_mm`, reorientation, and return.
+    /// Moves that replace a branch change between two consecutive `poses`: retraction along the tool axis by
+    /// `distance_mm`, reorientation, and return.
     pub fn branch_change_moves(
         &self,
         change: &BranchChange,

@@ -28,30 +28,33 @@ use super::vector::{TURN_DEG, wrapped_deg};
 /// Tolerance for the comparison of two costs.
 const SAME_DEG: f64 = 1e-9;
 
-/// A point of the path that the machine cannot reach.
+/// Point of a path that the machine cannot reach, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnreachablePoint {
-    /// Index of the point.
+    /// Index of the point in the path, from 0.
     pub point: usize,
-    /// Reason.
+    /// Reason why it cannot be reached.
     pub why: Unreachable,
 }
 
-/// Condition at the start of a path: positions of the rotary axes, or the branch.
+/// Condition on the rotary axes at the start of a path: their positions, or which of their two solutions the path
+/// begins on. Without either, the positions with the least travel are selected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathStart {
-    /// Positions of the rotary axes before the first point; the travel from them counts.
+    /// Positions of the rotary axes before the first point; the travel from them to that point counts.
     pub rotary_deg: Option<[f64; 2]>,
-    /// Branch at the first point outside of the poles' cones.
+    /// Required solution at the first point whose direction is not too near to a pole (the direction of the first
+    /// rotary axis) for the axes to resolve.
     pub branch: Option<Branch>,
 }
 
-/// Branch by the side of the second axis, seen from its position at the pole.
+/// One of the two solutions of the rotary axes for a direction, named by the position of the second axis relative to
+/// the position at which the tool lies along the first axis (the pole).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
-    /// The second axis stands beyond its position at the pole.
+    /// The second axis stands at a larger angle than at the pole.
     Positive,
-    /// The second axis stands before that position.
+    /// The second axis stands at a smaller angle than at the pole.
     Negative,
 }
 
@@ -70,10 +73,11 @@ struct Candidate {
 }
 
 impl Machine {
-    /// Positions of the rotary axes at each point of a path, unwrapped, with the least travel from its start.
+    /// Positions of the rotary axes at each point of a path, with the least sum of the axes' rotations from its start.
+    /// Endless axes count on over whole turns, so that each difference is the rotation of the move.
     ///
     /// # Errors
-    /// The first point that cannot be reached.
+    /// The first point that cannot be reached, or cannot on the branch that `start` requires.
     pub fn select_branches(
         &self,
         poses: &[ToolPose],
@@ -99,7 +103,8 @@ impl Machine {
         Ok(self.unwrapped(backtrack(&layers), start_deg))
     }
 
-    /// Sum of the angles by which both axes turn between two positions. (1)
+    /// Sum of the angles by which both rotary axes turn between two positions, degrees; endless axes turn the shorter
+    /// way. (1)
     pub fn travel_deg(&self, from_deg: [f64; 2], to_deg: [f64; 2]) -> f64 {
         let [first, second] = self.rotary();
         let turned = |axis: &RotaryAxis, from: f64, to: f64| match axis.range_deg {

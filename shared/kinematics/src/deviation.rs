@@ -25,37 +25,38 @@ const REFINEMENTS: usize = 30;
 /// Golden ratio of the search.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Interpolation mode: which coordinates the control interpolates, and the frame of the program.
+/// Interpolation mode: the coordinates that the control moves evenly between two points of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Tip and direction in the part's frame: the control computes the axes.
+    /// Tip and direction of the tool in the part's frame, as under tool centre point control: the control computes the
+    /// axes.
     Tcp,
-    /// Tip in the part's frame, rotary axes computed beforehand.
+    /// Tip in the part's frame, together with the rotary axes, whose positions the program contains.
     PartRotary,
-    /// All axes computed beforehand.
+    /// All axes; the program contains their positions.
     Machine,
 }
 
-/// A point of the path: the programmed pose and the positions of the axes.
+/// A point of a path: the programmed pose of the tool, and the positions of the axes there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// Programmed pose.
+    /// Programmed tip and direction.
     pub pose: ToolPose,
-    /// Positions of the axes.
+    /// Positions of all five axes that give this pose.
     pub axes: Axes,
 }
 
-/// Deviation of the tool from its path between two points.
+/// Largest deviation of the tool from its path on the move between two points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// Distance of the tip from its straight line.
+    /// Largest distance of the tip from the straight line between the two tips.
     pub tip_mm: f64,
-    /// Angle of the tool axis from its arc.
+    /// Largest angle of the tool axis from the shortest rotation between its two directions.
     pub axis_deg: f64,
 }
 
 impl Machine {
-    /// The deviation on the move between two points.
+    /// Largest deviation of the tool on the move between two points if the control interpolates in this mode.
     pub fn deviation(&self, mode: Mode, setup: &Setup, from: &PathPoint, to: &PathPoint) -> Deviation {
         if mode == Mode::Tcp {
             return Deviation::default();
@@ -72,8 +73,8 @@ impl Machine {
         Deviation { tip_mm: greatest(points(from.axes.rotary_deg, to.axes.rotary_deg), off_line), axis_deg }
     }
 
-    /// Largest angle of the tool axis from the arc between two directions while the rotary axes run in a straight
-    /// line.
+    /// Largest angle of the tool axis from the shortest rotation between two directions, while the rotary axes run
+    /// evenly from `from_deg` to `to_deg`.
     pub fn axis_departure_deg(&self, from_deg: [f64; 2], to_deg: [f64; 2], directions: [Vector; 2]) -> f64 {
         let off_arc = |part: f64| {
             let at = [0, 1].map(|axis: usize| between(pick(from_deg, axis), pick(to_deg, axis), part));
@@ -83,7 +84,7 @@ impl Machine {
     }
 }
 
-/// Positions at a fraction of a straight move.
+/// Positions of the axes on a straight move, at this fraction of it (0 at `from`, 1 at `to`).
 pub fn mixed(from: &Axes, to: &Axes, part_ratio: f64) -> Axes {
     let [first, second] = [0, 1].map(|at| between(pick(from.rotary_deg, at), pick(to.rotary_deg, at), part_ratio));
     let way = difference(to.linear_mm, from.linear_mm);

@@ -1,4 +1,4 @@
-//! Feed limit of the axes on a move.
+//! Largest feed on a move at which no axis exceeds its maximum speed.
 //!
 //! With dq_i the travel of axis i, V_i its maximum speed and s the length along which the feed is measured,
 //!
@@ -14,17 +14,18 @@
 use super::forward::Axes;
 use super::machine::{AxisName, Machine};
 
-/// Largest feed on a move, and the axis that limits it.
+/// Largest feed on a move, and the axis whose maximum speed limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisFeed {
-    /// Feed along the path.
+    /// Feed along the path, mm/min.
     pub feed_mm_per_min: f64,
-    /// Limiting axis.
+    /// The limiting axis.
     pub axis: AxisName,
 }
 
 impl Machine {
-    /// Largest feed on a move of length `way_mm` along the path; `None` if no limit is known. (1)
+    /// Largest feed on a move whose length along the path is `way_mm`; `None` if no axis that moves has a known
+    /// maximum speed. (1)
     pub fn axis_feed(&self, from: &Axes, to: &Axes, way_mm: f64) -> Option<AxisFeed> {
         let linear = self.linear().iter().zip(from.linear_mm.iter().zip(to.linear_mm)).enumerate();
         let linear =

@@ -15,10 +15,10 @@
 use super::machine::{Carries, Machine, RotaryAxis};
 use super::vector::{Vector, difference, scaled, sum, turned};
 
-/// Pose of the tool in the part's frame.
+/// Position and direction of the tool in the part's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolPose {
-    /// Tool tip.
+    /// Position of the tool tip.
     pub tip_mm: Vector,
     /// (i, j, k): unit vector from the tip to the holder.
     pub axis: Vector,
@@ -27,36 +27,37 @@ pub struct ToolPose {
 /// Positions of all five axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
-    /// X, Y, Z: the gauge point of the spindle in the machine frame.
+    /// X, Y, Z: position of the gauge point (reference point of the spindle) in the machine frame.
     pub linear_mm: Vector,
-    /// The rotary axes, in the order from the part to the tool.
+    /// Positions of the rotary axes, in the order from the part to the tool.
     pub rotary_deg: [f64; 2],
 }
 
-/// Placement of the part on the machine, and tool length.
+/// Position of the part on the machine, and the tool's length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setup {
-    /// The part's zero point in the machine frame, all axes at zero.
+    /// Position of the part's zero point in the machine frame when all axes are at zero.
     pub part_zero_mm: Vector,
-    /// Distance from the gauge point to the tip.
+    /// Distance from the gauge point (reference point of the spindle) to the tip.
     pub tool_length_mm: f64,
 }
 
 impl Machine {
-    /// The tool's pose in the part's frame for these positions of the axes. (2), (3)
+    /// Pose of the tool in the part's frame that these positions of the axes give. (2), (3)
     pub fn forward(&self, axes: &Axes, setup: &Setup) -> ToolPose {
         let held = sum(axes.linear_mm, self.held(axes.rotary_deg, setup));
         let on_table = self.through(Carries::Part, axes.rotary_deg, held);
         ToolPose { tip_mm: difference(on_table, setup.part_zero_mm), axis: self.axis_at(axes.rotary_deg) }
     }
 
-    /// The tool axis in the part's frame for these positions of the rotary axes. (3)
+    /// Unit vector from the tip to the holder, in the part's frame, at these positions of the rotary axes. (3)
     pub fn axis_at(&self, rotary_deg: [f64; 2]) -> Vector {
         let [first, second] = self.rotary();
         turned(turned(self.tool(), second.direction, rotary_deg[1]), first.direction, rotary_deg[0])
     }
 
-    /// Positions of X, Y, Z for a tip, at these positions of the rotary axes. (4)
+    /// Positions of X, Y, Z that put the tip to this place of the part's frame while the rotary axes stand at these
+    /// positions. (4)
     pub fn linear_for(&self, tip_mm: Vector, rotary_deg: [f64; 2], setup: &Setup) -> Vector {
         let [first, second] = self.rotary();
         let mut point = sum(tip_mm, setup.part_zero_mm);

@@ -24,51 +24,53 @@ use super::vector::{HALF_TURN_DEG, Vector, angle_deg, cross, difference, dot, le
 /// Tolerance below which a direction counts as a pole, or as the limit of the reachable directions.
 const NOTHING: f64 = 1e-15;
 
-/// Positions of the rotary axes that give a direction, without whole turns and regardless of their ranges.
+/// Positions of the rotary axes that give one tool direction, without whole turns and regardless of the axes' ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Angles {
-    /// No angles reach it.
+    /// No positions give the direction.
     None,
-    /// The direction is at the limit of the reachable directions.
+    /// The direction is at the limit of the reachable directions, where both solutions coincide.
     One([f64; 2]),
-    /// The two branches.
+    /// Two solutions.
     Two([[f64; 2]; 2]),
-    /// A pole: the position of the second axis is given, that of the first is free.
+    /// The direction lies along the first rotary axis (a pole): the position of the second axis is determined, that of
+    /// the first is free.
     Any {
         /// Position of the second axis.
         second_deg: f64,
     },
 }
 
-/// Positions of all axes for a pose, the rotary ones in their ranges.
+/// Positions of all five axes that give one pose of the tool, with the rotary axes in their ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Solutions {
     /// No positions, and the reason.
     None(Unreachable),
-    /// One solution.
+    /// Only one solution exists, or only one lies in the ranges.
     One(Axes),
-    /// One solution for each branch.
+    /// Two solutions that differ by more than whole turns.
     Two([Axes; 2]),
     /// Infinitely many solutions; in this one the first rotary axis is as near as possible to the requested position.
     Any(Axes),
 }
 
-/// Reason why no positions give a direction.
+/// Reason why no positions of the rotary axes give a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unreachable {
-    /// No angles of these two axes give it.
+    /// No angles of the two axes give it, whatever their ranges.
     Direction,
-    /// The required position lies outside the range of this axis.
+    /// An angle would give it, but lies outside the range of this axis.
     Range {
-        /// The axis.
+        /// The axis whose range is too small.
         letter: Letter,
-        /// Required position.
+        /// The angle that it would need.
         position_deg: f64,
     },
 }
 
 impl Machine {
-    /// All angles for a direction, which is a unit vector in the part's frame. (1) to (3)
+    /// All positions of the rotary axes that give a direction, which is a unit vector in the part's frame from the tip
+    /// to the holder. (1) to (3)
     pub fn angles(&self, direction: Vector) -> Angles {
         let [u0, u1] = self.rotary().map(|axis| axis.direction);
         let t0 = self.tool();
@@ -93,7 +95,8 @@ impl Machine {
         if root == 0.0 { Angles::One(solve(1.0)) } else { Angles::Two([solve(-1.0), solve(1.0)]) }
     }
 
-    /// All positions for a pose with the rotary axes in their ranges, each as near to `near_deg` as whole turns allow.
+    /// All positions of the axes that give a pose, with the rotary axes in their ranges; each is moved by whole turns
+    /// as near to `near_deg` as the ranges allow.
     pub fn inverse(&self, pose: &ToolPose, setup: &Setup, near_deg: [f64; 2]) -> Solutions {
         let axes =
             |rotary_deg: [f64; 2]| Axes { linear_mm: self.linear_for(pose.tip_mm, rotary_deg, setup), rotary_deg };
@@ -116,10 +119,11 @@ impl Machine {
         }
     }
 
-    /// Angles moved into the ranges by whole turns.
+    /// Positions of the rotary axes that differ from `angles_deg` by whole turns, lie in the ranges, and are as near
+    /// as possible to `near_deg`.
     ///
     /// # Errors
-    /// The axis whose range excludes its angle.
+    /// [`Unreachable::Range`] for the first axis whose range has no such position.
     pub fn in_range(&self, angles_deg: [f64; 2], near_deg: [f64; 2]) -> Result<[f64; 2], Unreachable> {
         let [first, second] = self.rotary();
         let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
@@ -129,7 +133,8 @@ impl Machine {
         Ok([place(first, angles_deg[0], near_deg[0])?, place(second, angles_deg[1], near_deg[1])?])
     }
 
-    /// The positions for a direction that are nearest to `near_deg`; the ranges are respected only if `ranged`.
+    /// Those positions of the rotary axes that give a direction with the least sum of rotations from
+    /// `near_deg`. With `ranged` only positions in the ranges count. `None` if there are none.
     pub fn nearest(&self, direction: Vector, near_deg: [f64; 2], ranged: bool) -> Option<[f64; 2]> {
         let [first, second] = self.rotary();
         let place = |axis: &RotaryAxis, angle_deg: f64, near_deg: f64| {
@@ -151,7 +156,7 @@ impl Machine {
         found.into_iter().flatten().min_by(|one, other| way(one).total_cmp(&way(other)))
     }
 
-    /// The axes that are outside their ranges.
+    /// The axes whose position lies outside their range.
     pub fn over_limits(&self, axes: &Axes) -> impl Iterator<Item = AxisName> {
         let linear = self.linear().iter().zip(axes.linear_mm).enumerate();
         let linear = linear.filter(|(_, (axis, at))| !axis.allows(*at)).map(|(index, _)| AxisName::Linear(index));
@@ -159,33 +164,33 @@ impl Machine {
         linear.chain(rotary.map(|(axis, _)| AxisName::Rotary(axis.letter)))
     }
 
-    /// Position of the first axis for a direction along that axis, where any position is right: `near_deg`, limited
-    /// to the range.
+    /// Position of the first rotary axis to use when the tool lies along that axis, where any position gives the same
+    /// direction: `near_deg`, limited to the range.
     pub fn free_first(&self, near_deg: f64) -> f64 {
         let [first, _] = self.rotary();
         first.range_deg.map_or(near_deg, |[least, greatest]| near_deg.clamp(least, greatest))
     }
 
-    /// The angle of a direction from the nearest pole.
+    /// Angle between a direction and the line of the first rotary axis: 0 at a pole, at most 90 degrees.
     pub fn from_pole_deg(&self, direction: Vector) -> f64 {
         let [first, _] = self.rotary();
         let angle = angle_deg(direction, first.direction);
         angle.min(HALF_TURN_DEG - angle)
     }
 
-    /// Half the opening of the cone about a pole in which the axes cannot resolve directions: one step of the second
-    /// axis moves the tool axis by this angle there.
+    /// Angle from a pole (the direction of the first rotary axis) within which the axes cannot resolve directions: the
+    /// angle by which one least increment of the second axis moves the tool axis there.
     pub fn pole_cone_deg(&self) -> f64 {
         let [_, second] = self.rotary();
         second.resolution_deg * length(cross(second.direction, self.tool()))
     }
 
-    /// Whether a direction lies in a pole's cone.
+    /// Whether a direction is nearer to a pole than [`Self::pole_cone_deg`].
     pub fn is_in_pole_cone(&self, direction: Vector) -> bool {
         self.from_pole_deg(direction) <= self.pole_cone_deg()
     }
 
-    /// The pole nearest to a direction: the first axis or its opposite.
+    /// Unit vector of the pole nearest to a direction: along the first rotary axis, or opposite to it.
     pub fn nearest_pole(&self, direction: Vector) -> Vector {
         let [first, _] = self.rotary();
         scaled(first.direction, if dot(direction, first.direction) < 0.0 { -1.0 } else { 1.0 })

@@ -20,21 +20,21 @@ use super::vector::{along_arc, scaled, sum};
 /// Maximum number of halvings of one move: 4096 points.
 const HALVINGS: u32 = 12;
 
-/// Tolerance of a linearised path.
+/// Largest allowed deviation of the tool from its path on each move of a linearised path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Distance of the tip from its line.
+    /// Largest distance of the tip from the straight line between two tips.
     pub tip_mm: f64,
-    /// Angle of the tool axis from its arc.
+    /// Largest angle of the tool axis from the shortest rotation between two directions.
     pub axis_deg: f64,
 }
 
-/// Error: added points do not bring a move within the tolerance.
+/// Error: a move stays out of tolerance however many points are added to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearisationError {
     /// Index of the point at which the move ends.
     pub point: usize,
-    /// Remaining deviation.
+    /// Deviation that remains on this move after the last halving.
     pub left: Deviation,
 }
 
@@ -45,10 +45,10 @@ impl Tolerance {
 }
 
 impl Machine {
-    /// Adds points to a path until each move is within the tolerance.
+    /// Adds points between the points `stops` of a path until each move is within the tolerance.
     ///
     /// # Errors
-    /// A move that added points do not bring within the tolerance.
+    /// The first move that added points do not bring within the tolerance.
     pub fn linearise(
         &self,
         mode: Mode,

@@ -10,12 +10,13 @@ use super::vector::{TURN_DEG, Vector, angle_deg, cross, length, unit};
 
 /// Rotary axes closer to parallel than this are rejected.
 const PARALLEL_DEG: f64 = 0.1;
-/// Number of turns of the widest range; an axis that turns further must be declared endless.
+/// Largest number of turns that the range of a rotary axis may span; an axis that turns further must be declared
+/// endless.
 pub const TURNS_MAX: u32 = 16;
 /// Tolerance of range ends, for rounding.
 const RANGE_SLACK: f64 = 1e-9;
 
-/// The name of a rotary axis.
+/// Name of a rotary axis (ISO 841): the linear axis parallel to which it turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Letter {
     /// About X.
@@ -26,16 +27,16 @@ pub enum Letter {
     C,
 }
 
-/// The name of an axis.
+/// Name of a linear or rotary axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AxisName {
-    /// X, Y, Z: 0, 1, 2.
+    /// A linear axis: 0 for X, 1 for Y, 2 for Z.
     Linear(usize),
-    /// A, B, C.
+    /// A rotary axis.
     Rotary(Letter),
 }
 
-/// Object that a rotary axis turns: part or tool.
+/// Object that a rotary axis carries: the part or the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carries {
     /// The part: an axis of the table.
@@ -44,22 +45,22 @@ pub enum Carries {
     Tool,
 }
 
-/// A rotary axis of a machine.
+/// A rotary axis of a machine: direction, place, range and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RotaryAxis {
-    /// Address of the axis in the program.
+    /// Letter of the axis in the program.
     pub letter: Letter,
     /// Whether it belongs to the table or to the head.
     pub carries: Carries,
-    /// Unit vector in the machine frame with all axes at zero; a positive angle turns the tool relative to the part
-    /// about it.
+    /// Unit vector of the axis in the machine frame, with all axes at zero. At a growing position the tool turns
+    /// relative to the part about it by the right-hand rule, also if the axis carries the part.
     pub direction: Vector,
-    /// A point on the axis with all axes at zero: in the machine frame for the table, relative to the gauge point for
-    /// the head.
+    /// A point on the axis, with all axes at zero: for an axis of the table in the machine frame, for an axis of the
+    /// head relative to the gauge point (reference point of the spindle).
     pub point_mm: Vector,
     /// Smallest and largest position; `None` for an endless axis.
     pub range_deg: Option<[f64; 2]>,
-    /// Resolution.
+    /// Least increment of the position.
     pub resolution_deg: f64,
     /// Maximum speed, degrees per minute; `None` if unknown.
     pub speed_deg_per_min: Option<f64>,
@@ -68,9 +69,9 @@ pub struct RotaryAxis {
 /// A linear axis of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearAxis {
-    /// Smallest and largest position of the gauge point.
+    /// Smallest and largest position of the spindle's gauge point; `None`: unknown, not checked.
     pub range_mm: Option<[f64; 2]>,
-    /// Resolution.
+    /// Least increment of the position.
     pub resolution_mm: f64,
     /// Maximum speed; `None` if unknown.
     pub speed_mm_per_min: Option<f64>,
@@ -87,14 +88,16 @@ pub struct Machine {
 /// Reason why a description of a machine is rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MachineError {
-    /// A direction without length, or a value that is not a finite number.
+    /// A direction has no length, or a value is not a finite number.
     NoDirection,
-    /// The rotary axes, or the second one and the tool, are parallel: they do not span the directions.
+    /// The two rotary axes, or the second rotary axis and the tool, are so nearly parallel that the tool cannot reach
+    /// all directions around it.
     Parallel {
-        /// The angle between them.
+        /// Angle between the two lines, degrees.
         angle_deg: f64,
     },
-    /// An axis of the head is listed before one of the table; the order is from the part to the tool.
+    /// An axis that carries the tool is listed before one that carries the part; the order is from the part to the
+    /// tool.
     Order,
     /// Both rotary axes have the same letter.
     SameLetter(Letter),
@@ -102,7 +105,7 @@ pub enum MachineError {
     Range(AxisName),
     /// A range of more than [`TURNS_MAX`] turns.
     TooWide(Letter),
-    /// A resolution or a speed that is not above zero.
+    /// A resolution or a speed is not above zero.
     NotPositive(AxisName),
 }
 
@@ -112,11 +115,11 @@ impl Letter {
 }
 
 impl Machine {
-    /// A machine of two rotary axes in the order from the part to the tool, X, Y, Z, and the direction from the tool's tip
-    /// to its holder at zero of all axes.
+    /// A machine with two rotary axes, in the order from the part to the tool; the linear axes X, Y, Z; and the
+    /// direction from the tool's tip to its holder with all axes at zero.
     ///
     /// # Errors
-    /// The rotary axes do not span the directions, their order is wrong, or a value is invalid.
+    /// The rotary axes are parallel, their order is wrong, or a value is invalid.
     pub fn new(rotary: [RotaryAxis; 2], linear: [LinearAxis; 3], tool: Vector) -> Result<Self, MachineError> {
         let direction = |v: Vector| unit(v).ok_or(MachineError::NoDirection);
         let [mut first, mut second] = rotary;
@@ -138,7 +141,7 @@ impl Machine {
         Ok(Machine { rotary: [first, second], linear, tool })
     }
 
-    /// The rotary axes, from the part to the tool.
+    /// The two rotary axes, in the order from the part to the tool.
     pub fn rotary(&self) -> &[RotaryAxis; 2] {
         &self.rotary
     }
@@ -174,13 +177,13 @@ impl RotaryAxis {
         within(self.range_deg, position_deg)
     }
 
-    /// The position nearest to `near_deg` that differs from `position_deg` by whole turns, regardless of the range.
+    /// The position nearest to `near_deg` that differs from `position_deg` by whole turns, whatever the axis' range.
     pub fn nearest_turn(position_deg: f64, near_deg: f64) -> f64 {
         position_deg + TURN_DEG * libm::round((near_deg - position_deg) / TURN_DEG)
     }
 
-    /// Position nearest to `near_deg` within the range that differs from `position_deg` by whole turns; `None` if no
-    /// whole number of turns leads into it.
+    /// The position within the range nearest to `near_deg` that differs from `position_deg` by whole turns; `None` if
+    /// there is none.
     pub fn nearest_in_range(&self, position_deg: f64, near_deg: f64) -> Option<f64> {
         let Some([least, greatest]) = self.range_deg else {
             return Some(Self::nearest_turn(position_deg, near_deg));

@@ -45,81 +45,87 @@ const TURN_MIN_DEG: f64 = 1.0;
 /// A quarter turn.
 const QUARTER_DEG: f64 = 90.0;
 
-/// Shape of the tool's cutting end.
+/// Shape of the tool's cutting end: it decides whether a change of the tool's direction changes the cut surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToolEnd {
-    /// A ball end mill.
+    /// A ball end mill: the surface stays if the centre of the ball does.
     Ball {
         /// Radius of the ball.
         radius_mm: f64,
     },
-    /// Any other shape.
+    /// Any other shape: a change of direction changes the surface.
     Other,
 }
 
-/// Limits for finding and repairing singularities.
+/// Limits for finding and repairing singularities (places of a path near the direction of the first rotary axis).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairLimits {
-    /// Largest coherent gain: degrees of the first axis per degree of the tool. (1)
+    /// Largest ratio of the first axis' rotation to the tool's that does not count as a fast turn: degrees per degree.
+    /// (1)
     pub gain_ratio: f64,
-    /// Largest angle of the tool axis from its arc between two points; a move beyond it is a swing, which is not
-    /// repaired.
+    /// Largest angle between the tool axis and the shortest rotation between two points' directions; a move with a
+    /// larger angle is a change between the solutions of the rotary axes, which is not repaired here.
     pub departure_deg: f64,
-    /// Largest change of direction for a tool that is not a ball end mill.
+    /// Largest change of direction that a repair may make if the tool is not a ball end mill.
     pub error_deg: f64,
 }
 
 impl Default for RepairLimits {
-    /// Gain of 10, half a degree of swing, 0.01 degree for tools other than ball end mills.
+    /// Gain ratio of 10, departure of 0.5 degrees, change of direction of 0.01 degrees.
     fn default() -> Self {
         RepairLimits { gain_ratio: 10.0, departure_deg: 0.5, error_deg: 0.01 }
     }
 }
 
-/// Interval of a path beside a pole in which the rotary axes turn fast or back and forth (incoherent movement).
+/// Interval of a path beside a pole (the direction of the first rotary axis) in which that axis turns fast, or turns
+/// forth and back (incoherent movement).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singularity {
-    /// Index of the last coherent point before it.
+    /// Index of the last point before the interval.
     pub before: usize,
-    /// Index of the next coherent point after it.
+    /// Index of the first point after it.
     pub after: usize,
-    /// Largest gain found. (1)
+    /// Largest ratio of the first axis' rotation to the tool's on a move of the interval. (1)
     pub gain_ratio: f64,
-    /// Angle by which the first axis turns there and back again. (2)
+    /// Angle by which the first axis turns forth and back again in the interval: the sum of its rotations minus the
+    /// resulting one. (2)
     pub reversal_deg: f64,
-    /// Least angle of its points from the pole, except those in the pole's cone.
+    /// Smallest angle between the direction of one of its points and the pole; points whose angle the axes cannot
+    /// resolve do not count.
     pub from_pole_deg: f64,
-    /// Largest change of direction of its repair.
+    /// Largest change of direction that its repair makes or would make.
     pub error_deg: f64,
-    /// Result of the repair.
+    /// Whether the interval was repaired.
     pub outcome: RepairOutcome,
 }
 
 /// Result of repairing the path at a singularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RepairOutcome {
-    /// The directions within the interval were changed.
+    /// The directions within the interval were changed so that the first axis turns evenly.
     Repaired,
-    /// The tool is not a ball end mill and the error exceeds the tolerance: nothing was changed.
+    /// Nothing was changed: the tool is not a ball end mill, and the change of direction would exceed the limit.
     Refused,
-    /// The path begins or ends within the interval, or no point lies within it.
+    /// Nothing was changed: the path begins or ends within the interval, or no point of the path lies within it.
     NoRoom,
 }
 
 impl Singularity {
-    /// Whether the first axis turns back in the interval, instead of only turning fast. (2)
+    /// Whether the first axis turns back in the interval by more than a degree, instead of only turning fast. (2)
     pub fn is_incoherent(&self) -> bool {
         self.reversal_deg > TURN_MIN_DEG
     }
 
-    /// Whether the movement is incoherent, or nearer to the pole than the axes can resolve.
+    /// Whether the movement is incoherent (the first axis turns back), or passes the pole at a smaller angle than the
+    /// assumed precision of the axes.
     pub fn is_fault(&self) -> bool {
         self.is_incoherent() || self.from_pole_deg < PRECISION_DEG
     }
 }
 
 impl Machine {
-    /// Finds intervals of fast turns beside a pole and repairs their poses. The branches have to be selected again
+    /// Finds the intervals beside a pole (the direction of the first rotary axis) in which the rotary axes turn fast,
+    /// and changes the directions of the poses in them. The positions of the rotary axes have to be computed anew
     /// afterwards.
     pub fn repair(
         &self,

@@ -36,12 +36,12 @@ const STEPS_MAX: u32 = 1 << 14;
 /// Allowed shortfall of the feed, as a fraction.
 const SLACK_RATIO: f64 = 1e-3;
 
-/// A straight move of the tip.
+/// A straight move of the tip under tool centre point control, during which the rotary axes turn evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipMove {
-    /// Start and end of the tip, in the part's frame.
+    /// Positions of the tip at start and end, in the part's frame.
     pub tip_mm: [Vector; 2],
-    /// Positions of the rotary axes at both ends, in the order from the part to the tool.
+    /// Positions of the rotary axes at start and end; of each, in the order from the part to the tool.
     pub rotary_deg: [[f64; 2]; 2],
 }
 
@@ -53,7 +53,7 @@ struct Moving {
 }
 
 impl TipMove {
-    /// Length along which the feed is measured.
+    /// Length of the tip's path, along which the feed is measured.
     pub fn way_mm(&self) -> f64 {
         length(self.tip_rate())
     }
@@ -69,7 +69,8 @@ impl TipMove {
 }
 
 impl Machine {
-    /// Largest feed of the tip on a move; `None` if no limit is known or the tip does not move. (3)
+    /// Largest feed of the tip, in the part's frame, at which no axis exceeds its maximum speed anywhere on the move;
+    /// `None` if no limit is known or the tip does not move. (3)
     pub fn tip_feed(&self, of: &TipMove, setup: &Setup) -> Option<AxisFeed> {
         let [first, second] = of.turned_deg();
         let bound_mm = self.third_derivative_mm(of, setup);

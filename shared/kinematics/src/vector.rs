@@ -7,7 +7,7 @@
 //!
 //! Source: (1) Rodrigues; (2) W. Kahan, the angle of two unit vectors without cancellation at 0 and 180 degrees.
 
-/// A point or a direction.
+/// A point (mm) or a direction: x, y, z.
 pub type Vector = [f64; 3];
 
 /// Scalar product, v.w.
@@ -34,37 +34,36 @@ pub fn difference(v: Vector, w: Vector) -> Vector {
     [v[0] - w[0], v[1] - w[1], v[2] - w[2]]
 }
 
-/// v times a number.
+/// The vector times a number.
 #[inline]
 pub fn scaled(v: Vector, by_ratio: f64) -> Vector {
     v.map(|component| component * by_ratio)
 }
 
 /// Length, |v|.
-/// |v|
 #[inline]
 pub fn length(v: Vector) -> f64 {
     libm::sqrt(dot(v, v))
 }
 
-/// v / |v|; `None` for a zero vector and for vectors that are not finite.
+/// Vector of length 1 in the direction of v: v / |v|. `None` for a zero vector and for vectors that are not finite.
 pub fn unit(v: Vector) -> Option<Vector> {
     let length = length(v);
     (length > 0.0 && length.is_finite()).then(|| v.map(|component| component / length))
 }
 
-/// v turned about the unit vector u by the right-hand rule. (1)
+/// v rotated about the unit vector u by the right-hand rule. (1)
 pub fn turned(v: Vector, u: Vector, by_deg: f64) -> Vector {
     let (sin, cos) = libm::sincos(by_deg.to_radians());
     sum(sum(scaled(v, cos), scaled(cross(u, v), sin)), scaled(u, dot(u, v) * (1.0 - cos)))
 }
 
-/// The angle between two unit vectors. (2)
+/// Angle between two unit vectors, 0 to 180 degrees. (2)
 pub fn angle_deg(v: Vector, w: Vector) -> f64 {
     (2.0 * libm::atan2(length(difference(v, w)), length(sum(v, w)))).to_degrees()
 }
 
-/// Unit vector at a fraction of the shorter arc from v to w; `None` for opposite vectors.
+/// Unit vector at this fraction of the shortest rotation from v to w (0 at v, 1 at w); `None` for opposite vectors.
 pub fn along_arc(v: Vector, w: Vector, part_ratio: f64) -> Option<Vector> {
     let Some(about) = unit(cross(v, w)) else {
         return (dot(v, w) > 0.0).then_some(v);
@@ -72,7 +71,7 @@ pub fn along_arc(v: Vector, w: Vector, part_ratio: f64) -> Option<Vector> {
     unit(turned(v, about, angle_deg(v, w) * part_ratio))
 }
 
-/// Angle of a unit vector from the shorter arc between v and w.
+/// Angle between a unit vector and the nearest direction on the shortest rotation from v to w.
 pub fn off_arc_deg(direction: Vector, v: Vector, w: Vector) -> f64 {
     let ends = angle_deg(direction, v).min(angle_deg(direction, w));
     let Some(normal) = unit(cross(v, w)) else { return ends };
@@ -84,14 +83,14 @@ pub fn off_arc_deg(direction: Vector, v: Vector, w: Vector) -> f64 {
     libm::fabs(libm::asin(across.clamp(-1.0, 1.0)).to_degrees()).min(ends)
 }
 
-/// An angle reduced by whole turns to (-180, 180].
+/// The angle minus whole turns, in (-180, 180].
 pub fn wrapped_deg(angle_deg: f64) -> f64 {
     angle_deg - TURN_DEG * libm::ceil((angle_deg - HALF_TURN_DEG) / TURN_DEG)
 }
 
-/// A whole turn.
+/// A whole turn, degrees.
 pub const TURN_DEG: f64 = 360.0;
-/// Half a turn.
+/// Half a turn, degrees.
 pub const HALF_TURN_DEG: f64 = 180.0;
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ struct Bounds {
     width: u32,
 }
 
-/// Estimate of the relation between the peer's clock and ours.
+/// Estimate of the difference between the peer's clock and ours: bounds that certainly hold it, and its drift.
 #[derive(Clone, Copy, Debug)]
 pub struct PeerClock {
     drift_max_ppm: u32,
@@ -51,13 +51,15 @@ pub struct PeerClock {
 }
 
 impl PeerClock {
-    /// An estimate without data; the two clocks drift apart by at most `drift_max_ppm`.
+    /// Estimate before the first round trip. `drift_max_ppm` is the largest difference of the two clocks' rates, in
+    /// microseconds per second.
     pub const fn new(drift_max_ppm: u32) -> Self {
         PeerClock { drift_max_ppm, bounds: None, steps: 0, line: Line::NEW }
     }
 
-    /// Updates the estimate with a frame that arrived `now` and was sent at `theirs_us` by the peer's clock, with an
-    /// echo of our time. Returns the round trip without the time for which the peer held the echo.
+    /// Updates the estimate with a frame that arrived `now` (our clock) and was sent at `theirs_us` (the peer's
+    /// clock), and that echoes the time stamp of a frame of ours. Returns the time of the round trip without the time
+    /// for which the peer held the echo; `None` for an echo that is impossible.
     pub fn on_echo(&mut self, now: Micros, theirs_us: u32, echo: Echo) -> Option<Span> {
         let there_and_back = low_bits(now).wrapping_sub(echo.t_us);
         let width = there_and_back.wrapping_sub(echo.held_us);
@@ -77,32 +79,33 @@ impl PeerClock {
         Some(Span(width))
     }
 
-    /// Earliest time, by our clock, of the peer's time `theirs_us`; not after `now`. `None` before the first round
-    /// trip.
+    /// Earliest instant, by our clock, at which the peer's clock can have shown `theirs_us`; not after `now`. `None`
+    /// before the first round trip.
     pub fn earliest(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
         let bounds = self.bounds_at(now)?;
         let ours = theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width)); // (3)
         Some(before(now, ours))
     }
 
-    /// Most likely time, by our clock, of the peer's time `theirs_us`; not after `now`. `None` before the first round
-    /// trip.
+    /// Most likely instant, by our clock, at which the peer's clock showed `theirs_us`; not after `now`. `None` before
+    /// the first round trip.
     pub fn to_ours(&self, now: Micros, theirs_us: u32) -> Option<Micros> {
         let bounds = self.bounds_at(now)?;
         Some(before(now, theirs_us.wrapping_sub(bounds.low.wrapping_add(bounds.width / 2))))
     }
 
-    /// Largest error of [`Self::to_ours`].
+    /// Largest possible error of [`Self::to_ours`] at `now`; `None` before the first round trip.
     pub fn uncertainty(&self, now: Micros) -> Option<Span> {
         self.bounds_at(now).map(|bounds| Span(bounds.width.div_ceil(2)))
     }
 
-    /// Rate of the peer's clock relative to ours, parts per thousand million; `None` in the first four seconds.
+    /// Rate of the peer's clock relative to ours, in nanoseconds per second; positive if the peer's runs faster.
+    /// `None` in the first four seconds.
     pub fn drift_ppb(&self) -> Option<i32> {
         self.line.slope().map(|slope| libm::round(slope * PPB_PER_ONE) as i32)
     }
 
-    /// Number of steps of the peer's clock.
+    /// Number of times that the peer's clock was found to have stepped, or to drift more than allowed; wraps around.
     pub const fn steps(&self) -> u32 {
         self.steps
     }

@@ -16,11 +16,11 @@ pub enum FramingError {
     TooLong,
     /// Shorter than any frame.
     TooShort,
-    /// A delimiter in place of bytes that the stuffing announced.
+    /// A delimiter stands within a group of bytes whose length the byte stuffing (COBS) has announced.
     Cut,
 }
 
-/// State of the frame that is being received.
+/// Assembles received bytes into frames; holds the frame that is being received.
 #[derive(Debug)]
 pub struct Deframer {
     stuffing: DecoderState,
@@ -40,7 +40,8 @@ impl Deframer {
         Deframer { stuffing: DecoderState::Idle, body: [0; BODY_MAX], len: 0 }
     }
 
-    /// Processes a byte. Returns the frame that it completes; the caller checks its checksum by the salt.
+    /// Processes a byte. Returns the frame that it completes, if it does; its checksum is not checked here, but by the
+    /// caller, who compares the frame's salt.
     pub fn push(&mut self, byte: u8) -> Option<Result<Frame<'_>, FramingError>> {
         match self.stuffing.feed(byte) {
             Ok(DecodeResult::NoData) => None,

@@ -15,26 +15,26 @@
 
 use crc::{CRC_32_ISCSI, Crc};
 
-/// Version of the protocol.
+/// Version of the link protocol that this code speaks; every frame carries it.
 pub const VERSION: u8 = 1;
 
 /// Longest payload of a message, bytes.
 pub const PAYLOAD_MAX: usize = 224;
 
-/// Length of the header, before the payload.
+/// Length of the header, which stands before the payload, bytes.
 pub const HEADER_LEN: usize = 10;
-/// Length of the checksum, after the payload.
+/// Length of the checksum, which stands after the payload, bytes.
 pub const CHECK_LEN: usize = 4;
 /// Largest number of bytes that a message class puts before the message, such as its sequence number.
 pub const PREFIX_MAX: usize = 2;
-/// Longest body. Below 254 bytes, so that stuffing adds only one byte.
+/// Longest body (header, payload and checksum), bytes. Below 254, so that the byte stuffing adds only one byte.
 pub const BODY_MAX: usize = HEADER_LEN + PREFIX_MAX + PAYLOAD_MAX + CHECK_LEN;
-/// Longest frame on the line: a leading delimiter, the stuffed body, and the closing delimiter.
+/// Longest frame on the line, bytes: a leading delimiter, the stuffed body, and the closing delimiter.
 pub const ENCODED_MAX: usize = BODY_MAX + 3;
-/// Bytes of a frame on the line besides its payload, without a leading delimiter.
+/// Number of bytes that a frame adds to its payload on the line: header, checksum, stuffing and closing delimiter.
 pub const OVERHEAD: usize = HEADER_LEN + CHECK_LEN + 2;
 
-/// Salt of frames that belong to no session.
+/// Salt (value combined with the checksum) of frames that belong to no session.
 pub const NO_SALT: u32 = 0;
 
 const BUSY: u8 = 0x08;
@@ -43,61 +43,65 @@ const VERSION_SHIFT: u32 = 4;
 
 pub(crate) static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 
-/// Class of a frame: its purpose.
+/// Class of a frame: what it is for, and whether it is repeated if lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FrameClass {
-    /// Identification of the sender. Outside of any session.
+    /// Identification of the sender, by which a session begins; belongs to no session.
     Hello = 0,
-    /// Sign of life with an echo of the peer's clock.
+    /// Sign of life at fixed intervals, with an echo of the peer's last time stamp.
     Heartbeat = 1,
-    /// Acknowledgement of received messages.
+    /// Acknowledgement of received reliable messages.
     Ack = 2,
-    /// Acknowledgement and request for retransmission: later messages were discarded.
+    /// Acknowledgement, and request to send the following messages again: they were discarded because one before them
+    /// is missing.
     Nak = 3,
-    /// End of the session.
+    /// End of the session by the sender.
     Bye = 4,
     /// A message that is delivered once and in order.
     Reliable = 5,
     /// A message of which only the newest value is used.
     Latest = 6,
-    /// A message without a link: it is not repeated if lost. Outside of any session.
+    /// A message on a line without sessions; it is not repeated if lost.
     Plain = 7,
 }
 
-/// Header of a frame.
+/// Header of a frame: all fields before the payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
-    /// Class of the frame.
+    /// Whether the sender of the frame accepts no reliable messages at present.
     pub class: FrameClass,
-    /// Whether the sender currently accepts no reliable messages.
+    /// Kind of the message: its number in the table of messages; 0 if the frame carries none.
     pub is_busy: bool,
-    /// Kind of the message; 0 if there is none.
+    /// Sequence number of the message within its class; 0 if the frame carries none.
     pub kind: u8,
-    /// Sequence number of the message within its class; 0 if there is none.
+    /// Sequence number of the reliable message that the sender of the frame expects next: all before it are
+    /// acknowledged.
     pub seq: u16,
     /// Sequence number of the reliable message that the sender expects next.
     pub ack: u16,
-    /// Time of sending by the sender's clock, microseconds, modulo 2^32.
+    /// Instant at which the frame was sent, by the sender's clock, microseconds modulo 2^32.
     pub t_us: u32,
 }
 
-/// A received frame.
+/// A received frame, taken apart; its checksum is not yet checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// Version of the sender's protocol. If it differs from [`VERSION`], only hellos can be interpreted.
+    /// Version of the sender's protocol. If it differs from [`VERSION`], only the frame class `Hello` can be
+    /// interpreted.
     pub version: u8,
-    /// Header of a frame.
+    /// Fields before the payload.
     pub header: Header,
     /// Bytes between header and checksum.
     pub payload: &'a [u8],
-    /// Salt with which the frame was encoded. Meaningless for corrupt frames.
+    /// Value that the sender has combined with the checksum, computed back from it. The frame is valid if this is the
+    /// expected salt of the session; for corrupt frames it is an arbitrary number.
     pub salt: u32,
 }
 
 impl Header {
-    /// Header of a message on a line without a link.
+    /// Header of a message on a line without sessions.
     pub const fn plain(kind: u8, seq: u16, t_us: u32) -> Self {
         Header { class: FrameClass::Plain, is_busy: false, kind, seq, ack: 0, t_us }
     }
@@ -118,12 +122,13 @@ impl FrameClass {
     }
 }
 
-/// CRC-32C of some bytes.
+/// CRC-32C checksum of these bytes.
 pub fn checksum(bytes: &[u8]) -> u32 {
     CRC.checksum(bytes)
 }
 
-/// Writes a frame with its closing delimiter and returns its length. `payload` may consist of two parts.
+/// Writes a frame into `out`, byte-stuffed and with its closing delimiter, and returns its length in bytes. The
+/// payload is both parts of `payload`, one after the other.
 ///
 /// Returns `None` if `out` or the body is too short. This never happens with `out` of [`ENCODED_MAX`] bytes and a
 /// payload of at most [`PREFIX_MAX`] + [`PAYLOAD_MAX`].
@@ -145,7 +150,7 @@ pub fn encode(header: &Header, payload: [&[u8]; 2], salt: u32, out: &mut [u8]) -
     Some(len.saturating_add(1))
 }
 
-/// Parses a body; `None` if it is too short.
+/// Takes a received body apart, after the stuffing was removed; `None` if it is shorter than header and checksum.
 pub fn parse(body: &[u8]) -> Option<Frame<'_>> {
     let (message, check) = body.split_last_chunk::<CHECK_LEN>()?;
     let (header, payload) = message.split_first_chunk::<HEADER_LEN>()?;

@@ -1,5 +1,5 @@
-//! The latest-wins class: a value has a kind and a time to live; a newer value replaces one of its kind that has not
-//! been sent.
+//! Messages of which only the newest counts (class latest-wins): a value has a kind and a time to live, and replaces
+//! one of its kind that has not been sent.
 
 use heapless::Vec;
 
@@ -7,19 +7,20 @@ use super::frame::PAYLOAD_MAX;
 use super::state::SendError;
 use arcfeed_units::{Micros, Span, US_PER_MS};
 
-/// Latest value of one kind, waiting to be sent or sent already.
+/// Value of one kind (a latest-wins message) that waits to be sent or was sent.
 #[derive(Clone, Debug)]
 pub struct Offer {
-    /// Kind or payload of the message.
+    /// Kind of the message.
     pub kind: u8,
-    /// Kind or payload of the message.
+    /// Payload of the message.
     pub payload: Vec<u8, PAYLOAD_MAX>,
     expires: Micros,
     /// Position in the queue; `None` if it was sent.
     turn: Option<u32>,
 }
 
-/// Sender's side of latest-wins messages: one slot for each kind.
+/// Sender's side of latest-wins messages (values of which only the newest of each kind matters): one slot for each
+/// kind.
 #[derive(Clone, Debug)]
 pub struct Offers<const KINDS: usize> {
     places: Vec<Offer, KINDS>,
@@ -33,16 +34,17 @@ impl<const KINDS: usize> Default for Offers<KINDS> {
 }
 
 impl<const KINDS: usize> Offers<KINDS> {
-    /// Empty slots.
+    /// Sender's side without values.
     pub const fn new() -> Self {
         Offers { places: Vec::new(), turns: 0 }
     }
 
-    /// Adds a value and returns whether it replaced a waiting one. It keeps the position of the replaced value in the
-    /// queue, so that a kind with frequent updates is sent.
+    /// Offers a value to be sent before the instant `expires`. Returns whether it replaced one of its kind that was
+    /// not sent yet; it then keeps that one's position in the queue, so that a kind with frequent updates is sent,
+    /// too.
     ///
     /// # Errors
-    /// No slot for another kind, or the payload is too long.
+    /// No slot is free for another kind, or the payload is too long.
     pub fn put(&mut self, kind: u8, expires: Micros, payload: &[u8]) -> Result<bool, SendError> {
         let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
         self.turns = self.turns.wrapping_add(1);
@@ -58,7 +60,7 @@ impl<const KINDS: usize> Offers<KINDS> {
         Ok(waited.is_some())
     }
 
-    /// Discards expired values and returns their number.
+    /// Discards waiting values that have expired, or would within a millisecond; returns their number.
     pub fn expire(&mut self, now: Micros) -> u32 {
         let mut count = 0;
         for place in &mut self.places {
@@ -70,7 +72,7 @@ impl<const KINDS: usize> Offers<KINDS> {
         count
     }
 
-    /// The next value to send, and its remaining time in milliseconds, rounded down.
+    /// The value to be sent next, with its remaining time to live in milliseconds, rounded down; `None` if none waits.
     pub fn next(&self, now: Micros) -> Option<(&Offer, u16)> {
         let waiting = self.places.iter().filter_map(|place| place.turn.map(|turn| (turn, place)));
         // The counter wraps around: compare ages, not values.
@@ -78,14 +80,14 @@ impl<const KINDS: usize> Offers<KINDS> {
         Some((offer, milliseconds_left(now, offer.expires)))
     }
 
-    /// Marks the value of a kind as sent.
+    /// Records that the waiting value of this kind was sent.
     pub fn sent(&mut self, kind: u8) {
         if let Some(place) = self.places.iter_mut().find(|place| place.kind == kind) {
             place.turn = None;
         }
     }
 
-    /// Whether a value is waiting.
+    /// Whether a value waits to be sent.
     pub fn any(&self) -> bool {
         self.places.iter().any(|place| place.turn.is_some())
     }
@@ -95,14 +97,14 @@ fn milliseconds_left(now: Micros, expires: Micros) -> u16 {
     u16::try_from(expires.since(now).0 / US_PER_MS).unwrap_or(u16::MAX)
 }
 
-/// Receiver's side of latest-wins messages: sequence number of the newest value.
+/// Receiver's side of latest-wins messages: sequence number of the newest value so far, of all kinds together.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Newest {
     seq: Option<u16>,
 }
 
 impl Newest {
-    /// Whether a value is newer than the newest so far; if so, it becomes the newest.
+    /// Whether a value with this sequence number is newer than all before it; if so, it becomes the newest.
     pub fn accept_newer(&mut self, seq: u16) -> bool {
         let is_news = self.seq.is_none_or(|last| (1..u16::MAX / 2).contains(&seq.wrapping_sub(last)));
         if is_news {
@@ -112,12 +114,13 @@ impl Newest {
     }
 }
 
-/// Time by our clock at which a value expires that was sent at `sent` or later with `left_ms` remaining.
+/// Instant, by our clock, at which a received value expires that the peer sent at `sent` or later with `left_ms`
+/// remaining.
 pub fn expiry(sent: Micros, left_ms: u16) -> Micros {
     sent.after(Micros::from_ms(u64::from(left_ms)))
 }
 
-/// Time at which a value offered now expires.
+/// Instant at which a value offered now with this time to live expires.
 pub fn deadline(now: Micros, ttl: Span) -> Micros {
     now.after(Micros(u64::from(ttl.0)))
 }

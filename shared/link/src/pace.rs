@@ -6,7 +6,7 @@ use arcfeed_units::{Micros, Span, US_PER_S};
 
 const NS_PER_US: u64 = 1_000;
 
-/// Pacing of a line: bytes are passed on no faster than the line sends them.
+/// Computes when the next frame may be passed to a serial line, so that bytes do not wait in the driver's buffer.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     ns_per_byte: u64,
@@ -15,18 +15,19 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// A line of `bits_per_s` (0: unlimited), to which bytes may be passed up to `ahead` early.
+    /// Pace of a line of `bits_per_s` (0: unlimited). Bytes may be passed up to the time `ahead` before the line can
+    /// send them.
     pub fn new(bits_per_s: u32, ahead: Span) -> Self {
         let ns_per_byte = (BITS_PER_BYTE * US_PER_S * NS_PER_US).checked_div(u64::from(bits_per_s)).unwrap_or(0);
         Pace { ns_per_byte, ahead, free_at_ns: 0 }
     }
 
-    /// Time from which the next frame may be sent.
+    /// Instant from which the next frame may be sent.
     pub fn ready_at(&self) -> Micros {
         Micros(self.free_at_ns.div_ceil(NS_PER_US).saturating_sub(u64::from(self.ahead.0)))
     }
 
-    /// Registers that this number of bytes is sent now.
+    /// Records that this number of bytes is passed to the line now.
     pub fn sent(&mut self, now: Micros, bytes: usize) {
         let from = self.free_at_ns.max(now.0.saturating_mul(NS_PER_US));
         self.free_at_ns = from.saturating_add(self.ns_per_byte.saturating_mul(bytes as u64));

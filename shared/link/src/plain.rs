@@ -6,7 +6,7 @@ use super::frame::{FrameClass, Header, NO_SALT, PAYLOAD_MAX, VERSION, encode};
 use super::message::Message;
 use arcfeed_units::Micros;
 
-/// One end of a line that carries messages in frames, without sessions and acknowledgements.
+/// One end of a line that carries each message in a frame of its own, without sessions and acknowledgements.
 #[derive(Debug, Default)]
 pub struct PlainLine {
     deframer: Deframer,
@@ -20,7 +20,8 @@ impl PlainLine {
         PlainLine { deframer: Deframer::new(), sent: 0, invalid: 0 }
     }
 
-    /// Processes a received byte; returns the message that it completes.
+    /// Processes a received byte. Returns the message that it completes; `None` if it completes none, or an invalid
+    /// frame.
     pub fn on_byte(&mut self, byte: u8) -> Option<Message> {
         let Ok(frame) = self.deframer.push(byte)? else {
             self.invalid = self.invalid.wrapping_add(1);
@@ -45,7 +46,7 @@ impl PlainLine {
         length
     }
 
-    /// Number of invalid frames so far; wraps around.
+    /// Number of invalid frames received so far; wraps around.
     pub fn invalid(&self) -> u32 {
         self.invalid
     }

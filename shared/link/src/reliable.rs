@@ -1,4 +1,4 @@
-//! The reliable class: go-back-N over a line that does not reorder.
+//! Messages that are delivered once and in order (class reliable): go-back-N over a line that does not reorder.
 //!
 //! The sender keeps all unacknowledged messages and sends them again when its timer expires or the receiver reports a
 //! gap. The receiver accepts only the next expected message, so it needs no buffer for reordering.
@@ -13,25 +13,26 @@ use arcfeed_units::{Micros, Span};
 /// way.
 const NAKS_MAX: u8 = 2;
 
-/// An unacknowledged message.
+/// A reliable message that the peer has not acknowledged yet.
 #[derive(Clone, Debug)]
 pub struct Outgoing {
-    /// Kind or payload of the message.
+    /// Kind of the message.
     pub kind: u8,
-    /// Kind or payload of the message.
+    /// Payload of the message.
     pub payload: Vec<u8, PAYLOAD_MAX>,
     sent_at: Micros,
     times_sent: u32,
 }
 
-/// Result of an acknowledgement.
+/// Result of a received acknowledgement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acked {
-    /// The acknowledgement is a repetition.
+    /// It acknowledges nothing new.
     Nothing,
-    /// Messages were acknowledged; with a round trip if it is unambiguous.
+    /// It acknowledges messages. With the time from sending the last of them to now, unless that one was sent more
+    /// than once.
     Some(Option<Span>),
-    /// The peer acknowledges messages that were never sent.
+    /// It acknowledges messages that were never sent.
     Impossible,
 }
 
@@ -72,17 +73,17 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         }
     }
 
-    /// Adds a message to be sent.
+    /// Adds a message to the queue.
     ///
     /// # Errors
-    /// The queue is full, or the payload is too long.
+    /// The queue is full of unacknowledged messages, or the payload is too long.
     pub fn push(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
         let payload = Vec::from_slice(payload).map_err(|_| SendError::TooLong(payload.len()))?;
         let message = Outgoing { kind, payload, sent_at: Micros(0), times_sent: 0 };
         self.messages.push_back(message).map_err(|_| SendError::Full)
     }
 
-    /// Number of unacknowledged messages.
+    /// Number of messages in the queue that are not acknowledged yet, whether sent or not.
     pub fn len(&self) -> usize {
         self.messages.len()
     }
@@ -92,13 +93,14 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.messages.is_empty()
     }
 
-    /// The next message to send, with its sequence number, and whether it was sent before.
+    /// The message to be sent next, with its sequence number, and whether it was sent before; `None` if none is due or
+    /// the peer is busy.
     pub fn next(&self) -> Option<(u16, &Outgoing, bool)> {
         let message = self.messages.iter().nth(self.next).filter(|_| !self.peer_is_busy)?;
         Some((self.first.wrapping_add(self.next as u16), message, message.times_sent > 0))
     }
 
-    /// Marks the next message as sent.
+    /// Records that the message of [`Self::next`] was sent now; `rto` is the time after which it is sent again.
     pub fn next_was_sent(&mut self, now: Micros, rto: Span) {
         let is_first_wait = self.on_the_line() == 0;
         let Some(message) = self.messages.iter_mut().nth(self.next) else { return };
@@ -111,7 +113,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.timer.get_or_insert(now.after(Micros(u64::from(rto.0))));
     }
 
-    /// Handles an acknowledgement: the peer expects `ack` next.
+    /// Handles an acknowledgement: the peer expects sequence number `ack` next, so all before it have arrived.
     pub fn on_ack(&mut self, now: Micros, ack: u16, rto: Span) -> Acked {
         let done = usize::from(ack.wrapping_sub(self.first));
         if done == 0 {
@@ -134,8 +136,8 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         Acked::Some(sample)
     }
 
-    /// Handles a nak: the peer has discarded the messages from `ack` on. Returns true if they are sent again.
-    /// `round_trip` is the time until a retransmission can show an effect.
+    /// Handles a nak: the peer has discarded all messages from `ack` on. Returns whether they will be sent again; they
+    /// are not if naks for the same gap come within a `round_trip` or too often.
     pub fn on_nak(&mut self, now: Micros, ack: u16, round_trip: Span) -> bool {
         let is_answered = self.naks > 0 && Span::from(now.since(self.nak_at)) < round_trip;
         let is_on_its_way = self.next < self.on_the_line();
@@ -148,7 +150,8 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         true
     }
 
-    /// Handles the peer's busy flag. A busy peer discards messages; the timer is then stopped.
+    /// Handles the busy flag of a frame of the peer. A busy peer discards messages, so the timer for repetitions is
+    /// stopped.
     pub fn on_busy(&mut self, now: Micros, is_busy: bool) {
         if is_busy {
             self.timer = None;
@@ -165,7 +168,7 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         self.peer_is_busy
     }
 
-    /// Checks the timer; if it has expired, all messages are sent again. Returns whether it has.
+    /// If the timer has expired, marks all messages to be sent again. Returns whether it had expired.
     pub fn on_time(&mut self, now: Micros) -> bool {
         let is_over = self.timer.is_some_and(|timer| timer <= now);
         if is_over {
@@ -174,12 +177,12 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
         is_over
     }
 
-    /// Expiry of the timer.
+    /// Instant at which unacknowledged messages are sent again; `None` if none is on its way.
     pub const fn timer(&self) -> Option<Micros> {
         self.timer
     }
 
-    /// Time since which the first message waits for its acknowledgement; `None` if none waits or the peer is busy.
+    /// Instant since which the oldest message waits for its acknowledgement; `None` if none waits or the peer is busy.
     pub fn waiting_since(&self) -> Option<Micros> {
         (self.on_the_line() > 0 && !self.peer_is_busy).then_some(self.waiting_since)
     }
@@ -195,25 +198,25 @@ impl<const WINDOW: usize> Outbox<WINDOW> {
     }
 }
 
-/// Relation of a received message to the expected one.
+/// Relation of a received reliable message to the one that is expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// The expected message.
+    /// It is the expected message.
     Next,
-    /// A duplicate: its acknowledgement was lost.
+    /// It was received before: its acknowledgement was lost.
     Again,
-    /// An earlier message is missing.
+    /// A message before it is missing.
     Gap,
 }
 
-/// Receiver's side of reliable messages: sequence number of the next expected one.
+/// Receiver's side of reliable messages: sequence number of the message expected next.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inbox {
     expected: u16,
 }
 
 impl Inbox {
-    /// Classifies message `seq`.
+    /// Compares a received sequence number with the expected one.
     pub const fn classify(&self, seq: u16) -> Arrival {
         match seq.wrapping_sub(self.expected) {
             0 => Arrival::Next,
@@ -222,12 +225,12 @@ impl Inbox {
         }
     }
 
-    /// Marks the expected message as delivered.
+    /// Records that the expected message was delivered.
     pub fn delivered(&mut self) {
         self.expected = self.expected.wrapping_add(1);
     }
 
-    /// Sequence number of the next expected message, which is sent as the acknowledgement.
+    /// Sequence number of the message expected next; it is sent to the peer as the acknowledgement.
     pub const fn expected(&self) -> u16 {
         self.expected
     }

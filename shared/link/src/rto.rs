@@ -1,4 +1,4 @@
-//! Retransmission time-out: RFC 6298.
+//! Time-out after which an unacknowledged message is sent again: RFC 6298.
 //!
 //! ```text
 //! first sample     SRTT = R, RTTVAR = R/2                                            (1)
@@ -15,7 +15,7 @@
 
 use arcfeed_units::Span;
 
-/// Estimate of the round trip, for the retransmission time-out.
+/// Estimate of the round-trip time, and the time-out after which an unacknowledged message is sent again.
 #[derive(Clone, Copy, Debug)]
 pub struct Rto {
     floor: Span,
@@ -27,12 +27,13 @@ pub struct Rto {
 }
 
 impl Rto {
-    /// An estimate before the first sample; `granularity` is the lower limit of four deviations.
+    /// Estimate before the first round trip. `granularity` is the least time that the time-out is above the smoothed
+    /// round trip.
     pub const fn new(floor: Span, ceiling: Span, granularity: Span) -> Self {
         Rto { floor, ceiling, granularity, srtt: None, rttvar: 0, rto: ceiling }
     }
 
-    /// Updates the estimate with a round trip.
+    /// Updates the estimate with the time of a round trip.
     pub fn sample(&mut self, Span(r): Span) {
         let srtt = match self.srtt {
             None => {
@@ -54,12 +55,12 @@ impl Rto {
         self.rto = Span(self.rto.0.saturating_mul(2)).min(self.ceiling); // (4)
     }
 
-    /// Current time-out.
+    /// Current time-out for sending again.
     pub const fn rto(&self) -> Span {
         self.rto
     }
 
-    /// Smoothed round trip; zero before the first sample.
+    /// Smoothed round-trip time; zero before the first sample.
     pub fn srtt(&self) -> Span {
         Span(self.srtt.unwrap_or(0))
     }

@@ -13,43 +13,44 @@ use super::settings::{LinkSettings, Role};
 use super::state::Refusal;
 use arcfeed_units::{Span, US_PER_MS};
 
-/// Length of a hello's payload.
+/// Length of a hello's payload, bytes.
 pub const HELLO_LEN: usize = 23;
-/// Length of an [`Echo`].
+/// Length of an encoded [`Echo`], bytes.
 pub const ECHO_LEN: usize = 8;
 
-/// Echo of the peer's last time stamp, and its age: half of a round trip.
+/// Echo in a frame: the time stamp of the peer's last frame, and how long ago that one arrived. The peer computes the
+/// round-trip time from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Echo {
-    /// Time stamp `t` of the peer's last frame.
+    /// Time stamp of the peer's last frame, by the peer's clock, microseconds modulo 2^32.
     pub t_us: u32,
-    /// Time from its arrival until this frame was sent.
+    /// Time from the arrival of that frame to the sending of this one, microseconds.
     pub held_us: u32,
 }
 
-/// Hello message: identification of an end of a link.
+/// Payload of a hello, the frame by which one end of a link identifies itself to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Hello {
-    /// Role: 1 host, 2 board.
+    /// Role of the sender: 1 host, 2 board.
     pub role: u8,
-    /// Hash of its messages.
+    /// Hash of the sender's table of messages.
     pub schema: u32,
-    /// Session number.
+    /// Session number of the sender.
     pub session: u32,
-    /// Session of the peer, if known; otherwise 0.
+    /// Session number of the peer, if the sender knows it; otherwise 0.
     pub peer_session: u32,
-    /// Heartbeat, milliseconds.
+    /// Longest time between two heartbeats of the sender, milliseconds.
     pub heartbeat_ms: u16,
-    /// Echo of the peer's last frame; zero if there was none.
+    /// Echo of the peer's last frame; all zero if there was none.
     pub echo: Echo,
 }
 
-/// The peer's session, and the salts of both directions.
+/// The peer's session number, and the salts (values combined with the checksums) of both directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Peer {
-    /// Session number.
+    /// Session number of the peer.
     pub session: u32,
     /// Salt of frames from the peer.
     pub salt_in: u32,
@@ -73,7 +74,7 @@ impl Echo {
 }
 
 impl Hello {
-    /// Hello of an end with these settings.
+    /// Hello of an end with these settings, this session, and the peer's session (0 if unknown).
     pub fn new(settings: &LinkSettings, session: u32, peer_session: u32, echo: Echo) -> Self {
         let heartbeat_ms = u64::from(settings.heartbeat.0).div_ceil(US_PER_MS);
         let heartbeat_ms = u16::try_from(heartbeat_ms).unwrap_or(u16::MAX);
@@ -92,7 +93,7 @@ impl Hello {
         [role, s0, s1, s2, s3, m0, m1, m2, m3, p0, p1, p2, p3, b0, b1, e0, e1, e2, e3, e4, e5, e6, e7]
     }
 
-    /// Decodes from bytes; `None` if their number is wrong.
+    /// Decodes a hello from bytes; `None` if their number is wrong.
     pub fn decode(payload: &[u8]) -> Option<Self> {
         let bytes: [u8; HELLO_LEN] = payload.try_into().ok()?;
         let [role, s0, s1, s2, s3, m0, m1, m2, m3, p0, p1, p2, p3, b0, b1, echo @ ..] = bytes;
@@ -106,7 +107,7 @@ impl Hello {
         })
     }
 
-    /// Reason why an end with these settings rejects this hello; `None` if it accepts it.
+    /// Reason why an end with these settings rejects this hello from its peer; `None` if it accepts it.
     pub fn refusal(&self, settings: &LinkSettings) -> Option<Refusal> {
         let heartbeat = Span::from_ms(u32::from(self.heartbeat_ms));
         if self.role != settings.role.other() as u8 {
@@ -122,7 +123,7 @@ impl Hello {
 }
 
 impl Peer {
-    /// The peer of `session` for our session.
+    /// Peer with session number `session`; `ours` is the session number of this end.
     pub fn new(settings: &LinkSettings, ours: u32, session: u32) -> Self {
         let salt_in = salt(settings.role.other(), [session, ours, settings.schema]);
         let salt_out = salt(settings.role, [ours, session, settings.schema]);
@@ -130,7 +131,8 @@ impl Peer {
     }
 }
 
-/// Salt of frames from `from`: its session, the peer's session, and the hash of the messages. (1)
+/// Salt that binds the frames from one role to a pair of sessions: computed from the session numbers of sender and
+/// receiver and the hash of the messages. (1)
 pub fn salt(from: Role, [ours, theirs, schema]: [u32; 3]) -> u32 {
     let [a0, a1, a2, a3] = ours.to_le_bytes();
     let [b0, b1, b2, b3] = theirs.to_le_bytes();

@@ -1,4 +1,4 @@
-//! Settings of a link.
+//! Settings of a link between host and board: role, times and limits.
 
 use super::frame::ENCODED_MAX;
 use arcfeed_units::{Micros, Span, US_PER_S};
@@ -12,13 +12,14 @@ const DRIFT_MAX_PPM: u32 = 10_000;
 /// Number of hellos per heartbeat: a restarted end is noticed within a heartbeat even if two hellos are corrupt.
 const HELLOS_PER_HEARTBEAT: u32 = 3;
 
-/// Role of an end: each end accepts frames of the other role only, not its own echo.
+/// Role of an end of the link. Each end accepts only frames of the other role, so it does not take its own echo for
+/// the peer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Role {
-    /// The end with the job.
+    /// The end with the job: the host program.
     Host = 1,
-    /// The end with the override.
+    /// The end that sets the override: the board.
     Board = 2,
 }
 
@@ -32,54 +33,54 @@ impl Role {
     }
 }
 
-/// Times and limits of one end of a link.
+/// Times and limits of one end of a link between host and board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LinkSettings {
     /// Role of this end.
     pub role: Role,
-    /// Hash of all messages and their fields; both ends must have the same.
+    /// Hash of all messages and their fields; both ends must have the same one.
     pub schema: u32,
-    /// Bit rate of the line at ten bits per byte; 0 for unlimited (memory, sockets).
+    /// Bit rate of the line, at ten bits for each byte; 0 for unlimited (memory, sockets).
     pub bits_per_s: u32,
-    /// Time by which bytes may be passed to the line early: the longest time between two calls. With more, values age
-    /// in buffers.
+    /// Time by which bytes may be passed to the line before it can send them: the longest time between two calls. If
+    /// it is longer, values become old in the driver's buffer.
     pub ahead: Span,
-    /// Longest time between two sent heartbeats.
+    /// Longest time between two heartbeats (signs of life) that this end sends.
     pub heartbeat: Span,
-    /// Time without a valid frame of the peer, copies excluded, after which the link is lost.
+    /// Time without a valid frame of the peer after which the link is lost; late copies of frames do not count.
     pub lost_after: Span,
-    /// Age of the oldest unacknowledged reliable message at which the link is lost, although the peer sends frames and
-    /// is ready.
+    /// Age of the oldest unacknowledged reliable message from which the link is lost, although frames of the peer
+    /// arrive and the peer is not busy.
     pub unacknowledged_after: Span,
-    /// Longest delay of an acknowledgement that waits for another frame.
+    /// Longest time for which an acknowledgement waits for another frame that can carry it.
     pub ack_delay: Span,
-    /// Smallest retransmission time-out.
+    /// Smallest time-out after which an unacknowledged message is sent again.
     pub rto_floor: Span,
-    /// Largest and first retransmission time-out.
+    /// Largest value of that time-out, which is also its first one.
     pub rto_ceiling: Span,
-    /// Largest difference of the two clocks' rates, parts per million.
+    /// Largest difference between the rates of both clocks, parts per million.
     pub drift_max_ppm: u32,
-    /// Number of consecutive invalid frames at which the link is lost.
+    /// Number of consecutive invalid frames from which the link is lost.
     pub bad_frames_max: u32,
 }
 
-/// Reason why settings are invalid.
+/// Reason why settings of a link are invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SettingsError {
-    /// The heartbeat is shorter than a millisecond or longer than 50 s.
+    /// The heartbeat interval is shorter than 1 ms or longer than 50 s.
     Heartbeat(Span),
-    /// `lost_after` leaves no room for one lost heartbeat.
+    /// `lost_after` is so short that a single lost heartbeat would end the link.
     LostAfter(Span),
-    /// The floor of the time-out is zero, or above its ceiling.
+    /// The smallest retransmission time-out is zero, or above the largest.
     Rto(Span, Span),
-    /// `unacknowledged_after` is over before the first retransmission.
+    /// `unacknowledged_after` ends before the first retransmission.
     UnacknowledgedAfter(Span),
-    /// The line is so slow that one frame takes longer than `lost_after`.
+    /// The bit rate is so low that one frame takes longer than `lost_after`.
     BitsPerS(u32),
     /// `bad_frames_max` is zero.
     BadFramesMax,
-    /// The drift exceeds 10 000 ppm.
+    /// `drift_max_ppm` is above 10 000.
     DriftMaxPpm(u32),
 }
 
@@ -102,18 +103,18 @@ impl LinkSettings {
         }
     }
 
-    /// Time between two hellos.
+    /// Time between two hellos while the link is not up.
     pub const fn hello_every(&self) -> Span {
         Span(self.heartbeat.0 / HELLOS_PER_HEARTBEAT)
     }
 
-    /// Time of the longest frame on the line.
+    /// Time that the longest frame takes on the line; zero if the bit rate is unlimited.
     pub fn longest_frame(&self) -> Span {
         let bits_us = ENCODED_MAX as u64 * BITS_PER_BYTE * US_PER_S;
         Micros(bits_us.checked_div(u64::from(self.bits_per_s)).unwrap_or(0)).into()
     }
 
-    /// Checks the settings.
+    /// Checks that the settings fit each other.
     ///
     /// # Errors
     /// The first invalid setting.

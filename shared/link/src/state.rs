@@ -1,8 +1,8 @@
-//! State of a link, and the messages that it delivers.
+//! State of a link between host and board, and the messages that it delivers.
 
 use arcfeed_units::{Micros, Span};
 
-/// State of a link.
+/// State of a link between host and board.
 ///
 /// ```text
 ///             hello that cannot be talked to
@@ -19,41 +19,41 @@ use arcfeed_units::{Micros, Span};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LinkState {
-    /// Sends hellos; no answer yet.
+    /// Sends hellos; no acceptable hello of a peer has led to a session yet.
     Greeting,
-    /// Sends hellos; the answer came from an incompatible peer.
+    /// Sends hellos; the last hello that arrived came from a peer that does not fit.
     Refused(Refusal),
-    /// Both ends know each other's session.
+    /// Both ends know each other's session number and exchange messages.
     Up,
-    /// Ended; only a restart leaves this state.
+    /// The link has ended; only a restart leaves this state.
     Lost(Loss),
 }
 
-/// Reason why a peer is rejected.
+/// Reason why a peer's hello is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// The peer has this other version of the protocol.
     Version(u8),
-    /// The peer has this unexpected role: an echo, or two ends with the same role.
+    /// The peer has this role instead of the other one: this end hears its own echo, or both ends have the same role.
     Role(u8),
-    /// The peer has other messages, with this hash.
+    /// The peer has another table of messages, with this hash.
     Schema(u32),
-    /// The peer's heartbeat is too slow for `lost_after`.
+    /// The peer's heartbeat interval is too long for this end's `lost_after`.
     Heartbeat(Span),
 }
 
-/// Reason why a link is no longer up.
+/// Reason why a link that was up has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Loss {
-    /// No valid new frame for `lost_after`.
+    /// No valid frame of the peer, late copies excluded, for the time `lost_after`.
     Silence,
     /// A hello with another session: the peer has restarted or was replaced.
     PeerRestarted,
-    /// The peer sends frames but does not acknowledge messages.
+    /// The peer sends frames but has not acknowledged a message for the time `unacknowledged_after`.
     Unacknowledged,
-    /// Too many consecutive invalid frames.
+    /// `bad_frames_max` consecutive frames were invalid.
     Garbled,
     /// The peer has closed the link.
     PeerClosed,
@@ -61,38 +61,38 @@ pub enum Loss {
     Closed,
 }
 
-/// Reason why a message was not accepted for sending.
+/// Reason why the link did not accept a message for sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SendError {
     /// The link is not up.
     Down,
-    /// The window of reliable messages, or the number of latest-wins kinds, is exhausted.
+    /// Too many reliable messages are unacknowledged, or values of too many kinds are waiting.
     Full,
-    /// Longer than [`super::frame::PAYLOAD_MAX`].
+    /// The payload is longer than [`super::frame::PAYLOAD_MAX`]; this is its length in bytes.
     TooLong(usize),
 }
 
-/// A message from the peer.
+/// A message from the peer, as passed to the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Received<'a> {
-    /// Kind or payload as sent.
+    /// Kind of the message: its number in the table of messages.
     pub kind: u8,
-    /// Kind or payload as sent.
+    /// Payload of the message, still encoded.
     pub payload: &'a [u8],
-    /// Class of delivery.
+    /// Whether the message comes once and in order, or is a value that expires.
     pub delivery: Delivery,
 }
 
-/// Class of delivery of a message.
+/// Guarantee with which a message is delivered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Delivery {
-    /// Once and in order.
+    /// Delivered once and in order.
     Reliable,
-    /// Newest value, valid until `expires` by the receiver's clock.
+    /// Only the newest value is delivered; it is valid until `expires`.
     Latest {
-        /// Time from which the value must not be used.
+        /// Instant, by the receiver's clock, from which the value must not be used.
         expires: Micros,
     },
 }

@@ -11,36 +11,38 @@ use arcfeed_nc::modal::Turn;
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_units::{MmPerTooth, Nm};
 
-/// Most rules in a job.
+/// Largest number of cut rules in a job.
 pub const RULES_MAX: usize = 16;
-/// Largest relative difference of an arc's radius from the ring's.
+/// Largest relative difference between an arc's radius and the cup mill's cutting radius at which a rule for rotations
+/// still matches the arc.
 pub const RADIUS_MATCH_RATIO: f64 = 1e-3;
 
 /// Cut rule, one `[[cut]]` of a job: the moves to which a law applies, and the stock that they cut.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutRule {
-    /// Index of its tool in the job.
+    /// Index of the tool in the job's list of tools, from 0; the rule applies to moves with this tool only.
     pub tool: u8,
-    /// Moves to which it applies.
+    /// Moves to which the rule applies.
     pub moves: Moves,
-    /// Material that they cut, and the cutting edge.
+    /// Material beside these moves, and the cutting circle or side of the contour that is in it.
     pub work: Work,
-    /// Target feed per tooth; `None` means the tool's.
+    /// Target feed per tooth; `None`: that of the tool.
     pub feed_per_tooth: Option<MmPerTooth>,
-    /// Knots of the rule in the job's store, for the table law.
+    /// Under the table law: the rule's own knots, as a range of the list of knots that all rules of the job share.
     pub table: Option<KnotRange>,
-    /// First and last sequence number, if restricted.
+    /// First and last sequence number (N word) to which the rule applies; `None`: every block.
     pub sequence: Option<(i64, i64)>,
-    /// Lowest and highest Z at the start of the move, if restricted.
+    /// Lowest and highest Z at the start of a move to which the rule applies, in the program's coordinates; `None`:
+    /// any.
     pub level: Option<(Nm, Nm)>,
 }
 
 /// Moves to which a rule applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moves {
-    /// Arcs of a ring about a point on one of its circles.
+    /// Arcs of a cup mill (a ring-shaped cutter) about a point on its inner or outer cutting circle, in one sense.
     Rotations(RotationCircle, Turn),
-    /// Arcs in one sense.
+    /// Arcs in one sense (G02 or G03), whatever the radius.
     Arcs(Turn),
     /// Straight cutting moves.
     Lines,
@@ -50,19 +52,19 @@ pub enum Moves {
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and a job has few rules")]
 pub enum Work {
-    /// A ring cuts this stock with one of its circles. An end mill counts as a ring without a bore: it cuts with the
-    /// outer circle.
+    /// A cup mill cuts this stock with its outer or inner circle. An end mill counts as a cup mill without a bore: it
+    /// cuts with the outer circle.
     Ring(Edge, Stock),
     /// An end mill cuts along a contour.
     Mill {
         /// Side of the contour on which the tool runs.
         side: ContourSide,
-        /// Radial depth of cut, ae.
+        /// Radial depth of cut, ae: measured across the path, in the tool's plane.
         radial_depth: Nm,
     },
 }
 
-/// Side of a contour on which a tool runs.
+/// Side of a contour on which a tool runs, seen from the arc of the contour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContourSide {
     /// Inside a concave arc: the contour is longer than the path of the tool's centre.
@@ -73,17 +75,18 @@ pub enum ContourSide {
     Slot,
 }
 
-/// Circle of the ring on which the rotation centre lies (Petean table 5.1).
+/// Cutting circle of a cup mill that passes through the rotation centre of an arc (Petean table 5.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RotationCircle {
-    /// A point on the inner circle: the arc has the inner radius.
+    /// The rotation centre lies on the inner circle: the path of the tool's centre has the inner radius.
     Interior,
-    /// A point on the outer circle: the arc has the outer radius.
+    /// The rotation centre lies on the outer circle: the path of the tool's centre has the outer radius.
     Exterior,
 }
 
 impl CutRule {
-    /// Whether this rule applies to `segment`.
+    /// Whether shape, sense, radius, sequence number and start level of `segment` match the rule. The caller has
+    /// already checked that `tool` is the rule's.
     pub fn fits(&self, segment: &Segment, tool: &Tool) -> bool {
         let [_, _, z] = segment.start.linear;
         let in_sequence =
@@ -92,8 +95,8 @@ impl CutRule {
         in_sequence && in_level && self.moves.include(segment, tool)
     }
 
-    /// The rule with this side of the contour, for a move that runs there; an end mill in a slot keeps the side
-    /// `slot`.
+    /// Copy of the rule with this side of the contour. Returned unchanged for a cup mill, and for an end mill in a
+    /// slot, which cuts both sides.
     #[must_use]
     pub fn on_side(&self, side: ContourSide) -> Self {
         let mut rule = self.clone();
@@ -105,7 +108,7 @@ impl CutRule {
         rule
     }
 
-    /// Whether the rule expects the engagement with each move, in place of a fixed stock.
+    /// Whether the engaged directions come separately with each move, because the rule has no fixed stock.
     pub const fn expects_engagement_per_move(&self) -> bool {
         matches!(self.work, Work::Ring(_, Stock::PerMove))
     }

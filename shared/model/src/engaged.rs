@@ -1,5 +1,5 @@
-//! Table of a ring's engaged arcs, one for each circle, over the path travelled. It is computed beforehand from the
-//! removed material.
+//! Engaged arcs of a cup mill's two cutting circles (directions in which their edges are in material) over the path
+//! travelled: a table that is computed beforehand from the removed material.
 //!
 //! *Frame.* A direction from the tool's centre is an angle from the direction towards the rotation centre A (on a line: to
 //! the left of the motion), positive towards the side on which the circle's edges advance: with the motion for the outer
@@ -18,7 +18,7 @@ use crate::tool::Edge;
 use arcfeed_units::Mm;
 use arcfeed_units::fmath;
 
-/// Most knots of a table.
+/// Largest number of knots in a table.
 pub const ENGAGED_KNOTS_MAX: usize = 16;
 /// Units of an angle in a degree.
 const UNITS_PER_DEGREE: f64 = 90.0;
@@ -32,21 +32,23 @@ const UNIT_RAD: f32 = (core::f64::consts::PI / (180.0 * UNITS_PER_DEGREE)) as f3
 const QUARTER: f32 = 8_100.0;
 const AHEAD: [f32; 2] = [QUARTER, -3.0 * QUARTER];
 
-/// One engaged arc.
+/// Engaged arc of one cutting circle, as the table stores it: the directions from `from` to `to`, in the sense of
+/// positive angles, in whole multiples of 1/90 degree. Empty if `from` is not less than `to`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EngagedInterval {
     from: i16,
     to: i16,
 }
 
-/// An engaged arc at a place between knots; never empty.
+/// Engaged arc of one cutting circle, interpolated at a place of the path; never empty. The angles count as in
+/// [`EngagedInterval`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngagedSpan {
     from: f32,
     to: f32,
 }
 
-/// The engaged arcs at one point of the path.
+/// Engaged arcs of both cutting circles of a cup mill at one point of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngagedKnot {
     /// Path from the segment's start.
@@ -57,7 +59,7 @@ pub struct EngagedKnot {
     pub inner: EngagedInterval,
 }
 
-/// The engaged arcs along a segment.
+/// Engaged arcs of a cup mill along one segment: knots by growing path, linear between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedTable {
     knots: Vec<EngagedKnot, ENGAGED_KNOTS_MAX>,
@@ -66,9 +68,10 @@ pub struct EngagedTable {
 /// Reason why knots are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EngagedError {
-    /// There is no knot, or there are more than [`ENGAGED_KNOTS_MAX`].
+    /// There is no knot, or more than [`ENGAGED_KNOTS_MAX`].
     Count,
-    /// The path of this knot is not larger than that of the previous knot, or is not a finite number.
+    /// The path of the knot with this index (from 0) is not larger than that of the knot before, or is not a finite
+    /// number.
     Order(usize),
 }
 
@@ -76,8 +79,8 @@ impl EngagedInterval {
     /// Empty interval: nothing is engaged.
     pub const EMPTY: Self = EngagedInterval { from: 0, to: 0 };
 
-    /// Interval between two ends, rounded to 1/90 degree; `None` for ends beyond +-360 degrees, arcs wider than 360
-    /// degrees and NaN.
+    /// Interval between two angles, rounded to 1/90 degree; `None` if one is beyond +-360 degrees or NaN, or if the
+    /// arc is wider than 360 degrees.
     pub fn from_degrees(from_deg: f64, to_deg: f64) -> Option<Self> {
         let units = |degrees: f64| {
             let is_within = (-TURN_DEG..=TURN_DEG).contains(&degrees);
@@ -87,17 +90,17 @@ impl EngagedInterval {
         (to_deg - from_deg <= TURN_DEG).then_some(interval)
     }
 
-    /// Both ends of the arc, degrees, after rounding.
+    /// First and last angle of the arc, degrees, as rounded.
     pub fn degrees(self) -> [f64; 2] {
         [self.from, self.to].map(|units| f64::from(units) / UNITS_PER_DEGREE)
     }
 
-    /// Both ends of the arc, 1/90 degree.
+    /// First and last angle of the arc, in units of 1/90 degree.
     pub fn units(self) -> [i16; 2] {
         [self.from, self.to]
     }
 
-    /// Interval from [`Self::units`]; `None` in the same cases as [`Self::from_degrees`].
+    /// Interval from a first and a last angle as [`Self::units`] returns them; `None` as for [`Self::from_degrees`].
     pub fn from_units([from, to]: [i16; 2]) -> Option<Self> {
         let width = i32::from(to) - i32::from(from);
         let is_arc = [from, to].iter().all(|end| end.unsigned_abs() <= TURN) && width <= i32::from(TURN);
@@ -113,17 +116,19 @@ impl EngagedInterval {
 }
 
 impl EngagedSpan {
-    /// Both ends of the arc, degrees.
+    /// First and last angle of the arc, degrees.
     pub fn degrees(&self) -> [f32; 2] {
         [self.from, self.to].map(|units| units / UNITS_PER_DEGREE as f32)
     }
 
-    /// Whether the feed direction (the direction k v of the edges' advance) is engaged.
+    /// Whether the arc contains the direction straight ahead, in which the edges advance: +90 or -270 degrees.
     pub fn is_engaged_ahead(&self) -> bool {
         AHEAD.iter().any(|ahead| (self.from..=self.to).contains(ahead))
     }
 
-    /// The directions of both ends: components along k v and towards the rotation centre.
+    /// Unit vectors from the tool's centre to the first and to the last direction of the arc. Components: along the
+    /// direction in which the edges advance (k v: with the motion for the outer circle, against it for the inner one),
+    /// and towards the rotation centre.
     pub fn ends(&self) -> [[f32; 2]; 2] {
         [self.from, self.to].map(direction)
     }
@@ -151,7 +156,7 @@ impl EngagedKnot {
 }
 
 impl EngagedTable {
-    /// Checks the knots.
+    /// Table of these knots, which must be in the order of the path.
     ///
     /// # Errors
     /// See [`EngagedError`].
@@ -165,7 +170,7 @@ impl EngagedTable {
     /// A table of one knot, to which [`Self::push`] adds the others.
     ///
     /// # Errors
-    /// [`EngagedError::Order`].
+    /// [`EngagedError::Order`] if its path is not a finite number.
     pub fn with_first(knot: EngagedKnot) -> Result<Self, EngagedError> {
         let mut table = EngagedTable { knots: Vec::new() };
         table.push(knot)?;
@@ -184,12 +189,13 @@ impl EngagedTable {
         self.knots.push(knot).map_err(|_| EngagedError::Count)
     }
 
-    /// The knots, by path.
+    /// The knots, in the order of the path.
     pub fn knots(&self) -> &[EngagedKnot] {
         &self.knots
     }
 
-    /// Engaged arc of a circle after a distance travelled on the segment; `None` where nothing is engaged.
+    /// Engaged arc of a cutting circle at this distance from the segment's start; `None` where nothing is engaged.
+    /// Before the first knot and after the last the arc is that of the knot.
     pub fn arc_at(&self, travelled_mm: f32, edge: Edge) -> Option<EngagedSpan> {
         let next = self.knots.partition_point(|knot| knot.travelled.0 <= travelled_mm);
         let before = next.checked_sub(1).and_then(|index| self.knots.get(index));

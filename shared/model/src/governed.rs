@@ -22,54 +22,56 @@ use arcfeed_nc::modal::Pose;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{MmPerMin, Nm, RevPerMin};
 
-/// Largest sine of the angle between a governed path and the plane across the tool's axis: 1 degree. (1)
+/// Sine of the largest angle (1 degree) between a move and the plane across the tool's axis at which a law for
+/// peripheral cutting may govern the move. (1)
 pub const AXIAL_SINE_MAX: f64 = 0.017_452_406_437_283_51;
 
-/// Largest path across the tool's axis of a plunge, over that along it. (2)
+/// Largest displacement across the tool's axis on a plunge, divided by the displacement along it. (2)
 pub const PLUNGE_OFF_MAX: f64 = 1e-3;
 
 /// Result of matching a move with the cut rules of a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Match<'r> {
-    /// No cut rule matches it.
+    /// No cut rule matches the move.
     NoRule,
-    /// A cut rule matches it, but it keeps its programmed feed.
+    /// A cut rule matches the move, but the move keeps its programmed feed.
     Excluded {
-        /// Index of the rule in the job.
+        /// Index of the rule in the job, from 0.
         index: usize,
-        /// Reason.
+        /// Reason why no law governs the move.
         why: Exclusion,
     },
-    /// The law governs it.
+    /// The law of the rule's tool governs the move.
     Governed(Governing<'r>),
 }
 
-/// Cut rule and spindle speed that govern a move.
+/// Cut rule that governs a move, and the spindle speed for which its law computes the feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Governing<'r> {
-    /// Index of the cut rule in the job.
+    /// Index of the cut rule in the job, from 0.
     pub index: usize,
     /// The cut rule.
     pub rule: &'r CutRule,
-    /// Commanded spindle speed.
+    /// Spindle speed: the program's, or the job's if the operator sets it.
     pub spindle: RevPerMin,
 }
 
 /// Reason why a move that a cut rule matches keeps its programmed feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Exclusion {
-    /// The move runs along the tool's axis, or turns about a line across this axis.
+    /// The move climbs or descends by more than 1 degree from the plane across the tool's axis, or is an arc whose
+    /// plane contains that axis.
     Axial,
-    /// A rotary axis turns with it: its F is not a feed along the path.
+    /// A rotary axis turns during the move, so F is not a feed along the path.
     Rotary,
     /// The program has loaded a tool that the job does not have.
     Tool,
-    /// The spindle is off, or its speed is stated nowhere.
+    /// The spindle is stopped, or neither the program nor the job states its speed.
     Spindle,
 }
 
 impl<'r> Match<'r> {
-    /// Rule and speed that govern the move, if any.
+    /// The governing rule and speed; `None` if no rule matches, or if the matching rule does not govern the move.
     pub fn governing(self) -> Option<Governing<'r>> {
         match self {
             Match::Governed(governing) => Some(governing),
@@ -79,12 +81,13 @@ impl<'r> Match<'r> {
 }
 
 impl Job {
-    /// Matches a move with the cut rules, with tool and spindle as the program has commanded them.
+    /// Finds the first cut rule for a move and decides whether its law may govern the move. `machining` is the tool in
+    /// the spindle and the spindle command that the program has in force there.
     pub fn match_move(&self, segment: &Segment, machining: &Machining) -> Match<'_> {
         self.match_among(segment, machining, |_| true)
     }
 
-    /// Matches a move with the cut rules whose index `admits` accepts.
+    /// As [`Job::match_move`], but considers only rules for whose index (from 0) `admits` returns true.
     pub fn match_among(&self, segment: &Segment, machining: &Machining, admits: impl Fn(usize) -> bool) -> Match<'_> {
         let Some((index, rule)) = self.rule_among(segment, machining.tool, admits) else { return Match::NoRule };
         let setup = self.tool_of(rule);
@@ -98,13 +101,13 @@ impl Job {
         }
     }
 
-    /// The first rule of the tool in the spindle that matches a move, with its index. For a tool that the job does not
-    /// have: the first rule that would match with its own tool.
+    /// First rule that matches the move and belongs to the tool in the spindle, with its index from 0. If the job does
+    /// not have this tool, the first rule of any tool that matches the move.
     pub fn rule_for(&self, segment: &Segment, tool: ToolInSpindle) -> Option<(usize, &CutRule)> {
         self.rule_among(segment, tool, |_| true)
     }
 
-    /// The first rule that matches a move, as [`Job::rule_for`], among the rules whose index `admits` accepts.
+    /// As [`Job::rule_for`], but considers only rules for whose index (from 0) `admits` returns true.
     pub fn rule_among(
         &self,
         segment: &Segment,
@@ -117,13 +120,13 @@ impl Job {
         self.rules.iter().enumerate().find(|(index, rule)| fits(rule) && admits(*index))
     }
 
-    /// The setup of the tool in the spindle; the job's first setup if it has no such tool.
+    /// Settings of the tool in the spindle; those of the job's first tool if the job does not have it.
     pub fn setup_in(&self, tool: ToolInSpindle) -> &ToolSetup {
         self.tool_in(tool).and_then(|index| self.tools.get(index)).unwrap_or(self.tools.first())
     }
 
-    /// Index of the spindle's tool in the job; `None` if the job has no such tool. Where the program loads no tool, a
-    /// job for one tool assumes that the operator has loaded it.
+    /// Index of the spindle's tool in the job, from 0; `None` if the job does not have it. If the program loads no
+    /// tool and the job has only one, that one is assumed to be loaded.
     pub fn tool_in(&self, tool: ToolInSpindle) -> Option<usize> {
         match tool {
             ToolInSpindle::Unstated => (self.tools.len() == 1).then_some(0),
@@ -132,7 +135,8 @@ impl Job {
         }
     }
 
-    /// Upper limit of the feed on a move that a law governs; `programmed` is its F in the program.
+    /// Upper limit of the feed on a move that a law governs: the lowest of the axis limits, the control's arc clamp,
+    /// and the job's ceiling. `programmed` is F in the program, nm/min; `None` if no limit is known.
     pub fn feed_limit(&self, segment: &Segment, programmed: Option<Nm>) -> Option<FeedLimit> {
         let feed = MmPerMin(self.ceiling.feed_mm_per_min(programmed) as f32);
         let ceiling = Some(FeedLimit { feed, by: LimitedBy::Ceiling }).filter(|_| feed.0.is_finite());
@@ -144,7 +148,8 @@ impl Job {
 }
 
 impl ToolSetup {
-    /// Spindle speed of a governed move: the program's, or the job's if the operator sets the speed.
+    /// Spindle speed for which the law computes: the program's, or the job's if the program states none and the
+    /// operator sets it. `None` if the spindle is stopped or its speed is unknown.
     pub fn speed(&self, command: SpindleCommand) -> Option<RevPerMin> {
         match (command, self.speed_source) {
             (SpindleCommand::RevPerMin(speed), _) => Some(RevPerMin(speed as f32)),
@@ -154,15 +159,16 @@ impl ToolSetup {
     }
 }
 
-/// A straight move towards the tip of the tool, not across its axis.
+/// A straight move that goes down along the tool's axis (towards its tip) at more than 1 degree: a plunge or a ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descent {
-    /// Sine of its angle from the plane across the axis: 1 along the axis.
+    /// Sine of the angle between the move and the plane across the axis: 1 for a move exactly along the axis.
     pub sine_ratio: f64,
 }
 
 impl Descent {
-    /// The descent of a move; `None` for other moves, and where a rotary axis turns.
+    /// The descent of a move; `None` for arcs, for moves that climb or stay within 1 degree of the plane across the
+    /// axis, and where a rotary axis turns.
     pub fn of(segment: &Segment, axis: ToolAxis) -> Option<Self> {
         let along = |pose: &Pose| pose.linear.get(axis.index()).copied().unwrap_or_default().to_mm();
         let down_mm = along(&segment.start) - along(&segment.end);
@@ -171,13 +177,13 @@ impl Descent {
         (is_straight && down_mm > 0.0 && sine > AXIAL_SINE_MAX).then_some(Descent { sine_ratio: sine })
     }
 
-    /// Whether the move runs along the tool's axis. (2)
+    /// Whether the move runs along the tool's axis, within 0.001 of its depth; otherwise it is a ramp. (2)
     pub fn is_plunge(&self) -> bool {
         libm::sqrt((1.0 - self.sine_ratio * self.sine_ratio).max(0.0)) <= PLUNGE_OFF_MAX * self.sine_ratio
     }
 }
 
-/// Whether a move stays across the tool's axis. (1)
+/// Whether a move stays within 1 degree of the plane across the tool's axis; an arc must also lie in that plane. (1)
 pub fn is_across(segment: &Segment, axis: ToolAxis) -> bool {
     let ends = [&segment.start, &segment.end].map(|pose| pose.linear.get(axis.index()).copied().unwrap_or_default());
     let [from, to] = ends.map(Nm::to_mm);

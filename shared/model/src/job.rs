@@ -8,37 +8,38 @@ use crate::machine::MachineLimits;
 use crate::tool::Tool;
 use arcfeed_units::{LengthUnit, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
-/// Most tools in a job.
+/// Largest number of tools in a job.
 pub const TOOLS_MAX: usize = 8;
 
-/// A job, validated.
+/// Everything about a milling job that the feed laws need, checked: tools, stock, limits, and the moves to which a law
+/// applies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// Unit in which the program starts and in which reports are written.
     pub unit: LengthUnit,
     /// Tools of the job, each with its law.
     pub tools: Tools,
-    /// Way in which the target feed reaches the control.
+    /// Whether the target feed reaches the control by F words, by the override, or both.
     pub policy: FeedPolicy,
-    /// Bounds of the override.
+    /// Range, step and slew rates of the feed override.
     pub limits: OverrideLimits,
-    /// Upper limit of governed feeds.
+    /// Upper limit, set by the job, of the feed on moves that a law governs.
     pub ceiling: FeedCeiling,
-    /// Feed limits of the machine.
+    /// Feed limits of the machine's axes, and the control's clamp on arcs.
     pub machine: MachineLimits,
-    /// Cut rules.
+    /// Cut rules (moves to which a law applies, and the stock there), in the order in which they are tried.
     pub rules: Vec<CutRule, RULES_MAX>,
-    /// The knots of all rules' tables.
+    /// Tables of feeds per tooth over the path, for the table law: the knots of all rules together.
     pub knots: Knots,
 }
 
 impl Job {
-    /// The tool of a rule.
+    /// The tool to which a rule belongs, with its settings.
     pub fn tool_of(&self, rule: &CutRule) -> &ToolSetup {
         self.tools.get(usize::from(rule.tool)).unwrap_or(self.tools.first())
     }
 
-    /// The target feed per tooth of a rule.
+    /// The target feed per tooth of a rule: its own, or that of its tool.
     pub fn feed_per_tooth_of(&self, rule: &CutRule) -> MmPerTooth {
         rule.feed_per_tooth.unwrap_or(self.tool_of(rule).feed_per_tooth)
     }
@@ -54,36 +55,38 @@ pub struct ToolSetup {
     pub number: Option<i64>,
     /// Tool axis in the program's coordinates.
     pub axis: ToolAxis,
-    /// Spindle speed for plans and reports; also the speed on the machine if the operator sets it.
+    /// Spindle speed for plans and reports. Also the speed on the machine, if [`Self::speed_source`] is the operator
+    /// and the program states none.
     pub spindle: RevPerMin,
-    /// Source of the spindle speed.
+    /// Whether the program or the operator sets the spindle speed.
     pub speed_source: SpeedSource,
-    /// The feed law.
+    /// The feed law for this tool, with the law's settings.
     pub law: LawKind,
     /// a: target feed per tooth at the point that the law defines (on the circumference, at the contour), or target
     /// chip thickness.
     pub feed_per_tooth: MmPerTooth,
-    /// The target is the programmed F of each block instead, at the point that the law defines. Only for
-    /// [`FeedPolicy::RewriteOnly`]: a board knows the sent F, not the programmed one.
+    /// Whether the target is not `feed_per_tooth` but the programmed F of each block, at the point that the law
+    /// defines. Only with [`FeedPolicy::RewriteOnly`], because a board knows the sent F, not the programmed one.
     pub follows_program: bool,
 }
 
 impl ToolSetup {
-    /// Target feed per tooth where the programmed feed is the target, if it is positive.
+    /// Target feed per tooth that corresponds to a programmed feed (nm/min): F / (spindle speed times teeth that cut).
+    /// `None` if this is not positive and finite.
     pub fn target_of(&self, programmed: Nm, spindle: RevPerMin) -> Option<MmPerTooth> {
         let teeth_per_min = f64::from(spindle.0) * f64::from(self.tool.active_teeth());
         let target = programmed.to_mm() / teeth_per_min;
         (target > 0.0 && target.is_finite()).then_some(MmPerTooth(target as f32))
     }
 
-    /// A tool along Z without a number; the program sets its speed.
+    /// Settings of a tool with its axis along Z and without a T number, whose speed the program sets.
     pub const fn new(tool: Tool, spindle: RevPerMin, law: LawKind, feed_per_tooth: MmPerTooth) -> Self {
         let (number, axis, speed_source) = (None, ToolAxis::Z, SpeedSource::Program);
         ToolSetup { tool, number, axis, spindle, speed_source, law, feed_per_tooth, follows_program: false }
     }
 }
 
-/// The tools of a job, in its order: at least one.
+/// The tools of a job in the order of the job file; at least one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tools {
     first: ToolSetup,
@@ -91,12 +94,12 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// A job's only tool.
+    /// List of a single tool.
     pub const fn one(setup: ToolSetup) -> Self {
         Tools { first: setup, more: Vec::new() }
     }
 
-    /// Appends a tool to the job.
+    /// Appends a tool to the list.
     ///
     /// # Errors
     /// Returns the tool if there are already [`TOOLS_MAX`].
@@ -119,7 +122,7 @@ impl Tools {
         self.more.last_mut().unwrap_or(&mut self.first)
     }
 
-    /// The tool with this index, from 0.
+    /// The tool with this index, counted from 0; `None` beyond the last.
     pub fn get(&self, index: usize) -> Option<&ToolSetup> {
         self.iter().nth(index)
     }
@@ -136,7 +139,7 @@ impl Tools {
     }
 }
 
-/// The axis of the program's coordinates that the tool turns about.
+/// Axis of the program's coordinates that is parallel to the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolAxis {
     /// X: the plane is G19.
@@ -149,36 +152,38 @@ pub enum ToolAxis {
 }
 
 impl ToolAxis {
-    /// 0 for X to 2 for Z.
+    /// Index of the axis among X, Y, Z: 0 for X, 1 for Y, 2 for Z.
     pub const fn index(self) -> usize {
         self as usize
     }
 }
 
-/// Source of the spindle speed: program or operator.
+/// Source of the spindle speed: the program or the operator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpeedSource {
-    /// The program's S and M words.
+    /// The program's S and M words; without them the speed is unknown, and no law governs.
     #[default]
     Program,
-    /// The operator sets the job's speed where the program commands none.
+    /// The operator: the job's speed counts wherever the program commands none.
     Operator,
 }
 
-/// Upper limit of governed feeds: both of the sent F and of F times the override.
+/// Upper limit, set by the job, of the feed on moves that a law governs. It limits both the F that is sent and the
+/// product of F and override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedCeiling {
-    /// Largest feed along the path.
+    /// Largest feed along the path; `None`: no such limit.
     pub max_feed: Option<MmPerMin>,
-    /// Largest feed relative to the programmed F.
+    /// Largest feed as a multiple of the programmed F.
     pub max_raise_ratio: f32,
 }
 
 impl FeedCeiling {
-    /// Largest raise of a programmed feed where the job states none.
+    /// Value of [`Self::max_raise_ratio`] if the job states none.
     pub const DEFAULT_RAISE_RATIO: f32 = 2.0;
 
-    /// Largest feed of a governed move with this programmed F; infinite without any limit.
+    /// Largest feed of a governed move, mm/min; `programmed` is its programmed F, nm/min. Infinite if neither limit
+    /// applies.
     pub fn feed_mm_per_min(&self, programmed: Option<Nm>) -> f64 {
         let raised = programmed.map_or(f64::INFINITY, |feed| feed.to_mm() * f64::from(self.max_raise_ratio));
         raised.min(self.max_feed.map_or(f64::INFINITY, |feed| f64::from(feed.0)))
@@ -194,46 +199,48 @@ impl Default for FeedCeiling {
 /// Feed law that a job selects, with its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LawKind {
-    /// Constant feed per tooth on a ring's circumference, at the contact with the stock line (Petean ch. 5).
+    /// Constant feed per tooth on the circumference of a cup mill (a ring-shaped cutter), at the contact of its
+    /// cutting circle with the stock line (Petean ch. 5).
     Circumference,
-    /// The thickest chip over a ring's whole engaged arc.
+    /// The thickest chip anywhere on the engaged arc of a cup mill is kept at the target.
     EngagedArc {
-        /// Whether both circles of the ring are protected, or only the one that the cut rule names.
+        /// Whether both cutting circles count, or only the one that the cut rule names.
         both_edges: bool,
     },
-    /// Constant feed per tooth at the finished contour.
+    /// Constant feed per tooth along the finished contour instead of along the path of the tool's centre.
     Contour {
-        /// Whether outside arcs keep the feed instead of a raised one.
+        /// Whether arcs outside a contour have the target feed at the centre instead of a higher one.
         inside_only: bool,
-        /// Lower limit of the feed as a fraction, for tight arcs.
+        /// Lower limit of the centre's feed, as a fraction of the feed at the contour; it acts on tight inside arcs.
         floor_ratio: f32,
     },
-    /// Constant chip thickness of an end mill.
+    /// Constant chip thickness of an end mill: the feed depends on the radial depth of cut.
     Engagement,
-    /// Feed per tooth at the centre from a table of the cut rule.
+    /// Feed per tooth at the tool's centre from a table over the path, which the cut rule contains.
     Table,
-    /// The program's own feed.
+    /// No law: the program's own feed.
     Programmed,
 }
 
 /// Feed mode of a job: how the wanted feed reaches the control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FeedPolicy {
-    /// Blocks are sent with the smallest feed that the law demands; the override raises it. If the override is lost,
-    /// chips only get thinner.
+    /// Blocks are sent with the smallest feed that the law demands anywhere on them, and the override raises it from
+    /// there. If the override is lost, chips can therefore only get thinner.
     SafeBase,
-    /// The programmed F stays; the override alone varies the feed, within its limits.
+    /// Blocks are sent with their programmed F; only the override varies the feed.
     OverrideOnly,
-    /// The override stays at 100 %: arcs are sent in pieces, each with the smallest feed that the law demands on it.
+    /// The override stays at 100 %. Arcs are sent in pieces, each with an F of its own: the smallest feed that the law
+    /// demands on the piece.
     RewriteOnly(PieceSettings),
 }
 
-/// Rules for dividing arcs into pieces with an F each.
+/// Rules by which an arc is divided into pieces with an F of their own, for [`FeedPolicy::RewriteOnly`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PieceSettings {
     /// Step between feeds of an arc, %: the feeds are the smallest one times powers of this step.
     pub step_percent: f32,
-    /// Smallest rise of F, %; smaller rises are left out.
+    /// Smallest rise of F from one piece to the next, %; a smaller rise is left out, so that both have the lower F.
     pub hysteresis_percent: f32,
     /// Minimum length of a piece.
     pub least_length: Nm,
@@ -247,18 +254,18 @@ impl Default for PieceSettings {
     }
 }
 
-/// Bounds, step and slew rates of the override.
+/// Range, resolution and slew rates of the feed override.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverrideLimits {
-    /// Least override, %.
+    /// Smallest override that a law may set, %.
     pub min_percent: u8,
-    /// Largest override, %; a control takes 254 at most.
+    /// Largest override that a law may set, %; a control takes at most 254 %.
     pub max_percent: u8,
-    /// The control's step, %.
+    /// Step in which the control accepts the override, %.
     pub step_percent: u8,
-    /// Fastest rise, % per second.
+    /// Fastest rise, percentage points of override per second.
     pub slew_up_percent_per_s: f32,
-    /// Fastest fall, % per second.
+    /// Fastest fall, percentage points of override per second.
     pub slew_down_percent_per_s: f32,
 }
 

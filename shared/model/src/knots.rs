@@ -7,22 +7,22 @@ use heapless::Vec;
 
 use arcfeed_units::{Mm, MmPerTooth};
 
-/// Most knots of one table.
+/// Largest number of knots in one table.
 pub const TABLE_KNOTS_MAX: usize = 32;
-/// Most knots of all tables of a job.
+/// Largest number of knots in all tables of a job together.
 pub const JOB_KNOTS_MAX: usize = 64;
 
-/// Path from the segment's start, and feed per tooth at the tool's centre there.
+/// Knot of a table: path from the segment's start, and the feed per tooth at the tool's centre there.
 pub type Knot = (Mm, MmPerTooth);
 
-/// Knots of one rule: a range of [`Knots`].
+/// Position of one rule's table in [`Knots`]: index of its first knot, and number of knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KnotRange {
     first: u8,
     count: u8,
 }
 
-/// Knots of all tables of feeds of a job, one table after the other.
+/// Feed tables of a job under the table law: the knots of all tables in one list, one table after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knots {
     knots: Vec<Knot, JOB_KNOTS_MAX>,
@@ -34,7 +34,7 @@ impl KnotRange {
         KnotRange { first, count }
     }
 
-    /// Index of the first knot, and number of knots.
+    /// Index of the first knot, from 0, and number of knots.
     pub const fn bounds(self) -> [u8; 2] {
         [self.first, self.count]
     }
@@ -46,7 +46,7 @@ impl Knots {
         Knots { knots: Vec::new() }
     }
 
-    /// Adds a table; `None` if it does not fit.
+    /// Appends a table and returns its position; `None` if [`JOB_KNOTS_MAX`] knots would be exceeded.
     pub fn add(&mut self, table: &[Knot]) -> Option<KnotRange> {
         let range = KnotRange { first: u8::try_from(self.knots.len()).ok()?, count: u8::try_from(table.len()).ok()? };
         self.knots.extend_from_slice(table).ok()?;
@@ -58,7 +58,7 @@ impl Knots {
         &self.knots
     }
 
-    /// Knots of a table; empty if the range lies outside the store.
+    /// Knots of the table at this position; empty if the range is not within the list.
     pub fn table(&self, KnotRange { first, count }: KnotRange) -> &[Knot] {
         let first = usize::from(first);
         self.knots.get(first..first + usize::from(count)).unwrap_or_default()

@@ -18,26 +18,26 @@ use arcfeed_units::{DegPerMin, MicroDeg, Mm, MmPerMin, NM_PER_MM, Nm};
 /// Feed limits of a machine; `None` where a limit is not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MachineLimits {
-    /// Maximum cutting feed of X, Y, Z.
+    /// Maximum cutting feeds of X, Y and Z; `None`: not known, so the axis sets no limit.
     pub linear: [Option<MmPerMin>; 3],
-    /// Maximum feed of A, B, C.
+    /// Maximum feeds of A, B and C; `None`: not known, so the axis sets no limit.
     pub rotary: [Option<DegPerMin>; 3],
     /// Clamp of the control on arcs.
     pub arc_clamp: Option<ArcClamp>,
 }
 
-/// Clamp of the feed by arc radius.
+/// Clamp by which a control limits the feed on arcs in proportion to the square root of the arc's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcClamp {
     /// V: maximum feed at the radius R.
     pub feed: MmPerMin,
     /// R: reference radius.
     pub radius: Mm,
-    /// Lower limit of the clamped feed.
+    /// Lower limit: the clamp never reduces the feed below this.
     pub floor: MmPerMin,
 }
 
-/// Largest feed on a segment.
+/// Largest feed on a segment, and what limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedLimit {
     /// Feed along the path; on a helix, along its arc.
@@ -54,7 +54,7 @@ pub enum LimitedBy {
     Axis,
     /// The control's clamp on arcs.
     ArcClamp,
-    /// The job: its maximum feed, or its largest raise of the programmed feed.
+    /// The job: its maximum feed, or its maximum multiple of the programmed feed.
     Ceiling,
 }
 
@@ -67,7 +67,7 @@ impl FeedLimit {
 }
 
 impl ArcClamp {
-    /// Largest feed on an arc. (2)
+    /// Largest feed on an arc of this radius. (2)
     pub fn feed_at(&self, radius: Mm) -> MmPerMin {
         let part = libm::sqrt(f64::from(radius.0) / f64::from(self.radius.0));
         MmPerMin((f64::from(self.feed.0) * part).max(f64::from(self.floor.0)) as f32)
@@ -75,7 +75,7 @@ impl ArcClamp {
 }
 
 impl MachineLimits {
-    /// Largest feed on a cutting move; `None` for rapids and where no limit is known.
+    /// Largest feed on a cutting move, from the axes and the arc clamp; `None` for rapids, and if no limit is known.
     pub fn feed_limit(&self, segment: &Segment) -> Option<FeedLimit> {
         // Early return: the chip computes f64 in software.
         if segment.path == Path::Rapid || *self == MachineLimits::default() {
@@ -92,7 +92,8 @@ impl MachineLimits {
         }
     }
 
-    /// The axis with the lowest limit, the arc clamp aside: `X` to `Z`, `A` to `C`.
+    /// The axis whose maximum feed limits the move most, without regard to the arc clamp: `X`, `Y`, `Z`, `A`, `B` or
+    /// `C`; `None` if no axis that moves has a known limit.
     pub fn limiting_axis(&self, segment: &Segment) -> Option<char> {
         let feeds = ['X', 'Y', 'Z', 'A', 'B', 'C'].into_iter().zip(self.axis_feeds(segment));
         let known = feeds.filter_map(|(name, feed)| Some((name, feed?)));

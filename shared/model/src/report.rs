@@ -1,9 +1,9 @@
-//! Statistics of a run, accumulated sample by sample.
+//! Statistics of the chip load of a run, accumulated sample by sample.
 
-/// A chip is thin if it falls short of its target by more than this fraction.
+/// A chip counts as thin if it is below its target by more than this fraction of the target.
 pub const THIN_RATIO: f64 = 0.02;
 
-/// Chip load on the circumference relative to its target, over samples.
+/// Statistics of the chip load of a run, each sample as its ratio to the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipFigures {
     /// Smallest ratio of chip to target.
@@ -12,7 +12,7 @@ pub struct ChipFigures {
     pub max_ratio: f64,
     /// Number of samples.
     pub samples: u64,
-    /// Number of samples with a thin chip.
+    /// Number of samples whose chip is below the target by more than [`THIN_RATIO`].
     pub thin: u64,
     square_sum: f64,
 }
@@ -33,7 +33,7 @@ impl ChipFigures {
         self.square_sum += (ratio - 1.0) * (ratio - 1.0);
     }
 
-    /// Adds all samples of another run.
+    /// Adds all samples of other statistics.
     pub fn merge(&mut self, other: &ChipFigures) {
         self.min_ratio = self.min_ratio.min(other.min_ratio);
         self.max_ratio = self.max_ratio.max(other.max_ratio);
@@ -42,25 +42,25 @@ impl ChipFigures {
         self.square_sum += other.square_sum;
     }
 
-    /// Root mean square of the relative error; `None` without samples.
+    /// Root mean square of (chip / target - 1); `None` without samples.
     pub fn rms_error_ratio(&self) -> Option<f64> {
         (self.samples > 0).then(|| libm::sqrt(self.square_sum / self.samples as f64))
     }
 
-    /// Least and largest relative error; `None` without samples.
+    /// Smallest and largest value of (chip / target - 1); `None` without samples.
     pub fn error_ratio_range(&self) -> Option<(f64, f64)> {
         (self.samples > 0).then_some((self.min_ratio - 1.0, self.max_ratio - 1.0))
     }
 }
 
-/// Samples that the chip figures exclude, counted by cause.
+/// Numbers of samples that are left out of [`ChipFigures`], by cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExcludedSamples {
-    /// The machine was not within 0.5 % of the commanded feed throughout the tooth's cut.
+    /// The machine was not within 0.5 % of the commanded feed during the whole cut of the tooth.
     pub not_steady: u64,
-    /// The block ended within the tooth's cut.
+    /// The block ended during the cut of the tooth.
     pub block_end: u64,
-    /// The cutting circle met no stock, or met it where the contact is not valid.
+    /// The cutting circle met no stock, or met it at a place where the contact formula is not valid.
     pub no_contact: u64,
 }
 

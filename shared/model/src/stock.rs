@@ -5,14 +5,15 @@ use heapless::Vec;
 
 use crate::engaged::EngagedTable;
 
-/// Most edges of a convex piece of stock.
+/// Largest number of lines that bound a convex piece of stock.
 pub const EDGES_MAX: usize = 8;
 
-/// Stock in the plane of the segments that cut it, mm in the program's coordinates.
+/// Stock in the plane of the segments that cut it. Coordinates are those of the program, mm, along the plane's first
+/// and second axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stock {
-    /// Intersection of the material sides of up to eight lines: none is the whole plane, one a half plane, three or
-    /// more a convex polygon.
+    /// Area on the material side of every one of up to eight lines. No line: the whole plane is material; one line: a
+    /// half plane; three or more: in general a convex polygon.
     Convex(Vec<StockLine, EDGES_MAX>),
     /// A round blank.
     Disc {
@@ -21,14 +22,16 @@ pub enum Stock {
         /// Radius.
         radius_mm: f64,
     },
-    /// Not a shape, but the engaged arcs of the tool's circles along the segment.
+    /// Not a shape, but the directions from the tool's centre in which the cup mill's edges are in material, along the
+    /// segment.
     Engaged(EngagedTable),
-    /// Engaged arcs that are given with each segment. The engagement of a segment without such a table is unknown.
+    /// As [`Self::Engaged`], but the directions arrive separately with each segment. The engagement of a segment for
+    /// which none arrive is unknown.
     PerMove,
 }
 
-/// The stock limit as a line `normal . p = offset + rise h`; the normal points out of the material, h is the height of
-/// the segment's plane. An inclined plane face is one line with a rise for all levels.
+/// Straight limit of the stock, the line `normal . p = offset + rise h`. The normal points out of the material, and h
+/// is the height of the segment's plane. One line with a rise describes an inclined flat face at all heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLine {
     /// Unit normal in the plane of the segment.
@@ -46,14 +49,13 @@ impl StockLine {
         StockLine { normal: [cos, sin], offset_mm, rise_ratio: 0.0 }
     }
 
-    /// The line as it is at a height, mm: with the rise included in its offset.
+    /// The line at this height, mm: the rise is included in the offset, and the result has no rise.
     #[must_use]
     pub fn at_height(&self, height_mm: f64) -> Self {
         StockLine { offset_mm: self.offset_mm + self.rise_ratio * height_mm, rise_ratio: 0.0, ..*self }
     }
 
-    /// Distance of the line at height 0 from `point` (mm) along its normal; positive if the point is inside the
-    /// material.
+    /// Distance from `point` (mm) to the line at height 0; positive if the point is inside the material.
     pub fn distance_mm(&self, point: [f64; 2]) -> f64 {
         let ([nx, ny], [x, y]) = (self.normal, point);
         self.offset_mm - (nx * x + ny * y)
@@ -69,12 +71,12 @@ impl Stock {
         Stock::Convex(lines)
     }
 
-    /// Stock without limits.
+    /// Stock without limits: material everywhere.
     pub fn everywhere() -> Self {
         Stock::Convex(Vec::new())
     }
 
-    /// The line of a half plane; `None` for other stock.
+    /// The only line of a half plane; `None` for any other stock.
     pub fn line(&self) -> Option<&StockLine> {
         match self {
             Stock::Convex(lines) => match lines.as_slice() {

@@ -2,17 +2,17 @@
 
 use arcfeed_units::{Mm, Nm};
 
-/// Cutter in the spindle.
+/// Cutter in the spindle, as the feed laws see it: along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tool {
-    /// A ring.
+    /// A cup mill: a ring that cuts with its outer or its inner circle.
     CupMill(CupMill),
-    /// A disc.
+    /// An end mill: a disc that cuts with its circumference.
     EndMill(EndMill),
 }
 
 impl Tool {
-    /// Number of teeth that cut.
+    /// Number of teeth that cut one after the other on one circle.
     pub const fn active_teeth(&self) -> u16 {
         match self {
             Tool::CupMill(mill) => mill.active_teeth,
@@ -30,7 +30,7 @@ pub struct EndMill {
     pub teeth: u16,
 }
 
-/// A ring-shaped cutter, seen along its axis.
+/// A cup mill: a ring-shaped cutter with an outer and an inner cutting circle, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CupMill {
     /// R: radius of the outer cutting circle.
@@ -42,17 +42,18 @@ pub struct CupMill {
     pub active_teeth: u16,
 }
 
-/// Cutting circle of a ring.
+/// Cutting circle of a cup mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
-    /// Radius R; edges advance outward.
+    /// The outer circle, radius R: its edges advance away from the tool's centre.
     Outer,
-    /// Radius r; edges advance inward.
+    /// The inner circle, radius r: its edges advance towards the tool's centre.
     Inner,
 }
 
 impl Edge {
-    /// k of the feed law: +1 if the edge advances away from the tool's centre, -1 if towards it.
+    /// k of the feed law: +1 for the outer circle, whose edges advance away from the tool's centre, -1 for the inner
+    /// one.
     #[inline]
     pub const fn advance(self) -> i8 {
         match self {
@@ -63,7 +64,7 @@ impl Edge {
 }
 
 impl CupMill {
-    /// r0 of the feed law: the radius of the circle that cuts.
+    /// r0 of the feed law: radius of this cutting circle.
     pub const fn radius(&self, edge: Edge) -> Nm {
         match edge {
             Edge::Outer => self.outer_radius,
@@ -71,7 +72,7 @@ impl CupMill {
         }
     }
 
-    /// Cutting radius in millimetres, for the tick.
+    /// Radius of this cutting circle in millimetres, as f32 for computations at each control tick.
     pub fn radius_mm(&self, edge: Edge) -> Mm {
         Mm(self.radius(edge).to_mm() as f32)
     }

@@ -15,16 +15,17 @@ const LETTERS: &[u8; 26] = b"ABCIJKDEFGHLMNOPQRSTUVWXYZ";
 /// Maximum number of sets of I, J, K.
 const SETS: usize = 10;
 
-/// Set of letters that can be arguments.
+/// Letters whose words can be arguments of a macro call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Letters {
     /// G65 and G66: all letters except G, L, N, O, P.
     Call,
-    /// A block under G66.1: all letters except O; of several G words the last one.
+    /// A block under G66.1, whose words are all arguments: all letters except O; of several G words only the last one
+    /// counts.
     Block,
 }
 
-/// Local variables that these words set.
+/// Local variables #1 to #33 of the called macro, as these words of the call set them.
 ///
 /// # Errors
 /// PS0129 for a letter that cannot be an argument, or for I, J, K more than ten times.

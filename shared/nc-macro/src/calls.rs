@@ -1,4 +1,4 @@
-//! Calls and returns: G65, G66, G66.1, M98, M99, M198.
+//! Calls of subprograms and macros, and returns: G65, G66, G66.1, M98, M99, M198.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
@@ -21,7 +21,7 @@ const REPEAT_DIGITS: u32 = 10_000;
 /// Maximum number of repetitions of a macro call.
 const REPEATS_MAX: u32 = 9_999;
 
-/// Continuation of the program after the last block that a line emits: next line, call, return or end.
+/// Continuation of the program after a block was passed to the control.
 #[derive(Debug, Default)]
 pub enum Continuation {
     /// Continue with the next line.
@@ -35,7 +35,8 @@ pub enum Continuation {
     End(Ending),
 }
 
-/// Macro call of the word `at` (G65, G66 or G66.1) and the words after it, with its timing if it is modal.
+/// The macro call that the word with index `at` commands (G65, G66 or G66.1), with the words after it as arguments.
+/// With the timing of the call if it is modal (G66, G66.1). `None` if there is no such word.
 ///
 /// # Errors
 /// PS0076, PS0078 or PS0129 at the missing or wrong word.
@@ -65,7 +66,8 @@ pub fn macro_call(
     Ok(Some((when, Call { number, repeats, arguments, is_modal, is_external: false, column })))
 }
 
-/// Removes M98, M99 and M198 with their P and L from a block. Returns the other words and the action after them.
+/// Takes M98, M99 and M198 with their P and L out of a block. Returns the other words, and what the program continues
+/// with after them.
 ///
 /// # Errors
 /// PS0076, PS0078, or a call that is not modelled.

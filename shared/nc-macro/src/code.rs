@@ -7,7 +7,7 @@ use arcfeed_nc::macro_alarm::MacroAlarm;
 use arcfeed_nc::number::{self, Number};
 use arcfeed_nc::word::{BYTE_ORDER_MARK, column};
 
-/// The code of one line, without blanks and comments.
+/// The code of one line without blanks and comments, with the column of each byte.
 #[derive(Clone, Debug, Default)]
 pub struct MacroCode {
     bytes: Vec<u8>,
@@ -63,12 +63,12 @@ pub struct CodeCursor<'a> {
 }
 
 impl<'a> CodeCursor<'a> {
-    /// The bytes that are not read yet.
+    /// The bytes of the code that are not read yet.
     pub fn rest(&self) -> &'a [u8] {
         self.code.bytes.get(self.at..).unwrap_or_default()
     }
 
-    /// The next byte.
+    /// The next byte of the code; `None` at its end.
     pub fn peek(&self) -> Option<u8> {
         self.rest().first().copied()
     }
@@ -78,12 +78,12 @@ impl<'a> CodeCursor<'a> {
         self.at = self.at.saturating_add(len).min(self.code.bytes.len());
     }
 
-    /// The column of the next byte.
+    /// Column of the next byte in the line, counted from 1.
     pub fn column(&self) -> u16 {
         self.code.columns.get(self.at).copied().unwrap_or(self.code.end)
     }
 
-    /// Skips `text` if it is next; returns whether it was.
+    /// Skips `text` if the code continues with it; returns whether it does.
     pub fn accept(&mut self, text: &[u8]) -> bool {
         let found = self.rest().starts_with(text);
         if found {
@@ -99,7 +99,8 @@ impl<'a> CodeCursor<'a> {
         rest.get(..len).unwrap_or_default()
     }
 
-    /// Skips a keyword if it is next, in full or shortened to its first two letters; returns whether it was.
+    /// Skips a keyword if the code continues with it, in full or shortened to its first two letters; returns whether
+    /// it does.
     pub fn accept_keyword(&mut self, keyword: &[u8]) -> bool {
         let letters = self.letters();
         let found = letters == keyword || keyword.get(..2) == Some(letters);
@@ -160,7 +161,7 @@ impl<'a> CodeCursor<'a> {
         if matches!(number, Some(1..=3)) { Ok(()) } else { Err(Fault::in_macro(MacroAlarm::LoopNumber, column)) }
     }
 
-    /// A macro alarm at the next byte.
+    /// Fault with a macro alarm at the next byte of the code.
     pub fn fault(&self, alarm: MacroAlarm) -> Fault {
         Fault::in_macro(alarm, self.column())
     }
@@ -187,11 +188,11 @@ pub fn is_short_keyword(letters: &[u8]) -> bool {
 /// Head of a block, before its words: block-delete `/`, sequence number and program number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Head {
-    /// Block-delete switch of a leading `/`.
+    /// Number of the block-delete switch that a leading `/` names; `None` without a `/`.
     pub delete: Option<u32>,
     /// Sequence number (N).
     pub sequence: Option<u32>,
-    /// O, also written `:`.
+    /// Program number (O, also written `:`).
     pub program: Option<u32>,
 }
 

@@ -26,7 +26,7 @@ const GROUPS: [(usize, &[i64]); 19] = [
     (22, &[501, 511]),
 ];
 
-/// G codes and words in effect, as the system variables #4001 to #4130 show them.
+/// G codes and other words in force, as the system variables #4001 to #4130 show them.
 #[derive(Clone, Debug)]
 pub struct Codes {
     groups: [i64; 23],
@@ -34,14 +34,14 @@ pub struct Codes {
     words: [Option<f64>; 11],
 }
 
-/// Properties of a block that affect the order of execution.
+/// Kind of a block, as far as the interpreter of macros must know it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockKind {
     /// The block moves an axis.
     pub moves: bool,
-    /// G4.
+    /// The block is a dwell (G4).
     pub dwells: bool,
-    /// M2, M30.
+    /// The block ends the program (M2, M30).
     pub ends: bool,
 }
 
@@ -109,7 +109,8 @@ impl Codes {
         kind
     }
 
-    /// Value of #4001 to #4130: the G code of a group, or the last value of a letter. `None`: no such variable.
+    /// Value of a system variable from #4001 to #4130: the G code of a group, or the last value of a letter, vacant if
+    /// there was none. The outer `None` means that no such variable exists.
     pub fn value(&self, variable: u32) -> Option<Option<f64>> {
         let number = variable.checked_sub(4_000)?;
         if let Some(letter) = number.checked_sub(100) {

@@ -1,4 +1,4 @@
-//! Expressions: parsed and evaluated in one pass.
+//! Expressions of macro statements: parsed and evaluated in one pass.
 //!
 //! Precedence: functions, then `* / MOD AND`, then `+ - OR XOR`, then comparisons, of which each pair of brackets may
 //! hold one; its value is 1 or 0. A vacant variable counts as zero in an operation, stays vacant on its own, and is
@@ -15,7 +15,7 @@ const BRACKETS_MAX: u8 = 5;
 /// Largest variable number.
 const VARIABLE_MAX: f64 = 99_999.0;
 
-/// Evaluator of expressions.
+/// Parses and evaluates macro expressions.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluator<'v> {
     variables: &'v Variables,
@@ -33,17 +33,18 @@ const SUMS: &Operators =
     &[(b"+", Operator::Add), (b"-", Operator::Subtract), (b"OR", Operator::Or), (b"XOR", Operator::Xor)];
 
 impl<'v> Evaluator<'v> {
-    /// An evaluator for macro statements: ROUND gives whole numbers.
+    /// Evaluator for macro statements, in which ROUND gives whole numbers.
     pub fn new(variables: &'v Variables, angles: AngleRange) -> Self {
         Evaluator { variables, angles, decimals: 0, brackets: 0 }
     }
 
-    /// An evaluator for the value of a word: ROUND keeps `decimals` decimals, the least increment of its address.
+    /// Evaluator for the value of an NC word, in which ROUND keeps this number of decimals: those of the address's
+    /// least increment.
     pub fn rounding_to(self, decimals: i32) -> Self {
         Evaluator { decimals, ..self }
     }
 
-    /// Decimals that ROUND keeps.
+    /// Number of decimals that ROUND keeps.
     pub fn decimals_kept(&self) -> i32 {
         self.decimals
     }

@@ -1,4 +1,4 @@
-//! Functions and operators of expressions, angles in degrees.
+//! Functions and operators of macro expressions, angles in degrees.
 //!
 //! Source: operation lists of Fanuc's custom macro B. ROUND rounds half away from zero, FIX towards zero, FUP away
 //! from it. MOD rounds both operands to whole numbers first; its result has the sign of the first. AND, OR and XOR
@@ -18,10 +18,10 @@ const TURN_DEG: f64 = 360.0;
 /// Largest argument of BIN and BCD: eight digits.
 const BCD_MAX: f64 = 99_999_999.0;
 
-/// Range of the results of inverse functions.
+/// Range of the angles that ASIN and ATAN with two arguments return (parameter 6004, bit 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AngleRange {
-    /// 0 to 360 degrees; ASIN from 270 through 360 to 90.
+    /// 0 to 360 degrees; for ASIN 270 to 360 and 0 to 90.
     #[default]
     Positive,
     /// -180 to 180 degrees; ASIN -90 to 90.
@@ -31,17 +31,18 @@ pub enum AngleRange {
 /// Function of macro expressions, such as `SIN` or `ROUND`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
-    /// Argument in degrees.
+    /// `SIN`: argument in degrees.
     Sin,
-    /// Argument in degrees.
+    /// `COS`: argument in degrees.
     Cos,
-    /// Argument in degrees.
+    /// `TAN`: argument in degrees.
     Tan,
-    /// Result in degrees.
+    /// `ASIN`: result in degrees.
     Asin,
-    /// Result in degrees.
+    /// `ACOS`: result in degrees.
     Acos,
-    /// Result in degrees; with two arguments, the angle of the point (second, first).
+    /// `ATAN`: result in degrees; with two arguments, the angle of the point whose x is the second and whose y is the
+    /// first.
     Atan,
     /// Square root.
     Sqrt,
@@ -59,9 +60,9 @@ pub enum Function {
     Exp,
     /// `POW[base, exponent]`.
     Pow,
-    /// Binary-coded decimal to number.
+    /// `BIN`: converts a binary-coded decimal number to the number.
     Bin,
-    /// Number to binary-coded decimal.
+    /// `BCD`: converts a number to binary-coded decimal.
     Bcd,
 }
 

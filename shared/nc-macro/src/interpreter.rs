@@ -21,7 +21,7 @@ use arcfeed_nc::settings::Tables;
 /// Next action of the control; `None` if a statement asks for none.
 type StepResult = Result<Option<MacroStep>, Fault>;
 
-/// Interpreter of a program with macro statements and calls.
+/// Executes a program with macro statements and calls, and returns one action of the control after the other.
 #[derive(Debug)]
 pub struct Interpreter {
     settings: MacroSettings,
@@ -36,8 +36,8 @@ pub struct Interpreter {
 }
 
 impl Interpreter {
-    /// An interpreter at the start of the first program in `text`. In DNC operation [`Interpreter::feed`] supplies the
-    /// text.
+    /// Interpreter at the start of the first program in `text`; `library` supplies subprograms that are not in it. In
+    /// DNC operation [`Interpreter::feed`] supplies the lines of the main program.
     pub fn new(text: &[u8], library: Box<dyn Library>, settings: MacroSettings, context: &Context) -> Self {
         let mut variables = Variables::new(*context);
         variables.outside = settings.outside;
@@ -53,17 +53,17 @@ impl Interpreter {
         }
     }
 
-    /// Supplies line `number` of the main program (DNC operation, after [`MacroStep::Starved`]).
+    /// Supplies the line with this number of the main program, in DNC operation after [`MacroStep::Starved`].
     pub fn feed(&mut self, line: &[u8], number: u32) {
         self.stack.feed(line, number);
     }
 
-    /// Sets the block-delete switches: bit n for `/n`.
+    /// Sets the block-delete switches: bit n is 1 if that of `/n` is on.
     pub fn set_block_delete(&mut self, switches: u16) {
         self.settings.block_delete = switches;
     }
 
-    /// Continues at block N `sequence` of the current program. Returns whether it exists.
+    /// Continues at the block with this sequence number of the running program. Returns whether there is one.
     pub fn seek(&mut self, sequence: u32) -> bool {
         self.stack.jump(sequence).is_some()
     }
@@ -78,8 +78,8 @@ impl Interpreter {
         *self.variables.tables = *tables;
     }
 
-    /// Reset of the control: ready for the next line of the main program from the DNC line. Keeps offsets and the
-    /// common variables from #500 on.
+    /// Does what the control's reset key does: ends called programs, and clears the local variables and #100 to #199.
+    /// Offsets and the common variables from #500 on stay.
     pub fn reset(&mut self) {
         self.stack.reset();
         self.variables.reset();
@@ -96,7 +96,8 @@ impl Interpreter {
         &mut self.variables
     }
 
-    /// The line executed last, and the lines from which the running programs were called.
+    /// The line executed last, and the lines from which the running programs were called, that in the main program
+    /// first.
     pub fn place(&self) -> (SourceLine, Vec<SourceLine>) {
         (self.place, self.stack.calls())
     }
@@ -106,7 +107,7 @@ impl Interpreter {
         self.stack.executions()
     }
 
-    /// Ends the program with a fault of the line executed last.
+    /// Ends the program with this fault, at the line executed last.
     pub fn stop(&mut self, fault: Fault) -> ProgramFault {
         self.then = Continuation::End(Ending::Program);
         let (place, calls) = self.place();

@@ -54,17 +54,18 @@ fn slot(variable: u32) -> Option<Slot> {
     }
 }
 
-/// Whether a variable is an offset.
+/// Whether the variable with this number is an offset of the control.
 pub fn is_offset(variable: u32) -> bool {
     slot(variable).is_some()
 }
 
-/// Whether a variable is an offset of the external origin, which is zero on most machines.
+/// Whether the variable with this number is part of the external work offset, which is zero on most machines.
 pub fn is_external(variable: u32) -> bool {
     matches!(slot(variable), Some(Slot::System(0, _)))
 }
 
-/// Value of an offset; `None` if the variable is not an offset.
+/// Value of the offset with this variable number, in the program's unit of length or degrees; `None` if the variable
+/// is not an offset.
 pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     let length = |nm: i64| nm as f64 / unit.nm() as f64;
     Some(match slot(variable)? {
@@ -83,7 +84,8 @@ pub fn read(tables: &Tables, variable: u32, unit: LengthUnit) -> Option<f64> {
     })
 }
 
-/// Sets an offset to this length, or to this angle for a rotary axis; `None` if the variable is not an offset.
+/// Sets the offset with this variable number to `length`, or to `angle` if it belongs to a rotary axis; `None` if the
+/// variable is not an offset.
 pub fn write(tables: &mut Tables, variable: u32, length: Nm, angle: MicroDeg) -> Option<()> {
     match slot(variable)? {
         Slot::Length(number, place) => *tables.lengths.get_mut(number)?.get_mut(place)? = length,

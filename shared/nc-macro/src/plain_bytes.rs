@@ -35,7 +35,8 @@ const MARK: u8 = 12;
 const KINDS: [u8; 256] = kinds();
 const NEXT: [u8; 256] = next_states();
 
-/// Whether a line surely has only words with plain numbers, and comments.
+/// Whether a line certainly needs no macro interpreter: it has only words with plain numbers, and comments. False for
+/// some plain lines too.
 pub fn has_plain_bytes(line: &[u8]) -> bool {
     let next = |state: u8, byte: &u8| {
         let kind = KINDS.get(usize::from(*byte)).copied().unwrap_or(MACRO);

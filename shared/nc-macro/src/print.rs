@@ -1,4 +1,4 @@
-//! Output of DPRNT and BPRNT.
+//! Output of a program over the control's serial line: DPRNT and BPRNT.
 //!
 //! `DPRNT[text #v[wf]]`: letters, digits and `+ - /` unchanged, `*` as a blank; a variable with `w` digits before the
 //! decimal point and `f` after it, the last one rounded (truncated if `f` is 0). `BPRNT[text #v[f]]`: letters in ISO
@@ -15,31 +15,32 @@ use super::expression::Evaluator;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
-/// DC2: punch on.
+/// DC2: switches the receiver of the output on.
 pub const PUNCH_ON: u8 = 0x12;
-/// DC4: punch off.
+/// DC4: switches the receiver of the output off.
 pub const PUNCH_OFF: u8 = 0x14;
 /// Maximum number of digits, before and after the decimal point together.
 const DIGITS_MAX: u32 = 8;
 
-/// Number format of DPRNT.
+/// Format in which DPRNT writes numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrintStyle {
-    /// A column for the sign, blanks for leading zeros, digits beyond `w` cut off (parameter 6001 bit 1 is 0).
+    /// A column for the sign, leading zeros as blanks, and digits beyond the field cut off (parameter 6001, bit 1 is
+    /// 0).
     #[default]
     Padded,
     /// As [`Self::Padded`], without blanks (parameter 6001 bit 1 is 1).
     Tight,
-    /// Haas format: no column for the sign, the field grows.
+    /// Haas format: no column for the sign; a number with more digits makes the field longer.
     Growing,
 }
 
-/// Output of a program to the punch (POPEN, DPRNT, BPRNT, PCLOS).
+/// Output of a program over the control's serial line (POPEN, DPRNT, BPRNT, PCLOS).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// POPEN.
+    /// POPEN: begins the output.
     Open,
-    /// PCLOS.
+    /// PCLOS: ends the output.
     Close,
     /// DPRNT: a line of text with its line feed.
     Text(Vec<u8>),
@@ -48,7 +49,7 @@ pub enum Output {
 }
 
 impl Output {
-    /// Bytes of the output, in ASCII.
+    /// Bytes that the control sends, in ASCII.
     pub fn bytes(&self) -> &[u8] {
         match self {
             Output::Open => &[PUNCH_ON],

@@ -31,10 +31,10 @@ impl Library for BTreeMap<u32, Vec<u8>> {
     }
 }
 
-/// Lines `first..end` of a file, counted from 0.
+/// Lines of one program in its file: `first` up to, but not including, `end`, counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineRange {
-    /// O, if there is one.
+    /// Program number (O); `None` if the program has none.
     pub number: Option<u32>,
     /// First line.
     pub first: u32,
@@ -42,12 +42,12 @@ pub struct LineRange {
     pub end: u32,
 }
 
-/// A line of a program.
+/// A line of a program, and whether the macro interpreter has to execute it.
 #[derive(Clone, Debug)]
 pub struct ProgramLine {
     /// Text as written, without line end.
     pub text: Vec<u8>,
-    /// Whether the line needs no macro interpreter.
+    /// Whether the line has only plain words and comments, so that it can be passed on as it is.
     pub is_plain: bool,
 }
 
@@ -111,22 +111,23 @@ impl File {
         }
     }
 
-    /// The line with this index.
+    /// The line with this index, from 0; `None` after the last one.
     pub fn line(&self, index: u32) -> Option<&ProgramLine> {
         self.lines.get(usize::try_from(index).ok()?)
     }
 
-    /// The first program of the file.
+    /// Lines of the first program of the file; `None` if no text was read.
     pub fn main(&self) -> Option<LineRange> {
         self.spans.first().copied()
     }
 
-    /// The program with this number.
+    /// Lines of the program with this O number; `None` if the file does not have it.
     pub fn program(&self, number: u32) -> Option<LineRange> {
         self.spans.iter().find(|span| span.number == Some(number)).copied()
     }
 
-    /// Line of a sequence number: searched after line `from`, then from the program's start.
+    /// Index of the line with this sequence number in the program `span`. It is searched after line `from` first, then
+    /// from the program's start.
     pub fn find(&self, number: u32, span: LineRange, from: u32) -> Option<u32> {
         let begin = self.sequence.partition_point(|entry| *entry < (number, span.first));
         let same = self.sequence.get(begin..).unwrap_or_default();
@@ -135,12 +136,12 @@ impl File {
         lines().find(|line| *line > from).or_else(|| lines().next())
     }
 
-    /// Line of the END for a DO, and of the DO for an END.
+    /// Index of the line with the END that belongs to a DO, or with the DO that belongs to an END.
     pub fn other_end(&self, line: u32) -> Option<u32> {
         self.loops.get(&line).copied()
     }
 
-    /// Whether a jump between two lines would enter a loop.
+    /// Whether a jump from one line to another would enter a loop from outside.
     pub fn enters_loop(&self, from: u32, to: u32) -> bool {
         let bodies = self.loops.iter().filter(|(begin, end)| begin < end);
         bodies.into_iter().any(|(begin, end)| {
@@ -184,7 +185,7 @@ fn is_plain_but(rest: &[u8], is_call: impl Fn(u8, &[u8]) -> bool) -> bool {
     !has_macro && !is_statement && !has_keyword && !words(rest).any(|(letter, value)| is_call(letter, value))
 }
 
-/// Whether a line is a macro statement or a call.
+/// Whether a line is a macro statement or a call, that is, not only words with plain numbers.
 pub fn is_statement(line: &[u8]) -> bool {
     let code = MacroCode::new(line);
     let mut cursor = code.cursor();
@@ -211,7 +212,8 @@ fn is_call(letter: u8, value: &[u8]) -> bool {
     }
 }
 
-/// Line of a program's first macro statement or call, counted from 1. A G67 before any call does nothing.
+/// Number of the line, from 1, of the program's first macro statement or call; `None` if it has none. A G67 (cancels a
+/// modal call) before any call does not count.
 pub fn first_macro(text: &[u8]) -> Option<usize> {
     let is_macro = |line: &[u8]| needs_interpreter(line) && !only_cancels(line);
     Lines::new(text).position(|line| is_macro(line.text)).map(|index| index + 1)
@@ -225,8 +227,8 @@ fn only_cancels(line: &[u8]) -> bool {
     is_plain_but(cursor.rest(), |letter, value| is_call(letter, value) && !(letter == b'G' && value == b"67"))
 }
 
-/// Whether a line needs the macro interpreter: any line except words with plain numbers, and `#variable=number`
-/// without side effects.
+/// Whether a line has to be executed by the macro interpreter. It need not be if it has only words with plain numbers,
+/// or sets a variable to a number (`#variable=number`) without further effect.
 pub fn needs_interpreter(line: &[u8]) -> bool {
     !has_plain_bytes(line) && has_effect(line)
 }

@@ -9,7 +9,7 @@ use super::variables::Locals;
 use arcfeed_nc::alarm::Fault;
 use arcfeed_nc::macro_alarm::MacroAlarm;
 
-/// Place of a line: program and line number.
+/// Position of a line: the file of its program, and the line number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SourceLine {
     /// Number of the library program whose file contains the line; `None` for the main program's file.
@@ -18,7 +18,7 @@ pub struct SourceLine {
     pub line: u32,
 }
 
-/// Limits of an interpretation: nesting, statements, memory.
+/// Limits of the interpreter for nesting, statements and memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
     /// Maximum nesting of subprograms (M98).
@@ -27,7 +27,7 @@ pub struct Bounds {
     pub macros: usize,
     /// Maximum number of statements between two moves.
     pub steps: u32,
-    /// Maximum number of statements of one call of [`super::interpreter::Interpreter::next`].
+    /// Maximum number of statements that one call of [`super::interpreter::Interpreter::next`] executes.
     pub slice: u32,
     /// Maximum size of all library programs, bytes.
     pub memory: usize,
@@ -45,19 +45,19 @@ impl Default for Bounds {
 pub struct Call {
     /// Number of the program (O).
     pub number: u32,
-    /// Number of repetitions.
+    /// Number of times that the program is executed.
     pub repeats: u32,
-    /// #1 to #33 of a macro; `None` for a subprogram, which shares those of its caller.
+    /// Local variables #1 to #33 of a called macro; `None` for a subprogram, which shares those of its caller.
     pub arguments: Option<Box<Locals>>,
     /// Whether it is a modal call (G66, G66.1).
     pub is_modal: bool,
-    /// Whether the program is searched only outside of the main program's file (M198).
+    /// Whether the program is not searched in the main program's file (M198).
     pub is_external: bool,
-    /// Column of the program's number.
+    /// Column, in the calling line, of the program's number.
     pub column: u16,
 }
 
-/// Timing of a modal macro call.
+/// The blocks at which a modal macro call is executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModalCallTiming {
     /// After blocks that move an axis (G66).
@@ -78,7 +78,7 @@ pub struct CallFrame {
     arguments: Option<Box<Locals>>,
     callers: Option<Box<Locals>>,
     is_modal: bool,
-    /// Line of the call.
+    /// Line from which this program was called.
     pub from: SourceLine,
 }
 
@@ -130,7 +130,7 @@ impl Stack {
         self.library = library;
     }
 
-    /// Ends all called programs and cancels all modal calls.
+    /// Ends all called programs, and cancels all modal calls.
     pub fn reset(&mut self) {
         self.frames.truncate(1);
         self.modal.clear();
@@ -162,7 +162,7 @@ impl Stack {
         self.frames.len() <= 1
     }
 
-    /// Place of a line of the running program.
+    /// Position of a line of the running program; `index` counts from 0 in its file.
     pub fn place(&self, index: u32) -> SourceLine {
         let library = self.frames.last().and_then(|frame| self.files.get(frame.file)?.0);
         let is_of_main = self.frames.last().is_some_and(|frame| frame.file == 0);
@@ -231,8 +231,9 @@ impl Stack {
         self.files.iter().enumerate().find_map(known).ok_or(MacroAlarm::ProgramNotFound)
     }
 
-    /// M99: restarts the program if repetitions remain, otherwise returns to the caller, at block N `sequence` if
-    /// given. Returns false for the main program, which starts again.
+    /// Executes M99: starts the running program again if repetitions remain, otherwise returns to its caller, at the
+    /// block with the given sequence number if there is one. Returns false if the main program runs, which then starts
+    /// again.
     ///
     /// # Errors
     /// PS0078 if there is no such block.
@@ -258,14 +259,14 @@ impl Stack {
         Ok(!is_main)
     }
 
-    /// Continues at a sequence number; `None` if there is none.
+    /// Continues the running program at the block with this sequence number; `None` if there is no such block.
     pub fn jump(&mut self, number: u32) -> Option<()> {
         let (frame, file) = self.top()?;
         frame.line = file.find(number, frame.span, frame.line)?;
         Some(())
     }
 
-    /// GOTO from line `from`.
+    /// Executes GOTO in line `from`, counted from 0 in its file.
     ///
     /// # Errors
     /// PS0128 if there is no such block; PS0124 if it lies in a loop that does not contain this line.
@@ -284,14 +285,16 @@ impl Stack {
         self.frames.last().is_none_or(|frame| frame.line >= frame.span.end)
     }
 
-    /// The modal call to execute now, if any. Its faults are reported for the whole block (column 0).
+    /// The modal macro call that has to be executed now, if there is one. Its faults are reported for the whole block
+    /// (column 0).
     pub fn modal_call(&self, when: ModalCallTiming) -> Option<Call> {
         let active = self.modal.len().checked_sub(self.masked + 1)?;
         let call = self.modal.get(active).filter(|(of, _)| *of == when).map(|(_, call)| call.clone());
         call.map(|call| Call { column: 0, ..call })
     }
 
-    /// G66, G66.1. Returns false if a modal macro is running, in which another one is not allowed.
+    /// Executes G66 or G66.1. Returns false if a modally called macro is running, in which another modal call is not
+    /// allowed.
     ///
     /// # Errors
     /// PS0122 for too deep nesting.
@@ -305,7 +308,7 @@ impl Stack {
         Ok(self.masked == 0)
     }
 
-    /// G67: cancels the last modal call. Returns false if it is running.
+    /// Executes G67, which cancels the last modal call. Returns false if the macro of that call is running.
     pub fn cancel_modal(&mut self) -> bool {
         if self.masked == 0 {
             self.modal.pop();

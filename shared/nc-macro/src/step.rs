@@ -1,4 +1,4 @@
-//! Settings and results of the macro interpreter.
+//! Settings of the macro interpreter, and the actions and faults that it returns.
 
 use alloc::vec::Vec;
 
@@ -11,7 +11,7 @@ use arcfeed_nc::alarm::Fault;
 /// Settings of the macro interpreter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MacroSettings {
-    /// Range of ATAN and ASIN.
+    /// Range of the angles that ATAN and ASIN return.
     pub angles: AngleRange,
     /// Number format of DPRNT.
     pub print: PrintStyle,
@@ -19,30 +19,31 @@ pub struct MacroSettings {
     pub block_delete: u16,
     /// Whether the main program arrives line by line over the DNC line.
     pub is_dnc: bool,
-    /// Treatment of values from outside the program. Where they are refused, a `/` before a statement and an offset set
-    /// by one are, too: the blocks are then the same on every control with these settings. A block with a `/` is emitted
-    /// whatever its switch is.
+    /// Treatment of values that do not follow from program and settings. If they are refused, the interpreter returns
+    /// the same blocks on every control with these settings: it also refuses a `/` before a statement, and offsets
+    /// that a statement sets, and returns blocks with a `/` whatever their switch is.
     pub outside: OutsideValues,
-    /// Limits.
+    /// Limits for nesting, statements and memory.
     pub bounds: Bounds,
 }
 
 /// Next action of the control in a program with macro statements.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MacroStep {
-    /// Read a block of plain words.
+    /// Interpret this block of plain words.
     Block(PlainBlock),
-    /// Send output to the punch.
+    /// Send this output over the serial line.
     Output(Output),
-    /// Ignore the functions of #3003 and #3004 from here on.
+    /// From here on, ignore these functions, such as the feed override (#3003, #3004).
     Ignore(Ignored),
-    /// An offset was set: pass the tables of [`super::variables::Variables`] to the reader of plain blocks.
+    /// A statement has set an offset: pass the tables of [`super::variables::Variables`] to the reader of plain
+    /// blocks.
     Offset,
     /// Stop with a message until the operator presses cycle start (#3006).
     Message(Vec<u8>),
-    /// Restart the main program (M99 in it).
+    /// Start the main program again (M99 in it).
     Restart,
-    /// None yet: [`Bounds::slice`] statements were executed without another result.
+    /// No action yet: [`Bounds::slice`] statements were executed without a result; call again.
     Busy,
     /// Wait for the next line of the main program (DNC operation).
     Starved,
@@ -53,18 +54,18 @@ pub enum MacroStep {
 /// Reason why a program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// M02 or M30.
+    /// By M02 or M30.
     Program,
-    /// End of the text; a control raises PS5010.
+    /// By the end of its text; a control raises PS5010.
     Text,
 }
 
-/// A block without expressions, with its origin.
+/// A block of words with plain numbers, and the line of the program from which it results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlainBlock {
     /// Text for the reader of plain blocks.
     pub text: Vec<u8>,
-    /// Source line of the block.
+    /// Line of the program from which the block results.
     pub place: SourceLine,
     /// Lines from which the running programs were called, the main program's call first.
     pub calls: Vec<SourceLine>,
@@ -78,7 +79,7 @@ impl PlainBlock {
         &self.columns
     }
 
-    /// Converts the column of a fault from `text` to the source line.
+    /// The same fault, with its column in `text` converted to the column in the line of the program.
     pub fn in_source(&self, fault: Fault) -> Fault {
         let at = usize::from(fault.column).checked_sub(1);
         let column = at.and_then(|at| self.columns.get(at).or(self.columns.last()).copied());
@@ -91,10 +92,10 @@ impl PlainBlock {
 pub struct ProgramFault {
     /// Cause and column.
     pub fault: Fault,
-    /// Source line.
+    /// Line of the program in which it occurred.
     pub place: SourceLine,
     /// Lines from which the running programs were called, the main program's call first.
     pub calls: Vec<SourceLine>,
-    /// Comment of the `#3000` block.
+    /// Comment of the block with `#3000`, if that has raised the alarm; otherwise empty.
     pub message: Vec<u8>,
 }

@@ -1,4 +1,4 @@
-//! Variables: local, common and system variables.
+//! Variables of macro programs: local, common and system variables.
 //!
 //! | number | what |
 //! |---|---|
@@ -38,7 +38,7 @@ const HOURS_PER_DAY: u64 = 24;
 /// Alarms that #3000 can raise.
 const USER_ALARM_MAX: f64 = 200.0;
 
-/// Value of a variable; `None` is vacant.
+/// Value of a macro variable; `None` is a vacant variable (without a value).
 pub type Value = Option<f64>;
 
 /// The variables of one macro call, #1 first.
@@ -47,7 +47,7 @@ pub type Locals = [Value; 33];
 /// State of the control while a statement is executed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Context {
-    /// G20 or G21.
+    /// Unit of lengths in force (G20 or G21).
     pub unit: LengthUnit,
     /// End of the last block in program coordinates.
     pub end: Pose,
@@ -57,14 +57,14 @@ pub struct Context {
     pub lengthened: Pose,
     /// Time since power-on.
     pub now: Micros,
-    /// Whether the program has stated the position.
+    /// Whether the program has stated the position of the tool, so that its variables can be read.
     pub is_position_known: bool,
     /// Date at power-on as one number, year, month, day: 20040229. Power-on counts as midnight.
     pub date: u32,
 }
 
 impl Context {
-    /// Context of this modal state and time, without machine offsets.
+    /// Context of this modal state and time; machine and program coordinates are assumed to be equal on the path.
     pub fn new(modal: &Modal, now: Micros) -> Self {
         let Modal { unit, program, position, .. } = *modal;
         Context {
@@ -85,71 +85,73 @@ impl Context {
     }
 }
 
-/// Side effect of setting a variable.
+/// Effect, besides the new value, of setting a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// No side effect.
     Kept,
-    /// #3000: the alarm of this number.
+    /// #3000: the program raises the alarm with this number.
     Alarm(u16),
-    /// #3006: stop with a message.
+    /// #3006: the control stops with a message.
     Stop,
-    /// #3003, #3004: the set of ignored functions changes.
+    /// #3003, #3004: the control ignores other functions than before.
     Ignore,
     /// An offset changes.
     Offset,
 }
 
-/// Functions that the control ignores (#3003, #3004), as bits.
+/// Functions of the control that the program has switched off by #3003 and #3004, as bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ignored {
-    /// Bit 0: single block. Bit 1: waiting for the end of auxiliary functions.
+    /// #3003. Bit 0: single block. Bit 1: waiting for the end of auxiliary functions.
     pub stops: u8,
-    /// Bit 0: feed hold. Bit 1: the feed override. Bit 2: exact stop.
+    /// #3004. Bit 0: feed hold. Bit 1: feed override. Bit 2: exact stop.
     pub feed: u8,
 }
 
-/// Treatment of values that the control has before the program, or that only its clock gives.
+/// Treatment of values that do not follow from program and settings: those that the control has from before the
+/// program, and those of its clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OutsideValues {
-    /// They are vacant, zero or those of the simulated control.
+    /// They are vacant, zero, or those of the simulated control.
     #[default]
     Assumed,
     /// Reading one is refused, so that the run follows from program and settings alone.
     Refused {
-        /// The offsets are those of the control.
+        /// Whether the stored offsets are those of the control, so that reading them is allowed.
         offsets_known: bool,
     },
 }
 
-/// System variables whose values depend on whether the blocks with a `/` so far were executed or skipped.
+/// System variables that cannot be read any more, because their values depend on whether the blocks with a `/` so far
+/// were executed or skipped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SwitchedValues {
-    /// None.
+    /// No variables: there was no such block.
     #[default]
     None,
-    /// The last M and N: #4113 and #4114.
+    /// #4113 and #4114, the last M and N.
     Functions,
-    /// Codes, positions and offsets.
+    /// All variables of codes, positions and offsets.
     All,
 }
 
-/// All macro variables.
+/// All variables of a program with macros: local, common and system variables.
 #[derive(Clone, Debug)]
 pub struct Variables {
     /// #1 to #33 of the running macro.
     pub locals: Locals,
-    /// State of the control.
+    /// State of the control that system variables show.
     pub context: Context,
-    /// Codes in effect.
+    /// G codes and other words in force (#4001 to #4130).
     pub codes: Codes,
-    /// #3003 and #3004.
+    /// Functions that the program has switched off by #3003 and #3004.
     pub ignored: Ignored,
-    /// Offsets.
+    /// Offsets of the control.
     pub tables: Box<Tables>,
     /// Treatment of values from outside the program.
     pub outside: OutsideValues,
-    /// System variables that depend on a block-delete switch.
+    /// System variables that cannot be read, because their values depend on a block-delete switch.
     pub switched: SwitchedValues,
     common: Vec<Value>,
     /// Common variables that the program has set.
@@ -263,7 +265,7 @@ impl Variables {
         Ok(Effect::Ignore)
     }
 
-    /// Reset: clears the local variables, #100 to #199, and #3003 and #3004.
+    /// Does what the control's reset key does: clears the local variables, #100 to #199, #3003 and #3004.
     pub fn reset(&mut self) {
         self.locals = [None; 33];
         self.ignored = Ignored::default();

@@ -17,18 +17,18 @@ const DIGITS_MAX: f64 = 99_999_999.0;
 /// Decimals of a feed, within its eight digits.
 const FEED_DECIMALS: i32 = 4;
 
-/// A word and its column.
+/// A word of a block with its value computed, and its column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MacroWord {
-    /// The address, or `,` before one.
+    /// Address letter. The comma of `,C` or `,R` is an entry of its own before that of the letter.
     pub letter: u8,
-    /// Number as written for the reader of plain blocks.
+    /// Number as text without variables, for the reader of plain blocks.
     pub spelled: Vec<u8>,
     /// Value; without a decimal point, in the increments of its address.
     pub(super) value: f64,
     /// Whether it is written with a decimal point or comes from a variable.
     pub has_point: bool,
-    /// Column of its address.
+    /// Column of the address in the line, counted from 1.
     pub column: u16,
 }
 

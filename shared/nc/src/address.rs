@@ -1,4 +1,4 @@
-//! Rules for the numbers of each address letter.
+//! Rules for the numbers after each address letter.
 //!
 //! The numbers of digits differ between the series of controls (see [`super::settings::Settings`]). In all of them
 //! only axes, feeds, radii and G accept a decimal point, and only axes and radii a minus sign.
@@ -14,10 +14,11 @@ const SPINDLE_MAX: i64 = 99_999;
 /// Letters whose numbers must be whole and not negative.
 const RESTRICTED: u32 = letters(b"DHLMPST");
 
-/// Checks the address words of a block that is not a macro call, except G: see `check_sign`.
+/// Checks that the number of each address word of a block is one that the control accepts for its letter: decimal
+/// point, sign, size. G words are checked elsewhere, and blocks of macro calls must not be passed.
 ///
 /// # Errors
-/// PS0003, PS0006, PS0007, PS0030.
+/// PS0003 (too many digits), PS0006 (negative), PS0007 (decimal point) or PS0030 (offset number).
 pub fn check(block: &Block) -> Result<(), Fault> {
     block.word(b'F').map_or(Ok(()), check_sign)?;
     if block.may_have(RESTRICTED) { block.words.iter().try_for_each(check_word) } else { Ok(()) }

@@ -25,7 +25,7 @@ macro_rules! alarms {
                 match self { $(Alarm::$name => $number,)* }
             }
 
-            /// Condition under which the control raises it.
+            /// Condition under which the control raises the alarm.
             pub const fn when(self) -> &'static str {
                 match self { $(Alarm::$name => $when,)* }
             }
@@ -35,7 +35,7 @@ macro_rules! alarms {
                 match self { $(Alarm::$name => $remedy,)* }
             }
 
-            /// Meaning and remedy in one sentence.
+            /// Condition and remedy in one sentence.
             pub const fn explanation(self) -> &'static str {
                 match self { $(Alarm::$name => concat!($when, "; ", $remedy),)* }
             }
@@ -91,47 +91,48 @@ alarms! {
     EndOfRecord = 5010: "the program ended without M02 or M30", "write M30 before its last %";
 }
 
-/// Construct that a control may accept but this version does not interpret.
+/// Construct that a control may accept but that this version does not interpret, so that it rejects the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotModelled {
-    /// A G code of the control, in tenths (G43.4 is 434).
+    /// This G code, in tenths (G43.4 is 434).
     GCode(u16),
-    /// A move under a G code of the control, in tenths.
+    /// A move while this G code, in tenths, is in force.
     MoveUnder(u16),
-    /// After G68 or G69, a move in the plane that does not give both its axes in absolute terms.
+    /// After G68 or G69, a move in the plane that does not name both axes of the plane in absolute coordinates.
     AfterRotation,
-    /// An M code that changes the order of the blocks (M98, M99).
+    /// This M code, because it changes the order of the blocks (M98, M99).
     MCode(u16),
-    /// Macro statements beyond `#variable=number`.
+    /// A macro statement other than `#variable=number`.
     Macro,
-    /// A system variable of the control whose value is not known here.
+    /// The system variable with this number: its value is not known here.
     Variable(u32),
-    /// A variable whose value at this place only the control knows.
+    /// The variable with this number: only the control knows its value at this place.
     OutsideValue(u32),
-    /// An offset set by a macro statement.
+    /// A macro statement that sets the offset with this variable number.
     OffsetStatement(u32),
-    /// A `/` on which the order of execution depends.
+    /// A `/` (block delete) whose switch decides on the order in which blocks are executed.
     SwitchedStatement,
     /// An arc that also turns a rotary axis.
     RotaryArc,
     /// An arc given by R that ends where it starts in its plane, but not across it.
     ArcWithoutAngle,
-    /// A change from G41 to G42 or back, or a radius of the other sign, without G40 before it.
+    /// A change from G41 to G42 or back, or to an offset radius of the other sign, without G40 before it.
     ChangeOfSide,
-    /// A radius under G41 or G42 that begins in the block of an arc.
+    /// A new offset radius, under G41 or G42, in the block of an arc.
     RadiusInArc,
-    /// A G code in tenths, or coordinates that it changes, between the moves of a contour under G41 or G42.
+    /// This G code, in tenths, between two moves that are offset under G41 or G42.
     InContour(u16),
-    /// A corner of a contour that the control has not read in time.
+    /// Under G41 or G42, a corner between two moves that are so many blocks apart that the control does not read both
+    /// together.
     UnreadCorner,
-    /// A restart at a block within a contour.
+    /// A restart of the program at a block whose moves are offset under G41 or G42.
     RestartInContour,
-    /// G10 for an additional work coordinate system that has no place in the tables.
+    /// G10 for an additional work coordinate system that is not stored here (beyond G54.1 P48).
     FarSystem,
-    /// A chamfer or rounded corner (`,C` and `,R`) that does not join two plain moves of the plane; as a property of a move:
-    /// a corner at one of its ends.
+    /// A chamfer or rounded corner (`,C` and `,R`) that does not join two plain moves in the plane. As the reason why
+    /// a move is not plain: the move has a corner at one of its ends.
     Corner,
-    /// More words in a block than [`crate::block::WORDS_MAX`].
+    /// A block of more than [`crate::block::WORDS_MAX`] words.
     LongBlock,
 }
 
@@ -142,31 +143,31 @@ pub enum Cause {
     Alarm(Alarm),
     /// The control would stop with this alarm of a custom macro or a call.
     Macro(MacroAlarm),
-    /// The control may accept it; arcfeed does not interpret it and rejects the program.
+    /// A control may accept it, but arcfeed does not interpret it and rejects the program.
     NotModelled(NotModelled),
 }
 
-/// Cause of a fault and its column in the line.
+/// Reason why a block cannot be executed, and the column at which it stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// Cause.
+    /// Reason why the block cannot be executed.
     pub cause: Cause,
     /// Column of the offending byte, counted from 1; 0 for the block as a whole.
     pub column: u16,
 }
 
 impl Fault {
-    /// An alarm at `column`.
+    /// Fault with an alarm of the control; `column` counts from 1, 0 is the whole block.
     pub const fn alarm(alarm: Alarm, column: u16) -> Self {
         Fault { cause: Cause::Alarm(alarm), column }
     }
 
-    /// A macro alarm at `column`.
+    /// Fault with an alarm of a custom macro or a call; `column` counts from 1, 0 is the whole block.
     pub const fn in_macro(alarm: MacroAlarm, column: u16) -> Self {
         Fault { cause: Cause::Macro(alarm), column }
     }
 
-    /// A construct that is not modelled at `column`.
+    /// Fault with a construct that is not interpreted; `column` counts from 1, 0 is the whole block.
     pub const fn not_modelled(what: NotModelled, column: u16) -> Self {
         Fault { cause: Cause::NotModelled(what), column }
     }

@@ -13,55 +13,55 @@
 use super::motion::Plane;
 use arcfeed_units::Nm;
 
-/// Magnification 1, in thousandths.
+/// Magnification 1 (unchanged size), in thousandths.
 pub const WHOLE: i32 = 1_000;
 
 /// Scaling (G51) or mirror image (G51.1) in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisScaling {
-    /// 510 for G51, 511 for G51.1.
+    /// G code that set it, in tenths: 510 for G51, 511 for G51.1.
     pub code: u16,
-    /// Centre of the scaling; a fixed point.
+    /// Point that keeps its place, in program coordinates of X, Y, Z.
     pub center: [Nm; 3],
-    /// Magnifications.
+    /// Magnifications of X, Y, Z in thousandths; negative: mirrored.
     pub thousandths: [i32; 3],
 }
 
 impl AxisScaling {
-    /// Scales a point of the program into the coordinates that G68 rotates.
+    /// Scales a point (X, Y, Z of the program) in place. A rotation by G68 and the offsets apply after this.
     pub fn apply(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
             *axis = scaled_coordinate(*axis, *center, by, WHOLE); // (1)
         }
     }
 
-    /// Inverse of [`Self::apply`].
+    /// Reverses [`Self::apply`], up to rounding.
     pub fn undo(&self, axes: &mut [Nm; 3]) {
         for (axis, (center, by)) in axes.iter_mut().zip(self.center.iter().zip(self.thousandths)) {
             *axis = scaled_coordinate(*axis, *center, WHOLE, by);
         }
     }
 
-    /// Scales a vector of the program, such as I, J, K.
+    /// Scales a vector of the program, such as I, J, K, in place; the centre has no effect on it.
     pub fn vector(&self, axes: &mut [Nm; 3]) {
         AxisScaling { center: [Nm(0); 3], ..*self }.apply(axes);
     }
 
-    /// Scale of an arc's radius, in thousandths, and whether its sense is reversed; `None` if the result is not an
-    /// arc.
+    /// Magnification of an arc's radius in this plane, in thousandths, and whether the arc's sense is reversed. `None`
+    /// if the magnifications of the plane's axes differ, so that the result is not an arc.
     pub fn of_arc(&self, plane: Plane) -> Option<(i32, bool)> {
         let (first, second, _) = plane.axes();
         let (a, b) = (*self.thousandths.get(first)?, *self.thousandths.get(second)?);
         (a.abs() == b.abs()).then_some((a.abs(), (a < 0) != (b < 0)))
     }
 
-    /// Whether an axis is scaled or mirrored.
+    /// Whether an axis (0 for X to 2 for Z) is scaled or mirrored.
     pub fn is_along(&self, axis: usize) -> bool {
         self.thousandths.get(axis).is_some_and(|by| *by != WHOLE)
     }
 }
 
-/// Coordinate of a point scaled about a centre by `by / over`. (1)
+/// Coordinate of a point on one axis, scaled by the factor `by / over` about a centre. (1)
 pub fn scaled_coordinate(Nm(point): Nm, Nm(center): Nm, by: i32, over: i32) -> Nm {
     let (by, over) = (i64::from(by), i64::from(over));
     let part = point.saturating_sub(center).saturating_mul(by);

@@ -21,10 +21,10 @@ pub const WORDS_MAX: usize = 32;
 /// Maximum number of notices kept for a line.
 pub const NOTICES_MAX: usize = 4;
 
-/// Kind of a line: block, title, or `%` mark.
+/// Kind of a line of NC text: block, title, or `%` mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LineKind {
-    /// `%`.
+    /// A line with `%`, which begins or ends a program's transmission.
     ProgramMark,
     /// A CAM title (`O` without a number), which the control does not execute. Lenient reading only.
     Title,
@@ -36,17 +36,17 @@ pub enum LineKind {
 /// The words of one block.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Block {
-    /// `N`.
+    /// Sequence number (N word); `None` without one.
     pub sequence: Option<i64>,
-    /// `O`, only as the first word.
+    /// Program number (O word), if it is the first word; otherwise `None`.
     pub program: Option<i64>,
-    /// Block-delete switch of a `/`.
+    /// Number of the block-delete switch that a `/` names (1 to 9); `None` without a `/`.
     pub delete: Option<u8>,
-    /// Number of words before the `/`; the words after it are skipped if the switch is on.
+    /// Number of words before the `/`. If the switch is on, only these are executed.
     pub delete_from: usize,
     /// All words but `N` and `O`, in the order written.
     pub words: Vec<Word, WORDS_MAX>,
-    /// Whether the block sets a variable.
+    /// Whether the block sets a macro variable.
     pub assigns: bool,
     /// Byte offset of the end of the last word, where another word may be added.
     pub code_len: usize,
@@ -54,21 +54,21 @@ pub struct Block {
     letters: u32,
 }
 
-/// Something that lenient reading accepts and a control might reject.
+/// Deviation in the text of a line that lenient reading accepts and a control might reject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Notice {
-    /// Kind of notice.
+    /// Kind of the deviation.
     pub kind: NoticeKind,
-    /// Column, counted from 1.
+    /// Column of its first character, counted from 1.
     pub column: u16,
 }
 
-/// The kinds of [`Notice`].
+/// Kind of a deviation that lenient reading accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoticeKind {
     /// A title in place of a program number: the control raises PS0005.
     Title,
-    /// The first character of a comment that the control's code does not have: the control raises PS0001.
+    /// A character in a comment that the control's code does not have (the first one): the control raises PS0001.
     CommentCharacter(u8),
     /// Small letters in code, read as capitals: some controls skip them and read another block, others raise PS0001.
     SmallLetter,
@@ -87,9 +87,9 @@ pub enum NoticeKind {
 /// A parsed line with its notices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Parsed {
-    /// Kind of line.
+    /// Kind of the line: block, title or mark.
     pub line: LineKind,
-    /// Block of the line; without words for marks and titles.
+    /// Block of the line; it has no words if the line is a title or a mark.
     pub block: Block,
     /// Whether the block has a comment.
     pub has_comment: bool,
@@ -98,7 +98,7 @@ pub struct Parsed {
 }
 
 impl Block {
-    /// The last word with this letter; earlier ones have no effect.
+    /// The last word with this letter, which is the one that counts; `None` without one.
     pub fn word(&self, letter: u8) -> Option<&Word> {
         if !self.may_have(letters(&[letter])) {
             return None;
@@ -111,11 +111,11 @@ impl Block {
         self.letters & letters != 0
     }
 
-    /// Checks N and O against the control's limits. Strict reading raises the alarm, lenient reading returns a notice.
-    /// `text` is the line.
+    /// Checks the sequence number N and the program number O against the control's limits; `text` is the line. A
+    /// violation is a notice in lenient reading, an alarm in strict reading.
     ///
     /// # Errors
-    /// PS0003, PS0074.
+    /// PS0003 (too many digits) or PS0074 (zero), in strict reading.
     #[inline]
     pub fn check_numbers(&self, text: &[u8], settings: &Settings) -> Result<Option<Notice>, Fault> {
         let is_usual = |number: Option<i64>, digits: u8| {
@@ -147,7 +147,7 @@ impl Block {
         Ok(None)
     }
 
-    /// Whether the block has no effect on the control.
+    /// Whether the block has no words except N and O and sets no variable, so that the control does nothing.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty() && !self.assigns
     }
@@ -164,8 +164,8 @@ pub fn parse_line(text: &[u8], reading: Reading) -> Result<Parsed, Fault> {
 }
 
 impl Parsed {
-    /// [`parse_line`] into an existing line: the cost depends on the words of the line, not on the capacity of a
-    /// block. After a fault the contents are meaningless.
+    /// Parses a line into this existing one, as [`parse_line`] does, but without clearing the capacity of a block.
+    /// After a fault the contents are meaningless.
     ///
     /// # Errors
     /// As [`parse_line`].
@@ -312,7 +312,8 @@ pub(super) const fn letters(of: &[u8]) -> u32 {
     }
 }
 
-/// Whether the line is a title: `O` (or `:`) that is not followed by a digit, or a name in `<` and `>`.
+/// Whether the line is a CAM title that lenient reading accepts: `O` (or `:`) not followed by a digit, or a name in
+/// `<` and `>`.
 pub fn is_title(text: &[u8]) -> bool {
     match text {
         [b'O' | b'o' | b':', rest @ ..] => {

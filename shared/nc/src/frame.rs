@@ -16,20 +16,21 @@ use super::axis_scaling::AxisScaling;
 use super::motion::{Plane, Pose};
 use arcfeed_units::{MicroDeg, Nm};
 
-/// Coordinate rotation (G68) in force.
+/// Rotation of the program's coordinates by G68.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoordinateRotation {
-    /// Plane of the rotation.
+    /// Plane in which the coordinates are rotated.
     pub plane: Plane,
-    /// Coordinates of the centre, after G51, on the plane's first and second axis.
+    /// Centre of the rotation on the plane's first and second axis, in program coordinates after scaling by G51.
     pub center: [Nm; 2],
-    /// Angle, counter-clockwise.
+    /// Angle of the rotation, positive counter-clockwise.
     pub angle: MicroDeg,
     cos: f64,
     sin: f64,
 }
 
-/// Transformation from program to path coordinates.
+/// Transformation from the program's coordinates to those of the path, which are relative to the machine's zero:
+/// scaling, rotation, and shift by the offsets.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinateFrame {
     shift: Pose,
@@ -40,7 +41,7 @@ pub struct CoordinateFrame {
 }
 
 impl CoordinateRotation {
-    /// A rotation; exact for quarter turns.
+    /// Rotation by `angle` about a point of the plane; exact for whole quarter turns.
     #[inline(never)]
     pub fn new(plane: Plane, center: [Nm; 2], angle: MicroDeg) -> Self {
         const QUARTER: i64 = 90_000_000;
@@ -74,23 +75,24 @@ impl CoordinateRotation {
 }
 
 impl CoordinateFrame {
-    /// A frame with the program's origin on the path, G51 or G51.1, and G68.
+    /// Transformation with this shift (the program's origin in path coordinates), scaling or mirror image (G51,
+    /// G51.1), and rotation (G68).
     pub fn new(shift: Pose, scaling: Option<AxisScaling>, rotation: Option<CoordinateRotation>) -> Self {
         let is_elsewhere = scaling.is_some() || rotation.is_some() || shift != Pose::ORIGIN;
         CoordinateFrame { shift, scaling, rotation, is_elsewhere }
     }
 
-    /// The program's origin on the path.
+    /// Position of the program's origin in path coordinates.
     pub fn shift(&self) -> Pose {
         self.shift
     }
 
-    /// Scaling (G51) or mirror image (G51.1) in force.
+    /// Scaling (G51) or mirror image (G51.1); `None` without one.
     pub fn scaling(&self) -> Option<&AxisScaling> {
         self.scaling.as_ref()
     }
 
-    /// Coordinate rotation (G68) in force.
+    /// Coordinate rotation (G68); `None` without one.
     pub fn rotation(&self) -> Option<&CoordinateRotation> {
         self.rotation.as_ref()
     }

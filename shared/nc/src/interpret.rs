@@ -16,7 +16,8 @@ pub use super::oneshot::set_data;
 const FUNCTIONS: u32 = letters(b"DHMST");
 
 impl Modal {
-    /// The state after `block` and the effect of the block. `self` does not change, so a rejected block has no effect.
+    /// Modal state after the block, and what the block makes the control do. `self` is the state before and stays as
+    /// it is.
     ///
     /// # Errors
     /// The first alarm that the control would raise, or the construct that this version does not interpret.
@@ -203,9 +204,9 @@ fn m_code(word: &Word, block: &Block) -> Result<Option<ProgramStop>, Fault> {
 }
 
 impl Step {
-    /// Whether its move is a plain path of the tool centre, in any coordinates: no canned cycle, and not under G41,
-    /// G42, G43.4 or G95, not the first one after G40, and without a chamfer or a rounded corner at one of its ends. Only
-    /// such a move can be evaluated on its own.
+    /// Whether the block's move is a plain path of the tool centre in any coordinates, which can be evaluated without
+    /// its neighbours. Not plain are canned cycles, moves under G41, G42, G43.4 or G95, the first one after G40, and
+    /// moves with a chamfer or rounded corner at one of their ends.
     pub fn is_plain(&self) -> bool {
         match self.beyond_plain {
             None => true,

@@ -7,40 +7,42 @@
 
 use super::block::Block;
 
-/// The tool in the spindle.
+/// Tool in the spindle, as far as the program has commanded it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolInSpindle {
     /// No M6 so far: the tool that the operator has loaded.
     #[default]
     Unstated,
-    /// The tool of this T number.
+    /// The tool with this T number.
     Number(i64),
-    /// An M6 without any T before it.
+    /// Not known: the program has commanded M6 without a T before it, or with a T in the block of the M6 that differs
+    /// from the one selected before.
     Unknown,
 }
 
-/// The spindle speed that the program commands.
+/// Spindle speed that the program has commanded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SpindleCommand {
-    /// The program has stated no S so far and has not stopped the spindle: the operator sets the speed.
+    /// The program has stated no S so far, and has not stopped the spindle: the operator sets the speed.
     #[default]
     Unstated,
-    /// Stopped, at S0, or with an S although the program has not started the spindle.
+    /// Stopped: by an M code, by S0, or because the program has given an S but has not started the spindle.
     Stopped,
-    /// Running at this speed, rev/min.
+    /// Running at this speed, rev/min, in either sense.
     RevPerMin(i64),
 }
 
-/// Tool and spindle at a block.
+/// Tool in the spindle and spindle speed at a block, as the program has commanded them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Machining {
-    /// The tool in the spindle.
+    /// Tool in the spindle.
     pub tool: ToolInSpindle,
     /// Commanded spindle speed.
     pub spindle: SpindleCommand,
 }
 
-/// Modal state of the words T and M; S is stored in [`super::modal::Modal::spindle`].
+/// State commanded by the T and M words of the program so far: the selected tool, the tool in the spindle, and
+/// whether the spindle turns. The speed is stored in [`super::modal::Modal::spindle`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MachiningState {
     selected: Option<i64>,
@@ -72,7 +74,7 @@ impl MachiningState {
         }
     }
 
-    /// Tool and spindle for the last S of the program.
+    /// Tool and spindle at present; `speed` is the last S of the program, rev/min.
     pub fn with_speed(&self, speed: Option<i64>) -> Machining {
         let spindle = match (self.is_on, speed) {
             (Some(false), _) | (_, Some(..=0)) | (None, Some(_)) => SpindleCommand::Stopped,

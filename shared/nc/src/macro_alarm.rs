@@ -3,57 +3,58 @@
 //! Numbers as in the program-error list of the Fanuc 16i. Where the 30i words an alarm differently, the 16i's meaning
 //! applies (076: no P, 078: no such program).
 
-/// A macro alarm, or a limit of this interpreter that a control does not have.
+/// An alarm of a custom macro or a subprogram call, or a limit of this interpreter that a control does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MacroAlarm {
-    /// PS0076.
+    /// PS0076: a call without P.
     NoProgramNumber,
-    /// PS0077.
+    /// PS0077: subprogram calls nested too deep.
     SubprogramNesting,
-    /// PS0078.
+    /// PS0078: no program, or no block to return to, has this number.
     ProgramNotFound,
-    /// PS0111.
+    /// PS0111: the result is too large for a variable.
     Overflow,
-    /// PS0112.
+    /// PS0112: division by zero.
     DivisionByZero,
-    /// PS0113.
+    /// PS0113: no such function or statement.
     ImproperFunction,
-    /// PS0114.
+    /// PS0114: the text is not an expression.
     ExpressionFormat,
-    /// PS0115.
+    /// PS0115: no variable has this number, or it cannot have this value.
     VariableNumber,
-    /// PS0116.
+    /// PS0116: the variable can only be read.
     WriteProtected,
-    /// PS0118.
+    /// PS0118: more than five levels of brackets.
     BracketNesting,
-    /// PS0119.
+    /// PS0119: the function has no result for this argument.
     IllegalArgument,
-    /// PS0122.
+    /// PS0122: macro calls nested more than four deep.
     MacroNesting,
-    /// PS0123.
+    /// PS0123: GOTO, WHILE or DO in the main program in DNC operation.
     NotInDnc,
-    /// PS0124.
+    /// PS0124: DO and END do not belong together one to one.
     EndMissing,
-    /// PS0125.
+    /// PS0125: the text is not a macro statement.
     StatementFormat,
-    /// PS0126.
+    /// PS0126: the number after DO or END is not 1, 2 or 3.
     LoopNumber,
-    /// PS0127.
+    /// PS0127: NC words and a macro statement in one block.
     MixedStatements,
-    /// PS0128.
+    /// PS0128: no block of the program has this sequence number.
     SequenceNumber,
-    /// PS0129.
+    /// PS0129: this letter cannot be an argument of a macro call.
     ArgumentAddress,
-    /// 3000 + n, raised by the program itself with `#3000 = n`.
+    /// 3000 + n: the program has raised it itself with `#3000 = n`.
     User(u16),
-    /// Limit of this interpreter: too many statements between two moves, or a limit of the caller was reached.
+    /// Limit of this interpreter: too many statements between two moves, or too many blocks or too much time in all,
+    /// so that the program may be in an endless loop.
     Endless,
-    /// Limit of this interpreter: the called programs are larger than the caller allows.
+    /// Limit of this interpreter: the called programs together are larger than the caller allows.
     TooLarge,
 }
 
 impl MacroAlarm {
-    /// The number on the control's screen; `None` for a limit of this interpreter.
+    /// Number of the alarm on the control's screen; `None` for a limit of this interpreter.
     pub const fn number(self) -> Option<u16> {
         Some(match self {
             MacroAlarm::NoProgramNumber => 76,

@@ -15,106 +15,111 @@ use super::series::Series;
 use super::settings::{ArcCenters, Tables};
 use arcfeed_units::{LengthUnit, Micros, Nm};
 
-/// The modal state that a block inherits.
+/// Modal state of the control: everything that a block inherits from the blocks before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modal {
-    /// G20 / G21.
+    /// Unit of lengths (G20, G21).
     pub unit: LengthUnit,
-    /// G17 / G18 / G19.
+    /// Plane of arcs, canned cycles and cutter compensation (G17, G18, G19).
     pub plane: Plane,
-    /// G90 / G91.
+    /// Whether axis words are absolute (G90) or increments (G91).
     pub absolute: bool,
-    /// G90.1 / G91.1, on a control that has them.
+    /// Reference of I, J and K: the start of the arc (G91.1) or the program's origin (G90.1); only some controls have
+    /// a choice.
     pub arc_centers: ArcCenters,
-    /// G0 / G1 / G2 / G3.
+    /// Kind of motion of a block with axis words (G0, G1, G2, G3).
     pub motion: MotionKind,
-    /// G93 / G94 / G95.
+    /// Meaning of F: inverse time (G93), per minute (G94) or per revolution (G95).
     pub feed_mode: FeedMode,
-    /// The last F given under G94 (per minute) or G95 (per revolution), if any; a change of the feed mode clears it.
+    /// The last F, in nanometres per minute under G94 or per revolution under G95; `None` if none was given since the
+    /// feed mode changed.
     pub feed: Option<Nm>,
-    /// The last S, rev/min.
+    /// The last S, rev/min; `None` if the program has given none.
     pub spindle: Option<i64>,
-    /// State of T and M: the tool in the spindle, and whether the spindle turns.
+    /// Tool in the spindle, and whether the spindle turns, by the T and M words so far.
     pub machining_state: MachiningState,
-    /// Position of the tool centre in path coordinates (see [`super::frame`]).
+    /// Position of the tool centre and the rotary axes in path coordinates, which are relative to the machine's zero
+    /// and do not change with offsets (see [`super::frame`]).
     pub position: Pose,
     /// The same position in program coordinates.
     pub program: Pose,
     /// Transformation from program to path coordinates.
     pub frame: CoordinateFrame,
-    /// G54 to G59 (0 to 5), G54.1 P1 on (6 on).
+    /// Index of the work coordinate system: 0 to 5 for G54 to G59, from 6 on for G54.1 P1 and so on.
     pub system: u16,
-    /// G52.
+    /// Shift of the local coordinate system (G52).
     pub local: Pose,
-    /// G92.
+    /// Shift that G92 has set.
     pub preset: Pose,
-    /// G41 / G42.
+    /// Side on which cutter compensation offsets the tool (G41, G42); `None` under G40.
     pub compensation: Option<CompensationSide>,
-    /// G41, G42 or G40 was given after the last move in the plane.
+    /// Whether no move in the plane has followed the last G40, G41 or G42, so that the next one begins or ends the
+    /// offset.
     pub starts_up: bool,
-    /// G43 (1), G44 (-1), G49 (0).
+    /// Sign of the tool length offset: 1 for G43, -1 for G44, 0 for G49.
     pub length_sign: i8,
-    /// Number of the tool length offset (H).
+    /// Number of the tool length offset (H word).
     pub length_offset: u16,
-    /// Number of the cutter compensation offset (D).
+    /// Number of the cutter compensation offset (D word).
     pub radius_offset: u16,
-    /// G73 to G89.
+    /// Canned cycle in force (G73 to G89); `None` under G80.
     pub cycle: Option<Cycle>,
-    /// G99.
+    /// Whether a canned cycle returns to the level R (G99) instead of the initial level (G98).
     pub returns_to_r: bool,
-    /// G16: polar coordinates of the last point.
+    /// Last point in polar coordinates (G16); `None` under G15.
     pub polar: Option<Polar>,
     /// The G code of a tilted plane in force, in tenths, under which no move is modelled; 0 for none.
     pub unmodelled: u16,
-    /// G43.4 in force.
+    /// Whether tool centre point control (G43.4) is in force.
     pub follows_tool_center: bool,
-    /// G68 or G69 has rotated the plane, and no move has named both its axes since then.
+    /// Whether G68 or G69 has rotated the plane, and no move has named both axes of the plane since then.
     pub rotation_pending: bool,
-    /// The last move ends in a chamfer or a rounded corner, which needs the next move.
+    /// Whether the last move ends in a chamfer or a rounded corner, so that the next move is needed to complete it.
     pub ends_in_corner: bool,
 }
 
-/// A canned cycle in force; coordinates are the program's.
+/// A canned cycle in force. Coordinates are the program's, except the initial level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cycle {
-    /// 73 for G73.
+    /// G code of the cycle: 73 for G73.
     pub code: u8,
-    /// Initial level, in path coordinates.
+    /// Initial level: position along the plane's normal at which the cycle was first called, in path coordinates.
     pub initial: Nm,
-    /// Point R of a canned cycle.
+    /// Level R, from which the tool moves at feed instead of rapid; `None` if not given yet.
     pub r: Option<Nm>,
-    /// Bottom of the hole (Z).
+    /// Bottom of the hole (Z word); `None` if not given yet.
     pub bottom: Option<Nm>,
-    /// Depth of a peck, or shift (Q).
+    /// Q word: depth of one peck, or the shift that clears a boring tool.
     pub q: Nm,
-    /// Dwell at the bottom (P).
+    /// Dwell at the bottom of the hole (P word).
     pub dwell: Micros,
 }
 
-/// Effect of a block: its motion and other actions.
+/// Effect of one block on the control: its motion and its other actions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Step {
-    /// The move.
+    /// The single move of the block; `None` if it has none or several.
     pub motion: Option<Motion>,
-    /// Corner between the move and the next one. The move is programmed up to the corner's point.
+    /// Chamfer or rounded corner (`,C`, `,R`) between the block's move and the next one. The move goes to the
+    /// programmed corner point.
     pub corner: Option<Corner>,
-    /// The moves of a block that makes several.
+    /// The moves of a block that makes several: a canned cycle, or a return to a reference point.
     pub series: Option<Series>,
-    /// G4.
+    /// Dwell of the block (G4).
     pub dwell: Option<Micros>,
-    /// M0, M1, M2, M30.
+    /// Program stop or end of the block (M0, M1, M2, M30).
     pub stop: Option<ProgramStop>,
-    /// S: spindle speed in rev/min and the column of the word.
+    /// S word of the block: spindle speed in rev/min, and column of the word.
     pub spindle: Option<(i64, u16)>,
-    /// Reason why this is not a single plain move of the tool centre in the program's own coordinates; `None` if it
-    /// is.
+    /// Reason why the block's motion is not a single plain move of the tool centre in the program's own coordinates;
+    /// `None` if it is one.
     pub beyond_plain: Option<NotModelled>,
-    /// G10 writes an offset.
+    /// Whether the block writes an offset (G10).
     pub sets_data: bool,
 }
 
 impl Modal {
-    /// The state after power-on: G0, G17, G90, G94, at the origin, no feed.
+    /// The state after power-on: G0, G17, G90, G94, at the origin, without F and S.
     pub fn at_power_on(unit: LengthUnit) -> Self {
         Modal {
             unit,
@@ -147,24 +152,24 @@ impl Modal {
         }
     }
 
-    /// Whether moves are offset: G41 or G42 with a move in the plane since.
+    /// Whether cutter compensation offsets the tool: G41 or G42 is in force, and a move in the plane has followed it.
     pub fn is_in_contour(&self) -> bool {
         self.compensation.is_some() && !self.starts_up
     }
 
-    /// Tool and spindle as commanded so far.
+    /// Tool in the spindle and spindle speed, as commanded so far.
     pub fn machining(&self) -> Machining {
         self.machining_state.with_speed(self.spindle)
     }
 
-    /// Updates the frame and the program position from the offsets; the tool does not move.
+    /// Computes the transformation and the program position anew after a change of offsets; the tool does not move.
     pub fn update_frame(&mut self, tables: &Tables) {
         let shift = tables.origin(self.system).plus(self.preset).plus(self.local);
         self.frame = CoordinateFrame::new(shift, self.frame.scaling().copied(), self.frame.rotation().copied());
         self.program = self.frame.to_program(self.position);
     }
 
-    /// Sets the position of the tool in path coordinates.
+    /// Sets the position of the tool centre and the rotary axes, in path coordinates.
     pub fn set_position(&mut self, position: Pose) {
         self.position = position;
         self.program = self.frame.to_program(position);
@@ -179,18 +184,19 @@ impl Modal {
         self.rotation_pending = true;
     }
 
-    /// Origin of the workpiece's drawing in path coordinates: that of the work coordinate system, shifted by G92 but
-    /// not by G52 and G68.
+    /// Origin of the work coordinate system in path coordinates, with the shift of G92, but without those of G52 and
+    /// G68: in general the origin of the workpiece's drawing.
     pub fn work_origin(&self, tables: &Tables) -> Pose {
         tables.origin(self.system).plus(self.preset)
     }
 
-    /// Tool length compensation: offset of Z in machine coordinates.
+    /// Tool length compensation in force: distance along Z from path to machine coordinates, positive under G43 for a
+    /// positive offset.
     pub fn tool_length(&self, tables: &Tables) -> Nm {
         Nm(tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign)))
     }
 
-    /// Position of the axes in machine coordinates: the path's point plus the tool length along Z.
+    /// Position of the axes in machine coordinates: that of the path, plus the tool length compensation along Z.
     pub fn machine(&self, tables: &Tables) -> Pose {
         let mut machine = self.position;
         let [_, _, z] = &mut machine.linear;

@@ -2,17 +2,17 @@
 
 use arcfeed_units::{MicroDeg, Nm};
 
-/// Units of [`Feed::InverseTime`] in a feed of 1/min.
+/// Number of units of [`Feed::InverseTime`] in one block per minute.
 pub const PER_MIN_SCALE: i64 = 1_000_000;
 
-/// Kind of motion (G codes of group 01): rapid, line, arc.
+/// Kind of motion (G codes of group 01): rapid, straight at feed, or arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
-    /// G0.
+    /// Rapid traverse (G0).
     Rapid,
-    /// G1.
+    /// Straight move at feed (G1).
     Line,
-    /// G2, G3.
+    /// Arc at feed (G2, G3).
     Arc(Turn),
 }
 
@@ -30,12 +30,12 @@ impl MotionKind {
     }
 }
 
-/// Sense of an arc, seen against the plane's normal.
+/// Sense of an arc, seen against the normal of its plane, that is from the positive end of the third axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// G2.
+    /// Clockwise (G2).
     Cw,
-    /// G3.
+    /// Counter-clockwise (G3).
     Ccw,
 }
 
@@ -49,7 +49,7 @@ impl Turn {
     }
 }
 
-/// Group 02: the plane of arcs, as indices of its first and second axis.
+/// Plane in which arcs run (G codes of group 02), named by its first and second axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
     /// G17.
@@ -63,24 +63,25 @@ pub enum Plane {
 /// Meaning of F (G codes of group 05): per minute, per revolution or inverse time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedMode {
-    /// G94.
+    /// F is a feed per minute (G94).
     PerMinute,
-    /// G93: F is the reciprocal of the block's duration in minutes.
+    /// F is the reciprocal of the block's duration in minutes (G93).
     InverseTime,
-    /// G95: F per revolution of the spindle.
+    /// F is a feed per revolution of the spindle (G95).
     PerRevolution,
 }
 
-/// Group 07: side of the contour on which the tool runs.
+/// Side of the contour on which cutter compensation puts the tool, seen in the direction of motion (G codes of group
+/// 07).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationSide {
-    /// G41.
+    /// Left (G41).
     Left,
-    /// G42.
+    /// Right (G42).
     Right,
 }
 
-/// Position of the tool centre and the rotary axes.
+/// Position of the tool centre and of the rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pose {
     /// X, Y, Z.
@@ -89,44 +90,44 @@ pub struct Pose {
     pub rotary: [MicroDeg; 3],
 }
 
-/// A feed as programmed, exact.
+/// A programmed feed, as an exact whole number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feed {
-    /// Nanometres per minute.
+    /// Nanometres per minute along the path.
     PerMinute(Nm),
-    /// Blocks per minute in [`PER_MIN_SCALE`]ths.
+    /// Reciprocal of the block's duration, in millionths of a block per minute (G93).
     InverseTime(i64),
-    /// The program has given no F.
+    /// The program has given no F, or the move is a rapid.
     Missing,
 }
 
-/// A commanded motion; its geometry is not checked yet (see [`crate::segment`]).
+/// A move that a block commands; whether its geometry is possible is not checked yet (see [`crate::segment`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Motion {
-    /// Kind of motion.
+    /// Rapid, straight or arc.
     pub kind: MotionKind,
-    /// The plane of an arc.
+    /// Plane of an arc; without meaning for other moves.
     pub plane: Plane,
     /// Start position.
     pub start: Pose,
     /// End position.
     pub end: Pose,
-    /// Centre or radius of an arc.
+    /// Centre or radius of an arc; without meaning for other moves.
     pub center: Center,
-    /// Feed; [`Feed::Missing`] also for rapids.
+    /// Programmed feed; [`Feed::Missing`] for rapids.
     pub feed: Feed,
 }
 
-/// Specification of an arc's centre.
+/// The way in which a block gives an arc's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Center {
-    /// I, J, K: relative to the start.
+    /// I, J, K: the centre relative to the start, in X, Y, Z.
     Offset([Nm; 3]),
     /// R: the radius, negative for an arc of more than 180 degrees. It overrides I, J, K in the same block.
     Radius(Nm),
 }
 
-/// Corner inserted between a move and the next one (`,C`, `,R`).
+/// Chamfer or rounded corner inserted between a move and the next one (`,C`, `,R`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corner {
     /// A chamfer that begins and ends at this distance from the programmed corner.
@@ -135,19 +136,19 @@ pub enum Corner {
     Rounding(Nm),
 }
 
-/// Stop commanded by the program, such as M00 or M30.
+/// Stop or end that a block of the program commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgramStop {
-    /// M0: wait for the operator.
+    /// M0: the control waits for the operator.
     Program,
-    /// M1: wait if the switch is on.
+    /// M1: the control waits for the operator if the switch for optional stops is on.
     Optional,
-    /// M2, M30.
+    /// M2 or M30: end of the program.
     End,
 }
 
 impl Plane {
-    /// Indices into [`Pose::linear`] of the first and second axis and of the normal.
+    /// Indices into [`Pose::linear`] of the plane's first axis, its second axis, and its normal.
     pub const fn axes(self) -> (usize, usize, usize) {
         match self {
             Plane::Xy => (0, 1, 2),
@@ -161,13 +162,13 @@ impl Pose {
     /// All axes at zero.
     pub const ORIGIN: Pose = Pose { linear: [Nm(0); 3], rotary: [MicroDeg(0); 3] };
 
-    /// Adds or subtracts axis by axis.
+    /// Sum of both positions, axis by axis.
     #[must_use]
     pub fn plus(self, other: Pose) -> Pose {
         self.zip(other, i64::saturating_add)
     }
 
-    /// Adds or subtracts axis by axis.
+    /// Difference of both positions, axis by axis.
     #[must_use]
     pub fn minus(self, other: Pose) -> Pose {
         self.zip(other, i64::saturating_sub)
@@ -183,7 +184,8 @@ impl Pose {
         self
     }
 
-    /// The axis of a letter (`A` to `C`, `X` to `Z`), nm or microdegrees; `None` for other letters.
+    /// Coordinate of the axis with this letter, nm (`X` to `Z`) or microdegrees (`A` to `C`); `None` for other
+    /// letters.
     pub fn axis_mut(&mut self, letter: u8) -> Option<&mut i64> {
         match letter {
             b'X'..=b'Z' => self.linear.get_mut(usize::from(letter - b'X')).map(|axis| &mut axis.0),
@@ -192,7 +194,8 @@ impl Pose {
         }
     }
 
-    /// The axis of a letter, as in [`Pose::axis_mut`]; 0 for other letters.
+    /// Coordinate of the axis with this letter, nm or microdegrees; 0 for letters other than `A` to `C` and `X` to
+    /// `Z`.
     pub fn axis(&self, letter: u8) -> i64 {
         match letter {
             b'X'..=b'Z' => self.linear.get(usize::from(letter - b'X')).map_or(0, |axis| axis.0),

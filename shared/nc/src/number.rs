@@ -25,18 +25,18 @@ pub struct Number {
 }
 
 impl Number {
-    /// Whether it is less than zero.
+    /// Whether the number is less than zero.
     pub const fn is_negative(self) -> bool {
         self.mantissa < 0
     }
 
-    /// Whether a decimal point was written: without it, an axis word counts in least increments.
+    /// Whether the number was written with a decimal point. Without one, an axis word counts in least increments.
     pub const fn has_point(self) -> bool {
         self.point != 0
     }
 
-    /// `self * units_per_one`, rounded half away from zero to a whole number of units; the units may be as small as a
-    /// ten-thousand-millionth.
+    /// The number in units of which `units_per_one` make one, rounded half away from zero; a unit may be as small as
+    /// 1e-10.
     pub fn scaled(self, units_per_one: i64) -> i64 {
         let (product, divisor) = (i64::from(self.mantissa) * units_per_one, i64::from(self.divisor()));
         // Rounds half away from zero: a remainder of at least half the divisor counts.
@@ -56,7 +56,7 @@ impl Number {
         self.mantissa as i64
     }
 
-    /// The value if it has no fraction, as for `N`, `G` and `M` words.
+    /// The number as an integer, as for `N`, `G` and `M` words; `None` if it has a fraction.
     #[inline]
     pub fn as_whole(self) -> Option<i64> {
         if self.point == 0 {
@@ -67,7 +67,7 @@ impl Number {
         self.mantissa.checked_div(divisor).filter(|_| is_whole).map(i64::from)
     }
 
-    /// Tenths, if that is exact: `G43.4` is 434 tenths.
+    /// The number in tenths, as for G codes (`G43.4` is 434 tenths); `None` if that is not whole.
     #[inline]
     pub fn as_tenths(self) -> Option<i64> {
         if self.point == 0 {
@@ -77,7 +77,7 @@ impl Number {
         tenfold.checked_div(divisor).filter(|_| tenfold.checked_rem(divisor) == Some(0))
     }
 
-    /// The nearest f64 of the number.
+    /// The number as the nearest f64.
     pub fn to_f64(self) -> f64 {
         f64::from(self.mantissa) / f64::from(self.divisor())
     }
@@ -89,8 +89,8 @@ impl Number {
     }
 }
 
-/// Reads the number at byte `from` of `line`. Returns the number and the offset after it; if there is none,
-/// [`number_fault`] gives the reason.
+/// Reads the number that begins at byte `from` of `line`. Returns it and the offset of the byte after it; `None` if
+/// there is no valid number, for which [`number_fault`] gives the reason.
 #[inline]
 pub fn read(line: &[u8], from: usize) -> Option<(Number, usize)> {
     let sign = line.get(from).copied().unwrap_or_default();
@@ -145,8 +145,8 @@ pub(super) fn read_spaced(line: &[u8], from: usize) -> Option<(Number, usize, bo
     (used == len).then_some((number, end, end - start > len))
 }
 
-/// Reason why there is no number at byte `from`, and the offset of the fault: PS0003 more than [`DIGITS_MAX`] digits,
-/// PS0005 no digit at all, PS0007 a second decimal point.
+/// Reason why no number can be read at byte `from`, and the offset of the fault: PS0003 for more than [`DIGITS_MAX`]
+/// digits, PS0005 for no digit, PS0007 for a second decimal point.
 #[cold]
 pub fn number_fault(line: &[u8], from: usize) -> (Alarm, usize) {
     let first = from + usize::from(matches!(line.get(from), Some(b'-' | b'+')));

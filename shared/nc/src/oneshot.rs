@@ -220,10 +220,10 @@ pub(super) fn dwell_time(block: &Block) -> Result<Micros, Fault> {
     u64::try_from(span).map(Micros).map_err(|_| Fault::alarm(Alarm::MinusSign, word.column + 1))
 }
 
-/// Executes G10: writes the data of the block into the tables.
+/// Executes G10: writes the offsets that the block gives into `tables`.
 ///
 /// # Errors
-/// PS0031 for a wrong target; tool life and parameters are not modelled.
+/// PS0031 for a target that does not exist; tool life data and parameters are not interpreted.
 pub fn set_data(modal: &Modal, block: &Block, settings: &Settings, tables: &mut Tables) -> Result<(), Fault> {
     let target_fault = |column| Fault::alarm(Alarm::DataTarget, column);
     let (kind, column) = whole(block, b'L').unwrap_or((1, 0));

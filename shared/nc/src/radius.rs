@@ -20,10 +20,11 @@ use crate::alarm::Alarm;
 use crate::modal::Turn;
 use arcfeed_units::Nm;
 
-/// Centre relative to the start, for the vector `chord` from start to end; `tolerance` applies to the radius.
+/// Vector from the start of an arc to its centre; `chord` is the vector from start to end, in the two axes of the
+/// plane. A chord longer than the diameter by up to twice the tolerance counts as half a turn.
 ///
 /// # Errors
-/// PS0022 for a radius of zero, PS0020 for a chord longer than the diameter.
+/// PS0022 for a radius of zero, PS0020 for a chord that is longer still.
 pub fn center_offset(chord: [Nm; 2], radius: Nm, turn: Turn, tolerance: Nm) -> Result<[Nm; 2], Alarm> {
     if radius.0 == 0 {
         return Err(Alarm::NoRadius);

@@ -9,7 +9,7 @@ use crate::segment::{Path, Segment};
 use crate::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_units::LengthUnit;
 
-/// Reads a program line by line; its state is that of the control after the lines read so far.
+/// Reads a program line by line; holds the control's modal state and offsets after the lines read so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reader {
     modal: Modal,
@@ -21,71 +21,74 @@ pub struct Reader {
     unstated: [bool; 2],
 }
 
-/// A line of a program with its meaning.
+/// One line of a program, its words, and what they make the control do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterpretedLine {
-    /// Words and notices of the line.
+    /// Words of the line, and deviations that lenient reading has accepted.
     pub parsed: Parsed,
-    /// Effect on the control; empty for marks, titles and blocks that a block-delete switch skips.
+    /// Effect of the line on the control; empty for marks, titles, and blocks that a block-delete switch skips.
     pub step: Step,
-    /// The move, with its geometry checked. If a block makes several moves, they are in the step's series.
+    /// The single move of the line, with its geometry checked; `None` if it has none, or several (they are in the
+    /// step's series).
     pub segment: Option<Segment>,
-    /// Whether its cutting move starts at a position that no line so far has stated; an arc has no segment then.
+    /// Whether the line has a cutting move whose start no line so far has stated. If that move is an arc, `segment` is
+    /// `None`.
     pub starts_unknown: bool,
 }
 
 impl Reader {
-    /// A reader at power-on with the standard settings of a 16i; it rejects anything beyond plain moves (see
-    /// [`Scope`]).
+    /// Reader in the state after power-on, with the standard settings of a Series 16i control; it rejects everything
+    /// beyond plain moves (see [`Scope`]).
     pub fn new(unit: LengthUnit, reading: Reading) -> Self {
         Reader::with(Settings::preset(Preset::Fanuc16i, unit, reading), Tables::default())
     }
 
-    /// A reader at power-on with these settings.
+    /// Reader in the state after power-on, with these settings and offsets.
     pub fn with(settings: Settings, tables: Tables) -> Self {
         let mut modal = Modal { arc_centers: settings.arc_centers, ..Modal::at_power_on(settings.unit) };
         modal.update_frame(&tables);
         Reader { modal, settings, tables, lost: [false; 3], unstated: [false; 2] }
     }
 
-    /// The same reader at an unknown position: X and Y are unknown until a block states them.
+    /// The same reader at an unknown position: X and Y of the tool are unknown until a block gives them.
     #[must_use]
     pub fn at_unknown_position(self) -> Self {
         Reader { unstated: [true; 2], ..self }
     }
 
-    /// Whether another reader has the same state; settings are not compared.
+    /// Whether another reader has the same modal state, offsets and knowledge of the position; settings are not
+    /// compared.
     pub fn has_same_state(&self, other: &Reader) -> bool {
         let state = |reader: &Reader| (reader.lost, reader.unstated);
         self.modal == other.modal && self.tables == other.tables && state(self) == state(other)
     }
 
-    /// The settings.
+    /// Settings of the control.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The modal state.
+    /// Modal state after the lines read so far.
     pub fn modal(&self) -> &Modal {
         &self.modal
     }
 
-    /// The current offsets.
+    /// Offsets after the lines read so far.
     pub fn tables(&self) -> &Tables {
         &self.tables
     }
 
-    /// Sets the block-delete switches: bit n for `/n`.
+    /// Sets the block-delete switches: bit n is 1 if that of `/n` is on.
     pub fn set_delete_switches(&mut self, switches: u16) {
         self.settings.delete_switches = switches;
     }
 
-    /// Inverts each block-delete switch.
+    /// Turns each block-delete switch that is off on, and each that is on off.
     pub fn flip_delete_switches(&mut self) {
         self.settings.delete_switches = !self.settings.delete_switches;
     }
 
-    /// Sets the offsets, as a macro statement does; the axes keep their machine position.
+    /// Replaces the offsets, as a macro statement does; the position of the tool on the path stays.
     pub fn set_tables(&mut self, tables: &Tables) {
         self.tables = *tables;
         self.modal.update_frame(&self.tables);
@@ -96,7 +99,8 @@ impl Reader {
         self.modal.machine(&self.tables)
     }
 
-    /// Whether the lines read so far have stated where the tool is in X and Y, and none that could not be read has moved it.
+    /// Whether X and Y of the tool are known: the lines so far have stated them, and no line that could not be read
+    /// may have moved it since.
     pub fn is_position_known(&self) -> bool {
         self.unstated == [false; 2] && self.lost == [false; 3]
     }
@@ -109,13 +113,13 @@ impl Reader {
         self.set_position(position);
     }
 
-    /// Sets the position of the axes, whatever the lines read so far have commanded.
+    /// Sets the position of the tool in path coordinates and makes it known, whatever the lines so far have commanded.
     pub fn set_position(&mut self, pose: Pose) {
         self.modal.set_position(pose);
         (self.lost, self.unstated) = ([false; 3], [false; 2]);
     }
 
-    /// Reads the next line, which must not contain its line end.
+    /// Interprets the next line, whose text must not contain its line end.
     ///
     /// # Errors
     /// The first fault of the line. A fault does not affect later blocks: after an arc with bad geometry the state is

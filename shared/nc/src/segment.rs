@@ -14,43 +14,43 @@ use crate::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
 use crate::radius::center_offset;
 use arcfeed_units::Nm;
 
-/// Largest accepted difference of an arc's start and end radius (parameter 3410; a common setting).
+/// Largest accepted difference between an arc's radii at its start and end (parameter 3410; a common setting): 30 um.
 pub const RADIUS_TOLERANCE: Nm = Nm(30_000);
 
-/// One move of the tool centre.
+/// One move of the tool centre with checked geometry, in absolute coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// `N` of its block.
+    /// Sequence number (N word) of its block; `None` without one.
     pub sequence: Option<i64>,
     /// Start position.
     pub start: Pose,
     /// End position.
     pub end: Pose,
-    /// Programmed feed.
+    /// Programmed feed, exactly as the program gives it.
     pub feed: Feed,
     /// Shape of the path.
     pub path: Path,
 }
 
-/// The shape of a segment.
+/// Shape of a segment's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Path {
-    /// Positioning; the machine decides the path.
+    /// Rapid traverse; the machine decides on the path.
     Rapid,
-    /// Straight, all axes together.
+    /// Straight line, on which all axes move together.
     Line,
-    /// On a circle in one plane; linear along the plane's normal if start and end differ there.
+    /// Arc of a circle in one plane. If start and end differ across the plane, it is a helix.
     Arc(Arc),
 }
 
-/// A circular arc, in the two axes of its plane.
+/// A circular arc, described in the two axes of its plane, nanometres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arc {
     /// Plane of the arc.
     pub plane: Plane,
-    /// Sense of rotation.
+    /// Sense of the arc.
     pub turn: Turn,
-    /// The rotation centre.
+    /// Rotation centre, in the coordinates of the segment.
     pub center: [Nm; 2],
     /// Start, relative to the centre.
     pub from: [Nm; 2],
@@ -58,17 +58,17 @@ pub struct Arc {
     pub to: [Nm; 2],
 }
 
-/// The angles of an arc in its plane.
+/// Start angle and sweep of an arc in its plane, for the computation of many points on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcAngles {
-    /// Angle of the start from the plane's first axis.
+    /// Angle of the start from the plane's first axis, positive counter-clockwise.
     pub start_rad: f64,
-    /// Angle from start to end, positive counter-clockwise.
+    /// Angle from start to end, positive counter-clockwise, negative clockwise.
     pub turned_rad: f64,
 }
 
 impl Segment {
-    /// Checks the geometry of a motion.
+    /// Makes a segment from a commanded motion, if its geometry is possible.
     ///
     /// # Errors
     /// PS0020 for a radius difference above [`RADIUS_TOLERANCE`], or for ends that no circle of radius R reaches;
@@ -77,12 +77,12 @@ impl Segment {
         Ok(Segment::along(Path::of(motion)?, motion, sequence))
     }
 
-    /// A segment from a motion and its path.
+    /// A segment with this path, from a motion.
     pub(crate) fn along(path: Path, motion: &Motion, sequence: Option<i64>) -> Self {
         Segment { sequence, start: motion.start, end: motion.end, feed: motion.feed, path }
     }
 
-    /// The same move, shifted by `by`.
+    /// The same move, shifted by `by` in each axis.
     #[must_use]
     pub fn shifted(&self, by: Pose) -> Self {
         let mut path = self.path;
@@ -93,7 +93,7 @@ impl Segment {
         Segment { start: self.start.plus(by), end: self.end.plus(by), path, ..*self }
     }
 
-    /// The arc of the segment; `None` for other shapes.
+    /// The arc of the segment; `None` if it is not an arc.
     pub fn arc(&self) -> Option<&Arc> {
         match &self.path {
             Path::Arc(arc) => Some(arc),
@@ -101,14 +101,15 @@ impl Segment {
         }
     }
 
-    /// Displacement of an arc along the plane's normal; 0 for lines.
+    /// Displacement along the normal of the arc's plane from start to end, nonzero on a helix; 0 for moves that are
+    /// not arcs.
     pub fn rise(&self) -> Nm {
         let Path::Arc(arc) = &self.path else { return Nm(0) };
         let (_, _, normal) = arc.plane.axes();
         Nm(pick(&self.end.linear, normal).0.saturating_sub(pick(&self.start.linear, normal).0))
     }
 
-    /// Position of an arc's start along the plane's normal; 0 for lines.
+    /// Position of an arc's start along the normal of its plane; 0 for moves that are not arcs.
     pub fn height(&self) -> Nm {
         let Path::Arc(arc) = &self.path else { return Nm(0) };
         let (_, _, normal) = arc.plane.axes();
@@ -123,7 +124,7 @@ impl Segment {
         }
     }
 
-    /// Length of the tool centre's path, mm, without rotary axes.
+    /// Length of the tool centre's path, mm; rotary axes do not count. On a helix it includes the rise.
     pub fn length_mm(&self) -> f64 {
         match &self.path {
             Path::Arc(arc) => libm::hypot(arc.length_mm(), self.rise().to_mm()),
@@ -186,7 +187,7 @@ impl Arc {
         Ok(arc)
     }
 
-    /// Radius at the start, mm.
+    /// Radius at the start of the arc, mm.
     pub fn radius_mm(&self) -> f64 {
         length_mm(self.from)
     }
@@ -207,17 +208,18 @@ impl Arc {
         if sweep > 0.0 { sweep } else { sweep + TAU }
     }
 
-    /// Length of the arc in its plane, at its start radius, mm.
+    /// Length of the arc in its plane, mm, with the radius at the start.
     pub fn length_mm(&self) -> f64 {
         self.radius_mm() * self.sweep_rad()
     }
 
-    /// Unit vector from the centre to the point at `ratio` (0 to 1) of the sweep.
+    /// Unit vector from the centre to the point of the arc at this fraction of the sweep (0 at the start, 1 at the
+    /// end).
     pub fn direction_at(&self, ratio: f64) -> [f64; 2] {
         self.angles().direction_at(ratio)
     }
 
-    /// Start angle and sweep, for the computation of many points on the arc.
+    /// Start angle and sweep of the arc.
     pub fn angles(&self) -> ArcAngles {
         let [x, y] = self.from.map(Nm::to_mm);
         ArcAngles { start_rad: libm::atan2(y, x), turned_rad: f64::from(self.turn.sign()) * self.sweep_rad() }
@@ -225,13 +227,14 @@ impl Arc {
 }
 
 impl ArcAngles {
-    /// Unit vector from the centre to the point at `ratio` (0 to 1) of the sweep.
+    /// Unit vector from the centre to the point of the arc at this fraction of the sweep (0 at the start, 1 at the
+    /// end).
     pub fn direction_at(&self, ratio: f64) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.start_rad + ratio * self.turned_rad);
         [cos, sin]
     }
 
-    /// Cosine and sine of one step, for a sweep divided into `steps` equal steps.
+    /// Cosine and sine of the angle between neighbouring points if the sweep is divided into `steps` equal parts.
     pub fn step(&self, steps: usize) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.turned_rad / steps as f64);
         [cos, sin]

@@ -19,16 +19,16 @@ pub enum SeriesAction {
     Spindle(SpindleAction),
 }
 
-/// Change of the spindle's motion in a cycle.
+/// Change of the spindle's rotation in a canned cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleAction {
-    /// Stop.
+    /// The spindle stops.
     Stop,
-    /// Oriented stop.
+    /// The spindle stops in its oriented position.
     Orient,
-    /// Reversed rotation.
+    /// The spindle turns backward.
     Reverse,
-    /// Forward rotation.
+    /// The spindle turns forward.
     Forward,
 }
 
@@ -36,9 +36,10 @@ pub enum SpindleAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into")]
 pub enum Series {
-    /// G28, G30: start, intermediate point and end, in path coordinates.
+    /// Return to a reference point (G28, G30): positions at the start, at the intermediate point and at the end, in
+    /// path coordinates.
     Reference([Pose; 3]),
-    /// A canned cycle.
+    /// A canned cycle (G73 to G89) at one or more holes.
     Drill(Drill),
 }
 
@@ -47,51 +48,53 @@ pub enum Series {
 pub struct Drill {
     /// G code of the cycle: 73 for G73.
     pub code: u8,
-    /// Plane of the cycle; it drills along the normal.
+    /// Plane of the hole pattern; the cycle drills along its normal.
     pub plane: Plane,
     /// Transformation from program to path coordinates.
     pub frame: CoordinateFrame,
-    /// Position of the tool before the cycle.
+    /// Position of the tool before the cycle, in program coordinates.
     pub start: Pose,
-    /// Position above the first hole, at the level of the start.
+    /// Position above the first hole, at the level of the tool before the cycle.
     pub first: Pose,
-    /// Displacement from hole to hole (G91).
+    /// Displacement from one hole to the next; zero except for repeated holes under G91.
     pub step: Pose,
-    /// Circle on which the holes lie (G16, G91).
+    /// Circle on which the holes lie, for an angle that is repeated under G16 and G91; otherwise `None`.
     pub circle: Option<HoleCircle>,
     /// Number of holes.
     pub holes: u32,
-    /// I, R and Z.
+    /// Initial level, level R and bottom of the holes.
     pub levels: Levels,
-    /// G99.
+    /// Whether the tool returns to level R after each hole (G99) instead of the initial level (G98).
     pub returns_to_r: bool,
-    /// Q: depth of a peck, or the shift that clears a boring tool.
+    /// Q word: depth of one peck, or the shift that clears a boring tool.
     pub q: Nm,
-    /// Retraction of a pecking cycle (G73), or its clearance above the last depth (G83).
+    /// G73: distance by which the tool retracts after each peck. G83: distance above the last depth at which rapid
+    /// changes to feed.
     pub clearance: Nm,
-    /// Dwell at the bottom (P).
+    /// Dwell at the bottom of the hole (P word).
     pub dwell: Micros,
-    /// Feed (F).
+    /// Feed into the hole (F word).
     pub feed: Feed,
 }
 
-/// Holes on a circle in the plane.
+/// Holes at equal angles on a circle in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HoleCircle {
-    /// The first hole.
+    /// First hole.
     pub first: Polar,
-    /// Angle from hole to hole.
+    /// Angle from one hole to the next, positive counter-clockwise.
     pub step: MicroDeg,
 }
 
-/// A point in polar coordinates of the plane.
+/// A point of the plane in polar coordinates (G16).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Polar {
-    /// Distance from the pole.
+    /// Distance from the pole (origin of the polar coordinates).
     pub radius: Nm,
-    /// Pole, in the plane: the program's origin, or the tool's position where a radius was last given under G91.
+    /// Pole, in the axes of the plane: the program's origin, or the tool's position where a radius was last given
+    /// under G91.
     pub pole: [Nm; 2],
-    /// Angle from the plane's first axis.
+    /// Angle from the plane's first axis, positive counter-clockwise.
     pub angle: MicroDeg,
 }
 
@@ -110,12 +113,12 @@ impl Polar {
     }
 }
 
-/// Levels of a canned cycle along the normal of the plane.
+/// Levels of a canned cycle: positions along the normal of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
-    /// Level of the tool when the cycle was first called.
+    /// Initial level: that of the tool when the cycle was first called.
     pub initial: Nm,
-    /// Point R, at which the feed begins.
+    /// Level R, from which the tool moves at feed instead of rapid.
     pub r: Nm,
     /// Bottom of the hole (Z).
     pub bottom: Nm,
@@ -162,12 +165,12 @@ const fn ops(code: u8) -> &'static [Op] {
 }
 
 impl Series {
-    /// All actions of the block in order, without moves of zero length.
+    /// All actions of the block in order; moves of zero length are left out.
     pub fn actions(&self) -> SeriesActions<'_> {
         SeriesActions { series: self, cursor: self.begin() }
     }
 
-    /// A cursor before the first action.
+    /// Cursor before the first action, for [`Series::advance`].
     pub fn begin(&self) -> SeriesCursor {
         let (at, depth) = match self {
             Series::Reference([start, ..]) => (*start, Nm(0)),
@@ -176,7 +179,7 @@ impl Series {
         SeriesCursor { at, hole: 0, op: 0, depth, is_down: false, stage: Stage::Positioning }
     }
 
-    /// The next action, if there is one.
+    /// The action after the cursor, which moves on; `None` after the last one.
     pub fn advance(&self, cursor: &mut SeriesCursor) -> Option<SeriesAction> {
         loop {
             let act = match self {
@@ -196,7 +199,7 @@ impl Series {
 }
 
 impl Drill {
-    /// Position of the tool after the last hole.
+    /// Position of the tool after the last hole, in program coordinates.
     pub fn end(&self) -> Pose {
         let level = if self.returns_to_r && self.code != 87 { self.levels.r } else { self.levels.initial };
         self.above(self.holes.saturating_sub(1), level)
@@ -251,7 +254,7 @@ pub struct SeriesActions<'a> {
     cursor: SeriesCursor,
 }
 
-/// Progress in the actions of a block.
+/// Place in the sequence of actions of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeriesCursor {
     at: Pose,
@@ -264,19 +267,19 @@ pub struct SeriesCursor {
     stage: Stage,
 }
 
-/// Stage of a cycle, or of the return to a reference point.
+/// Stage of a canned cycle, or of the return to a reference point, to which an action belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Move to the hole, or to the intermediate point.
+    /// Rapid move to above the hole, or to the intermediate point.
     Positioning,
-    /// Move to the level at which rapid changes to feed.
+    /// Rapid move down to level R.
     Approach,
-    /// Moves in the hole and out of it, or from the intermediate point on.
+    /// Everything in the hole and out of it, or the move from the intermediate point to the reference point.
     Work,
 }
 
 impl SeriesCursor {
-    /// The hole, from 0, and the stage of the last action.
+    /// Index of the hole, from 0, and the stage to which the last action belongs.
     pub fn stage(&self) -> (u32, Stage) {
         (self.hole, self.stage)
     }

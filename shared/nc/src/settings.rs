@@ -6,28 +6,29 @@
 use super::motion::Pose;
 use arcfeed_units::{LengthUnit, Nm};
 
-/// Additional work coordinate systems with an origin in the tables (G54.1 P1 to P48).
+/// Number of additional work coordinate systems whose origins are stored (G54.1 P1 to P48).
 pub const ADDITIONAL_SYSTEMS: usize = 48;
-/// Work coordinate systems: G54 to G59, then the additional ones.
+/// Number of work coordinate systems whose origins are stored: G54 to G59, then the additional ones.
 pub const SYSTEMS: usize = 6 + ADDITIONAL_SYSTEMS;
-/// Highest tool offset number.
+/// Highest number of a tool offset (H or D).
 pub const OFFSETS: usize = 400;
-/// Fewest blocks that a control reads together for cutter compensation.
+/// Smallest number of blocks that a control reads together for cutter compensation.
 pub const COMPENSATION_BLOCKS_MIN: u8 = 3;
-/// Most blocks that a control reads together for cutter compensation.
+/// Largest number of blocks that a control reads together for cutter compensation.
 pub const COMPENSATION_BLOCKS_MAX: u8 = 8;
 
-/// Strictness of the reader towards deviations from the dialect.
+/// Treatment of deviations from the control's NC language.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
-    /// Reports deviations in titles and comments as notices, although a control would reject them.
+    /// Accepts certain deviations, such as CAM titles and small letters, and reports them as notices, although a
+    /// control may reject them.
     #[default]
     Lenient,
-    /// Raises the same alarms as the control.
+    /// Raises the same alarms as the control for every deviation.
     Strict,
 }
 
-/// Unit of an axis word without a decimal point (parameter 3401, bit 0).
+/// Unit in which an axis word without a decimal point counts (parameter 3401, bit 0).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Decimals {
     /// Least increments: 0.001 mm, 0.0001 in, 0.001 degrees.
@@ -40,54 +41,56 @@ pub enum Decimals {
 /// Path at the start and the end of cutter compensation at an outer corner (parameter 5003, bit 0, SUP).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StartUp {
-    /// The tool goes straight to, or leaves from, the normal of the contour's block.
+    /// Type A: the tool goes straight to the point at a right angle to the start of the contour's first move, and
+    /// leaves straight from the one at the end of its last move.
     #[default]
     A,
-    /// The tool goes around the corner as within the contour.
+    /// Type B: the tool goes around the corner as it does within the contour.
     B,
 }
 
-/// Meaning of the radius of a D that the program assumes: tool radius or wear (in CAM systems the type of
-/// compensation).
+/// Meaning of the radius behind a D word to the program: the tool's radius, or only its wear (in CAM systems the type
+/// of compensation).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CompensationType {
-    /// Radius of the tool: the program has the contour of the part.
+    /// The tool's radius: the program contains the contour of the part.
     #[default]
     Control,
-    /// Wear: the program has the path of the tool centre.
+    /// The wear: the program contains the path of the centre of an unworn tool.
     Wear,
 }
 
 /// Settings of cutter compensation (G41, G42).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompensationSettings {
-    /// Start-up and cancel.
+    /// Path of the tool at the start and the end of the compensation.
     pub start_up: StartUp,
-    /// Blocks that the control reads together (parameter 19625 of a 31i): at most [`COMPENSATION_BLOCKS_MAX`]. Two of them
-    /// move in the plane, the others may lie between them.
+    /// Number of blocks that the control reads together (parameter 19625 of a 31i), from [`COMPENSATION_BLOCKS_MIN`]
+    /// to [`COMPENSATION_BLOCKS_MAX`]. Two of them move in the plane; the others may stand between them.
     pub blocks: u8,
-    /// Meaning of the radius of a D.
+    /// Meaning of the radius behind a D word to the program.
     pub of_program: CompensationType,
-    /// Least feed on arcs inside a contour over F, % (parameter 1710); `None`: the control does not reduce the feed there.
+    /// Smallest factor, %, by which the control reduces F on arcs inside a contour (parameter 1710); `None` if the
+    /// control does not reduce F there.
     pub inside_arc_least_percent: Option<u8>,
 }
 
-/// Reference of I, J and K.
+/// Point from which I, J and K of an arc count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ArcCenters {
-    /// The start of the arc, as on every control of the presets; they do not have G90.1 and G91.1.
+    /// The start of the arc, always; as on every control of the presets, which do not have G90.1 and G91.1.
     #[default]
     FromStart,
-    /// The start of the arc (G91.1), until a G90.1.
+    /// The start of the arc (G91.1 is in force), until a G90.1.
     Incremental,
-    /// The program's origin (G90.1), until a G91.1.
+    /// The program's origin (G90.1 is in force), until a G91.1.
     Absolute,
 }
 
-/// Set of blocks that the user of the reader can execute.
+/// Blocks that the program using this reader can execute; others are rejected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scope {
-    /// At most one move per block, along the tool centre's path, in the program's own coordinates; anything else is
+    /// At most one move in a block, along the tool centre's path, in the program's own coordinates. Anything else is
     /// rejected with its name.
     #[default]
     PlainMoves,
@@ -95,53 +98,53 @@ pub enum Scope {
     Everything,
 }
 
-/// Settings of a control that affect how it reads a program.
+/// Properties of a control that decide how it reads a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Unit at power-on.
+    /// Unit of lengths at power-on.
     pub unit: LengthUnit,
-    /// Strictness of the reader.
+    /// Treatment of deviations from the control's NC language.
     pub reading: Reading,
-    /// Unit of axis words without a decimal point.
+    /// Unit in which an axis word without a decimal point counts.
     pub decimals: Decimals,
-    /// Reference of I, J and K at power-on.
+    /// Point from which I, J and K count at power-on.
     pub arc_centers: ArcCenters,
-    /// Set of accepted blocks.
+    /// Blocks that are accepted.
     pub scope: Scope,
-    /// Maximum number of digits of N.
+    /// Largest number of digits of a sequence number N.
     pub sequence_digits: u8,
-    /// Maximum number of digits of O.
+    /// Largest number of digits of a program number O.
     pub program_digits: u8,
     /// Number of additional work coordinate systems. Those after [`ADDITIONAL_SYSTEMS`] have no origin of their own here:
     /// it is zero, and G10 for them is refused.
     pub additional_systems: u16,
-    /// Block-delete switches that are on: bit n for `/n`.
+    /// Block-delete switches: bit n is 1 if that of `/n` is on.
     pub delete_switches: u16,
     /// G73: retraction after each peck (parameter 5114).
     pub peck_return: Nm,
     /// G83: height above the last depth at which rapid changes to feed (parameter 5115).
     pub peck_clearance: Nm,
-    /// Machine coordinates of the reference points, first to fourth (parameters 1240 to 1243).
+    /// Positions of the first to fourth reference point in machine coordinates (parameters 1240 to 1243).
     pub reference: [Pose; 4],
     /// Cutter compensation.
     pub compensation: CompensationSettings,
 }
 
-/// Offsets that a program can read and, with G10, write.
+/// Offsets of the control, which a program can read and, with G10, write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tables {
-    /// Shift of all work coordinate systems (G10 L2 P0).
+    /// Shift of all work coordinate systems (external offset, G10 L2 P0).
     pub external: Pose,
-    /// G54 to G59, then G54.1 P1 on: the system's origin in machine coordinates.
+    /// Origins of the work coordinate systems in machine coordinates: G54 to G59, then G54.1 P1 and so on.
     pub systems: [Pose; SYSTEMS],
-    /// Length compensation by H, geometry and wear, from H1.
+    /// Tool length offsets from H1 on, each as geometry and wear.
     pub lengths: [[Nm; 2]; OFFSETS],
-    /// Cutter compensation by D, geometry and wear, from D1. It does not shift moves here: `arcfeed-compensation`
-    /// offsets contours.
+    /// Cutter compensation offsets from D1 on, each as geometry and wear. The reader does not offset moves by them:
+    /// the crate `arcfeed-compensation` does.
     pub radii: [[Nm; 2]; OFFSETS],
 }
 
-/// Series of the control, for its standard settings.
+/// Series of the control, by which its standard settings are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i/18i/21i-M.
@@ -200,17 +203,19 @@ impl Default for Tables {
 }
 
 impl Tables {
-    /// The origin of a work coordinate system in machine coordinates.
+    /// Origin of a work coordinate system in machine coordinates, with the external offset; `system` counts from 0 for
+    /// G54.
     pub fn origin(&self, system: u16) -> Pose {
         self.systems.get(usize::from(system)).map_or(self.external, |origin| origin.plus(self.external))
     }
 
-    /// Length compensation of an H number; 0 for H0 and for numbers that the control does not have.
+    /// Tool length offset of an H number, geometry plus wear; 0 for H0 and for numbers that the control does not have.
     pub fn length(&self, offset: u16) -> Nm {
         sum(&self.lengths, offset)
     }
 
-    /// Cutter compensation of a D number; 0 for D0 and for numbers that the control does not have.
+    /// Cutter compensation offset of a D number, geometry plus wear; 0 for D0 and for numbers that the control does
+    /// not have.
     pub fn radius(&self, offset: u16) -> Nm {
         sum(&self.radii, offset)
     }

@@ -6,13 +6,13 @@
 //! Sources: ISO 840 and EIA as in the tables of tape codes that controls print (Yasnac LX3, table 2.4: what is
 //! disregarded, and the hole patterns 2-4-5 and 2-4-7 of the brackets). Fanuc B-63503EN p. 62: eight bits including parity.
 
-/// XON: reader start.
+/// DC1 (XON): the control asks the sender to send.
 pub const DC1: u8 = 0x11;
-/// Punch start.
+/// DC2: the control switches the receiver of its output on.
 pub const DC2: u8 = 0x12;
-/// XOFF: reader stop.
+/// DC3 (XOFF): the control asks the sender to stop.
 pub const DC3: u8 = 0x13;
-/// Punch stop.
+/// DC4: the control switches the receiver of its output off.
 pub const DC4: u8 = 0x14;
 
 const PARITY: u8 = 0x80;
@@ -25,18 +25,18 @@ const EIA_BACKSPACE: u8 = 0x2A;
 /// Character code of a tape or a DNC line: ISO, EIA or ASCII.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapeCode {
-    /// Seven bits and an even-parity bit.
+    /// ISO 840: seven bits and an even-parity bit.
     Iso,
-    /// RS-244: letters of one case, odd parity.
+    /// EIA RS-244: letters of one case, odd parity.
     Eia,
-    /// Seven bits, unchecked.
+    /// ASCII: seven bits, the eighth is ignored and nothing is checked.
     Ascii,
 }
 
-/// Meaning of a received frame.
+/// Meaning of one received byte (a row of holes of a tape).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
-    /// A character, in ASCII.
+    /// A character, as its ASCII code.
     Character(u8),
     /// The end of a block.
     EndOfBlock,
@@ -44,7 +44,7 @@ pub enum Symbol {
     Ignored,
 }
 
-/// A frame that is not in its code: alarm PS0001.
+/// The byte is not in the tape code (wrong parity or undefined holes): alarm PS0001.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotInCode;
 
@@ -100,7 +100,8 @@ const EIA: [(u8, u8); 47] = [
 ];
 
 impl TapeCode {
-    /// Detects the code from the first end of block; `None` if the frame is not an end of block.
+    /// Tape code that a program uses, from the first end of block: EIA or ISO; `None` if the byte is not an end of
+    /// block.
     pub fn of_end_of_block(frame: u8) -> Option<Self> {
         match frame {
             EIA_END_OF_BLOCK => Some(TapeCode::Eia),
@@ -109,8 +110,8 @@ impl TapeCode {
         }
     }
 
-    /// Whether the frame ends a block, also with a wrong parity bit: then the block is rejected, but not joined with
-    /// the next one.
+    /// Whether the byte ends a block. A wrong parity bit does not matter here: the block is then rejected, but not
+    /// joined with the next one.
     pub fn ends_block(self, frame: u8) -> bool {
         match self {
             TapeCode::Iso | TapeCode::Ascii => frame & !PARITY == LINE_FEED,
@@ -138,7 +139,8 @@ impl TapeCode {
         }
     }
 
-    /// The frame for an ASCII character (a line feed for the end of a block); `None` if the code does not have it.
+    /// The byte for an ASCII character, with parity (a line feed stands for the end of a block); `None` if the tape
+    /// code does not have the character.
     pub fn encode(self, byte: u8) -> Option<u8> {
         match (self, byte) {
             (TapeCode::Ascii, _) => Some(byte & !PARITY),
@@ -151,13 +153,13 @@ impl TapeCode {
     }
 }
 
-/// Adds the even-parity bit to seven bits.
+/// The seven low bits of the byte, with the parity bit that makes the number of ones even.
 pub const fn with_even_parity(byte: u8) -> u8 {
     let low = byte & !PARITY;
     if low.count_ones().is_multiple_of(2) { low } else { low | PARITY }
 }
 
-/// The frame without its eighth bit.
+/// The byte with its eighth bit cleared.
 pub const fn without_parity(frame: u8) -> u8 {
     frame & !PARITY
 }

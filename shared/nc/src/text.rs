@@ -5,16 +5,16 @@
 
 use memchr::memchr;
 
-/// Text of a line, and the bytes that end it.
+/// One line of a program: its text, and the bytes that end it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RawLine<'a> {
     /// Text without the line end.
     pub text: &'a [u8],
-    /// LF, CR LF, LF CR CR, CR, or empty at the end of the file.
+    /// The bytes that end the line: LF, CR LF, LF CR CR or CR; empty at the end of the file.
     pub ending: &'a [u8],
 }
 
-/// The lines of a program.
+/// Iterator over the lines of a program.
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     rest: &'a [u8],

@@ -7,24 +7,24 @@
 use super::alarm::{Alarm, Fault, NotModelled};
 use super::number::{self, Number, is_ignored};
 
-/// Maximum length of a line in bytes: columns are 16 bits wide.
+/// Largest length of a line in bytes, because columns are stored in 16 bits.
 pub const LINE_MAX: usize = u16::MAX as usize - 1;
 
-/// Mark with which some editors begin a file in UTF-8; no part of the program.
+/// Byte order mark with which some editors begin a UTF-8 file; not part of the program.
 pub const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A token and its bytes in the line.
+/// One token of a line of NC text, and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece<'a> {
     /// The token.
     pub token: Token<'a>,
-    /// Offset of its first byte.
+    /// Offset of its first byte in the line, from 0.
     pub start: usize,
-    /// Offset after its last byte.
+    /// Offset of the byte after its last one.
     pub end: usize,
 }
 
-/// Token of a line.
+/// Token of a line of NC text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Token<'a> {
     /// An address letter and its number.
@@ -36,7 +36,7 @@ pub enum Token<'a> {
         /// Assigned value.
         value: Number,
     },
-    /// `/` before a block, with the number of its switch (1 if none is written).
+    /// `/` (block delete), with the number of its switch; 1 if none is written.
     BlockDelete(u8),
     /// `(text)`: the text between the brackets.
     Comment {
@@ -49,25 +49,26 @@ pub enum Token<'a> {
     ProgramMark,
 }
 
-/// Letter of the address `,C`, a chamfer.
+/// Code that stands for the address `,C` (chamfer) in place of a letter.
 pub const CHAMFER: u8 = b'[';
-/// Letter of the address `,R`, a rounded corner.
+/// Code that stands for the address `,R` (rounded corner) in place of a letter.
 pub const ROUNDING: u8 = b']';
 
-/// An address letter and its number, with its position in the line.
+/// An address letter and its number, such as `X-3.5`, with its position in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// `b'A'..=b'Z'`, [`CHAMFER`] or [`ROUNDING`].
+    /// The letter, `b'A'..=b'Z'`, or [`CHAMFER`] or [`ROUNDING`].
     pub letter: u8,
     /// The number after it.
     pub number: Number,
     /// Column of the letter, counted from 1.
     pub column: u16,
-    /// Bytes from the letter to the number's last digit.
+    /// Number of bytes from the letter to the last digit.
     pub len: u8,
 }
 
-/// Deviations that a tolerant reading has accepted: for each kind the column of the first one, 0 for none.
+/// Deviations that a tolerant reading of a line has accepted: for each kind the column of the first one, 0 if there
+/// was none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tolerated {
     /// A small letter in code.
@@ -86,7 +87,7 @@ enum Tolerance {
     Everything,
 }
 
-/// The tokens of one line, which must not contain its line end.
+/// Iterator over the tokens of one line, whose text must not contain its line end.
 #[derive(Clone, Debug)]
 pub struct Words<'a> {
     line: &'a [u8],
@@ -102,8 +103,8 @@ impl<'a> Words<'a> {
         Words { line, at: 0, tolerance: Tolerance::None, tolerated: Tolerated::default() }
     }
 
-    /// Tokens of a line, with tolerance: accepts blanks inside words and, if `is_lenient`, small letters and a `;` at
-    /// the end of the code.
+    /// Tokens of a line, with blanks inside words accepted and, if `is_lenient`, also small letters and a `;` at the
+    /// end of the code.
     pub fn tolerant(line: &'a [u8], is_lenient: bool) -> Self {
         let tolerance = if is_lenient { Tolerance::Everything } else { Tolerance::Blanks };
         Words { tolerance, ..Words::new(line) }
@@ -114,7 +115,7 @@ impl<'a> Words<'a> {
         self.tolerated
     }
 
-    /// Offset of the next byte.
+    /// Offset of the byte that is read next.
     #[inline]
     pub fn offset(&self) -> usize {
         self.at
@@ -319,13 +320,13 @@ pub fn column(offset: usize) -> u16 {
     u16::try_from(offset + 1).unwrap_or(u16::MAX)
 }
 
-/// Whether the line is a `%` mark: nothing before the `%` but ignored characters.
+/// Whether the line is a `%` mark: nothing but ignored characters stands before the `%`.
 pub fn is_mark(line: &[u8]) -> bool {
     let code = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
     code.iter().find(|byte| !is_ignored(**byte)) == Some(&b'%')
 }
 
-/// Offset of the first small letter in the code of a line, outside comments.
+/// Offset of the first small letter in a line outside of comments; `None` without one.
 pub fn small_letter(line: &[u8]) -> Option<usize> {
     let mut in_comment = false;
     line.iter().position(|&byte| {
@@ -341,7 +342,7 @@ fn note(column_of: &mut u16, offset: usize) {
     }
 }
 
-/// Whether the control's code (ISO, upper case) has this character. It is the only check of comments.
+/// Whether the control's code (ISO, upper case only) has this character. Comments are checked for nothing else.
 ///
 /// Source: the TH alarm's character list (lower case and `! " $ & ' ; < > ? @ \ ^ _ { | }` are refused).
 pub const fn is_control_character(byte: u8) -> bool {

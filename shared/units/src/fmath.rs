@@ -7,13 +7,13 @@
 /// Sign bit.
 const SIGN: u32 = 1 << 31;
 
-/// Square root; NaN below zero.
+/// Square root; NaN for negative numbers.
 #[cfg(not(all(target_arch = "arm", target_os = "none", target_abi = "eabihf")))]
 pub fn sqrt(x: f32) -> f32 {
     libm::sqrtf(x)
 }
 
-/// Square root; NaN below zero.
+/// Square root; NaN for negative numbers.
 #[cfg(all(target_arch = "arm", target_os = "none", target_abi = "eabihf"))]
 #[allow(unsafe_code)]
 pub fn sqrt(x: f32) -> f32 {
@@ -32,7 +32,8 @@ pub fn sqrt(x: f32) -> f32 {
     f32::from_bits(bits)
 }
 
-/// The nearest f32 of each of two whole numbers (`x as f32`). Uses the chip's single instruction if both fit 32 bits.
+/// The two whole numbers as f32, rounded to nearest (`x as f32`). Faster than two conversions on the chip if both fit
+/// 32 bits.
 #[inline(always)]
 pub fn from_pair([x, y]: [i64; 2]) -> [f32; 2] {
     let (short_x, short_y) = (x as i32, y as i32);
@@ -47,7 +48,7 @@ fn long_pair(pair: [i64; 2]) -> [f32; 2] {
     pair.map(|x| x as f32)
 }
 
-/// The nearest f32 of an unsigned whole number; see [`from_pair`].
+/// The whole number as f32, rounded to nearest (`x as f32`); faster on the chip if it fits 32 bits.
 pub fn from_u64(x: u64) -> f32 {
     match u32::try_from(x) {
         Ok(short) => short as f32,
@@ -61,27 +62,28 @@ fn unsigned_long_to_f32(x: u64) -> f32 {
     x as f32
 }
 
-/// Whether `x` is finite, normal and above zero. Tests sign and exponent, which takes 5 instructions on the chip; `x >
-/// 0.0 && x.is_finite()` takes 25.
+/// Whether `x` is above zero, finite and not subnormal. Tests sign and exponent, which takes 5 instructions on the
+/// chip; `x > 0.0 && x.is_finite()` takes 25.
 #[inline(always)]
 pub fn is_positive(x: f32) -> bool {
     let sign_and_exponent = x.to_bits().cast_signed() >> (f32::MANTISSA_DIGITS - 1);
     (sign_and_exponent - 1).cast_unsigned() < f32::MAX_EXP.cast_unsigned() * 2 - 2
 }
 
-/// The magnitude of `x` with the sign of `sign`.
+/// The absolute value of `x` with the sign of `sign`.
 #[inline(always)]
 pub fn with_sign_of(x: f32, sign: f32) -> f32 {
     f32::from_bits(x.to_bits() & !SIGN | sign.to_bits() & SIGN)
 }
 
-/// The smaller of two numbers; `b` if one is NaN. `f32::min` is a call on the chip, this is a comparison and a move.
+/// The smaller of two numbers; `b` if one of them is NaN. `f32::min` is a call on the chip; this is a comparison and a
+/// move.
 #[inline(always)]
 pub fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger of two numbers; `b` if one is NaN. See [`min`].
+/// The larger of two numbers; `b` if one of them is NaN. See [`min`].
 #[inline(always)]
 pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -97,13 +99,13 @@ pub fn acos(x: f32) -> f32 {
     libm::acosf(x)
 }
 
-/// Cosine; not for the tick: it goes through f64.
+/// Cosine of an angle in radians. Too slow for the control tick, because it computes in f64.
 pub fn cos(x_rad: f32) -> f32 {
     libm::cos(f64::from(x_rad)) as f32
 }
 
-/// Cosine and sine of an angle within +-1/8 turn, radians, fast enough for the tick: a Taylor series whose remainder
-/// is below the resolution of f32 (the functions of `libm` compute in f64).
+/// Cosine and sine of an angle of at most 1/8 turn in either sense, radians. Fast enough for the control tick, because
+/// it is a Taylor series in f32; its remainder is below the resolution of f32.
 pub fn cos_sin_of_octant(x_rad: f32) -> [f32; 2] {
     let square = x_rad * x_rad;
     let series = |divisors: [f32; 4]| divisors.iter().rev().fold(1.0, |rest, d| 1.0 - square * (1.0 / d) * rest);

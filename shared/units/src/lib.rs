@@ -26,13 +26,13 @@ pub const MICRODEG_PER_DEG: i64 = 1_000_000;
 pub const US_PER_MS: u64 = 1_000;
 /// Microseconds in a second.
 pub const US_PER_S: u64 = 1_000_000;
-/// Tonnes per cubic millimetre in a kilogram per cubic metre (mm, N, t and s are one set: 1 N = 1 t mm/s2).
+/// Factor from kilograms per cubic metre to tonnes per cubic millimetre (mm, N, t and s are one set: 1 N = 1 t mm/s2).
 pub const T_PER_MM3_IN_KG_PER_M3: f64 = 1e-12;
-/// Tonnes in a kilogram.
+/// Factor from kilograms to tonnes.
 pub const T_PER_KG: f64 = 1e-3;
 /// Seconds in a minute.
 pub const S_PER_MIN: f64 = 60.0;
-/// Per cent in the whole.
+/// Factor from a fraction to per cent.
 pub const PERCENT: f32 = 100.0;
 /// Thousandths of a per cent in a per cent.
 pub const MILLIPERCENT_PER_PERCENT: u32 = 1_000;
@@ -48,7 +48,7 @@ impl Nm {
         self.0 as f64 / NM_PER_MM as f64
     }
 
-    /// The nearest whole nanometre; saturates, NaN gives zero.
+    /// The nearest whole nanometre to a length in millimetres; beyond the range the nearest end of it, for NaN zero.
     pub fn from_mm(mm: f64) -> Self {
         Nm(libm::round(mm * NM_PER_MM as f64) as i64)
     }
@@ -66,7 +66,7 @@ impl MicroDeg {
     }
 }
 
-/// A length in millimetres, for formulas on the tick.
+/// A length in millimetres as f32, for formulas that run at each control tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mm(pub f32);
@@ -91,12 +91,13 @@ pub struct MmPerTooth(pub f32);
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RevPerMin(pub f32);
 
-/// An instant or a duration, microseconds.
+/// Microseconds: an instant since the start of a clock, or a duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Micros(pub u64);
 
-/// A short duration, microseconds, such as a tick's period or the age of a sample. Saturates at 71 minutes.
+/// A duration of at most 71 minutes in microseconds, such as a tick's period or the age of a sample. Longer durations
+/// are stored as 71 minutes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Span(pub u32);
@@ -112,7 +113,7 @@ impl Micros {
         Micros(ms.saturating_mul(US_PER_MS))
     }
 
-    /// The instant `span` later.
+    /// The instant `span` after this one, at most the largest that the type holds.
     pub const fn after(self, span: Micros) -> Self {
         Micros(self.0.saturating_add(span.0))
     }

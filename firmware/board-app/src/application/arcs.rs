@@ -8,15 +8,15 @@ use arcfeed_link::message::table::SegmentArcs;
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::{EngagedError, EngagedTable};
 
-/// Engaged arcs received for the next segment. Keeps its state between calls.
+/// Engaged arcs (directions in which the edges are in material) that the host has sent for the next segment.
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into, and there is one of it")]
 pub enum ReceivedArcs {
-    /// No arcs.
+    /// None were sent.
     None,
-    /// The arcs received so far.
+    /// The arcs received so far, all of them valid.
     Received(EngagedTable),
-    /// At least one of the arcs was rejected.
+    /// At least one knot of them was rejected, so the segment will be rejected too.
     Refused,
 }
 
@@ -47,11 +47,11 @@ impl ReceivedArcs {
         })
     }
 
-    /// Checks that the arcs can belong to a segment under this rule. A segment without arcs has no law; that is the
-    /// host's decision.
+    /// Checks that a segment under this rule may have these arcs. It may also have none: no law governs it then, which
+    /// is the host's decision.
     ///
     /// # Errors
-    /// The reason why not.
+    /// [`RefusalCode`] to be sent to the host.
     pub fn check_rule(&self, rule: Option<&CutRule>) -> Result<(), RefusalCode> {
         match self {
             ReceivedArcs::Refused => Err(RefusalCode::Incomplete),
@@ -62,7 +62,7 @@ impl ReceivedArcs {
         }
     }
 
-    /// The complete table, if there is one.
+    /// The arcs of the segment; `None` if none were sent or some were rejected.
     pub fn table(&self) -> Option<&EngagedTable> {
         match self {
             ReceivedArcs::Received(table) => Some(table),

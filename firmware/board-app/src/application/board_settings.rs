@@ -15,17 +15,17 @@ const REPORT_SLOWEST: Span = Span::from_ms(1_000);
 /// Shortest period: reports must leave room on the line.
 const REPORT_FASTEST: Span = Span::from_ms(5);
 
-/// All settings of a board; configuration that a host may change between two jobs.
+/// All settings of a board that the host can change, one by one, between two jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoardSettings {
-    /// Settings of the supervisor.
+    /// Time-outs and thresholds of the supervisor.
     pub settings: Settings,
-    /// Period of the reports.
+    /// Time between two status reports to the host.
     pub report_every: Span,
 }
 
 impl BoardSettings {
-    /// Board settings with the given settings of the supervisor.
+    /// Settings of a board with these settings of the supervisor, and the default period of reports.
     ///
     /// # Errors
     /// Settings that contradict each other or are out of range.
@@ -34,12 +34,12 @@ impl BoardSettings {
         Ok(BoardSettings { settings, report_every: REPORT_EVERY })
     }
 
-    /// Whether these bounds of the override are compatible with the settings.
+    /// Whether a supervisor with these settings accepts this range, step and slew rates of the override.
     pub fn allow(&self, limits: &OverrideLimits) -> bool {
         Supervisor::within(limits, self.settings).is_ok()
     }
 
-    /// The value of one setting.
+    /// The present value of one setting, as a message to the host.
     pub fn value(&self, setting: SettingCode) -> table::Setting {
         let Settings { position, link, lost_after_frames, resync, longest_tick, .. } = self.settings;
         let value = match setting {
@@ -59,7 +59,7 @@ impl BoardSettings {
         table::Setting { setting, value }
     }
 
-    /// Changes one setting, if all of them together stay valid.
+    /// Changes one setting, if the settings then still fit each other.
     ///
     /// # Errors
     /// [`RefusalCode::Value`], and nothing is changed.

@@ -13,15 +13,16 @@ use arcfeed_firmware::active::{ActiveSegment, Conditions};
 
 use super::arcs::ReceivedArcs;
 
-/// The job in force, the parameter set being received, and the engaged arcs of the next segment. Keeps its state between calls.
+/// Large data of the command handler: the job in force, the job that is being received, and the engaged arcs of the
+/// next segment.
 #[derive(Debug)]
 pub struct Buffers {
     /// The job in force, if there is one.
     job: Job,
     has_job: bool,
-    /// The parameter set being received.
+    /// Receiver of the next job's messages.
     pub staging: Staging,
-    /// Engaged arcs of the next segment, or of the one that waits for room.
+    /// Engaged arcs received for the next segment, or for one that waits for a free slot.
     pub arcs: ReceivedArcs,
 }
 
@@ -37,28 +38,28 @@ impl Buffers {
         Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: ReceivedArcs::None }
     }
 
-    /// Clears the buffers in place: they are too large to be built elsewhere and moved.
+    /// Makes the buffers empty in place, because they are too large to be built elsewhere and moved.
     pub fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
         self.arcs = ReceivedArcs::None;
     }
 
-    /// The job in force.
+    /// The job in force; `None` if there is none.
     pub fn job(&self) -> Option<&Job> {
         self.has_job.then_some(&self.job)
     }
 
-    /// Puts the job of the last committed set in force.
+    /// Puts the job that was received last in force.
     pub fn put_in_force(&mut self) {
         self.staging.swap_job(&mut self.job);
         self.has_job = true;
     }
 
-    /// Checks a segment, with the arcs received for it, against the job in force.
+    /// Checks a segment of the host, with the arcs received for it, against the job in force.
     ///
     /// # Errors
-    /// The reason why it does not belong to the job.
+    /// [`RefusalCode`] to be sent to the host.
     pub fn check(&self, segment: &table::Segment) -> Result<(), RefusalCode> {
         let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
@@ -66,7 +67,8 @@ impl Buffers {
         self.arcs.check_rule(rule)
     }
 
-    /// Prepares a checked segment under its law and consumes its arcs; `None` only for a segment that was not checked.
+    /// Prepares a checked segment under its law, with the arcs received for it, which are then deleted. `None` only
+    /// for a segment that was not checked.
     pub fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
         let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;
@@ -86,7 +88,8 @@ impl Buffers {
         Some(active)
     }
 
-    /// Loads the job of a page of flash, if `suits` accepts it; returns the tapped line for which it was written.
+    /// Reads the job from a flash page and puts it in force, if `suits` accepts it. Returns the properties of the
+    /// tapped line that stand in the page too.
     pub fn read_page(&mut self, page: &[u8], suits: impl Fn(&Job) -> bool) -> Result<TappedLine, PageError> {
         let (job, tapped) = page::read(page, &mut self.staging)?;
         if !suits(job) {

@@ -29,7 +29,7 @@ use super::report;
 /// Maximum number of answers that wait for the link.
 const REPLIES: usize = 8;
 
-/// Executes host commands. Keeps its state between calls.
+/// Checks and executes the host's messages, passes moves and settings to the control task, and holds the answers.
 pub struct CommandHandler<'q> {
     dispatch: Dispatch<'q>,
     identity: Identity,
@@ -53,10 +53,10 @@ pub struct CommandHandler<'q> {
 }
 
 impl<'q> CommandHandler<'q> {
-    /// A handler without parameters.
+    /// Handler without a job.
     ///
     /// # Errors
-    /// Invalid settings.
+    /// The settings of the supervisor contradict each other.
     pub fn new(queues: HostQueues<'q>, identity: Identity, settings: Settings) -> Result<Self, SettingsError> {
         let HostQueues { commands, notices, status, buffers } = queues;
         Ok(CommandHandler {
@@ -75,18 +75,19 @@ impl<'q> CommandHandler<'q> {
         })
     }
 
-    /// A handler whose segments come from the tapped line.
+    /// The same handler for a board that reads its moves from the tapped DNC line: the host cannot send segments or
+    /// parameters.
     #[must_use]
     pub fn tapped(self) -> Self {
         CommandHandler { is_tapped: true, ..self }
     }
 
-    /// Whether another message of the host can be executed now. Until then the link holds messages back.
+    /// Whether the next message of the host can be executed now. While it cannot, the link holds messages back.
     pub fn is_ready(&self) -> bool {
         self.parked.is_none() && self.dispatch.is_done() && self.replies.len() < REPLIES / 2
     }
 
-    /// Executes a message. Invalid bytes are rejected.
+    /// Executes a message of the host. Bytes that are not a valid message are answered by `Refused`.
     pub fn handle(&mut self, kind: u8, payload: &[u8]) {
         match Message::decode(kind, payload) {
             Ok(message) => self.execute(&message),
@@ -94,7 +95,7 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Reads the status of the control task and sends it waiting commands.
+    /// Reads the control task's status, and sends it what waits for a place in its queue.
     pub fn run(&mut self) {
         self.read_status();
         self.dispatch.flush();
@@ -105,7 +106,7 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Reads the status of the control task.
+    /// Reads the control task's newest status.
     pub fn read_status(&mut self) {
         while let Some(status) = self.dispatch.status() {
             if let Some(refusal) = status.refusal {
@@ -116,17 +117,17 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// The next answer for the host.
+    /// The next answer to the host; `None` if none waits.
     pub fn reply(&mut self) -> Option<Message> {
         self.replies.pop_front()
     }
 
-    /// Puts an answer back that could not be sent.
+    /// Puts an answer that could not be sent back in front of the others.
     pub fn requeue(&mut self, reply: Message) {
         let _room = self.replies.push_front(reply);
     }
 
-    /// Report for the host; `None` before the first tick.
+    /// Status report for the host; `None` before the first tick.
     pub fn report(&self) -> Option<table::Report> {
         self.status.as_ref().map(|status| report::report(status, self.room(), self.set))
     }
@@ -136,17 +137,17 @@ impl<'q> CommandHandler<'q> {
         &self.settings
     }
 
-    /// Last status of the control task.
+    /// Last status that the control task has sent; `None` before its first tick.
     pub fn status(&self) -> Option<&TaskStatus> {
         self.status.as_ref()
     }
 
-    /// Registers a sign of life of the host.
+    /// Records that a valid frame of the host arrived at the time `at`.
     pub fn host_alive(&mut self, at: Micros) {
         self.dispatch.host_alive(at);
     }
 
-    /// Starts a session and discards all data of the previous one.
+    /// Starts a session with a host: everything of the previous session is discarded.
     pub fn on_link_up(&mut self) {
         self.end_session();
         if !self.is_tapped {
@@ -154,13 +155,14 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Ends the session because the host is silent or its frames are corrupted.
+    /// Ends the session because no valid frames of the host arrive: the control task treats the link as lost.
     pub fn on_host_lost(&mut self) {
         self.end_session();
         self.dispatch.notify(Notice::HostLost);
     }
 
-    /// Ends the session because the host restarted or closed the link.
+    /// Ends the session because the host has restarted or has closed the link: the control task does not keep the last
+    /// override.
     pub fn on_host_left(&mut self) {
         self.end_session();
         self.dispatch.notify(Notice::HostChanged);
@@ -169,7 +171,8 @@ impl<'q> CommandHandler<'q> {
         }
     }
 
-    /// Loads the parameters of a page of flash; returns the tapped line for which they were written. A blank page changes nothing.
+    /// Reads the job from a flash page and puts it in force under the number `set`; returns the properties of the
+    /// tapped line in the page. A page of erased flash changes nothing.
     ///
     /// # Errors
     /// Reason why the page is rejected. A corrupt or invalid page raises a fault.
@@ -183,24 +186,25 @@ impl<'q> CommandHandler<'q> {
         read
     }
 
-    /// The job in force.
+    /// The job in force; `None` if there is none.
     pub fn job(&self) -> Option<&Job> {
         self.buffers.job()
     }
 
-    /// Starts a new run: discards unfinished segments.
+    /// Starts a new run of segments: those that have not ended are discarded.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
         self.buffers.arcs = ReceivedArcs::None;
         self.dispatch.begin_run();
     }
 
-    /// Free slots for segments.
+    /// Number of segments that can be added at present.
     pub fn room(&self) -> usize {
         self.dispatch.room()
     }
 
-    /// Adds a prepared segment of this run. Returns false without effect if there is no room.
+    /// Adds a prepared segment of the run, with its number `count`. Returns false, and changes nothing, if no slot is
+    /// free.
     pub fn push(&mut self, count: u32, segment: ActiveSegment) -> bool {
         self.dispatch.put(count, segment, None)
     }

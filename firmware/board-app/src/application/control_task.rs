@@ -18,16 +18,17 @@ use arcfeed_firmware::supervisor::{Output, Supervisor};
 use super::messages::{Command, Notice, TaskQueues, TaskStatus};
 use super::sensors::Sensors;
 
-/// Source of the segments: the host link, or the tapped line.
+/// Source of the board's segments: the host, or the DNC line that it taps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Supply {
-    /// A host on the link: the board can be armed only while it receives the host's frames.
+    /// From a host on the link. The laws can be armed only while valid frames of the host arrive.
     Link,
-    /// The tapped line: no host is needed.
+    /// From the tapped DNC line; no host is needed.
     Tap,
 }
 
-/// The control task; state. It starts idle: 0 %, rising to the dial.
+/// The work at each control tick: reads commands and notices from the main loop, follows the position, and decides on
+/// the override. Starts in the idle state at 0 %, from where the override rises to the operator's dial.
 pub struct ControlTask<'q> {
     queues: TaskQueues<'q>,
     supply: Supply,
@@ -58,11 +59,11 @@ struct Host {
 }
 
 impl<'q> ControlTask<'q> {
-    /// A task without parameters. `fault` is a fault found at the start: a watchdog reset, or corrupt parameters in
-    /// flash.
+    /// Task without a job. `fault` is a fault that was found at the start, such as a watchdog reset or corrupt
+    /// parameters in flash.
     ///
     /// # Errors
-    /// Invalid settings.
+    /// The settings of the supervisor contradict each other.
     pub fn new(
         queues: TaskQueues<'q>,
         supply: Supply,
@@ -87,7 +88,7 @@ impl<'q> ControlTask<'q> {
         })
     }
 
-    /// Runs one tick.
+    /// Runs one tick at the time `now` with these measured values; returns the decision.
     pub fn tick(&mut self, now: Micros, sensors: &Sensors) -> Output {
         self.take_notices();
         self.take_commands();
@@ -117,12 +118,12 @@ impl<'q> ControlTask<'q> {
         output
     }
 
-    /// Memory of the supervisor, with its state and counters.
+    /// State of the supervisor, which decides whether the laws may set the override, with its counters.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// Number of segments executed since the start; wraps around.
+    /// Number of segments that have ended since the start; wraps around.
     pub fn executed(&self) -> u32 {
         self.executed
     }

@@ -13,7 +13,7 @@ use super::messages::{Command, Notice, PlannedMove, TaskStatus};
 /// Maximum number of notices that wait for room in the queue.
 const NOTICES: usize = 8;
 
-/// Sender of commands and notices to the control task, with what waits for room. Keeps its state between calls.
+/// Sends commands and notices to the control task, and holds those for which its queues have no place yet.
 pub struct Dispatch<'q> {
     commands: Producer<'q, Command>,
     notices: Producer<'q, Notice>,
@@ -25,7 +25,7 @@ pub struct Dispatch<'q> {
 }
 
 impl<'q> Dispatch<'q> {
-    /// A dispatcher that has sent nothing.
+    /// Sender at these ends of the queues; nothing waits.
     pub fn new(
         commands: Producer<'q, Command>,
         notices: Producer<'q, Notice>,
@@ -34,12 +34,12 @@ impl<'q> Dispatch<'q> {
         Dispatch { commands, notices, status, waiting: Deque::new(), pending: None, run: 0 }
     }
 
-    /// Whether nothing waits for room.
+    /// Whether nothing waits for a place in the queues.
     pub fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.pending.is_none()
     }
 
-    /// Sends waiting notices and commands, as far as there is room.
+    /// Sends what waits, as far as the queues have places.
     pub fn flush(&mut self) {
         while self.notices.ready()
             && let Some(notice) = self.waiting.pop_front()
@@ -54,7 +54,7 @@ impl<'q> Dispatch<'q> {
         }
     }
 
-    /// Sends a notice.
+    /// Sends a notice, which takes effect at the next tick.
     pub fn notify(&mut self, notice: Notice) {
         let at_once = self.waiting.is_empty() && self.notices.enqueue(notice).is_ok();
         if !at_once {
@@ -63,37 +63,40 @@ impl<'q> Dispatch<'q> {
         }
     }
 
-    /// Registers a sign of life of the host. Other notices have priority, as signs of life repeat.
+    /// Reports to the control task that a valid frame of the host arrived at the time `at`. Left out if other notices
+    /// wait or the queue is half full, because frames of the host come again.
     pub fn host_alive(&mut self, at: Micros) {
         if self.waiting.is_empty() && self.notices.len() < self.notices.capacity() / 2 {
             let _room = self.notices.enqueue(Notice::HostAlive(at));
         }
     }
 
-    /// Starts a new run: discards unfinished segments.
+    /// Starts a new run of segments: those that have not ended are discarded.
     pub fn begin_run(&mut self) {
         self.run = self.run.wrapping_add(1);
         self.notify(Notice::Run(self.run));
     }
 
-    /// Sends parameters and settings; they take effect after the segments queued so far.
+    /// Sends a supervisor with new parameters or settings; it takes effect after the segments that are in the queue
+    /// already.
     pub fn send_parameters(&mut self, supervisor: Supervisor) {
         self.pending = Some(supervisor);
         self.flush();
     }
 
-    /// Adds a segment of this run. Returns false without effect if there is no room.
+    /// Adds a segment of the run, with its number `count`. Returns false, and changes nothing, if no slot is free.
+    /// With `begins_at` it waits until X, Y and Z are at this position.
     pub fn put(&mut self, count: u32, segment: ActiveSegment, begins_at: Option<[Nm; 3]>) -> bool {
         let planned = PlannedMove { run: self.run, count, begins_at, segment };
         self.commands.enqueue(Command::Segment(planned)).is_ok()
     }
 
-    /// Whether no command waits for the control task.
+    /// Whether the control task has taken all commands.
     pub fn is_empty(&self) -> bool {
         self.commands.is_empty()
     }
 
-    /// Free slots for segments.
+    /// Number of segments that can be added at present.
     pub fn room(&self) -> usize {
         self.capacity().saturating_sub(self.commands.len())
     }
@@ -103,7 +106,7 @@ impl<'q> Dispatch<'q> {
         self.commands.capacity()
     }
 
-    /// The next status of the control task.
+    /// The next status of the control task; `None` if there is no new one.
     pub fn status(&mut self) -> Option<TaskStatus> {
         self.status.dequeue()
     }

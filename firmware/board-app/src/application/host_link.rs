@@ -16,7 +16,7 @@ const REPORT_TTL: Span = Span::from_ms(300);
 /// Number of free slots of the link that the log leaves for answers.
 const LOG_LEAVES: usize = 4;
 
-/// The board's end of the link. Keeps its state between calls.
+/// The board's end of the link to its host: frames in and out, with the handler that executes the host's messages.
 pub struct HostLink<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
     link: Link<WINDOW, KINDS>,
     handler: CommandHandler<'q>,
@@ -25,8 +25,8 @@ pub struct HostLink<'q, const WINDOW: usize = 16, const KINDS: usize = 8> {
 }
 
 impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
-    /// A link that sends hellos. `session` must not occur in any other start of this board, each of which uses up to
-    /// 65 536 consecutive sessions: a count of starts in the upper half.
+    /// A link that sends hellos to find the host. `session` must not occur in any other start of this board, each of
+    /// which uses up to 65 536 consecutive numbers: for example the count of starts in the upper half.
     ///
     /// # Errors
     /// Invalid settings of the link.
@@ -35,7 +35,7 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         Ok(HostLink { link, handler, was_up: false, report_due: Micros(0) })
     }
 
-    /// Processes bytes received on the link.
+    /// Processes bytes that have arrived on the link at the time `now`.
     pub fn on_link_bytes(&mut self, now: Micros, bytes: &[u8]) {
         // Requests of the host are checked against the current state.
         self.handler.read_status();
@@ -59,7 +59,8 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         self.link.poll_transmit(now, out)
     }
 
-    /// Reads the status of the control task, sends answers and reports. Call it often, ideally after each tick.
+    /// Reads the control task's status, and queues answers and reports for the host. Call it often, ideally after each
+    /// tick.
     pub fn run(&mut self, now: Micros) {
         self.handler.run();
         self.watch();
@@ -83,7 +84,8 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         }
     }
 
-    /// Sends bytes of the log, with lower priority than all other messages. Returns their number.
+    /// Queues bytes of the log for the host, with lower priority than all other messages. Returns how many were
+    /// accepted.
     pub fn log(&mut self, bytes: &[u8]) -> usize {
         let mut sent = 0;
         for part in bytes.chunks(CHUNK_MAX) {
@@ -96,17 +98,18 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
         sent
     }
 
-    /// The link: its state and counters.
+    /// The link, for its state and counters.
     pub fn link(&self) -> &Link<WINDOW, KINDS> {
         &self.link
     }
 
-    /// The command handler, for input that does not come over the link: segments of a tap, parameters in flash.
+    /// The handler of the host's messages, for input that does not come over the link: segments of a tap, and a job in
+    /// flash.
     pub fn handler_mut(&mut self) -> &mut CommandHandler<'q> {
         &mut self.handler
     }
 
-    /// The command handler.
+    /// The handler of the host's messages.
     pub fn handler(&self) -> &CommandHandler<'q> {
         &self.handler
     }

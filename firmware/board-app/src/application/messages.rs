@@ -21,7 +21,7 @@ const NOTICES: usize = 17;
 /// Length of the queue of status messages.
 const STATUSES: usize = 9;
 
-/// The queues between main loop and control task, with room for `AHEAD` - 1 segments, and the buffers of the main loop.
+/// Queues between main loop and control task, with places for `AHEAD` - 1 segments, and the main loop's buffers.
 #[derive(Debug)]
 pub struct Queues<const AHEAD: usize> {
     commands: Queue<Command, AHEAD>,
@@ -30,25 +30,25 @@ pub struct Queues<const AHEAD: usize> {
     buffers: Buffers,
 }
 
-/// The main loop's ends of the queues.
+/// Ends of the queues that the main loop uses.
 pub struct HostQueues<'q> {
-    /// Commands, executed in order.
+    /// Commands to the control task, which executes them in order.
     pub commands: Producer<'q, Command>,
-    /// Notices, which take effect at once.
+    /// Notices to the control task, which take effect at its next tick.
     pub notices: Producer<'q, Notice>,
-    /// Status of the control task.
+    /// Status messages of the control task.
     pub status: Consumer<'q, TaskStatus>,
-    /// Buffers of the main loop.
+    /// Large data of the main loop: jobs and engaged arcs.
     pub buffers: &'q mut Buffers,
 }
 
-/// The control task's ends of the queues.
+/// Ends of the queues that the control task uses.
 pub struct TaskQueues<'q> {
-    /// Commands, executed in order.
+    /// Commands of the main loop, executed in order.
     pub commands: Consumer<'q, Command>,
-    /// Notices, which take effect at once.
+    /// Notices of the main loop, which take effect at the next tick.
     pub notices: Consumer<'q, Notice>,
-    /// Status, for the main loop.
+    /// Status messages to the main loop.
     pub status: Producer<'q, TaskStatus>,
 }
 
@@ -56,60 +56,61 @@ pub struct TaskQueues<'q> {
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no heap to box into; nearly all are segments")]
 pub enum Command {
-    /// Parameters and settings in force from here on.
+    /// New parameters and settings, in force for the moves after this command.
     Parameters(Supervisor),
-    /// The next move.
+    /// A move that the control will execute after those before it.
     Segment(PlannedMove),
 }
 
-/// A move that the control has yet to execute.
+/// A move that the control is expected to execute.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedMove {
-    /// Run of segments to which it belongs; see [`Notice::Run`].
+    /// Number of the run of segments to which the move belongs; see [`Notice::Run`].
     pub run: u32,
-    /// The sender's count.
+    /// Number of the move, as its sender counts.
     pub count: u32,
-    /// Start position, if the segment has to wait until the axes are there.
+    /// Position of X, Y and Z at which the axes must be before the move counts as begun; `None` if it follows the move
+    /// before it.
     pub begins_at: Option<[Nm; 3]>,
     /// The move.
     pub segment: ActiveSegment,
 }
 
-/// A notice, which takes effect at the next tick.
+/// Notice of the main loop to the control task, which takes effect at the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notice {
-    /// The host gave a sign of life at this time.
+    /// A valid frame of the host arrived at this time.
     HostAlive(Micros),
     /// The host's frames are corrupt: it counts as lost, as after a long silence.
     HostLost,
-    /// The host has restarted or was replaced: it is lost, and its last value is invalid.
+    /// The host has restarted or was replaced: it counts as lost, and the override does not keep its last value.
     HostChanged,
-    /// A new run: segments of earlier runs are discarded.
+    /// A new run of segments with this number begins: segments of earlier runs are discarded.
     Run(u32),
-    /// A person who has seen the state at this epoch asks to arm.
+    /// A person requests to arm, who has seen a report with this epoch (count of fallbacks); an older epoch is stale.
     Arm(u16),
-    /// A request to disarm.
+    /// A person requests to disarm.
     Disarm,
-    /// A fault of the board.
+    /// The board has this fault.
     Fault(BoardFault),
 }
 
-/// Status of the control task after a tick.
+/// Status of the control task after a tick, for the main loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaskStatus {
-    /// Decision of the tick; its block is the sender's count.
+    /// Decision of the tick as a telemetry record; its block is the number that the sender has given the move.
     pub record: TelemetryRecord,
     /// State of the supervisor.
     pub state: State,
-    /// Alarm for the operator.
+    /// Alarm to be shown to the operator.
     pub alarm: Alarm,
-    /// Number of fallbacks, including the start; wraps around.
+    /// Epoch: number of changes to fallback, disarmed or faulted, plus one for the start; wraps around.
     pub epoch: u16,
-    /// Number of executed segments; wraps around.
+    /// Number of segments that have ended since the start; wraps around.
     pub executed: u32,
-    /// Whether the record's block is in execution.
+    /// Whether a move is in execution, whose number is the block of the record; otherwise that number means nothing.
     pub is_in_work: bool,
-    /// Reason of the last rejected arming since the previous status.
+    /// Reason why arming was rejected, if it was since the previous status; the last one counts.
     pub refusal: Option<Refusal>,
 }
 
@@ -138,7 +139,7 @@ impl<const AHEAD: usize> Queues<AHEAD> {
 }
 
 impl PlannedMove {
-    /// Whether the axes are at the move's start position, if the move has to wait for them.
+    /// Whether the axes are where the move begins, or the move does not have to wait for that.
     pub fn can_begin(&self, position: Option<&Pose>) -> bool {
         self.begins_at.is_none_or(|begin| {
             position.is_some_and(|position| {

@@ -11,7 +11,7 @@ use super::messages::TaskStatus;
 /// Code for a missing number.
 const NONE: u32 = u32::MAX;
 
-/// Code of a supervisor state in a report.
+/// The code by which a report to the host states a state of the supervisor.
 pub const fn state_code(state: &State) -> StateCode {
     match state {
         State::Idle => StateCode::Idle,
@@ -25,7 +25,7 @@ pub const fn state_code(state: &State) -> StateCode {
     }
 }
 
-/// Code of a rejected arming in a report.
+/// The code by which a message to the host states why arming was rejected.
 pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
     match refusal {
         Refusal::Faulted => RefusalCode::Faulted,
@@ -35,7 +35,8 @@ pub const fn refusal_code(refusal: Refusal) -> RefusalCode {
     }
 }
 
-/// Report of a status, with free slots `room` and the parameters `set` in force.
+/// Report to the host from a status; `room` is the number of segments that can be added, `set` the number of the job
+/// in force.
 pub fn report(status: &TaskStatus, room: usize, set: u32) -> Report {
     let record = &status.record;
     Report {

@@ -12,22 +12,22 @@ use arcfeed_firmware::supervisor::signals::Signals;
 
 use super::report::state_code;
 
-/// Measured values of a tick.
+/// Measured values of a board, from which the control task decides at a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensors {
     /// Position of the tool's centre in workpiece coordinates; `None` before the first sample.
     pub position: Option<Pose>,
     /// Age and validity of the position.
     pub freshness: Freshness,
-    /// Spindle speed.
+    /// Measured spindle speed; 0 if unknown.
     pub spindle: RevPerMin,
-    /// The operator's dial, %.
+    /// Position of the operator's override dial, %.
     pub operator_percent: u8,
     /// Conditions of the control, buttons, and faults of the board.
     pub signals: Signals,
 }
 
-/// Receiver of a machine line's samples. Keeps its state between calls.
+/// Receiver of the samples that a simulated or remote machine sends to a board without sensors of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineLine {
     last: Sensors,
@@ -43,7 +43,7 @@ impl Default for MachineLine {
 }
 
 impl MachineLine {
-    /// A machine line before the first sample: maximum age of the position, dial at 0.
+    /// Receiver before the first sample: the position has the maximum age, and the dial is at 0 %.
     pub const fn new() -> Self {
         let last = Sensors {
             position: None,
@@ -74,20 +74,21 @@ impl MachineLine {
         true
     }
 
-    /// Counts an invalid frame.
+    /// Counts a frame that could not be read; enough of them in a row count as a loss of the position.
     pub fn count_invalid(&mut self) {
         let invalid = &mut self.last.freshness.invalid_in_row;
         *invalid = invalid.saturating_add(1);
     }
 
-    /// Sensor values at `now`.
+    /// Measured values at the time `now`, from the newest valid sample.
     pub fn sensors(&self, now: Micros) -> Sensors {
         let age = self.heard.map_or(Span(u32::MAX), |heard| now.since(heard).into());
         Sensors { freshness: Freshness { age, ..self.last.freshness }, ..self.last }
     }
 }
 
-/// Answer to a sample: the outputs, and the numbers of bytes sent before it on the link and on the tapped line.
+/// Answer to the machine's sample of the time `at`: the outputs of the tick, and the numbers of bytes that the board
+/// has sent before it on the link and on the tapped line.
 pub fn setpoint(at: u64, output: &Output, [link_bytes, tap_bytes]: [u32; 2]) -> Setpoint {
     let lines = !LineCode::of(output.feed_override).levels();
     Setpoint { at, lines, state: state_code(&output.state), link_bytes, tap_bytes }

@@ -42,13 +42,13 @@ use settings::{LINE_MAX, TapSettings, TapSettingsError};
 use status::{TapCounters, TapLossReason, TapState};
 use watch::{Gate, PathLocation, PathProgress};
 
-/// Maximum number of emitted segments that are not done.
+/// Largest number of moves that the tap has passed to the control task and that have not ended.
 pub const AHEAD_MAX: usize = 16;
 /// Number of consecutive equal positions at which the axes count as at rest.
 const AT_REST: u8 = 10;
 
-/// A tap with room for `N` characters between the sender and the machine: the size of the control's buffer and a few
-/// blocks.
+/// Reads an NC program off the line between sender and control, and makes moves for the control task of it. `N` is the
+/// number of characters that it can hold between sender and machine: those of the control's buffer and a few blocks.
 #[derive(Debug)]
 pub struct Tap<const N: usize> {
     settings: TapSettings,
@@ -90,28 +90,28 @@ struct Axes {
     off_path: u8,
 }
 
-/// A move that the tap has read, as a segment for the control task.
+/// A move that the tap has read, prepared for the control task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TapSegment {
-    /// Count of the segment.
+    /// Number of the move, one more than that of the one before.
     pub count: u32,
-    /// The segment.
+    /// The move, prepared under its law.
     pub segment: ActiveSegment,
 }
 
 impl<const N: usize> Tap<N> {
-    /// A tap in the state `Listening`.
+    /// Tap before the first program (state `Listening`).
     ///
     /// # Errors
-    /// Invalid settings.
+    /// The settings are invalid.
     pub fn new(settings: TapSettings) -> Result<Self, TapSettingsError> {
         settings.checked().map(Tap::of)
     }
 
-    /// Creates a tap in place: it is too large to be returned by value.
+    /// Makes a tap in this memory, because it is too large to be returned by value.
     ///
     /// # Errors
-    /// Invalid settings.
+    /// The settings are invalid.
     pub fn place(place: &mut MaybeUninit<Self>, settings: TapSettings) -> Result<&mut Self, TapSettingsError> {
         let settings = settings.checked()?;
         Ok(place.write(Tap::of(settings)))
@@ -135,7 +135,7 @@ impl<const N: usize> Tap<N> {
         }
     }
 
-    /// Processes a character of the sender; returns it to be passed on.
+    /// Processes a character that has arrived from the sender; returns it to be passed on to the control.
     #[inline]
     pub fn from_sender(&mut self, now: Micros, byte: u8) -> u8 {
         if self.is_long_since(now) {
@@ -149,7 +149,7 @@ impl<const N: usize> Tap<N> {
         byte
     }
 
-    /// Processes a character of the control; returns it to be passed on.
+    /// Processes a character that has arrived from the control; returns it to be passed on to the sender.
     #[inline]
     pub fn from_control(&mut self, now: Micros, byte: u8) -> u8 {
         self.counters.from_control = self.counters.from_control.wrapping_add(1);
@@ -167,13 +167,13 @@ impl<const N: usize> Tap<N> {
         byte
     }
 
-    /// Registers that the board's receiver lost a character of the sender or could not read it.
+    /// Records that a character of the sender was lost or could not be read.
     pub fn on_line_error(&mut self) {
         self.intake.mark_damaged();
     }
 
-    /// Processes a position in workpiece coordinates, the count of the segment in execution, if any, and the number of
-    /// executed segments. To be called at each new position.
+    /// Processes a new position in workpiece coordinates. `in_work` is the number of the segment in execution (`None`
+    /// if there is none), `executed` the number of segments that have ended.
     pub fn follow(&mut self, in_work: Option<u32>, executed: u32, position: &Pose) {
         self.axes.update(position);
         let in_work = self.tick.next_or_in_work(in_work, executed);
@@ -196,13 +196,14 @@ impl<const N: usize> Tap<N> {
         }
     }
 
-    /// Whether all emitted segments must be dropped now, including the one in execution; reads and clears the flag. It
-    /// must not wait in a queue after them: the axes are elsewhere, and a law would act on the wrong move.
+    /// Whether the control task must drop all moves of the tap now, also the one in execution, because the axes are
+    /// not on them; then resets this flag. The request must not wait in the queue of these moves.
     pub fn must_clear(&mut self) -> bool {
         core::mem::take(&mut self.has_to_clear)
     }
 
-    /// The next segment; to be called after [`Tap::must_clear`], while the queue of the control task has room.
+    /// The next move for the control task; `None` if none is complete. To be called after [`Tap::must_clear`], while
+    /// the queue has a free place.
     pub fn next(&mut self, job: &Job) -> Option<TapSegment> {
         while self.gate.is_none() && !self.emitted.is_full() {
             let fits = self.intake.next_block(&mut self.line)?;
@@ -220,12 +221,12 @@ impl<const N: usize> Tap<N> {
         None
     }
 
-    /// State of the adaptation.
+    /// Whether the tap follows the program at present.
     pub fn state(&self) -> TapState {
         self.state
     }
 
-    /// Counters of the tap.
+    /// Counters of characters, blocks and losses.
     pub fn counters(&self) -> &TapCounters {
         &self.counters
     }

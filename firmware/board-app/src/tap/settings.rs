@@ -5,41 +5,42 @@ use arcfeed_nc::settings::{Preset, Reading, Scope, Settings};
 use arcfeed_nc::tape_code::TapeCode;
 use arcfeed_units::{LengthUnit, Nm, Span};
 
-/// Maximum number of characters of a block, without comments and blanks.
+/// Largest number of characters of a block, without comments and blanks, that the tap can read.
 pub const LINE_MAX: usize = 256;
 
-/// Settings of a tap; configuration.
+/// Properties of the tapped line, its control and its machine, which the tap cannot find out itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapSettings {
-    /// Code of the line; `None`: ISO or EIA, detected by the first end of block of each program.
+    /// Character code on the line; `None`: ISO or EIA, detected from the first end of block of each program.
     pub code: Option<TapeCode>,
-    /// Settings of the control: unit at power-on, decimals, block-delete switches.
+    /// Properties of the control that decide how it reads a program: unit at power-on, decimals, block-delete
+    /// switches.
     pub nc: Settings,
-    /// Whether a program begins in the modal state of power-on: the control clears its codes at reset and program end
-    /// (parameter 3402, bit 6). Otherwise nothing is adapted before the program has stated unit, plane, G90 or G91,
-    /// and feed mode.
+    /// Whether each program begins in the modal state of power-on, because the control clears its codes at reset and
+    /// at the end of a program (parameter 3402, bit 6). If not, no feed is adapted before the program has stated unit,
+    /// plane, G90 or G91, and feed mode.
     pub resets_codes: bool,
-    /// Largest distance of the tool from its path; beyond it, the control does not execute the program that the tap
-    /// has read.
+    /// Largest distance of the axes from the path of the move in execution. If they are farther, the control does not
+    /// execute the program that the tap has read.
     pub off_path: Nm,
-    /// Number of consecutive positions beyond that distance at which the tap is lost.
+    /// Number of consecutive positions beyond this distance after which the tap stops the adaptation.
     pub off_path_count: u8,
     /// Time without a character in either direction after which a new program may start, and a DC1 may mean a reset of
     /// the control.
     pub silence: Span,
 }
 
-/// Reason why settings are rejected.
+/// Reason why settings of a tap are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapSettingsError {
-    /// The distance from the path is not positive: any position would be off the path.
+    /// The distance from the path is not positive, so that every position would be off the path.
     OffPath(Nm),
     /// The number of positions is zero or too large.
     OffPathCount(u8),
 }
 
 impl TapSettings {
-    /// Settings for a 16i in its standard settings.
+    /// Settings for a Series 16i control with its standard settings.
     pub const fn new(unit: LengthUnit) -> Self {
         let nc = Settings::preset(Preset::Fanuc16i, unit, Reading::Lenient);
         TapSettings {
@@ -52,7 +53,7 @@ impl TapSettings {
         }
     }
 
-    /// Settings for a line as described in flash.
+    /// Settings for a line and a control as a flash page describes them.
     pub const fn of_line(line: TappedLine, unit: LengthUnit) -> Self {
         let mut settings = TapSettings::new(unit);
         settings.code = line.code;

@@ -16,58 +16,60 @@
 
 use arcfeed_nc::alarm::Fault;
 
-/// State of the adaptation.
+/// Whether the tap follows the program that the control executes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TapState {
-    /// No program has started since power-on, or the last one has ended.
+    /// It waits: no program has started since power-on, or the last one has ended.
     #[default]
     Listening,
-    /// Blocks are read and the axes follow them.
+    /// It reads the blocks, and the axes follow them: feeds are adapted.
     InStep,
-    /// Moves whose path is not the programmed one: a cycle, a reference point, a contour under G41 or G42.
+    /// It waits for the end of moves whose path is not the programmed one: a canned cycle, a return to a reference
+    /// point, a contour under G41 or G42.
     Passing,
-    /// The behaviour of the control is unknown, until the next program starts.
+    /// It does not know what the control does, until the next program starts.
     Lost(TapLossReason),
 }
 
-/// Reason why the behaviour of the control is unknown.
+/// Reason why the tap does not know what the control does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapLossReason {
-    /// A block contains a character that is not in its code or could not be received.
+    /// A block contains a character that is not in the line's code, or could not be received.
     Damaged,
-    /// A block is longer than the tap's line.
+    /// A block is longer than [`super::settings::LINE_MAX`] characters.
     LongBlock,
-    /// The sender is further ahead of the machine than the tap has room for.
+    /// The sender is so far ahead of the machine that the tap cannot hold the characters between.
     TooFarAhead,
-    /// A block is an alarm for the control, or needs data that the tap does not have: macros, calls, skips.
+    /// A block would cause an alarm, or needs what the tap does not have: macros, calls, state of the switches for
+    /// `/`.
     NotUnderstood(Fault),
-    /// The effect of the program depends on data in the control: a system variable, another program.
+    /// The effect of the program depends on data in the control, such as a system variable or another program.
     OutOfSight,
-    /// The axes have left the path.
+    /// The axes are not on the path of the move that they should execute.
     OffPath,
 }
 
-/// Counters since power-on; they wrap around.
+/// Counts of the tap since power-on; all wrap around.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TapCounters {
-    /// Characters from the sender.
+    /// Characters that have arrived from the sender.
     pub from_sender: u32,
-    /// Characters from the control.
+    /// Characters that have arrived from the control.
     pub from_control: u32,
-    /// DC3 (XOFF) characters of the control.
+    /// DC3 (XOFF) characters that have arrived from the control.
     pub stops: u32,
-    /// Blocks read.
+    /// Blocks that were interpreted.
     pub blocks: u32,
-    /// Emitted segments.
+    /// Moves that were passed to the control task.
     pub segments: u32,
-    /// Emitted segments with a cut rule.
+    /// Moves that were passed to the control task and that a law governs.
     pub governed: u32,
-    /// Started programs.
+    /// Programs that have started.
     pub programs: u32,
     /// Programs that started before the previous one had ended.
     pub restarts: u32,
-    /// Number of times the tap was lost.
+    /// Number of times that the tap lost track of what the control does.
     pub losses: u32,
-    /// Blocks received while it was lost.
+    /// Blocks that were not interpreted, because the tap did not follow the program when it reached them.
     pub passed_over: u32,
 }

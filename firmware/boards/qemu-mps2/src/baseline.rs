@@ -22,15 +22,16 @@ const NAMES: [&str; 6] = [
     "thesis-8-29-f32-lean",
 ];
 
-/// Instruction counts of other implementations of the source's equations: (11)-(26) and (8)-(29) in f32 and f64;
-/// (8)-(29) in f32 with the FPU's root, and optimised.
+/// Instruction counts of six other implementations of the source's equations: (11) to (26) and (8) to (29) in f32 and
+/// in f64; (8) to (29) in f32 with the FPU's square root, and an optimised version of it.
 #[derive(Debug, Default)]
 pub struct Baseline {
     costs: [Costs; 6],
 }
 
 impl Baseline {
-    /// Counts the loop on a block, at a position of the tool; does nothing if no rule applies to the block.
+    /// Counts all implementations on a block of the run, at a position of the tool. Does nothing if no cut rule
+    /// applies to the block.
     pub fn add(&mut self, counter: &InstructionCounter, block: &Block, position: &Pose, job: &Job) {
         let Some(movement) = movement(block, position, job) else { return };
         let [step_f32, tooth_f32, step_f64, tooth_f64, tooth_fpu, tooth_lean] = &mut self.costs;
@@ -44,7 +45,7 @@ impl Baseline {
         tooth_lean.add(counter.of(|| black_box(thesis::lean_tooth::<_, Fpu>(black_box(&narrow)))).0);
     }
 
-    /// Prints a line for each variant.
+    /// Prints one line for each implementation.
     pub fn print(&mut self) {
         for (name, costs) in NAMES.iter().zip(&mut self.costs) {
             costs.print("", name);

@@ -15,18 +15,18 @@ use arcfeed_nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_nc::segment::{Arc, Path::*, Segment};
 use arcfeed_units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin, Span};
 
-/// A move of the run, or a rest.
+/// A move of the recorded run, or a rest between moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// The first tick on it.
+    /// First tick at which it is in execution.
     pub first_tick: u32,
-    /// Index of the cut rule that applies to it.
+    /// Index of the cut rule that applies to it; `None` if none does.
     pub rule: Option<usize>,
-    /// The move.
+    /// The move; `None` for a rest.
     pub segment: Option<Segment>,
 }
 
-/// A recorded run.
+/// A recorded run of an example job: its blocks, and the position at each tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// The blocks of the run.
@@ -36,14 +36,14 @@ pub struct Example {
 
 include!(concat!(env!("OUT_DIR"), "/examples.rs"));
 
-/// The tick of the run.
+/// Time between two ticks of a recorded run.
 pub const TICK: Span = Span::from_ms(1);
 
 const NM_PER_UM: i64 = 1_000;
 const BYTES_PER_TICK: usize = 6;
 
 impl Block {
-    /// Cut rule that applies to the move.
+    /// Cut rule that applies to the move; `None` if none does.
     pub fn cut<'j>(&self, job: &'j Job) -> Option<&'j CutRule> {
         self.rule.and_then(|index| job.rules.get(index))
     }
@@ -59,7 +59,7 @@ pub struct Run {
 }
 
 impl Example {
-    /// The run from its start.
+    /// Iterator over the ticks of the run, from its start.
     pub fn run(self) -> Run {
         let blocks = (1..).zip(self.blocks.iter()).peekable();
         Run { tick: 0, ticks: self.ticks.chunks_exact(BYTES_PER_TICK), blocks, linear: [Nm(0); 3] }

@@ -12,7 +12,7 @@ const TO_WRITE: usize = 5;
 /// Result of a failed `OPEN`.
 const REFUSED: usize = usize::MAX;
 
-/// Counts a start and returns the number of starts, including this one. Without a file it is the first.
+/// Adds one to the number of starts in the board's memory and returns it, this start included; 1 if there is no file.
 pub fn count_start() -> u32 {
     let mut bytes = [0; 4];
     let before = match read(STARTS, &mut bytes) {
@@ -24,7 +24,7 @@ pub fn count_start() -> u32 {
     starts
 }
 
-/// The page with the parameters of a board at a tapped line, cut to the length of `place`; empty if there is none.
+/// Reads the flash page with the job of a tapped board into `place`, at most as much as fits; empty if there is none.
 pub fn parameters(place: &mut [u8]) -> &[u8] {
     let length = read(PARAMETERS, place);
     place.get(..length).unwrap_or_default()

@@ -3,7 +3,7 @@
 use core::cell::UnsafeCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Data of an interrupt handler, stored before its interrupt is enabled.
+/// Cell for data that the main program stores before it enables the interrupt whose handler uses them.
 #[derive(Debug)]
 pub struct Handed<T>(UnsafeCell<Option<T>>);
 
@@ -11,17 +11,17 @@ pub struct Handed<T>(UnsafeCell<Option<T>>);
 unsafe impl<T> Sync for Handed<T> {}
 
 impl<T> Handed<T> {
-    /// An empty cell for data of an interrupt handler.
+    /// An empty cell.
     pub const fn nothing() -> Self {
         Handed(UnsafeCell::new(None))
     }
 
-    /// A cell with a value.
+    /// A cell with this value.
     pub const fn with(value: T) -> Self {
         Handed(UnsafeCell::new(Some(value)))
     }
 
-    /// Stores a value.
+    /// Stores this value.
     ///
     /// # Safety
     /// No handler that uses it runs yet.
@@ -30,7 +30,7 @@ impl<T> Handed<T> {
         unsafe { *self.0.get() = Some(value) }
     }
 
-    /// The stored value.
+    /// The stored value; `None` if none was stored.
     ///
     /// # Safety
     /// Only one user at a time: handlers of one priority, or the main program before any of them runs.
@@ -41,7 +41,7 @@ impl<T> Handed<T> {
     }
 }
 
-/// Memory with a value that can be taken once.
+/// Static memory for a value that can be taken once, as a reference that lasts as long as the program.
 #[derive(Debug)]
 pub struct Once<T> {
     value: UnsafeCell<T>,
@@ -52,12 +52,12 @@ pub struct Once<T> {
 unsafe impl<T: Send> Sync for Once<T> {}
 
 impl<T> Once<T> {
-    /// A value that is not taken yet.
+    /// Memory with this value, which is not taken yet.
     pub const fn new(value: T) -> Self {
         Once { value: UnsafeCell::new(value), is_given: AtomicBool::new(false) }
     }
 
-    /// Takes the value; `None` except at the first call.
+    /// The value, at the first call; `None` at every later one.
     #[allow(clippy::mut_from_ref, reason = "it is given out once")]
     pub fn take(&self) -> Option<&mut T> {
         let is_first = !self.is_given.swap(true, Ordering::Relaxed);

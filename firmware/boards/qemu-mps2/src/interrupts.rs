@@ -33,15 +33,15 @@ pub enum Interrupt {
     Uart4Tx = 21,
 }
 
-/// Interrupt priorities used here; the chip has more levels.
+/// Priorities of interrupts that this board's images use; the chip has more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Priority {
-    /// The tick.
+    /// Highest: the control tick.
     First = 0,
-    /// The bytes of the lines.
+    /// The lines' bytes; the tick preempts them.
     Second = 0x40,
-    /// Handlers that interrupt only the main program.
+    /// Lowest: handlers that interrupt only the main program.
     Third = 0x80,
 }
 
@@ -52,7 +52,7 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
     }
 }
 
-/// Enables an interrupt.
+/// Enables an interrupt with this priority.
 ///
 /// # Safety
 /// The interrupt's handler is ready to run: its data are initialised.

@@ -17,7 +17,7 @@ use crate::tick::{PERIOD, costs};
 use crate::uart::{Registers, UART1};
 use crate::{mirror, reset_cause, watchdog};
 
-/// Releases the lines and never returns.
+/// Releases the override lines (0 %), records the cause for the next start, and never returns.
 ///
 /// # Safety
 /// Called only by the handlers of the NMI and of the core's faults, which no interrupt preempts.
@@ -41,7 +41,8 @@ pub unsafe fn release_for_good() -> ! {
     }
 }
 
-/// The handlers of the final state, for images of a complete board.
+/// Defines the handlers that call [`release_for_good`](crate::last_act::release_for_good): those of the NMI (watchdog)
+/// and of faults of the core.
 #[macro_export]
 macro_rules! last_act_handlers {
     () => {

@@ -44,7 +44,7 @@ pub mod baseline;
 
 use cortex_m_semihosting::debug::{self, ExitStatus};
 
-/// Ends the emulation.
+/// Ends the emulation with this exit status.
 pub fn leave(status: ExitStatus) -> ! {
     loop {
         debug::exit(status);

@@ -39,7 +39,7 @@ static LOG: Shared = Shared(UnsafeCell::new(State {
     dropped: 0,
 }));
 
-/// Passes the waiting bytes of the log to `send`, which returns the number of accepted bytes.
+/// Passes the bytes of the log that wait for the link to `send`, which returns how many of them it has accepted.
 ///
 /// # Safety
 /// Called by the main loop, and `send` does not log.
@@ -55,7 +55,7 @@ pub unsafe fn hand_on(send: impl FnOnce(&[u8]) -> usize) {
     }
 }
 
-/// Number of dropped frames.
+/// Number of log frames that were dropped because the buffer was full.
 ///
 /// # Safety
 /// Called by the main loop.

@@ -48,7 +48,7 @@ const PART: usize = 64;
 /// Setpoint if there is none: all lines released.
 const NOTHING: Setpoint = Setpoint { at: 0, lines: 0, state: StateCode::Faulted, link_bytes: 0, tap_bytes: 0 };
 
-/// The main program. The tap has room for `N` characters.
+/// The main program of the emulated board: link, tapped line and machine line. Its tap has room for `N` characters.
 pub struct Main<const N: usize> {
     front: MainLoop<'static, N>,
     lines: Lines,
@@ -89,12 +89,13 @@ impl<const N: usize> Main<N> {
         })
     }
 
-    /// Runs forever.
+    /// Runs the board forever, with the watchdog from the start.
     pub fn run(self) -> ! {
         self.run_guarded(|| true)
     }
 
-    /// Runs forever; the watchdog starts when `is_guarded` returns true. Only a test image delays it.
+    /// Runs the board forever; the watchdog starts when `is_guarded` returns true for the first time. Only a test
+    /// image delays it.
     pub fn run_guarded(mut self, is_guarded: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
         // SAFETY: the tick's data are initialised.

@@ -11,12 +11,12 @@ use arcfeed_firmware::ramp::FeedOverride;
 /// Low lines, one bit each; all released at the start.
 static LOW: AtomicU8 = AtomicU8::new(0);
 
-/// Emulated *FV lines in memory, in place of pins: an override output with one user.
+/// Emulated override lines *FV0 to *FV7: a register in memory in place of pins.
 #[derive(Debug)]
 pub struct Mirror(());
 
 impl Mirror {
-    /// The emulated lines.
+    /// The emulated lines, for their only user.
     ///
     /// # Safety
     /// Called once.
@@ -25,12 +25,12 @@ impl Mirror {
     }
 }
 
-/// Emulated *FV lines that are low, bit i for line i.
+/// Lines that are low: bit i is 1 if *FVi is low.
 pub fn low() -> u8 {
     LOW.load(Ordering::Relaxed)
 }
 
-/// Releases all lines, regardless of their user, after a failure.
+/// Sets all lines high (0 %), regardless of their user; for the handlers of failures.
 pub fn release() {
     LOW.store(0, Ordering::Relaxed);
 }

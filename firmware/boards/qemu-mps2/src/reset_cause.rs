@@ -9,20 +9,21 @@ const GUARDED: u32 = 0x6A4D_ED01;
 /// Code of an unknown number.
 const UNKNOWN: u32 = u32::MAX;
 
-/// Records that the watchdog runs from now on.
+/// Records, so that it survives a reset, that the watchdog runs from now on.
 pub fn note_guarded() {
     write([GUARDED, !GUARDED, UNKNOWN]);
 }
 
-/// Records that the watchdog has expired, and the number of ticks since it was fed. Only the first record counts.
+/// Records, so that it survives a reset, that the watchdog has expired, and how many ticks after its last restart.
+/// Only the first record counts.
 pub fn note_watchdog(ticks_since_fed: u32) {
     if taken(read()) == Some(UNKNOWN) {
         write([GUARDED, !GUARDED, ticks_since_fed]);
     }
 }
 
-/// Returns whether the watchdog caused this start, with the number of ticks since it was fed (all ones if unknown),
-/// and clears the note.
+/// Number of ticks from the watchdog's last restart to its expiry if it caused this start (all ones if unknown);
+/// `None` if it did not. Clears the record.
 pub fn take_watchdog() -> Option<u32> {
     let found = read();
     write([0; 3]);

@@ -27,7 +27,7 @@ use crate::handed::{Handed, Once};
 use crate::interrupts::{Priority, enable};
 use crate::uart::{Registers, UART0, UART1, UART2, UART3, Uart};
 
-/// Size of each ring, plus one. At 115 200 Bd it fills in 89 ms.
+/// Size of each ring buffer, one more than the bytes that it holds. At 115 200 Bd it fills in 89 ms.
 pub const RING: usize = 1024;
 
 /// Hardware and shared state of a line.
@@ -57,7 +57,7 @@ const CONTROL: usize = 3;
 
 static LINES: [Hardware; 4] = [Hardware::of(UART0), Hardware::of(UART1), Hardware::of(UART2), Hardware::of(UART3)];
 
-/// The main program's end of a line.
+/// The main program's end of one serial line.
 pub struct Line {
     received: Consumer<'static, u8>,
     /// `None` after it was moved to another line's handler.
@@ -65,20 +65,20 @@ pub struct Line {
     hardware: &'static Hardware,
 }
 
-/// The running lines of the board.
+/// The serial lines of the board, running.
 pub struct Lines {
-    /// UART 0: the link to the host.
+    /// UART 0: line to the host.
     pub link: Line,
-    /// UART 1: the machine.
+    /// UART 1: line to the simulated machine.
     pub machine: Line,
-    /// UART 2: the sender.
+    /// UART 2: line to the sender of the NC program.
     pub sender: Line,
-    /// UART 3: the control.
+    /// UART 3: line to the control.
     pub control: Line,
 }
 
 impl Lines {
-    /// Starts all lines; `None` if they are running already.
+    /// Starts all lines; `None` if they were started before.
     pub fn start() -> Option<Self> {
         let [link, machine, sender, control] = &LINES;
         Some(Lines {
@@ -107,15 +107,15 @@ impl Lines {
         }
     }
 
-    /// Minimum number of instructions from a receiver's interrupt to its byte in the other transmitter; `None` if no
-    /// byte was forwarded. A tick that preempts the handler adds to it.
+    /// Smallest number of instructions from the interrupt of a received byte until the byte is in the other line's
+    /// transmitter; `None` if no byte was forwarded. A tick that preempts the handler lengthens it.
     pub fn passed_in(&self) -> Option<u32> {
         let [.., sender, control] = &LINES;
         let [sender, control] = [sender, control].map(|end| end.passed_in.load(Ordering::Relaxed));
         Some(sender.min(control)).filter(|instructions| *instructions < u32::MAX)
     }
 
-    /// Number of bytes lost on all lines.
+    /// Number of bytes lost on all lines together since the start.
     pub fn lost(&self) -> u32 {
         let lines = [&self.link, &self.machine, &self.sender, &self.control];
         lines.into_iter().fold(0, |sum, line| sum.wrapping_add(line.lost()))
@@ -163,22 +163,22 @@ impl lockstep::BoardLines for Lines {
 }
 
 impl Line {
-    /// The next byte received.
+    /// The next received byte; `None` if none waits.
     pub fn receive(&mut self) -> Option<u8> {
         self.received.dequeue()
     }
 
-    /// Number of waiting bytes.
+    /// Number of received bytes that wait.
     pub fn waiting(&self) -> usize {
         self.received.len()
     }
 
-    /// Number of bytes that [`Line::send`] accepts.
+    /// Number of bytes that [`Line::send`] accepts at present.
     pub fn room(&self) -> usize {
         self.to_send.as_ref().map_or(0, |ring| ring.capacity() - ring.len())
     }
 
-    /// Sends as many bytes as there is room for; returns their number.
+    /// Queues as many of these bytes as fit into the buffer to be sent; returns their number.
     pub fn send(&mut self, bytes: &[u8]) -> usize {
         let Some(to_send) = &mut self.to_send else { return 0 };
         let taken = bytes.iter().take_while(|byte| to_send.enqueue(**byte).is_ok()).count();
@@ -187,7 +187,7 @@ impl Line {
         taken
     }
 
-    /// Number of bytes lost by a full ring or an overrun of the receiver.
+    /// Number of bytes of this line that were lost because a buffer was full or the receiver was overrun.
     pub fn lost(&self) -> u32 {
         self.hardware.lost.load(Ordering::Relaxed)
     }
@@ -273,18 +273,18 @@ impl Hardware {
     }
 }
 
-/// Interrupt handler of a line's receiver.
+/// To be called by the interrupt handler of the receiver of the line with this index (UART number).
 pub fn on_received(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_received);
 }
 
-/// Number of bytes lost on the sender's end of the tapped line.
+/// Number of bytes lost on the tapped line's end towards the sender.
 pub fn lost_of_sender() -> u32 {
     let [.., sender, _] = &LINES;
     sender.lost.load(Ordering::Relaxed)
 }
 
-/// Interrupt handler of a line's transmitter.
+/// To be called by the interrupt handler of the transmitter of the line with this index (UART number).
 pub fn on_sent(line: usize) {
     LINES.get(line).into_iter().for_each(Hardware::on_sent);
 }

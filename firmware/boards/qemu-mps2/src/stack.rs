@@ -8,7 +8,7 @@ const DEPTH_OF_A_BOARD: usize = 98_304;
 /// Bytes below the stack pointer that are not filled, for the filling code itself.
 const CLEARANCE: usize = 64;
 
-/// Free stack filled with a pattern, by which its use is measured.
+/// Part of the free stack that is filled with a pattern, so that the stack's use can be measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Painted {
     /// Upper address of the pattern.
@@ -18,13 +18,13 @@ pub struct Painted {
 }
 
 impl Painted {
-    /// Fills the free stack below the caller's frame with the pattern.
+    /// Fills the free stack below the caller's frame with the pattern, deep enough for the controller alone.
     #[inline(always)]
     pub fn below_here() -> Self {
         Painted::so_deep(DEPTH)
     }
 
-    /// Fills the free stack of a board with its link with the pattern.
+    /// Fills the free stack below the caller's frame with the pattern, deep enough for a complete board.
     #[inline(always)]
     pub fn far_below_here() -> Self {
         Painted::so_deep(DEPTH_OF_A_BOARD)
@@ -40,7 +40,8 @@ impl Painted {
         painted
     }
 
-    /// Bytes of stack used since the pattern was written, counted from the stack pointer at that time.
+    /// Greatest number of bytes of stack in use since the pattern was written, counted from the stack pointer at that
+    /// time.
     #[inline(always)]
     pub fn used(self) -> usize {
         // SAFETY: reads of the words that were painted.
@@ -48,7 +49,7 @@ impl Painted {
         (0..self.depth / 4).rev().find(is_used).map_or(0, |word| (word + 1) * 4 + CLEARANCE)
     }
 
-    /// Bytes in use when the pattern was written.
+    /// Number of bytes of stack that were in use when the pattern was written.
     pub fn above(self) -> usize {
         unsafe extern "C" {
             static _stack_start: u32;

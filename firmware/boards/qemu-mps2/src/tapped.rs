@@ -21,10 +21,10 @@ const SET: u32 = 1;
 static PAGE: Once<[u8; PAGE_MAX]> = Once::new([0; PAGE_MAX]);
 static TAP: Once<MaybeUninit<Tap<ROOM>>> = Once::new(MaybeUninit::uninit());
 
-/// A board with its tap.
+/// Main program of a board with a tap on the DNC line.
 pub type Tapped = Main<ROOM>;
 
-/// Starts a tapped board; `None` if it was called before.
+/// Starts a board with a tap; `None` if it was started before.
 pub fn start() -> Option<Tapped> {
     Main::start(Some(tap))
 }

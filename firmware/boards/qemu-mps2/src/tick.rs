@@ -1,4 +1,4 @@
-//! The tick: data of the timer's interrupt, and its cost.
+//! The control tick: data of the timer's interrupt, and its cost.
 //!
 //! The main program passes samples of the machine to the tick and receives setpoints from it, both through lock-free
 //! queues. In lockstep the sample gives the time; otherwise each tick is a millisecond after the previous one.
@@ -20,15 +20,15 @@ use crate::handed::{Handed, Once};
 use crate::mirror::{self, Mirror};
 use crate::timer;
 
-/// Period of the tick.
+/// Time between two control ticks.
 pub const PERIOD: Span = Span::from_ms(1);
 /// Length of the queues of samples and setpoints, plus one.
 const WAITING: usize = 8;
 
-/// A sample; `None` for an invalid frame.
+/// Sample received from the machine; `None` stands for an invalid frame.
 pub type Heard = Option<Sample>;
 
-/// Data of the tick's interrupt handler.
+/// Data of the interrupt handler that runs the control tick.
 pub struct TickSide {
     task: ControlTask<'static>,
     machine: MachineLine,
@@ -39,23 +39,23 @@ pub struct TickSide {
     counter: InstructionCounter,
 }
 
-/// The main program's ends of the queues.
+/// Ends of the queues to and from the tick that the main program uses.
 pub struct MainSide {
-    /// Samples received on the machine line.
+    /// Samples received from the machine, for the tick.
     pub heard: Producer<'static, Heard>,
-    /// Setpoints.
+    /// Answers of the tick to the machine: the outputs.
     pub setpoints: Consumer<'static, Setpoint>,
 }
 
-/// Number of ticks, and their cost.
+/// Number of ticks so far, and their cost in instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Costs {
     /// Number of ticks.
     pub ticks: u32,
-    /// Instructions of the longest tick.
+    /// Number of instructions of the longest tick.
     pub worst: u32,
-    /// Latency from the timer's overflow to the tick in instructions, minimum and maximum; only for ticks by the
-    /// timer.
+    /// Smallest and largest number of instructions between the timer's overflow and the start of the tick; only for
+    /// ticks that the timer starts.
     pub late: [u32; 2],
 }
 
@@ -65,7 +65,7 @@ static WORST: AtomicU32 = AtomicU32::new(0);
 static EARLIEST: AtomicU32 = AtomicU32::new(u32::MAX);
 static LATEST: AtomicU32 = AtomicU32::new(0);
 
-/// Prepares the tick; `None` if it was called before.
+/// Prepares the control tick around this task; `None` if it was called before.
 pub fn prepare(task: ControlTask<'static>) -> Option<MainSide> {
     static HEARD: Once<Queue<Heard, WAITING>> = Once::new(Queue::new());
     static SETPOINTS: Once<Queue<Setpoint, WAITING>> = Once::new(Queue::new());
@@ -87,14 +87,14 @@ pub fn prepare(task: ControlTask<'static>) -> Option<MainSide> {
     Some(MainSide { heard, setpoints })
 }
 
-/// Cost of the ticks so far.
+/// Number of ticks so far, and their cost.
 pub fn costs() -> Costs {
     let [ticks, worst, earliest, latest] =
         [&TICKS, &WORST, &EARLIEST, &LATEST].map(|figure| figure.load(Ordering::Relaxed));
     Costs { ticks, worst, late: [earliest, latest] }
 }
 
-/// Runs one tick.
+/// Runs one tick; to be called by the timer's interrupt handler.
 ///
 /// # Safety
 /// Called only by the timer's handler, which does not interrupt itself.

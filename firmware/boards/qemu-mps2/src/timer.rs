@@ -10,7 +10,7 @@ const CLEAR: *mut u32 = 0x4000_000C as *mut u32;
 /// Counting, with interrupt.
 const RUNNING: u32 = 1 | (1 << 3);
 
-/// Starts the tick.
+/// Starts the timer of the control tick with this period, microseconds.
 ///
 /// # Safety
 /// `TIMER0` is ready to run: its data are initialised.
@@ -24,20 +24,20 @@ pub unsafe fn start(period_us: u32) {
     }
 }
 
-/// Clock steps since the tick was due; `None` while the timer is stopped.
+/// Number of clock steps since the tick was due, while its handler runs; `None` if the timer is stopped.
 pub fn late_steps() -> Option<u32> {
     // SAFETY: reading has no effect on the timer.
     let (control, value, reload) = unsafe { (CONTROL.read_volatile(), VALUE.read_volatile(), RELOAD.read_volatile()) };
     (control == RUNNING).then(|| reload.wrapping_sub(value))
 }
 
-/// Stops the timer.
+/// Stops the timer, so that no further tick comes from it.
 pub fn stop() {
     // SAFETY: registers of timer 0.
     unsafe { CONTROL.write_volatile(0) };
 }
 
-/// Acknowledges the interrupt in its handler.
+/// Acknowledges the timer's interrupt; to be called by its handler.
 pub fn acknowledge() {
     // SAFETY: registers of timer 0.
     unsafe { CLEAR.write_volatile(1) };

@@ -27,9 +27,9 @@ const DIVISOR: u32 = 217;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Uart {
     base: usize,
-    /// A byte was received.
+    /// Interrupt of a received byte.
     pub received: Interrupt,
-    /// The transmitter has room again.
+    /// Interrupt of the transmitter, which can take a byte again.
     pub sent: Interrupt,
 }
 
@@ -73,7 +73,7 @@ impl Registers {
         registers
     }
 
-    /// The registers of a UART that is running.
+    /// The registers of a UART that is already running, for a new user such as a fault handler.
     ///
     /// # Safety
     /// No other code uses this UART any more.

@@ -21,17 +21,18 @@ const LOCKED: u32 = 0;
 /// Control: counting with interrupt; reset by the second time-out.
 const RUNNING: u32 = 0b11;
 
-/// Time from the last feed to the interrupt, and from there to the reset. A third of the time-out of a silent host.
+/// Time from the last feeding to the interrupt, and again from there to the reset. A third of the time after which a
+/// silent host counts as lost.
 pub const TIMEOUT: Span = Span::from_ms(100);
 
 /// Count of the tick after which it was fed last.
 static FED_AT: AtomicU32 = AtomicU32::new(0);
 
-/// The running watchdog.
+/// The running watchdog, which resets the board unless the main loop feeds it in time.
 #[derive(Debug)]
 pub struct Watchdog(());
 
-/// Tick count after which the watchdog was last fed.
+/// Number of ticks at the time of the last feeding.
 pub fn fed_at() -> u32 {
     FED_AT.load(Ordering::Relaxed)
 }
@@ -54,8 +55,8 @@ impl Watchdog {
         Watchdog(())
     }
 
-    /// To be called in each iteration of the main loop with the count of ticks: feeds the watchdog if there was a tick
-    /// since the last feed.
+    /// Feeds the watchdog if there was a tick since the last feeding; `ticks` is the number of ticks so far. To be
+    /// called in each iteration of the main loop.
     pub fn feed_after_tick(&mut self, ticks: u32) {
         if ticks == fed_at() {
             return;

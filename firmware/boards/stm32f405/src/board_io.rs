@@ -28,25 +28,25 @@ const TICK: Span = Span::from_ms(1);
 /// Ticks between two changes of the heartbeat.
 const HEARTBEAT_TICKS: u32 = 100;
 
-/// Input hardware.
+/// Input peripherals of the board.
 #[derive(Debug)]
 pub struct Sensors {
-    /// X, Y, Z.
+    /// Timers that count the encoders of X, Y and Z.
     pub encoders: Encoders,
-    /// The tacho's timer.
+    /// Timer that measures the pulses of the spindle's tacho.
     pub spindle: SpindleTimer,
-    /// The dial's converter.
+    /// Converter of the operator's override dial.
     pub dial: DialConverter,
-    /// The port of the contacts.
+    /// Port B, with the buttons and the control's signals.
     pub contacts: GPIOB,
 }
 
-/// Output hardware.
+/// Output pins of the board.
 #[derive(Debug)]
 pub struct Outputs {
-    /// *FV0 to *FV7.
+    /// Override lines *FV0 to *FV7, which stay released after a failure.
     pub lines: Latched<PortLines<FvPort, CycleDelay>>,
-    /// Ready and heartbeat.
+    /// Pins of the outputs ready and heartbeat.
     pub status: StatusPins,
 }
 
@@ -59,7 +59,7 @@ struct Readers {
     panel: Panel,
 }
 
-/// The board's hardware and controller, as the tick uses them.
+/// Hardware and controller of the board, as the control tick uses them.
 pub struct BoardIo {
     sensors: Sensors,
     outputs: Outputs,
@@ -73,7 +73,7 @@ pub struct BoardIo {
 }
 
 impl BoardIo {
-    /// A board that reports `at_start` at its first tick.
+    /// Board with this hardware; `at_start` is a fault found at the start, which it reports at its first tick.
     pub fn new(
         (sensors, outputs): (Sensors, Outputs),
         tacho: Tacho,
@@ -84,12 +84,12 @@ impl BoardIo {
         BoardIo { sensors, outputs, readers: Readers::default(), contacts, tacho, guard, once: at_start, ticks: 0 }
     }
 
-    /// Current run of the program.
+    /// Number of the current run of the program; it changes when the program is started again.
     pub fn run(&self) -> u32 {
         self.guard.run()
     }
 
-    /// Runs one tick.
+    /// Runs one control tick: reads the inputs, decides, sets the outputs.
     pub fn tick(&mut self) {
         let levels = self.sensors.contacts.idr().read().bits() as u16;
         let said = self.readers.panel.read(self.contacts.follow(!levels));
@@ -113,7 +113,7 @@ impl BoardIo {
         self.outputs.status.set_heartbeat(self.ticks / HEARTBEAT_TICKS % 2 == 1);
     }
 
-    /// Makes a late tick a fault of the board at the next tick, because its time base is wrong.
+    /// Records that a tick came too late: the next tick reports a fault of the board, because its time base is wrong.
     pub fn report_late(&mut self) {
         self.once = Some(BoardFault::Hardware);
     }

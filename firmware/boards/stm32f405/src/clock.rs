@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 
 use stm32f4::stm32f405::{FLASH, PWR, RCC, rcc};
 
-/// Clock frequencies of core and timers.
+/// Frequencies of the core and of the timers.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Frequency of the core, MHz.
@@ -31,12 +31,12 @@ const WAIT_STATES: u8 = 5;
 
 static FAILED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the crystal did not start or has stopped.
+/// Whether the crystal has not started, or has stopped since.
 pub fn has_failed() -> bool {
     FAILED.load(Ordering::Relaxed)
 }
 
-/// Enables the clocks of all used peripherals; must be called first.
+/// Switches the clocks of all used peripherals on; must be called before anything else.
 pub fn supply(rcc: &RCC) {
     rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled().gpioben().enabled().gpiocen().enabled());
     rcc.apb1enr().modify(|_, w| w.pwren().enabled().tim2en().enabled().tim3en().enabled());
@@ -47,7 +47,8 @@ pub fn supply(rcc: &RCC) {
     let _ = (rcc.ahb1enr().read().bits(), rcc.apb1enr().read().bits(), rcc.apb2enr().read().bits());
 }
 
-/// Starts the clock tree; [`has_failed`] returns the result.
+/// Switches to the crystal and 168 MHz; without the crystal the chip keeps its internal clock, and [`has_failed`]
+/// returns true. Returns the frequencies.
 pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
     if start_from_crystal(rcc, flash, pwr).is_some() {
         return FROM_CRYSTAL;
@@ -58,7 +59,7 @@ pub fn start(rcc: &RCC, flash: &FLASH, pwr: &PWR) -> Clock {
     OWN
 }
 
-/// Handles the interrupt of the clock security system in the NMI: the crystal has stopped, and the chip runs on its
+/// Handles the stop of the crystal, in the NMI that the clock security system raises: the chip now runs on its
 /// internal clock.
 pub fn take_failure(rcc: &rcc::RegisterBlock) {
     FAILED.store(true, Ordering::Relaxed);

@@ -24,7 +24,7 @@ impl DialConverter {
         DialConverter(adc)
     }
 
-    /// The latest conversion; `None` if there was none since the last call.
+    /// The newest reading of the dial, in counts of 12 bits; `None` if there was none since the last call.
     pub fn read(&mut self) -> Option<u16> {
         let is_converted = self.0.sr().read().eoc().bit_is_set();
         // Reading the data clears the flag.

@@ -34,7 +34,7 @@ impl Encoders {
         Encoders { x, y, z }
     }
 
-    /// Counts of X, Y, Z; they wrap around.
+    /// Counts of X, Y, Z, 16 bits each; they wrap around.
     pub fn read(&self) -> [u16; 3] {
         let Encoders { x, y, z } = self;
         [x.cnt().read().cnt().bits(), y.cnt().read().cnt().bits(), z.cnt().read().cnt().bits()]

@@ -10,10 +10,10 @@ use arcfeed_firmware::supervisor::{Output, Supervisor};
 use arcfeed_model::job::Job;
 use heapless::spsc::Consumer;
 
-/// A prepared block, and the run of the program to which it belongs.
+/// A prepared block, with the number of the run of the program to which it belongs.
 pub type Prepared = (u32, ActiveSegment);
 
-/// Controller of the board: supervisor and queue of blocks, with their state.
+/// Feed controller of the board: supervisor and queue of prepared blocks, with their state.
 pub struct Guard<'q> {
     supervisor: Supervisor,
     memory: Memory,
@@ -23,32 +23,32 @@ pub struct Guard<'q> {
 }
 
 impl<'q> Guard<'q> {
-    /// A guard for a job, with the default settings and the queue of its blocks.
+    /// Controller for a job, with the default settings of the supervisor and this queue of blocks.
     ///
     /// # Errors
-    /// Invalid bounds of the override.
+    /// The bounds of the override in the job are invalid.
     pub fn new(job: &Job, blocks: Consumer<'q, Prepared>) -> Result<Self, SettingsError> {
         let supervisor = Supervisor::new(job, Settings::default())?;
         Ok(Guard { supervisor, memory: Memory::default(), follower: Follower::default(), blocks, run: 0 })
     }
 
-    /// Current run; only its blocks are used.
+    /// Number of the current run of the program; blocks of other runs are discarded.
     pub fn run(&self) -> u32 {
         self.run
     }
 
-    /// Whether the laws are engaged; zero must not be set then.
+    /// Whether the laws are armed; the program's zero must not be set then.
     pub fn is_engaged(&self) -> bool {
         self.memory.state().is_engaged()
     }
 
-    /// Restarts the program: discards blocks of earlier runs.
+    /// Starts a new run of the program; blocks of earlier runs are discarded.
     pub fn restart(&mut self) {
         self.run = self.run.wrapping_add(1);
         self.follower.restart();
     }
 
-    /// Runs one tick.
+    /// Runs one control tick with these inputs; returns the decision.
     pub fn tick(&mut self, input: &Input) -> Output {
         while self.blocks.peek().is_some_and(|(run, _)| *run != self.run) {
             let _of_another_run = self.blocks.dequeue();

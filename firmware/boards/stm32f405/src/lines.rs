@@ -8,21 +8,21 @@ use crate::pins::{HEARTBEAT, LINES, READY};
 
 const NS_PER_US: u32 = 1_000;
 
-/// Port with the lines *FV0 to *FV7.
+/// Port C with the override lines *FV0 to *FV7, written together and read back.
 #[derive(Debug)]
 pub struct FvPort {
     port: GPIOC,
     written: Option<u8>,
 }
 
-/// Pins that differ from the written levels: shorted or overloaded.
+/// Error: pins did not have the levels that were written before, so a line is shorted or overloaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PinsDiffer {
-    /// Differing pins: bit i for *FVi.
+    /// The differing pins: bit i for *FVi.
     pub pins: u8,
 }
 
-/// Delay by counting cycles.
+/// Delay that counts cycles of the core.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleDelay {
     /// Frequency of the core, MHz.
@@ -30,7 +30,7 @@ pub struct CycleDelay {
 }
 
 impl FvPort {
-    /// The port; [`crate::pins`] configures it.
+    /// The port, whose pins [`crate::pins`] has configured.
     pub fn new(port: GPIOC) -> Self {
         FvPort { port, written: None }
     }
@@ -56,22 +56,22 @@ impl DelayNs for CycleDelay {
     }
 }
 
-/// Pins of the ready and heartbeat outputs, on the same port as the lines.
+/// Output pins ready and heartbeat, on the same port as the lines.
 #[derive(Debug)]
 pub struct StatusPins(());
 
 impl StatusPins {
-    /// The status pins of the port that `lines` owns.
+    /// The status pins on the port that `lines` owns.
     pub fn beside(_lines: &FvPort) -> Self {
         StatusPins(())
     }
 
-    /// Sets the ready output: no fault is latched.
+    /// Sets the output ready: true while no alarm is latched (fault of the board, loss of the position).
     pub fn set_ready(&mut self, ready: bool) {
         Self::pull(READY, ready);
     }
 
-    /// Sets the heartbeat output.
+    /// Sets the output heartbeat low or high.
     pub fn set_heartbeat(&mut self, low: bool) {
         Self::pull(HEARTBEAT, low);
     }
@@ -83,7 +83,7 @@ impl StatusPins {
     }
 }
 
-/// Releases all lines and sets "not ready"; for use in fault handlers.
+/// Releases all override lines (0 %) and sets "not ready"; for fault handlers.
 pub fn let_go() {
     // SAFETY: high is the safe level of these pins, whatever other code writes them.
     unsafe { write(LINES | READY, 0) };

@@ -5,8 +5,8 @@ use arcfeed_firmware::input::encoder::Encoder;
 use arcfeed_firmware::input::tacho::Tacho;
 use arcfeed_units::RevPerMin;
 
-/// X, Y, Z: nanometres per count with all four edges counted (negative reverses the sense), and the maximum number of
-/// counts per tick: 600 um/ms are 36 m/min.
+/// Encoders of X, Y, Z: nanometres per count with all four edges counted (negative reverses the sense), and the
+/// largest number of counts per tick: 600 um/ms are 36 m/min.
 pub const ENCODERS: [Encoder; 3] = [axis(1_000, 600), axis(1_000, 600), axis(1_000, 600)];
 
 /// The operator's dial on 12 bits: a track of 8 kOhm with 1 kOhm to each rail reads 410 and 3 686.
@@ -21,7 +21,7 @@ const PULSES_PER_REV: u16 = 1;
 const LOWEST: RevPerMin = RevPerMin(60.0);
 const HIGHEST: RevPerMin = RevPerMin(1_200.0);
 
-/// Release time of the couplers of *FV0 to *FV7 with a margin, nanoseconds.
+/// Time that the couplers of *FV0 to *FV7 need to release, with a margin, nanoseconds.
 pub const LINES_SETTLE_NS: u32 = 40_000;
 
 /// The spindle's tacho; `None` if the speeds above are invalid.

@@ -6,7 +6,7 @@
 
 use arcfeed_firmware::supervisor::signals::{Request, Signals};
 
-/// The receivers of all three encoders report no error.
+/// Contact: the receivers of all three encoders report no error.
 pub const ENCODERS_SOUND: u16 = 1 << 0;
 /// Button: the axes are at the program's zero, before its start.
 const ZERO: u16 = 1 << 1;
@@ -20,30 +20,30 @@ const ARM: u16 = 1 << 13;
 const NO_DISARM: u16 = 1 << 14;
 const RESET: u16 = 1 << 15;
 
-/// Contacts that count as closed at the start: open signals exclude the laws, and the buttons arm, reset and zero
-/// count only after a release.
+/// Contacts that count as closed at the start: open signals of the control exclude the laws, and the buttons arm,
+/// reset and zero count only after a release.
 pub const AT_START: u16 = ZERO | ARM | RESET;
 
-/// Reader of the panel's buttons; state: buttons that were open, and pressed.
+/// Reads the panel's contacts; holds which buttons were open and which pressed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Panel {
     seen_open: u16,
     pressed_before: u16,
 }
 
-/// State of the panel at a tick.
+/// Signals and pressed buttons of the panel at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PanelState {
-    /// Signals of the ladder and requests, each while its contact is active.
+    /// Signals of the control's PLC and requests of a person, each as long as its contact is active.
     pub signals: Signals,
-    /// Zero was pressed at this tick.
+    /// Whether the button zero (the axes are at the program's zero) was pressed at this tick.
     pub zero_now: bool,
-    /// Reset was pressed at this tick.
+    /// Whether the button reset was pressed at this tick.
     pub reset_now: bool,
 }
 
 impl Panel {
-    /// Processes the settled contacts; closed ones are 1.
+    /// Processes the debounced contacts of a tick; a bit is 1 if its contact is closed.
     pub fn read(&mut self, closed: u16) -> PanelState {
         self.seen_open |= !closed;
         if closed & NO_DISARM == 0 {

@@ -2,11 +2,11 @@
 
 use stm32f4::stm32f405::{GPIOA, GPIOB, GPIOC};
 
-/// Port C: *FV0 to *FV7, in this order from pin 0; a high pin is a released line.
+/// Pins of port C: *FV0 to *FV7, in this order from pin 0; a high pin is a released line.
 pub const LINES: u32 = 0xFF;
-/// Port C: low while no fault is latched.
+/// Pin of port C that is low while no alarm is latched (fault of the board, loss of the position).
 pub const READY: u32 = 1 << 8;
-/// Port C: changes every 100 ms.
+/// Pin of port C whose level changes every 100 ms while the tick runs.
 pub const HEARTBEAT: u32 = 1 << 9;
 
 /// Values of a pin's two bits in MODER and PUPDR.
@@ -32,7 +32,7 @@ macro_rules! set {
     };
 }
 
-/// Releases the lines, sets "not ready", then configures all pins.
+/// Releases the override lines, sets "not ready", then configures all pins.
 pub fn set_up(a: &GPIOA, b: &GPIOB, c: &GPIOC) {
     let outputs = LINES | READY | HEARTBEAT;
     // SAFETY: sets output bits that are not driven yet, so that they begin high: released.

@@ -13,18 +13,18 @@ use arcfeed_nc::modal::{Feed::*, Plane::*, Pose, Turn::*};
 use arcfeed_nc::segment::{Arc, Path::*, Segment};
 use arcfeed_units::{LengthUnit::*, MicroDeg, MmPerMin, MmPerTooth, Nm, RevPerMin};
 
-/// A move of the program, or a rest.
+/// A move of the program, or a rest between moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// First tick on the simulated machine; not used here.
+    /// First tick on the simulated machine at which it is in execution; not used here.
     pub first_tick: u32,
-    /// Index of the cut rule that applies to it.
+    /// Index of the cut rule that applies to it; `None` if none does.
     pub rule: Option<usize>,
-    /// The move.
+    /// The move; `None` for a rest.
     pub segment: Option<Segment>,
 }
 
-/// The program, and a run of it.
+/// The program's moves, and a recorded run of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// Moves of the program.
@@ -35,16 +35,16 @@ pub struct Example {
 
 include!(concat!(env!("OUT_DIR"), "/example.rs"));
 
-/// The moves of the program.
+/// The moves of the compiled-in program.
 pub const BLOCKS: &[Block] = ibr_slot::EXAMPLE.blocks;
 
-/// The job with its rules.
+/// The compiled-in job.
 pub fn job() -> Job {
     ibr_slot::whole_job()
 }
 
 impl Block {
-    /// Prepares the move; `None` for a rest.
+    /// Prepares the move for the controller; `None` for a rest.
     pub fn prepare(&self, job: &Job) -> Option<ActiveSegment> {
         let rule = self.rule.and_then(|index| job.rules.get(index));
         self.segment.as_ref().map(|segment| ActiveSegment::new(segment, rule, job))

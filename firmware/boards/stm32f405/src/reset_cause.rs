@@ -8,8 +8,8 @@ const POWER_ON: u32 = 1 << 27;
 const INDEPENDENT_WATCHDOG: u32 = 1 << 29;
 const WINDOW_WATCHDOG: u32 = 1 << 30;
 
-/// Fault that the cause of the last reset stands for, to be reported at the first tick; `None` for a start by power,
-/// pin, software or debugger.
+/// Fault that the cause of the last reset stands for, from the value of register RCC_CSR; to be reported at the first
+/// tick. `None` for a start by power, pin, software or debugger.
 pub fn fault(rcc_csr: u32) -> Option<BoardFault> {
     if rcc_csr & (INDEPENDENT_WATCHDOG | WINDOW_WATCHDOG) != 0 {
         Some(BoardFault::Watchdog)

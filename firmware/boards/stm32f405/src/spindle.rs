@@ -11,7 +11,7 @@ const FILTER: u8 = 0b1111;
 pub struct SpindleTimer(TIM2);
 
 impl SpindleTimer {
-    /// Starts the timer.
+    /// Starts the timer, whose clock has `timer_mhz`.
     pub fn start(timer: TIM2, timer_mhz: u32) -> Self {
         // SAFETY: all values of prescaler and period are valid, the filter takes any four bits.
         unsafe {

@@ -11,12 +11,12 @@ const STEPS: u16 = 100;
 /// oscillator.
 const POLLS_MAX: u32 = 100_000;
 
-/// The running watchdog.
+/// The running watchdog, which resets the chip if it is not fed for 25 ms.
 #[derive(Debug)]
 pub struct Watchdog(IWDG);
 
 impl Watchdog {
-    /// Starts the watchdog.
+    /// Starts the watchdog, which cannot be stopped afterwards.
     pub fn start(iwdg: IWDG) -> Self {
         iwdg.kr().write(|w| w.key().start());
         iwdg.kr().write(|w| w.key().unlock());

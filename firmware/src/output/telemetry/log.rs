@@ -1,10 +1,10 @@
-//! Ring buffer of the last records.
+//! Ring buffer of the last telemetry records.
 
 use heapless::Deque;
 
 use super::record::TelemetryRecord;
 
-/// The last `N` records (at least one, otherwise it does not compile); a new record replaces the oldest.
+/// Ring buffer of the last `N` telemetry records; a new record replaces the oldest. `N` must not be zero.
 #[derive(Clone, Debug, Default)]
 pub struct RecordLog<const N: usize> {
     records: Deque<TelemetryRecord, N>,
@@ -36,7 +36,7 @@ impl<const N: usize> RecordLog<N> {
         self.records.iter()
     }
 
-    /// Number of overwritten records; saturates at `u32::MAX`.
+    /// Number of records that were replaced before they were read; at most `u32::MAX`.
     pub fn overwritten(&self) -> u32 {
         self.overwritten
     }

@@ -1,4 +1,4 @@
-//! Numbers of the reasons in telemetry.
+//! Numbers by which telemetry states the reason of an override.
 //!
 //! A number never changes its meaning, because loggers outlive firmware versions. New causes get new numbers; the tens
 //! digit is the family. Additional data of a reason (the excess of a chip over its target) is the record's detail.
@@ -13,7 +13,8 @@ use arcfeed_law::NoDemand;
 /// Declares the causes with their numbers.
 macro_rules! numbered {
     ($($code:literal $cause:ident)+) => {
-        /// Reason of the override, without its data.
+        /// Reason of the override as a number in telemetry: the supervisor's reason without the data that belong to
+        /// it.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[allow(missing_docs, reason = "each is the reason of the same name")]
@@ -23,7 +24,7 @@ macro_rules! numbered {
         }
 
         impl Cause {
-            /// The cause with this number; `None` for an unused number.
+            /// The reason with this number; `None` if no reason has it.
             pub fn of_code(code: u8) -> Option<Self> {
                 match code {
                     $($code => Some(Cause::$cause),)+

@@ -14,7 +14,7 @@ use crate::supervisor::report::Reason;
 /// Length of an encoded record, bytes.
 pub const RECORD_LEN: usize = 24;
 
-/// First byte: number of this layout.
+/// First byte of a record: number of the layout of its bytes.
 pub const LAYOUT: u8 = 1;
 
 /// Largest override of a record, %.
@@ -23,7 +23,7 @@ const HIGHEST_PERCENT: u8 = 254;
 /// Code of a missing feed.
 const NONE: u32 = u32::MAX;
 
-/// Decision of a tick, with its time.
+/// Decision of one control tick: override, reason and feeds, with its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TelemetryRecord {
@@ -31,34 +31,37 @@ pub struct TelemetryRecord {
     pub at: Micros,
     /// Override at the output.
     pub feed_override: FeedOverride,
-    /// Feed per tooth at the centre that the law demands, nanometres; at most `u32::MAX - 1`.
+    /// Feed per tooth at the tool's centre that the law demands, nanometres, at most `u32::MAX - 1`; `None` without a
+    /// demand.
     pub ipt_center_nm: Option<u32>,
-    /// Feed of the machine under the override, within its limits, micrometres per minute; at most `u32::MAX - 1`.
+    /// Feed of the machine at this override, reduced to the segment's feed limit, micrometres per minute, at most
+    /// `u32::MAX - 1`; `None` if the override does not act on a feed.
     pub feed_um_per_min: Option<u32>,
     /// Reason of the override.
     pub cause: Cause,
-    /// Excess of the chip over its target at the lower limit of the override, %, at most 255; otherwise 0.
+    /// Amount by which the chip exceeds its target because the override must not be lower, %, at most 255; 0 for every
+    /// other reason.
     pub chip_excess_percent: u8,
-    /// Count of the block in execution; 0 for none.
+    /// Number of the segment in execution; 0 for none.
     pub block: u32,
 }
 
-/// Reason why bytes are not a record.
+/// Reason why bytes are not a telemetry record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DecodeError {
-    /// The first byte is not that of this layout.
+    /// The layout number in the first byte is unknown.
     Layout(u8),
-    /// An unused number of a cause.
+    /// No reason has this number.
     Cause(u8),
     /// An override above 254 %.
     Percent(u8),
-    /// A detail for a cause that has none.
+    /// A value in the byte of the chip's excess, although the reason has none.
     Detail(u8),
 }
 
 impl TelemetryRecord {
-    /// The record of a tick at `at`.
+    /// The record of the tick at the time `at`, with the segment in execution and the tick's decision.
     pub fn new(at: Micros, work: Work<'_>, output: &Output) -> Self {
         let feed = work.and_then(|(_, segment)| segment.feed_at(output.feed_override));
         let chip_excess_percent = match output.reason {
@@ -76,7 +79,7 @@ impl TelemetryRecord {
         }
     }
 
-    /// Encodes the record.
+    /// The record as bytes.
     pub fn encode(&self) -> [u8; RECORD_LEN] {
         let percent = self.feed_override.percent.min(HIGHEST_PERCENT);
         let [ipt_nm, feed_um] =
@@ -90,7 +93,7 @@ impl TelemetryRecord {
         [LAYOUT, code, percent, detail, b0, b1, b2, b3, i0, i1, i2, i3, f0, f1, f2, f3, t0, t1, t2, t3, t4, t5, t6, t7]
     }
 
-    /// Decodes a record.
+    /// Reads a record from bytes.
     ///
     /// # Errors
     /// The first invalid byte.

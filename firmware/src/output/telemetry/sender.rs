@@ -1,11 +1,11 @@
-//! Sender of the log's records to a line.
+//! Sender of telemetry records over a serial line.
 
 use embedded_io::Write;
 
 use super::log::RecordLog;
 use super::record::RECORD_LEN;
 
-/// Sender of log records over a serial line; state: the record that is being sent.
+/// Sends telemetry records over a serial line; holds the record that is partly sent.
 #[derive(Clone, Debug)]
 pub struct RecordSender {
     bytes: [u8; RECORD_LEN],
@@ -16,7 +16,7 @@ pub struct RecordSender {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SendError<E> {
-    /// The line accepts no bytes, without an error.
+    /// The line accepts no bytes, but reports no error.
     Closed,
     /// The line has reported an error.
     Line(E),

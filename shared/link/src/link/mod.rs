@@ -1,4 +1,4 @@
-//! One end of the link. Both ends are identical except for their role.
+//! One end of the link between host and board. Both ends are identical except for their role.
 //!
 //! `receive.rs` handles received frames, `transmit.rs` schedules frames to send; [`LinkState`] has the states and
 //! transitions.
@@ -19,7 +19,8 @@ use super::settings::{LinkSettings, SettingsError};
 pub use super::state::{Delivery, LinkState, Loss, Received, Refusal, SendError};
 use arcfeed_units::{Micros, Span};
 
-/// One end of a link, with at most `WINDOW` unacknowledged reliable messages and `KINDS` kinds of latest-wins values.
+/// One end of the link between host and board, without input or output of its own. Up to `WINDOW` reliable messages
+/// can be unacknowledged, and latest-wins values can be of up to `KINDS` kinds.
 #[derive(Debug)]
 pub struct Link<const WINDOW: usize = 16, const KINDS: usize = 8> {
     deframer: Deframer,
@@ -85,11 +86,11 @@ impl Due {
 }
 
 impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
-    /// A link that sends hellos. `session` identifies this start: a random number, or a count of starts. 0 means no
-    /// session and is replaced by `u32::MAX`.
+    /// A link that sends hellos to find the peer. `session` identifies this start of the program: a random number, or
+    /// a count of starts; 0 would mean "no session" and is replaced by `u32::MAX`.
     ///
     /// # Errors
-    /// Invalid settings.
+    /// The first invalid setting.
     pub fn new(settings: LinkSettings, session: u32) -> Result<Self, SettingsError> {
         const { assert!(WINDOW > 0 && WINDOW < SEQUENCES / 2) };
         settings.check()?;
@@ -115,8 +116,8 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         Ok(Link { deframer: Deframer::new(), end })
     }
 
-    /// Restarts the link in another session: nothing of the old one is accepted or sent any more. If `session` is the
-    /// current one, the next number is used. Counters continue.
+    /// Starts again with another session number: nothing of the old session is accepted or sent any more. If `session`
+    /// is the current number, the next one is used. Counters continue.
     pub fn restart(&mut self, session: u32) {
         let end = &mut self.end;
         end.salt_before = end.peer.map(|peer| peer.salt_in).or(end.salt_before);
@@ -130,7 +131,7 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         end.forget_peer();
     }
 
-    /// Processes received bytes; passes each message to `take`, in order.
+    /// Processes bytes received from the line, and passes each message that they complete to `take`, in order.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8], take: &mut dyn FnMut(Received<'_>)) {
         let counters = &mut self.end.counters;
         counters.bytes_in = counters.bytes_in.wrapping_add(bytes.len() as u32);
@@ -151,25 +152,26 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         self.end.transmit(now, out)
     }
 
-    /// Time of the next call of [`Self::poll_transmit`], if nothing is received or sent before; `None` for never. Not
-    /// before `now`.
+    /// Instant at which [`Self::poll_transmit`] has to be called next if nothing is received or sent before; not
+    /// before `now`. `None` if never.
     pub fn poll_at(&self, now: Micros) -> Option<Micros> {
         self.end.poll_at().map(|at| at.max(now))
     }
 
-    /// Sends a reliable message.
+    /// Queues a reliable message, which is delivered once and in order. `kind` is its number in the table of messages.
     ///
     /// # Errors
-    /// Reason why it was not accepted.
+    /// The link is not up, too many messages are unacknowledged, or the payload is too long.
     pub fn send(&mut self, kind: u8, payload: &[u8]) -> Result<(), SendError> {
         self.end.require_up()?;
         self.end.outbox.push(kind, payload)
     }
 
-    /// Sends a latest-wins value that expires after `ttl`; it replaces a value of its kind that has not been sent.
+    /// Queues a latest-wins value, of which only the newest of each kind is delivered. It expires `ttl` after `now`,
+    /// and replaces a value of its kind that has not been sent.
     ///
     /// # Errors
-    /// Reason why it was not accepted.
+    /// The link is not up, no slot is free for another kind, or the payload is too long.
     pub fn offer(&mut self, kind: u8, now: Micros, ttl: Span, payload: &[u8]) -> Result<(), SendError> {
         self.end.require_up()?;
         let is_replaced = self.end.offers.put(kind, deadline(now, ttl), payload)?;
@@ -187,19 +189,19 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         }
     }
 
-    /// Closes the link: sends one last frame.
+    /// Closes the link: the state becomes [`LinkState::Lost`], and one last frame says so to the peer.
     pub fn close(&mut self) {
         let was_up = self.end.state == LinkState::Up;
         self.end.end_link(Loss::Closed);
         self.end.due.bye = was_up;
     }
 
-    /// Number of reliable messages that [`Self::send`] can accept now.
+    /// Number of reliable messages that [`Self::send`] can accept at present.
     pub fn room(&self) -> usize {
         WINDOW.saturating_sub(self.end.outbox.len())
     }
 
-    /// Number of unacknowledged reliable messages.
+    /// Number of reliable messages that are queued or sent, and not acknowledged yet.
     pub fn unacknowledged(&self) -> usize {
         self.end.outbox.len()
     }
@@ -209,17 +211,17 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         self.end.outbox.is_peer_busy()
     }
 
-    /// State of the link as of the last call with a time.
+    /// State of the link, as found by the last call that was given a time.
     pub fn state(&self) -> LinkState {
         self.end.state
     }
 
-    /// Session of this end.
+    /// Session number of this end.
     pub fn session(&self) -> u32 {
         self.end.session
     }
 
-    /// Session of the peer; `None` before its first hello.
+    /// Session number of the peer; `None` before its first hello.
     pub fn peer_session(&self) -> Option<u32> {
         self.end.peer.map(|peer| peer.session)
     }
@@ -234,12 +236,13 @@ impl<const WINDOW: usize, const KINDS: usize> Link<WINDOW, KINDS> {
         &self.end.counters
     }
 
-    /// Estimate of the peer's clock.
+    /// Estimate of the difference between the peer's clock and ours.
     pub fn clock(&self) -> &PeerClock {
         &self.end.clock
     }
 
-    /// Time since the latest valid frame of the peer, copies excluded; the maximum if there was none.
+    /// Time since the arrival of the peer's latest valid frame, late copies excluded; the longest [`Span`] if there
+    /// was none.
     pub fn age(&self, now: Micros) -> Span {
         self.end.heard.map_or(Span(u32::MAX), |(at, _)| now.since(at).into())
     }

@@ -46,28 +46,28 @@ macro_rules! codes {
 }
 
 codes! {
-    /// Unit of reports.
+    /// Unit of length in which the program starts and in which reports are written.
     UnitCode {
         /// Inches.
         Inch = 0,
         /// Millimetres.
         Mm = 1,
     }
-    /// Way in which the target feed reaches the control.
+    /// Way in which the target feed reaches the control: by F words or by the override.
     PolicyCode {
-        /// The smallest feed is sent, the override raises it.
+        /// Blocks are sent with the smallest feed that the law demands on them; the override raises it.
         SafeBase = 0,
-        /// The programmed feed is sent.
+        /// Blocks are sent with their programmed feed; only the override varies the feed.
         OverrideOnly = 1,
     }
     /// Kind of cutter.
     ToolCode {
-        /// A ring with an outer and an inner radius.
+        /// A cup mill: a ring with an outer and an inner cutting radius.
         CupMill = 0,
-        /// A disc with an outer radius.
+        /// An end mill: a disc with an outer cutting radius.
         EndMill = 1,
     }
-    /// Tool axis.
+    /// Axis of the program's coordinates that is parallel to the tool.
     AxisCode {
         /// X.
         X = 0,
@@ -76,30 +76,30 @@ codes! {
         /// Z.
         Z = 2,
     }
-    /// The feed law.
+    /// Feed law of a tool.
     LawCode {
-        /// Constant feed per tooth on a ring's circumference.
+        /// Constant feed per tooth on the circumference of a cup mill, at the contact with the stock line.
         Circumference = 0,
-        /// The thickest chip over the whole engaged arc.
+        /// The thickest chip anywhere on the engaged arc is kept at the target.
         EngagedArc = 1,
-        /// Constant feed per tooth at the contour.
+        /// Constant feed per tooth along the finished contour.
         Contour = 2,
         /// Constant chip thickness of an end mill.
         Engagement = 3,
-        /// Feed per tooth from a table.
+        /// Feed per tooth at the tool's centre, from a table over the path.
         Table = 4,
-        /// The program's own feed.
+        /// No law: the program's own feed.
         Programmed = 5,
     }
-    /// Moves to which a rule applies.
+    /// Moves to which a cut rule applies.
     MovesCode {
-        /// G2 about a point on the inner circle.
+        /// G2 about a point on the inner circle of a cup mill.
         InteriorCw = 0,
-        /// G3 about a point on the inner circle.
+        /// G3 about a point on the inner circle of a cup mill.
         InteriorCcw = 1,
-        /// G2 about a point on the outer circle.
+        /// G2 about a point on the outer circle of a cup mill.
         ExteriorCw = 2,
-        /// G3 about a point on the outer circle.
+        /// G3 about a point on the outer circle of a cup mill.
         ExteriorCcw = 3,
         /// Any G2.
         ArcsCw = 4,
@@ -108,37 +108,37 @@ codes! {
         /// G1.
         Lines = 6,
     }
-    /// Cutting edge.
+    /// Cutting circle of the tool, or side of the contour on which an end mill runs.
     WorkCode {
-        /// A ring's outer circle.
+        /// The outer cutting circle.
         RingOuter = 0,
-        /// A ring's inner circle.
+        /// The inner cutting circle of a cup mill.
         RingInner = 1,
-        /// An end mill inside a concave arc.
+        /// An end mill runs inside a concave arc.
         MillInside = 2,
-        /// An end mill outside a convex arc.
+        /// An end mill runs outside a convex arc.
         MillOutside = 3,
-        /// An end mill in a slot.
+        /// An end mill cuts both walls of a slot.
         MillSlot = 4,
     }
-    /// Description of a ring's stock.
+    /// Form in which the stock of a cut rule is described.
     StockCode {
-        /// None: the rule of an end mill.
+        /// No stock: the rule is one of an end mill along a contour.
         None = 0,
-        /// `stock_parts` lines.
+        /// Lines that limit the stock; `stock_parts` messages follow.
         Convex = 1,
-        /// One disc.
+        /// A round blank; one message follows.
         Disc = 2,
-        /// `stock_parts` knots of engaged arcs.
+        /// Directions in which the edges are in material, at knots of the path; `stock_parts` messages follow.
         Engaged = 3,
-        /// Given with each segment, by the `SegmentArcs` before it.
+        /// Those directions come with each segment, in `SegmentArcs` messages before it.
         Along = 4,
     }
-    /// The shape of a segment.
+    /// Shape of a segment; for an arc also its plane and sense.
     PathCode {
-        /// Positioning.
+        /// Rapid traverse.
         Rapid = 0,
-        /// Straight.
+        /// Straight cutting move.
         Line = 1,
         /// G17 G2.
         CwXy = 2,
@@ -153,75 +153,77 @@ codes! {
         /// G19 G3.
         CcwYz = 7,
     }
-    /// Unit of a segment's feed.
+    /// Unit of the number in a segment's field `feed`.
     FeedCode {
         /// Nanometres per minute.
         PerMinute = 0,
-        /// Millionths of a block per minute.
+        /// Inverse time feed (G93): millionths of a block per minute.
         InverseTime = 1,
         /// No feed was given; `feed` is 0.
         Missing = 2,
     }
-    /// Request of a person.
+    /// Request of a person, by a button or by the host.
     RequestCode {
         /// Give the override to the laws.
         Arm = 0,
         /// Give the override back to the operator.
         Disarm = 1,
     }
-    /// A setting of the board.
+    /// A setting of the board that the host can read and change.
     SettingCode {
-        /// Age at which a position is stale, us.
+        /// Age, us, from which a position of the machine is stale.
         PositionStale = 0,
-        /// Age at which the position is lost, us.
+        /// Age, us, from which the position counts as lost.
         PositionLost = 1,
-        /// Time for which the last value is kept after a loss of the position, us.
+        /// Age, us, of the last sample up to which the override keeps its last value after the position was lost;
+        /// then it goes to 100 %, or to the dial's value if that is lower.
         PositionKeep = 2,
-        /// Age at which the host's last frame is stale, us.
+        /// Age, us, of the host's last frame from which the link is stale.
         LinkStale = 3,
-        /// Age at which the link is lost, us.
+        /// Age, us, of the host's last frame from which the link counts as lost.
         LinkLost = 4,
-        /// Time for which the last value is kept after a loss of the link, us.
+        /// Age, us, of the host's last frame up to which the override keeps its last value after the link was lost;
+        /// then it goes to 100 %, or to the dial's value if that is lower.
         LinkKeep = 5,
-        /// Number of consecutive invalid samples or frames that is a loss.
+        /// Number of consecutive invalid samples or frames that counts as a loss.
         LostFrames = 6,
-        /// Time for which all inputs must be fresh before arming after a loss, us.
+        /// Time, us, for which position and link must have been fresh after a loss before the laws can be armed again.
         Resync = 7,
-        /// Longest tick, us; a longer one raises the override no further.
+        /// Longest expected tick, us; a longer one raises the override only as much as this one would.
         LongestTick = 8,
-        /// Dial value below which the operator takes over, %.
+        /// Position of the operator's dial, %, below which the operator takes the override from the laws.
         DialBelow = 9,
-        /// Drop of the dial above which the operator takes over, percentage points.
+        /// Drop of the operator's dial, percentage points, above which the operator takes the override from the laws.
         DialDrop = 10,
-        /// Period of the reports, us.
+        /// Period, us, of the board's status reports.
         ReportEvery = 11,
     }
-    /// State of the supervisor; docs/safety.md#states.
+    /// State of the supervisor, which decides whether the feed laws may have the override; docs/safety.md#states.
     StateCode {
-        /// Not armed since the start.
+        /// Not armed since the start: nobody has given the override to the laws.
         Idle = 0,
-        /// The laws act as soon as a segment begins.
+        /// Armed: the laws set the override as soon as a segment begins.
         Armed = 1,
         /// The laws set the override.
         Running = 2,
-        /// The axes are at standstill.
+        /// Feed hold is active, or the override is 0 %: the override does not rise.
         Holding = 3,
-        /// Position or link is lost.
+        /// Position or link is lost: the last override for a time, then 100 %, or the dial's value if that is lower.
         Fallback = 4,
-        /// 0 % until a person resets the fault.
+        /// A fault of the board: 0 % until a person resets it.
         Faulted = 5,
-        /// The control does not let the override act.
+        /// The control does not let the override act (threading, tapping).
         Inhibited = 6,
-        /// The operator or a condition of the control has taken the override.
+        /// The operator, or a condition of the control, has taken the override from the laws.
         Disarmed = 7,
     }
-    /// Alarm level.
+    /// Alarm level of the board.
     AlarmCode {
         /// No alarm.
         None = 0,
-        /// Active while its condition lasts.
+        /// Alarm that ends with its condition.
         Passing = 1,
-        /// Active until a person acts.
+        /// Alarm that stays until a person acts.
         Latched = 2,
     }
     /// Cause of the board's start.
@@ -237,37 +239,37 @@ codes! {
     }
     /// Reason why the board rejected a message.
     RefusalCode {
-        /// The payload is not a message that the board accepts.
+        /// The payload does not have the form of a message that the board accepts.
         Message = 0,
-        /// The laws have the override and segments are in execution.
+        /// The message cannot take effect while the laws have the override and a segment is in execution.
         Busy = 1,
-        /// Parameters without `Begin`, or of another set.
+        /// A message of a set of parameters without a `Begin` before it, or with the number of another set.
         NoSet = 2,
-        /// `Commit` has another count or checksum than the received messages.
+        /// Count or checksum in `Commit` differ from those of the received messages.
         Checksum = 3,
         /// A message of the set is missing or duplicated, or engaged arcs of a segment are missing because they were
         /// rejected.
         Incomplete = 4,
-        /// Invalid value.
+        /// A value is outside its range.
         Value = 5,
-        /// No set of parameters has been accepted yet.
+        /// No set of parameters has been accepted yet, which the message needs.
         NoParameters = 6,
-        /// No room for another segment, or for another knot of engaged arcs.
+        /// The board has no free place for another segment, or for another knot of engaged arcs.
         Full = 7,
-        /// Segment, rule or knot out of order.
+        /// A segment, rule or knot does not follow the one before it.
         Order = 8,
-        /// The request is stale: it was made before the last fallback.
+        /// The request is stale: it refers to a report from before the last fallback.
         Outdated = 9,
-        /// Arming: a fault is active or was not reset.
+        /// Arming was refused: a fault of the board is active, or was not reset.
         Faulted = 10,
-        /// Arming: position or link is not fresh, or has not been for long enough.
+        /// Arming was refused: position or link is not fresh, or has not been fresh for long enough.
         NotFresh = 11,
-        /// Arming: the operator's dial.
+        /// Arming was refused: the operator's dial is too low or was turned down.
         Operator = 12,
-        /// Arming: a condition of the control.
+        /// Arming was refused: a condition of the control forbids it (cutter compensation, override switched off).
         Condition = 13,
     }
-    /// Clock of the simulated machine.
+    /// Clock of the simulated machine that sends samples to the board.
     ModeCode {
         /// Real time: the byte counts are meaningless.
         Free = 0,

@@ -11,23 +11,23 @@ pub const PAYLOAD_MAX: usize = 160;
 /// Maximum length of a [`Chunk`], bytes.
 pub const CHUNK_MAX: usize = 64;
 
-/// Reason why a message cannot be encoded.
+/// Reason why a message cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EncodeError {
-    /// The buffer is shorter than the message.
+    /// The buffer is too short for the message.
     Room,
 }
 
-/// Reason why a payload is not a message.
+/// Reason why a received payload is not a valid message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecodeError {
-    /// No message has this kind.
+    /// No message has this number.
     Kind(u8),
-    /// The payload ends within a field.
+    /// The payload ends before the last field does.
     Short,
-    /// This number of bytes remains after the last field.
+    /// This number of bytes is left over after the last field.
     Long(usize),
-    /// A byte that is not a value of its enumeration.
+    /// This byte is not a value of the field's enumeration.
     Code(u8),
 }
 
@@ -54,7 +54,7 @@ pub(crate) trait Field: Sized {
     fn take(reader: &mut Reader<'_>) -> Result<Self, DecodeError>;
 }
 
-/// Bytes of a text or a log, up to the end of the message.
+/// Up to [`CHUNK_MAX`] bytes of a text or a log: the last field of a message, to the end of its payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chunk {
     bytes: [u8; CHUNK_MAX],
@@ -194,7 +194,7 @@ impl<T: Field + Copy + Default, const N: usize> Field for [T; N] {
 }
 
 impl Chunk {
-    /// A chunk of the bytes, cut to the maximum length.
+    /// Chunk of these bytes; bytes beyond the maximum length are left out.
     pub fn of(text: &[u8]) -> Self {
         let mut bytes = [0; CHUNK_MAX];
         let length = text.len().min(CHUNK_MAX);

@@ -15,14 +15,15 @@ macro_rules! fixed_point {
             impl $name {
                 const ONE: f64 = (1_u64 << $places) as f64;
 
-                /// The nearest value that the type can hold; `None` for NaN and for values that are too large.
+                /// The number, rounded to the nearest multiple of the scale; `None` for NaN, and for numbers too large
+                /// for the type.
                 pub fn of(value: impl Into<f64>) -> Option<Self> {
                     let scaled = libm::round(value.into() * Self::ONE);
                     // Outside the range the conversion would saturate; NaN is in no range.
                     (i64::MIN as f64..i64::MAX as f64).contains(&scaled).then_some($name(scaled as i64))
                 }
 
-                /// The value as a floating-point number.
+                /// The number that this value stands for.
                 pub fn value(self) -> $float {
                     (self.0 as f64 / Self::ONE) as $float
                 }
@@ -32,11 +33,11 @@ macro_rules! fixed_point {
 }
 
 fixed_point! {
-    /// An f32, in 2^-40 of its unit.
+    /// An f32 as a whole multiple of 2^-40 of its unit.
     Q40 f32 40
-    /// An f64 in millimetres, in 2^-46 mm: up to 131 m.
+    /// An f64 in millimetres as a whole multiple of 2^-46 mm; at most 131 m.
     Q46 f64 46
-    /// A component of a unit vector, in 2^-62.
+    /// A component of a unit vector as a whole multiple of 2^-62.
     Q62 f64 62
 }
 

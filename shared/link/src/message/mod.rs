@@ -33,11 +33,11 @@ use arcfeed_units::Span;
 
 pub use table::{Message, SCHEMA};
 
-/// Hash of the schema on which both ends must agree; the link's hello carries it.
+/// Hash of all messages and their fields, on which both ends must agree: the link's hello carries it.
 pub const SCHEMA_HASH: u32 = schema::hash(SCHEMA);
 
-/// Link settings of host and board. With a heartbeat of 30 ms, two may be lost before the board's supervisor considers
-/// the host stale, after 100 ms.
+/// Settings of the link between host and board, for this end. With a heartbeat of 30 ms, two may be lost before the
+/// board considers the host stale, after 100 ms.
 pub const fn link_settings(role: Role) -> LinkSettings {
     LinkSettings { heartbeat: Span::from_ms(30), ..LinkSettings::new(role, SCHEMA_HASH) }
 }

@@ -1,4 +1,4 @@
-//! Encoding of segments and of their engaged arcs as messages.
+//! Encoding of segments (moves) and of their engaged arcs as messages.
 //!
 //! An arc is sent with its centre only: the board computes start and end relative to it and checks them as the control
 //! does.
@@ -15,21 +15,22 @@ use super::table;
 /// Largest coordinate, nm: 9 km, so that no difference of two overflows.
 const AXIS_MAX: u64 = 1 << 53;
 
-/// Reason why a segment cannot be encoded or a message cannot be decoded.
+/// Reason why a segment (one move) or its engaged arcs cannot be encoded, or a message with them cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveError {
-    /// An arc without centre or radius, with ends that do not lie on it, or with inconsistent coordinates.
+    /// An arc has no centre or no radius, its ends do not lie on it, or its coordinates contradict each other.
     Arc,
-    /// A coordinate or the path of a knot is too large, or an engaged arc is invalid.
+    /// A coordinate, or the path at a knot, is too large, or an engaged arc is invalid.
     Range,
-    /// A centre or a feed that must not be present.
+    /// A centre for a move that is not an arc, or a feed for one that has none.
     Surplus,
 }
 
-/// Encodes a segment for the board; `count` and `rule` as in the message.
+/// Encodes a segment (one move) as a message for the board. `count` is its number in the run; `rule` the index of its
+/// cut rule, or `None` if no law governs the move.
 ///
 /// # Errors
-/// [`MoveError::Arc`] if centre, start and end are not consistent to the nanometre; [`MoveError::Range`].
+/// [`MoveError::Arc`] if centre, start and end of an arc do not agree to the nanometre; [`MoveError::Range`].
 pub fn encode(segment: &Segment, count: u32, rule: Option<u8>) -> Result<table::Segment, MoveError> {
     let (feed_code, feed) = match segment.feed {
         Feed::PerMinute(Nm(feed)) => (FeedCode::PerMinute, feed),
@@ -60,7 +61,7 @@ pub fn encode(segment: &Segment, count: u32, rule: Option<u8>) -> Result<table::
     if decode(&message)? == *segment { Ok(message) } else { Err(MoveError::Arc) }
 }
 
-/// Decodes a segment and checks its geometry.
+/// Decodes a segment (one move) from a message and checks its geometry.
 ///
 /// # Errors
 /// See [`MoveError`].
@@ -84,7 +85,7 @@ pub fn decode(message: &table::Segment) -> Result<Segment, MoveError> {
     Segment::from_motion(&motion, message.sequence).map_err(|_| MoveError::Arc)
 }
 
-/// Encodes a knot of engaged arcs of the next segment.
+/// Encodes one knot of the engaged arcs that belong to the segment sent next.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -93,7 +94,8 @@ pub fn encode_arcs(knot: &EngagedKnot) -> Result<table::SegmentArcs, MoveError> 
     Ok(table::SegmentArcs { travelled, outer: knot.outer.units(), inner: knot.inner.units() })
 }
 
-/// Decodes a knot of engaged arcs: its path, and the arcs of the outer and the inner circle.
+/// Decodes one knot of engaged arcs. `travelled` is the path from the segment's start, mm; the arcs are first and last
+/// direction, in units of 1/90 degree.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -102,7 +104,7 @@ pub fn decode_arcs(travelled: Q40, [outer, inner]: [[i16; 2]; 2]) -> Result<Enga
     Ok(EngagedKnot { travelled: Mm(travelled.value()), outer: interval(outer)?, inner: interval(inner)? })
 }
 
-/// Position of the axes; A, B and C are 0 if they are absent.
+/// Positions of all axes: X, Y, Z in nanometres, and A, B, C in microdegrees, 0 if they are absent.
 ///
 /// # Errors
 /// [`MoveError::Range`].
@@ -112,7 +114,7 @@ pub fn pose(linear: [i64; 3], rotary: Option<[i64; 3]>) -> Result<Pose, MoveErro
     is_near.then_some(Pose { linear: linear.map(Nm), rotary: rotary.map(MicroDeg) }).ok_or(MoveError::Range)
 }
 
-/// Rotary axes of a position; `None` if all are 0.
+/// A, B, C of a position, microdegrees; `None` if all are 0.
 pub fn rotary(pose: &Pose) -> Option<[i64; 3]> {
     let rotary = pose.rotary.map(|MicroDeg(at)| at);
     (rotary != [0; 3]).then_some(rotary)

@@ -24,7 +24,7 @@ use arcfeed_model::job::Job;
 use arcfeed_nc::settings::Decimals;
 use arcfeed_nc::tape_code::TapeCode;
 
-/// Maximum length of a page, bytes.
+/// Largest length of a flash page with a job, bytes.
 pub const PAGE_MAX: usize = 16 * 1024;
 
 const MAGIC: [u8; 4] = *b"AFPG";
@@ -35,7 +35,7 @@ const SET: u32 = 1;
 /// Byte of erased flash.
 const ERASED: u8 = 0xFF;
 
-/// Reason why a parameter page is rejected.
+/// Reason why a flash page does not hold a valid job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PageError {
     /// The flash is erased.
@@ -50,22 +50,23 @@ pub enum PageError {
     Set(RefusalCode),
 }
 
-/// Properties of the tapped line and its control; configuration.
+/// Properties of a serial line that a board reads along with (taps), and of the control at its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TappedLine {
-    /// Code of the line; `None`: ISO or EIA, detected for each program.
+    /// Character code on the line; `None`: ISO or EIA, detected at the start of each program.
     pub code: Option<TapeCode>,
-    /// Unit of a number without a decimal point.
+    /// Unit of a number without a decimal point in the program: the control's least increment, or a millimetre, degree
+    /// or second.
     pub decimals: Decimals,
 }
 
-/// A page.
+/// Bytes of a flash page.
 pub type Page = heapless::Vec<u8, PAGE_MAX>;
 
-/// Writes the parameter page of a job.
+/// Writes the flash page of a job, for a board without a host.
 ///
 /// # Errors
-/// A job that cannot be sent to a board, or not to one without a host.
+/// A job that cannot be sent to a board, or that needs a host while it is executed.
 pub fn write(job: &Job, tapped: TappedLine) -> Result<Page, ParametersError> {
     if let Some(index) = job.rules.iter().position(CutRule::expects_engagement_per_move) {
         return Err(ParametersError::EngagementPerMove(index));
@@ -99,7 +100,7 @@ pub fn write(job: &Job, tapped: TappedLine) -> Result<Page, ParametersError> {
     if has_room { Ok(page) } else { Err(ParametersError::Large) }
 }
 
-/// Reads the job and the properties of the tapped line from a parameter page; `staging` checks and holds the job.
+/// Reads the job and the properties of the tapped line from a flash page; `staging` checks the job and holds it.
 ///
 /// # Errors
 /// See [`PageError`].

@@ -1,4 +1,4 @@
-//! Encoding of a job as a set of parameters: `Begin`, one message for each part, `Commit` with a checksum over them.
+//! Encoding of a job as messages to the board: `Begin`, one message for each part, `Commit` with a checksum over them.
 
 use arcfeed_model::cut::{ContourSide, CutRule, Moves, RotationCircle, Work};
 use arcfeed_model::engaged::EngagedKnot;
@@ -13,20 +13,21 @@ use super::field::PAYLOAD_MAX;
 use super::fixed::{Q40, Q46, Q62};
 use super::table::{self, Message};
 
-/// Reason why a job cannot be sent.
+/// Reason why a job cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParametersError {
-    /// The policy is `rewrite-only`, for which no board is needed.
+    /// The job's feed mode is `rewrite-only`, for which no board is needed.
     Policy,
-    /// A number is NaN or too large.
+    /// A number of the job is NaN or too large.
     Number,
-    /// The job does not fit a page of flash.
+    /// The job does not fit into a page of flash.
     Large,
-    /// The rule of this index expects its engagement with each segment, which a tapped line does not provide.
+    /// The cut rule with this index expects its engaged arcs with each segment, which a board that only reads a serial
+    /// line along does not get.
     EngagementPerMove(usize),
 }
 
-/// Running checksum of a set: CRC-32C over kind and payload of each message.
+/// Running checksum of the messages of a job: CRC-32C over kind and payload of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetSum {
     remainder: u32,
@@ -34,10 +35,10 @@ pub struct SetSum {
 }
 
 impl SetSum {
-    /// Checksum of no messages.
+    /// Checksum before the first message.
     pub const NONE: SetSum = SetSum { remainder: u32::MAX, messages: 0 };
 
-    /// Adds the next message.
+    /// Includes the next message in the checksum.
     pub fn add(&mut self, message: &Message) {
         let mut buffer = [0; PAYLOAD_MAX];
         let length = message.encode(&mut buffer).unwrap_or_default();
@@ -46,7 +47,7 @@ impl SetSum {
         self.messages = self.messages.saturating_add(1);
     }
 
-    /// The `Commit` message of the set.
+    /// The message `Commit`, which ends the set of messages with this number.
     pub fn commit(&self, set: u32) -> table::Commit {
         table::Commit { set, messages: self.messages, checksum: !self.remainder }
     }
@@ -61,10 +62,11 @@ impl SetSum {
     }
 }
 
-/// Passes the messages of a set to `emit`, in order. `set` must not be 0 or the number of the previous set.
+/// Passes the messages that carry a job to `emit`, from `Begin` to `Commit`. `set` is their common number, chosen by
+/// the caller: not 0, and not that of the previous set.
 ///
 /// # Errors
-/// See [`ParametersError`]; the messages passed so far are then not a complete set.
+/// See [`ParametersError`]; messages passed before an error are not a complete set.
 pub fn messages(job: &Job, set: u32, emit: &mut dyn FnMut(Message)) -> Result<(), ParametersError> {
     emit(table::Begin { set }.into());
     let mut sum = SetSum::NONE;

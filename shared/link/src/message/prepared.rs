@@ -32,7 +32,7 @@ const ENTRY_HEADER_LEN: usize = 6;
 /// Longest piece that is read at once: header, entry or checksum.
 const PIECE_MAX: usize = ENTRY_HEADER_LEN + PAYLOAD_MAX;
 
-/// Description of the NC file and of the entries.
+/// Header of a prepared program: length and checksum of the NC file that it belongs to, and the size of its contents.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PreparedHeader {
     /// CRC-32 (ISO-HDLC) of the NC file.
@@ -45,21 +45,21 @@ pub struct PreparedHeader {
     pub entries_len: u32,
 }
 
-/// Reason why a prepared program is rejected.
+/// Reason why a prepared program (a job and the moves of one NC file) is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreparedError {
-    /// No valid header, or lengths that contradict each other.
+    /// It has no valid header, or its lengths contradict each other.
     Form,
-    /// Written for another version of the messages.
+    /// It was written for another version of the messages.
     Schema,
     /// Wrong checksum.
     Checksum,
-    /// An entry is not valid, or is not valid at this place.
+    /// An entry is not a valid message, or must not stand at this place.
     Entry(RefusalCode),
 }
 
 impl PreparedHeader {
-    /// Encodes the header.
+    /// The header as bytes.
     pub fn encode(&self) -> [u8; PREPARED_HEADER_LEN] {
         let mut bytes = [0; PREPARED_HEADER_LEN];
         let numbers = [SCHEMA_HASH, self.program_check, self.program_len, self.moves, self.entries_len];
@@ -86,7 +86,8 @@ impl PreparedHeader {
     }
 }
 
-/// Passes the bytes of an entry of a prepared program to `emit`.
+/// Passes the bytes of one entry of a prepared program to `emit`: the message, and the line of the NC file (from 1) to
+/// which it belongs, 0 for messages of the job.
 pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     let mut payload = [0; PAYLOAD_MAX];
     let length = message.encode(&mut payload).unwrap_or_default();
@@ -95,12 +96,13 @@ pub fn write_entry(line: u32, message: &Message, emit: &mut dyn FnMut(&[u8])) {
     emit(payload.get(..length).unwrap_or_default());
 }
 
-/// Checksum over header and entries, with which a prepared program ends.
+/// Checksum over header and entries, with which a prepared program ends, as bytes.
 pub fn seal(header_and_entries: &[u8]) -> [u8; CHECK_LEN] {
     checksum(header_and_entries).to_le_bytes()
 }
 
-/// Receiver of the entries of a prepared program: line, kind, payload.
+/// Callback for each entry of a prepared program: line of the NC file, kind of the message, payload of the message. An
+/// error rejects the program.
 pub type OnEntry<'f> = &'f mut dyn FnMut(u32, u8, &[u8]) -> Result<(), RefusalCode>;
 
 /// Reader of a prepared program that arrives in parts of any length. Keeps its state between calls.
@@ -132,24 +134,24 @@ impl PreparedReader {
         PreparedReader { piece: Vec::new(), header: None, entries_left: 0, digest: CRC.digest(), result: Ok(false) }
     }
 
-    /// Header, once it has been read.
+    /// The header, once it has been read; `None` before.
     pub fn header(&self) -> Option<&PreparedHeader> {
         self.header.as_ref()
     }
 
-    /// Whether the program is complete and its checksum right. An entry must not be used before.
+    /// Whether the whole program has arrived and its checksum is right. Until then, entries must not be used.
     ///
     /// # Errors
-    /// The first error; the rest of the program is then ignored.
+    /// The first error; everything after it is ignored.
     pub fn result(&self) -> Result<bool, PreparedError> {
         self.result
     }
 
-    /// Reads the next bytes and passes each complete entry to `on_entry`; its errors reject the program. Bytes after the
-    /// end are an error.
+    /// Reads the next bytes and passes each complete entry to `on_entry`. Returns whether the program is complete.
+    /// Bytes after its end are an error.
     ///
     /// # Errors
-    /// As of [`PreparedReader::result`].
+    /// The first error, as from [`PreparedReader::result`].
     pub fn on_bytes(&mut self, bytes: &[u8], on_entry: OnEntry<'_>) -> Result<bool, PreparedError> {
         for byte in bytes {
             match self.result {

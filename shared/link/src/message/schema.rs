@@ -1,75 +1,75 @@
 //! Schema of all messages: `docs/protocol.md` prints it, and both ends compare its hash.
 
-/// Encoding of a field of a message.
+/// Type of a message's field: how its bytes are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldType {
-    /// A whole number, a scaled number, or a code with its values.
+    /// Name of the type: a whole number, a scaled number, or an enumeration followed by its values.
     pub name: &'static str,
-    /// Number of elements; 1 for a plain field.
+    /// Number of elements of an array; 1 for a single value.
     pub count: u8,
-    /// Part of the field that may be absent.
+    /// Whether the field, or each of its elements, may be absent.
     pub optional: Optional,
 }
 
-/// Part of a field that may be absent.
+/// Which part of a field may be absent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Optional {
-    /// No part.
+    /// None: the field is always there.
     Never,
     /// The whole field.
     Whole,
-    /// Each element.
+    /// Each element of the array by itself.
     Each,
 }
 
 /// Description of one kind of message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// Number on the wire.
+    /// Number of the kind on the wire.
     pub kind: u8,
-    /// Name.
+    /// Name of the kind.
     pub name: &'static str,
     /// Class and direction.
     pub class: MessageClass,
-    /// Meaning.
+    /// Meaning of the message, as a sentence.
     pub meaning: &'static str,
-    /// Fields in their order.
+    /// Fields in the order in which they are sent.
     pub fields: &'static [FieldEntry],
 }
 
 /// Description of one field of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldEntry {
-    /// Name.
+    /// Name of the field.
     pub name: &'static str,
-    /// Encoding.
+    /// Type of the field.
     pub field_type: FieldType,
-    /// Meaning, with the unit.
+    /// Meaning of the field, with its unit.
     pub meaning: &'static str,
 }
 
-/// Class and direction of a message.
+/// Direction of a message, and whether it is repeated if lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MessageClass {
-    /// Host to board, reliable and in order.
+    /// Host to board; delivered once and in order.
     Down,
-    /// Board to host, reliable and in order.
+    /// Board to host; delivered once and in order.
     Up,
-    /// Board to host, latest-wins.
+    /// Board to host; only the newest value counts, so it is not repeated.
     Latest,
-    /// On the machine line, outside of the link.
+    /// Between board and simulated machine, on a line of their own without sessions.
     Machine,
 }
 
 impl FieldType {
-    /// A field that is always present.
+    /// Type of a single value that is always present.
     pub const fn plain(name: &'static str) -> Self {
         FieldType { name, count: 1, optional: Optional::Never }
     }
 }
 
 impl MessageClass {
-    /// Label in the documents.
+    /// Text by which docs/protocol.md names the class.
     pub const fn label(self) -> &'static str {
         match self {
             MessageClass::Down => "host to board, reliable",
@@ -80,7 +80,8 @@ impl MessageClass {
     }
 }
 
-/// FNV-1a over all data of the entries except their meanings in words. A field with a new meaning must get a new name.
+/// Hash (FNV-1a) of kinds, names, classes and fields, but not of the meanings. A field with a new meaning must
+/// therefore get a new name.
 pub const fn hash(entries: &[Entry]) -> u32 {
     let mut hash = 0x811C_9DC5;
     let mut rest = entries;

@@ -1,4 +1,5 @@
-//! Staging of a set of parameters: it takes effect only when it is complete, has the right checksum, and is valid.
+//! Receiver of a job that arrives as a set of messages: the job takes effect only if the set is complete, has the
+//! right checksum, and is valid.
 
 use heapless::Vec;
 
@@ -22,7 +23,8 @@ use super::validation;
 /// Bits of the messages that a complete set must contain besides its tools: basics, limits and ceiling.
 const NEEDED: u8 = 0b00111;
 
-/// Parameter set that is being received. Keeps its state between calls.
+/// Receiver of a job that arrives as a set of messages. The job takes effect only after the last of them, if it is
+/// complete and valid.
 #[derive(Clone, Debug)]
 pub struct Staging {
     /// 0: none, or a rejected one.
@@ -46,7 +48,7 @@ impl Default for Staging {
 }
 
 impl Staging {
-    /// An empty staging area.
+    /// Receiver without a set.
     pub const fn new() -> Self {
         Staging {
             set: 0,
@@ -64,15 +66,15 @@ impl Staging {
         self.set
     }
 
-    /// Discards the staged set.
+    /// Discards the set that is being received.
     pub fn forget(&mut self) {
         self.set = 0;
     }
 
-    /// Begins a parameter set.
+    /// Begins to receive the set with this number; a set that is not complete is discarded.
     ///
     /// # Errors
-    /// [`RefusalCode::Value`] for the number 0.
+    /// [`RefusalCode::Value`] for the number 0, which stands for no set.
     pub fn begin(&mut self, set: u32) -> Result<(), RefusalCode> {
         // In place: the job is too large for a second copy.
         self.job.rules.clear();
@@ -83,10 +85,10 @@ impl Staging {
         if set == 0 { Err(RefusalCode::Value) } else { Ok(()) }
     }
 
-    /// Adds a message to the set. An error discards the set.
+    /// Adds a message to the set. After an error, the set is discarded.
     ///
     /// # Errors
-    /// Reason why it is not part of a valid set.
+    /// Reason why the message cannot belong to a valid set.
     pub fn add(&mut self, message: &Message) -> Result<(), RefusalCode> {
         if self.set == 0 {
             return Err(RefusalCode::NoSet);
@@ -99,10 +101,10 @@ impl Staging {
         taken
     }
 
-    /// Completes the set and returns its job. The set is discarded in any case.
+    /// Ends the set, and returns its job if it is complete and valid. After this call no set is being received.
     ///
     /// # Errors
-    /// Reason why it is not a valid set.
+    /// Reason why it is not a complete and valid set.
     pub fn commit(&mut self, commit: &table::Commit) -> Result<&Job, RefusalCode> {
         let set = core::mem::take(&mut self.set);
         if set == 0 || set != commit.set {
@@ -118,7 +120,7 @@ impl Staging {
         }
     }
 
-    /// Swaps out the job of the last committed set: it is too large to be returned by value.
+    /// Exchanges the job of the last committed set with this one. A job is too large to be returned by value.
     pub fn swap_job(&mut self, job: &mut Job) {
         core::mem::swap(&mut self.job, job);
     }

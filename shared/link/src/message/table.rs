@@ -100,69 +100,69 @@ macro_rules! messages {
 }
 
 messages! {
-    /// Begins a set of parameters; discards a staged one.
+    /// Begins a set of messages that describe a job; a set that is not complete is discarded.
     0x10 Down Begin {
         /// Number of the set, chosen by the host; not 0.
         set: u32,
     }
-    /// Basic settings of the job.
+    /// Unit and feed mode of the job.
     0x11 Down Basics {
-        /// Unit of reports.
+        /// Unit of lengths in which the program starts and in which reports are written.
         unit: UnitCode,
-        /// Way in which the target feed reaches the control.
+        /// Way in which the target feed reaches the control: by F words or by the override.
         policy: PolicyCode,
     }
-    /// A tool; tools are sent in order, each before its law and its rules.
+    /// A tool of the job; tools are sent in order, each before its law and its cut rules.
     0x12 Down Tool {
-        /// T number.
+        /// T number; absent if the program does not load the tool.
         number: Option<u32>,
-        /// Tool axis in the program's coordinates.
+        /// Axis of the program's coordinates that is parallel to the tool.
         axis: AxisCode,
-        /// Spindle speed, rev/min.
+        /// Spindle speed if the program states none, rev/min.
         spindle: Q40,
         /// Whether the operator sets the spindle speed if the program does not.
         operator_speed: bool,
         /// Target feed per tooth, mm.
         feed_per_tooth: Q40,
-        /// Kind of tool.
+        /// Kind of cutter.
         shape: ToolCode,
-        /// Outer radius, nm.
+        /// Radius of the outer cutting circle, nm.
         outer_radius: i64,
-        /// Inner radius, nm; 0 for an end mill.
+        /// Radius of the inner cutting circle, nm; 0 for an end mill.
         inner_radius: i64,
-        /// Number of teeth that cut.
+        /// Number of teeth that cut on one circle.
         teeth: u16,
     }
-    /// Feed law of the last tool.
+    /// Feed law of the tool that was sent last.
     0x13 Down Law {
         /// Kind of law.
         law: LawCode,
-        /// Engaged arc: both edges; contour: inside arcs only; otherwise false.
+        /// Engaged-arc law: whether both cutting circles count; contour law: whether only inside arcs change the feed; otherwise false.
         option: bool,
-        /// Contour: smallest fraction of the feed; otherwise 0.
+        /// Contour law: smallest feed of the centre as a fraction of the feed at the contour; otherwise 0.
         floor: Q40,
     }
-    /// Bounds of the override.
+    /// Range, step and slew rates of the override.
     0x14 Down Limits {
         /// Smallest override, %.
         min_percent: u8,
         /// Largest override, %.
         max_percent: u8,
-        /// Step of the control, %.
+        /// Step in which the control accepts the override, %.
         step_percent: u8,
-        /// Fastest rise, %/s.
+        /// Fastest rise, percentage points per second.
         slew_up: Q40,
-        /// Fastest fall, %/s.
+        /// Fastest fall, percentage points per second.
         slew_down: Q40,
     }
-    /// Feed limits of the axes; optional.
+    /// Maximum feeds of the machine's axes; optional.
     0x15 Down Axes {
-        /// Maximum feed of X, Y, Z, mm/min.
+        /// Maximum feeds of X, Y, Z, mm/min; absent: not known.
         linear: [Option<Q40>; 3],
-        /// Maximum feed of A, B, C, deg/min.
+        /// Maximum feeds of A, B, C, deg/min; absent: not known.
         rotary: [Option<Q40>; 3],
     }
-    /// Clamp of the feed by arc radius; optional.
+    /// The control's limit of the feed on arcs by their radius; optional.
     0x16 Down ArcClamp {
         /// Maximum feed V at the radius R, mm/min.
         feed: Q40,
@@ -171,71 +171,71 @@ messages! {
         /// Lower limit of the clamped feed, mm/min.
         floor: Q40,
     }
-    /// A cut rule of the last tool; rules are sent in order.
+    /// A cut rule of the tool that was sent last: moves to which its law applies, and the stock there. Rules are sent in order.
     0x17 Down Rule {
-        /// Index of the rule.
+        /// Index of the rule in the job, from 0.
         index: u8,
         /// Moves to which the rule applies.
         moves: MovesCode,
-        /// Cutting edge.
+        /// Cutting circle, or side of the contour.
         work: WorkCode,
-        /// Radial depth of an end mill's cut, nm; 0 for a ring.
+        /// Radial depth of an end mill's cut, nm; 0 for other work.
         radial_depth: i64,
-        /// Description of the stock.
+        /// Form in which the stock is described.
         stock: StockCode,
         /// Number of messages that describe the stock; they follow immediately.
         stock_parts: u8,
         /// Target feed per tooth if it is not the tool's, mm.
         feed_per_tooth: Option<Q40>,
-        /// First knot of its table in the job, and number of knots.
+        /// For the table law: index of the first knot among all knots of the job, and number of knots.
         table: Option<[u8; 2]>,
-        /// First and last N.
+        /// First and last sequence number N to which the rule applies; absent: all.
         sequence: Option<[i64; 2]>,
-        /// Lowest and highest Z at the start of a move, nm.
+        /// Lowest and highest Z at the start of a move to which the rule applies, nm; absent: all.
         level: Option<[i64; 2]>,
     }
-    /// A stock line of the last rule.
+    /// A straight limit of the stock of the rule that was sent last.
     0x18 Down StockLine {
-        /// Unit normal, out of the material.
+        /// Unit normal, pointing out of the material.
         normal: [Q62; 2],
-        /// Distance from the origin along the normal at height 0, mm.
+        /// Distance of the line from the origin along the normal at height 0, mm.
         offset: Q46,
         /// Growth of the offset per millimetre of height.
         rise: Q46,
     }
-    /// Round blank of the last rule.
+    /// A round blank, the stock of the rule that was sent last.
     0x19 Down StockDisc {
         /// Centre, mm.
         center: [Q46; 2],
         /// Radius, mm.
         radius: Q46,
     }
-    /// A knot of engaged arcs of the last rule.
+    /// Directions in which the edges are in material at one place of the path; stock of the rule that was sent last.
     0x1A Down EngagedArcs {
         /// Path from the segment's start, mm.
         travelled: Q40,
-        /// Arc of the outer circle: from and to, 1/90 degree.
+        /// Engaged arc of the outer circle: first and last direction, 1/90 degree.
         outer: [i16; 2],
-        /// Arc of the inner circle.
+        /// Engaged arc of the inner circle, likewise.
         inner: [i16; 2],
     }
-    /// A knot of the job's tables; knots are sent in order.
+    /// A knot of a table of feeds per tooth over the path; the knots of all rules are sent in order.
     0x1B Down Knot {
         /// Path from the segment's start, mm.
         travelled: Q40,
-        /// Feed per tooth at the centre, mm.
+        /// Feed per tooth at the tool's centre, mm.
         feed_per_tooth: Q40,
     }
-    /// Upper limit of governed feeds.
+    /// Upper limit, set by the job, of the feed on moves that a law governs.
     0x1D Down Ceiling {
-        /// Maximum governed feed, mm/min.
+        /// Largest feed along the path, mm/min; absent: no such limit.
         max_feed: Option<Q40>,
-        /// Largest raise of a programmed feed, as a ratio.
+        /// Largest feed as a multiple of the programmed feed.
         max_raise: Q40,
     }
-    /// Ends a set of parameters.
+    /// Ends a set of messages that describe a job, which takes effect if it is complete and valid.
     0x1C Down Commit {
-        /// As in `Begin`.
+        /// Number of the set, as in `Begin`.
         set: u32,
         /// Number of messages between `Begin` and this one.
         messages: u16,
@@ -244,9 +244,9 @@ messages! {
     }
     /// A move that the control is going to execute.
     0x20 Down Segment {
-        /// Number of the segment: one more than the previous; free for the first of a run.
+        /// Number of the segment: one more than that of the previous one; any number for the first of a run.
         count: u32,
-        /// Sequence number N of its block.
+        /// Sequence number N of its block; absent without one.
         sequence: Option<i64>,
         /// X, Y, Z at the start, nm.
         start: [i64; 3],
@@ -256,53 +256,53 @@ messages! {
         start_rotary: Option<[i64; 3]>,
         /// A, B, C at the end, microdegrees; absent if all are 0.
         end_rotary: Option<[i64; 3]>,
-        /// Unit of the feed.
+        /// Unit of the field `feed`.
         feed_code: FeedCode,
-        /// Feed in that unit.
+        /// Feed in the unit of `feed_code`.
         feed: i64,
-        /// Shape of the path.
+        /// Shape of the path, for an arc with plane and sense.
         path: PathCode,
-        /// Rotation centre in the plane, nm; arcs only.
+        /// Rotation centre of an arc on the two axes of its plane, nm; absent for other moves.
         center: Option<[i64; 2]>,
-        /// Index of the governing cut rule; absent if no law governs the move.
+        /// Index of the cut rule whose law governs the move; absent if no law does.
         rule: Option<u8>,
         /// Commanded spindle speed if it is not the tool's, rev/min.
         spindle: Option<Q40>,
         /// Upper limit of the feed by the job's ceiling, nm/min.
         max_feed: Option<i64>,
-        /// Largest override at the end if that is not 100, %.
+        /// Largest override at the end of the move, %, with which the next move may begin; absent: 100.
         end_percent: Option<u8>,
     }
-    /// Discards all segments that are not done and ends the run: the next count is free.
+    /// Discards all segments that have not ended, and ends the run: the next segment may have any number.
     0x21 Down Clear {}
-    /// Request of a person.
+    /// Request of a person to arm or disarm the laws.
     0x22 Down Request {
         /// Requested action.
         what: RequestCode,
-        /// Epoch of the report that the person has seen.
+        /// Epoch in the report that the person has seen; a request with an older one is stale.
         epoch: u16,
     }
-    /// Asks for `Info`.
+    /// Asks for the message `Info`.
     0x23 Down AskInfo {}
-    /// Asks for one `Setting`.
+    /// Asks for the message `Setting` about one setting.
     0x24 Down AskSetting {
-        /// Setting.
+        /// The setting.
         setting: SettingCode,
     }
-    /// Sets a setting; answered by `Setting` or `Refused`.
+    /// Changes a setting of the board; answered by `Setting` or `Refused`.
     0x25 Down SetSetting {
-        /// Setting.
+        /// The setting.
         setting: SettingCode,
-        /// Value in the setting's unit.
+        /// New value, in the unit of the setting.
         value: u32,
     }
-    /// A knot of engaged arcs of the next segment; knots are sent in order.
+    /// Directions in which the edges are in material at one place of the next segment; sent in the order of the path.
     0x26 Down SegmentArcs {
         /// Path from the segment's start, mm.
         travelled: Q40,
-        /// Arc of the outer circle: from and to, 1/90 degree.
+        /// Engaged arc of the outer circle: first and last direction, 1/90 degree.
         outer: [i16; 2],
-        /// Arc of the inner circle.
+        /// Engaged arc of the inner circle, likewise.
         inner: [i16; 2],
     }
     /// Description of the board.
@@ -311,16 +311,16 @@ messages! {
         version: [u8; 3],
         /// Cause of the last start.
         reset: ResetCode,
-        /// Number of starts, as far as the board knows.
+        /// Number of starts, as far as the board has counted them.
         starts: u32,
         /// Number of segments that the board can hold.
         capacity: u16,
-        /// Set of parameters in force; 0 for none.
+        /// Number of the set of messages whose job is in force; 0 for none.
         set: u32,
         /// Name of the board.
         name: Chunk,
     }
-    /// A set of parameters has come into force.
+    /// The job of a set of messages is in force.
     0x41 Up Accepted {
         /// Number of the set.
         set: u32,
@@ -331,26 +331,26 @@ messages! {
         kind: u8,
         /// Set, count, setting or epoch of the rejected message; 0 if it has none.
         reference: u32,
-        /// Reason.
+        /// Reason why it was rejected.
         why: RefusalCode,
     }
-    /// Current value of a setting.
+    /// Present value of a setting of the board.
     0x43 Up Setting {
-        /// Setting.
+        /// The setting.
         setting: SettingCode,
-        /// Value in the setting's unit.
+        /// Value, in the unit of the setting.
         value: u32,
     }
-    /// Part of the log, as defmt encodes it.
+    /// Part of the log of the board, as defmt encodes it.
     0x44 Up Log {
-        /// Bytes that follow those of the previous `Log`.
+        /// Bytes of the log, which follow those of the previous `Log`.
         bytes: Chunk,
     }
-    /// State of the board.
+    /// Status of the board, sent at fixed intervals.
     0x50 Latest Report {
         /// Time by the board's clock, us.
         at: u64,
-        /// State of the supervisor.
+        /// State of the supervisor, which decides whether the laws may set the override.
         state: StateCode,
         /// Reason of the override: a number of docs/outputs.md.
         cause: u8,
@@ -358,49 +358,49 @@ messages! {
         alarm: AlarmCode,
         /// Override at the output, %.
         override_percent: u8,
-        /// Number of fallbacks, including the start.
+        /// Epoch: number of changes to fallback, disarmed or faulted, plus one for the start; wraps around.
         epoch: u16,
-        /// Number of segments executed since the start; wraps around.
+        /// Number of segments that have ended since the start; wraps around.
         executed: u32,
-        /// Count of the segment in execution.
+        /// Number of the segment in execution; absent if none is.
         in_work: Option<u32>,
-        /// Free slots for segments.
+        /// Number of segments that the board can accept at present.
         room: u16,
-        /// Set of parameters in force; 0 for none.
+        /// Number of the set of messages whose job is in force; 0 for none.
         set: u32,
-        /// Feed per tooth at the centre that the law demands, nm; all ones for none.
+        /// Feed per tooth at the tool's centre that the law demands, nm; all ones without a demand.
         ipt_center: u32,
-        /// Feed of the machine under the override, um/min; all ones for none.
+        /// Feed of the machine at this override, um/min; all ones if the override does not act on a feed.
         feed: u32,
-        /// Excess of the chip over its target at the lower limit of the override, %.
+        /// Amount by which the chip exceeds its target because the override must not be lower, %.
         chip_excess_percent: u8,
     }
-    /// Signals of the machine.
+    /// Measured values and signals that the machine sends to the board at each period.
     0x60 Machine Sample {
         /// Time by the machine's clock, us.
         at: u64,
-        /// Clock of the machine.
+        /// Whether the machine runs in real time or in lockstep with the board.
         mode: ModeCode,
         /// X, Y, Z in the workpiece's coordinates, nm; absent if there is no new position.
         linear: Option<[i64; 3]>,
         /// A, B, C, microdegrees; absent if all are 0.
         rotary: Option<[i64; 3]>,
-        /// Spindle speed, rev/min.
+        /// Measured spindle speed, rev/min.
         spindle: Q40,
-        /// Operator's dial, %.
+        /// Position of the operator's override dial, %.
         operator_percent: u8,
-        /// Conditions and buttons, one bit each.
+        /// Conditions of the control and pressed buttons, one bit each.
         signals: u32,
         /// Bytes sent on the link before this message; wraps around.
         link_bytes: u32,
         /// Bytes sent on the tapped line before this message, both directions together; wraps around.
         tap_bytes: u32,
     }
-    /// Outputs of the board.
+    /// Outputs of the board, in answer to a sample of the machine.
     0x61 Machine Setpoint {
-        /// `at` of the answered sample.
+        /// Field `at` of the answered sample.
         at: u64,
-        /// Lines *FV0 to *FV7 that are low, one bit each.
+        /// Override lines *FV0 to *FV7 that are low: bit i for line i.
         lines: u8,
         /// State of the supervisor.
         state: StateCode,

@@ -12,8 +12,8 @@ const NORMAL_TOLERANCE: f64 = 1e-9;
 /// Largest radius of a tool, nm: 10 m.
 const RADIUS_MAX: i64 = 10_000_000_000;
 
-/// Whether every number of a job is in the range that a job file allows. The bounds of the override are checked by
-/// the ramp.
+/// Whether every number of a job is in the range that a job file allows. Range, step and slew rates of the override
+/// are not checked here, but when the override's ramp is built from them.
 pub fn is_valid(job: &Job) -> bool {
     job.tools.iter().all(|setup| is_valid_setup(setup) && (job.tools.len() == 1 || setup.number.is_some()))
         && has_valid_limits(job)
