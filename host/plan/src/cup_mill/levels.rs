@@ -18,7 +18,7 @@ pub struct LevelContext<'a> {
     around: &'a Surroundings,
     /// Base position.
     pub base: Base,
-    /// B1.
+    /// Pivot B1 of the turn at the suction side.
     pub interior: InteriorPivot,
     outward: Turn,
 }
