@@ -19,7 +19,7 @@ use super::measure::{ChordAngles, CurveJet, CurveShape};
 /// Lines of each kind on a side.
 const LINES: [usize; 2] = [36, 16];
 
-/// Measures of one side.
+/// Measures of one side of a passage that say how difficult it is to plunge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideMeasures {
     /// Greatest twist of a v-line: split where it is curved most, and where it is farthest from its chord.
