@@ -40,7 +40,7 @@ pub struct Blisk {
 pub struct Slot {
     /// Pressure side of one blade; u from the leading edge, v from the hub.
     pub pressure: Face,
-    /// Suction side of the blade across the slot.
+    /// Suction side of the next blade, across the slot.
     pub suction: Face,
 }
 
