@@ -1,4 +1,4 @@
-//! Proof of one slot's path.
+//! Collision proof of the path through one slot, with remaining and removed material.
 
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -54,9 +54,9 @@ pub struct Proof {
     pub clearances: Vec<Clearance>,
     /// Height of the lifted tool above all that turns while the part is indexed, mm; infinite if there is no path.
     pub indexing_mm: f64,
-    /// Material that the ring leaves on the walls.
+    /// Material that the ring leaves on both sides of the slot and on the hub.
     pub left: RemainingMaterial,
-    /// Material that the ring removes.
+    /// Volumes that the ring removes.
     pub removed: RemovedVolumes,
 }
 

@@ -113,7 +113,7 @@ pub struct RepairPlan {
     pub finish: Vec<Vec<RepairContact>>,
     /// Rough layers, from the highest: their heights and the runs of contact points.
     pub layers: Vec<(f64, Vec<Vec<RepairContact>>)>,
-    /// Volumes that finishing and roughing take together: repaired region, transition.
+    /// Volumes that roughing and finishing remove together, mm3: in the repaired region, and in the transition.
     pub removed_mm3: [f64; 2],
 }
 
@@ -121,7 +121,7 @@ fn place(point: &Point) -> String {
     format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
 }
 
-/// Plans one side from the heights measured on it.
+/// Plans the milling of one side from the heights that were measured on it.
 ///
 /// # Errors
 /// Describes why there is no plan, with the place and the amount.
@@ -162,13 +162,13 @@ pub fn plan<S: Surface + Sync>(
 }
 
 impl RepairPlan {
-    /// Allowance that finishing leaves at a place, also where it takes nothing: there that of the old blade.
+    /// Allowance, mm, that finishing leaves at a point; where it removes nothing, the deviation of the old blade.
     pub fn left_mm(&self, at: [f64; 2], point: &Point) -> f64 {
         let is_repaired = nearest_region(&self.field, &self.regions, at, point) == Region::Repaired;
         self.regions.left_mm(at, point, is_repaired)
     }
 
-    /// Allowance that stands at a place before; in a hole of the measurement that of the old blade.
+    /// Allowance, mm, before the milling at a point; in a hole of the measurement, the deviation of the old blade.
     pub fn standing_mm(&self, at: [f64; 2]) -> f64 {
         self.heights.height_mm(at).unwrap_or(self.regions.allowance.old_mm)
     }
