@@ -217,7 +217,8 @@ impl DncPort {
         Some(self.tape.read(&frames))
     }
 
-    /// Stops reading at the program's end or at an alarm: sends DC3 and ignores what arrives afterwards.
+    /// Stops reading at the program's end or at an alarm: sends DC3. What the sender sends
+    /// afterwards (DC1, DC3) only starts and stops the control's output.
     pub fn close(&mut self) {
         if !matches!(self.flow, Flow::Closed) {
             self.flow = Flow::Closed;

@@ -91,7 +91,8 @@ impl DriveState {
         self.awaits_spindle && !self.is_rapid && self.is_waited_for()
     }
 
-    /// Whether the move in execution ends at rest because the next block waits: it is a rapid, and the drives are simulated.
+    /// Whether the move in execution ends at rest because the next block waits: it is a rapid, and the next block waits for axes in
+    /// position or for the spindle.
     pub fn stops_at_block_end(&self) -> bool {
         self.is_rapid && (self.loops.is_some() || self.is_waited_for())
     }

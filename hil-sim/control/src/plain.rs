@@ -74,7 +74,7 @@ impl PlainReader {
         self.end
     }
 
-    /// Sets the machine position from which the next block begins.
+    /// Sets the machine position from which the next block begins; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.set_position(machine);
         self.end = machine;

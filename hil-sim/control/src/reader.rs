@@ -34,7 +34,7 @@ impl BlockReader {
         BlockReader { reader: PlainReader::new(settings), line: 0, has_begun: false }
     }
 
-    /// Sets the machine position from which the next block begins.
+    /// Sets the machine position from which the next block begins; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.stand_at(machine);
     }

@@ -43,7 +43,7 @@ pub struct MoveChips {
     pub left_out: ExcludedSamples,
 }
 
-/// Measured chip load of one tooth, from where it begins to cut until the next tooth's time.
+/// Measured chip load of one tooth, over one tooth period (60 s divided by spindle speed and number of teeth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredChip {
     /// Measured quantity divided by the target.
