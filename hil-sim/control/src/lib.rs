@@ -305,7 +305,7 @@ impl Control {
         self.port.is_punching()
     }
 
-    /// Messages that the program has issued (#3006, #3000). If an alarm came up in a called program, one more message names its place there.
+    /// Messages that the program has issued (#3006, #3000). If an alarm came up in a called program, one more names its place.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
     }
