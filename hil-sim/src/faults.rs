@@ -6,7 +6,7 @@ pub enum ControllerFault {
     /// No fault.
     #[default]
     None,
-    /// No controller at all: the override stays at 100 %.
+    /// No controller acts: the override stays at 100 %.
     LawOff,
     /// The controller assumes radii of the tool that are wrong by this factor.
     RadiusScale(f64),

@@ -31,7 +31,7 @@ pub const STEP: Micros = Micros::from_ms(1);
 /// again from the rest of the line. Far below the least increments of controls.
 const SAME_POINT_MAX: Nm = Nm(5);
 
-/// Simulation of control, machine, override source and chip meter on one time base; deterministic.
+/// Deterministic simulation of control, machine, override source and chip meter on one time base.
 #[derive(Debug)]
 pub struct Simulation<D = InProcessController> {
     now: Micros,
@@ -52,22 +52,22 @@ pub struct Simulation<D = InProcessController> {
     planned: VecDeque<PlannedConditions>,
 }
 
-/// Conditions of a move that only the plan knows, such as its engagement or its largest feed.
+/// Conditions of a move that only its plan knows, such as its engaged arcs or its largest feed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedConditions {
-    /// Move in the workpiece's coordinates; its feed does not count.
+    /// The move, in the workpiece's coordinates; it is recognised by its path, whatever its feed.
     pub segment: Segment,
-    /// Index of the cut rule for the move.
+    /// Index of the cut rule for the move in the job's list; `None` without a rule.
     pub rule: Option<usize>,
     /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
     pub along: Option<EngagedTable>,
-    /// Largest feed on the move, if known.
+    /// Largest feed on the move; `None` if the limits of the job's axes and its ceiling apply.
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
     pub end_percent: u8,
-    /// Side of the contour on which the tool runs, for a move under G41 or G42.
+    /// Side of the contour on which the tool runs; only for a move under G41 or G42.
     pub side: Option<ContourSide>,
-    /// Target chip load, for a tool whose target is the programmed feed.
+    /// Target chip load of this move; only for a tool whose target is the programmed feed.
     pub target: Option<MmPerTooth>,
 }
 
@@ -96,14 +96,14 @@ impl PlannedConditions {
     }
 }
 
-/// The override on one move under a cut rule.
+/// Override during one move under a cut rule: smallest and largest value, and number of changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveOverride {
     /// Smallest override, %.
     pub min_percent: u8,
     /// Largest override, %.
     pub max_percent: u8,
-    /// Number of changes.
+    /// Number of times that the override changed.
     pub changes: u32,
     last_percent: u8,
 }
@@ -154,8 +154,8 @@ impl<D: OverrideSource> Simulation<D> {
         }
     }
 
-    /// Sets the planned conditions of special moves and of moves with engagement per move, in program order. A move
-    /// that never comes does not block later ones.
+    /// Sets the planned conditions of special moves and of moves whose engaged arcs are known, in program order. If a move of the list is
+    /// never executed, the later ones still apply.
     pub fn set_planned_conditions(&mut self, moves: impl IntoIterator<Item = PlannedConditions>) {
         self.planned = moves.into_iter().collect();
     }
@@ -186,7 +186,7 @@ impl<D: OverrideSource> Simulation<D> {
         self.now
     }
 
-    /// Whether the program is over and the axes rest in position.
+    /// Whether the program is over, the axes rest and are in position.
     pub fn is_done(&self) -> bool {
         let rests = self.control.is_at_rest() && self.control.is_in_position();
         self.control.is_over() && rests && !self.control.is_punching()
@@ -217,7 +217,7 @@ impl<D: OverrideSource> Simulation<D> {
         self.source
     }
 
-    /// Last output of the override source.
+    /// Override that the source gave last.
     pub fn override_output(&self) -> FeedOverride {
         self.output
     }
@@ -232,12 +232,12 @@ impl<D: OverrideSource> Simulation<D> {
         &self.overrides
     }
 
-    /// Index of the cut rule for the last move begun.
+    /// Index of the cut rule for the last move begun; `None` without one.
     pub fn rule(&self) -> Option<usize> {
         self.last.and_then(|(_, rule)| rule)
     }
 
-    /// Last move begun, in the workpiece's coordinates.
+    /// Last move begun, in the workpiece's coordinates; `None` before the first.
     pub fn segment(&self) -> Option<&Segment> {
         self.last.as_ref().map(|(segment, _)| segment)
     }
@@ -247,7 +247,7 @@ impl<D: OverrideSource> Simulation<D> {
         &self.context
     }
 
-    /// Time from the first move to now.
+    /// Time from the beginning of the first move to now; 0 before it.
     pub fn cycle_time(&self) -> Micros {
         self.first_move.map_or(Micros(0), |first| self.now.since(first))
     }

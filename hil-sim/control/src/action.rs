@@ -11,12 +11,12 @@ use arcfeed_nc_macro::program::is_statement;
 use arcfeed_nc_macro::variables::Ignored;
 use arcfeed_units::{Micros, Nm};
 
-/// One block, ready to execute.
+/// One block that the control has read ahead and prepared for execution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadBlock {
-    /// Line of the block as received, counted from 1; for a block of a library program, the line of the call.
+    /// Line number of the block in the program as received, counted from 1; for a block of a library program, that of its call.
     pub line: u32,
-    /// Bytes of the block, without the line end; values replace its expressions.
+    /// Bytes of the block, without the line end; macro expressions are replaced by their values.
     pub text: Vec<u8>,
     /// Action of the block.
     pub action: Action,
@@ -26,26 +26,27 @@ pub struct ReadBlock {
     pub contour: ContourCommand,
 }
 
-/// Action of a block: motion, dwell, stop and others.
+/// What a block makes the control do: a move, a dwell, a stop, or nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// A comment, a title, modal words: no time, and moves flow through it.
+    /// A comment, a title or modal words only: takes no time, and the axes do not stop for it.
     Nothing,
-    /// An M, S or T function: takes no time here, but moves before it come to rest.
+    /// An M, S or T function: takes no time in this model, but the axes come to rest before it.
     Auxiliary,
-    /// A move in machine coordinates, and the stop after it.
+    /// A move in machine coordinates, and the program stop (M0, M1, M2, M30) of the same block, after it.
     Move(Segment, Option<ProgramStop>),
-    /// A move around a corner of a contour (G41, G42), in machine coordinates. It belongs to the block behind it.
+    /// A move that cutter compensation (G41, G42) or `,C` and `,R` insert at a corner, in machine coordinates. Except for an inserted
+    /// chamfer or rounding it belongs to the block after it.
     Corner(Segment),
-    /// Several moves in program coordinates (see `plain.rs`), and the stop after them.
+    /// Several moves in program coordinates (canned cycle, G28, G30), and the program stop of the same block, after them.
     Series(Box<Series>, Option<ProgramStop>),
-    /// G4.
+    /// A dwell of this time (G4).
     Dwell(Micros),
-    /// M0, M1, M2, M30.
+    /// A program stop or end: M0, M1, M2, M30.
     Stop(ProgramStop),
-    /// Functions switched off from here on: #3003, #3004.
+    /// Change of the functions that the program switches off by #3003 and #3004; applies to the following blocks.
     Ignore(Ignored),
-    /// The control stops here with an alarm.
+    /// An alarm that stops the control when it executes this block.
     Fault(Fault),
 }
 
@@ -57,13 +58,12 @@ impl Action {
 }
 
 impl ReadBlock {
-    /// A block with the default context.
+    /// Block with the default context and without cutter compensation.
     pub fn new(line: u32, text: Vec<u8>, action: Action) -> Self {
         ReadBlock { line, text, action, context: MoveContext::default(), contour: ContourCommand::default() }
     }
 
-    /// Whether the block is an inserted chamfer or rounded corner, which belongs to the block before it and has its
-    /// F. Other moves around a corner belong to the block behind it.
+    /// Whether the block is an inserted chamfer or rounded corner: it belongs to the block before it and has the F of that block.
     pub fn is_inserted(&self) -> bool {
         matches!(self.action, Action::Corner(_)) && self.contour.corner.is_some()
     }
@@ -80,41 +80,41 @@ impl ReadBlock {
     }
 }
 
-/// Context of all moves of a block.
+/// Context of all moves of a block: coordinates, and what the program has commanded for them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MoveContext {
     /// Machine coordinates of the workpiece's origin: that of the work coordinate system, with the tool length added to
     /// Z.
     pub origin: Pose,
-    /// Tool length, which is part of `origin`.
+    /// Tool length along Z, which `origin` already includes.
     pub tool: Nm,
-    /// Whether a law must not govern the moves: canned cycles, and moves under G41, G42, G43.4 and G95.
+    /// Whether no feed law may change the feed of the moves: canned cycles, and moves under G41, G42, G43.4 and G95.
     pub is_special: bool,
-    /// G63, or a tap in its hole: the override is 100 %, and feed hold waits.
+    /// Whether the moves are tapping (G63, or a tap in its hole): the override counts as 100 %, and feed hold acts only afterwards.
     pub is_tapping: bool,
-    /// Meaning of the programmed path.
+    /// Which path the programmed coordinates describe: that of the axes, of the tool tip, or of the contour.
     pub programmed_path: ProgrammedPath,
     /// Tool and spindle commanded by the program.
     pub machining: Machining,
-    /// Part of the feed that the control takes away on an arc inside a contour, parts per million.
+    /// Reduction of the feed that the control applies on an arc inside a contour under cutter compensation, parts per million of F.
     pub feed_cut_ppm: u32,
 }
 
 impl MoveContext {
-    /// Feed on the move over its F: below one on an arc inside a contour, if the control reduces the feed there.
+    /// Factor on the programmed feed: 1, or less on an arc inside a contour where the control reduces the feed.
     pub fn feed_ratio(&self) -> f64 {
         1.0 - f64::from(self.feed_cut_ppm) / f64::from(PPM)
     }
 }
 
-/// Meaning of the path that a program describes.
+/// Which path the coordinates of a program describe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProgrammedPath {
-    /// Path of the axes.
+    /// Path of the axes: that of the tool's centre.
     #[default]
     Axes,
-    /// Path of the tool tip on the part: G43.4.
+    /// Path of the tool tip relative to the workpiece, under G43.4.
     Tip,
-    /// Contour of the part under G41 or G42 with a D of no radius: the control does not know the tool.
+    /// Contour of the workpiece, under G41 or G42 with a D whose radius is 0: the control moves the tool's centre on it.
     Contour,
 }

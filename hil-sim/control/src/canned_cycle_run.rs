@@ -14,7 +14,7 @@ use super::action::MoveContext;
 use super::panel::Phase;
 use super::plain::along_z;
 
-/// Execution of a block with several moves, such as a canned cycle.
+/// Execution of one block that makes several moves, such as a canned cycle, step by step.
 #[derive(Debug)]
 pub struct CannedCycleRun {
     series: Box<Series>,
@@ -31,14 +31,14 @@ pub struct CannedCycleRun {
 pub enum RunStep {
     /// Move in machine coordinates.
     Move(Box<Segment>, MoveContext),
-    /// Dwell.
+    /// Dwell of this time.
     Dwell(Micros),
-    /// Stop for single block.
+    /// Stop that waits for cycle start, because single block is on.
     Halt,
 }
 
 impl CannedCycleRun {
-    /// Execution at the beginning of its block.
+    /// Execution at the beginning of its block; `sequence` is the block's N, if it has one.
     pub fn new(series: Box<Series>, context: MoveContext, sequence: Option<i64>) -> Self {
         let cursor = series.begin();
         CannedCycleRun {
@@ -56,7 +56,7 @@ impl CannedCycleRun {
         self.taps || self.context.is_tapping
     }
 
-    /// Next step of the execution, from the axes' position `position`; `None` at its end.
+    /// Next step of the execution; `position` is the present position of the axes. `None` after the last step.
     pub fn advance(&mut self, position: &Pose, in_single_block: bool) -> Option<RunStep> {
         loop {
             let mut ahead = self.cursor.clone();

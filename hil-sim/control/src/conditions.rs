@@ -24,12 +24,12 @@ impl Control {
         self.ladder_percent
     }
 
-    /// The override in effect, %.
+    /// Override in effect, %: that of the input after the delay of the machine's ladder, or 100 % while #3004 switches the override off.
     pub fn override_percent(&self) -> u8 {
         if self.ignored.feed & NO_OVERRIDE == 0 { self.ladder_percent } else { PERCENT as u8 }
     }
 
-    /// Blocks that ran slower than programmed because an axis reached its limit.
+    /// Blocks that ran slower than the feed times the override because an axis reached its limit.
     pub fn limited(&self) -> &[AxisLimited] {
         self.interpolator.limited()
     }

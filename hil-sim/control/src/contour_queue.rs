@@ -29,7 +29,7 @@ pub struct ContourQueue {
 }
 
 impl ContourQueue {
-    /// An empty queue, without an offset.
+    /// Empty queue, with cutter compensation off.
     pub fn new(settings: &ControlSettings) -> Self {
         let compensation = settings.nc.compensation;
         ContourQueue {
@@ -40,7 +40,7 @@ impl ContourQueue {
         }
     }
 
-    /// Accepts the next block; returns the blocks that can be executed.
+    /// Accepts the next block that was read; returns the blocks whose path is known now, in the order of execution.
     pub fn pass(&mut self, block: ReadBlock) -> Vec<ReadBlock> {
         self.corners.pass(block).into_iter().flat_map(|block| self.offset(block)).collect()
     }
@@ -86,7 +86,7 @@ impl ContourQueue {
         }
     }
 
-    /// Ends the contour because no further block comes; returns the remaining blocks.
+    /// Ends the contour because no further block comes; returns the remaining blocks in the order of execution.
     pub fn end(&mut self) -> Vec<ReadBlock> {
         let mut ready: Vec<ReadBlock> = self.corners.end().into_iter().flat_map(|block| self.offset(block)).collect();
         ready.extend(self.end_contour());
@@ -98,7 +98,7 @@ impl ContourQueue {
         self.release(result)
     }
 
-    /// Discards all blocks and the offset.
+    /// Discards all waiting blocks and switches cutter compensation off.
     pub fn clear(&mut self) {
         self.corners = CornerQueue::default();
         self.waiting.clear();

@@ -18,7 +18,7 @@ pub struct CornerQueue {
 }
 
 impl CornerQueue {
-    /// Accepts the next block; returns the blocks that can be executed.
+    /// Accepts the next block that was read; returns the blocks that need not wait (any longer), in the order of execution.
     pub fn pass(&mut self, block: ReadBlock) -> Vec<ReadBlock> {
         let Some((first, corner)) = self.first() else { return self.admit(block) };
         let (line, plane) = (block.line, block.contour.plane);
@@ -44,7 +44,7 @@ impl CornerQueue {
         }
     }
 
-    /// Releases the waiting move without its corner, because no further block comes.
+    /// Returns the waiting blocks, the move without its corner, because no further block comes.
     pub fn end(&mut self) -> Vec<ReadBlock> {
         if self.waiting.is_empty() { Vec::new() } else { self.refuse(Alarm::NoMoveBehindCorner, None) }
     }

@@ -1,4 +1,4 @@
-//! The control's serial line: characters at line rate into a buffer, XON/XOFF back.
+//! The control's serial (DNC) port: characters arrive at the rate of the line in a buffer; the port sends XON (DC1) and XOFF (DC3).
 //!
 //! ```text
 //!         start        buffer fills
@@ -22,7 +22,7 @@ use super::line::{LineCounters, LineSettings};
 use super::punch::Punch;
 use super::tape::{ReceivedBlock, Tape};
 
-/// The control's serial port, with the line and the buffer of received characters.
+/// Serial port of the simulated control, with the serial line to the sender and the buffer of received characters.
 #[derive(Debug)]
 pub struct DncPort {
     settings: Option<LineSettings>,
@@ -61,12 +61,12 @@ enum Flow {
 }
 
 impl DncPort {
-    /// A port that reads from its line.
+    /// Port that reads a program from the serial line.
     pub fn on_line(settings: LineSettings) -> Self {
         DncPort::new(Some(settings), Tape::new(settings.tape), &[])
     }
 
-    /// A port with the whole program in its buffer; its line is unused.
+    /// Port that has the whole program in its buffer, as for a program in the control's memory; the serial line is unused.
     pub fn from_memory(program: &[u8]) -> Self {
         DncPort::new(None, Tape::in_memory(), program)
     }
@@ -88,7 +88,7 @@ impl DncPort {
         }
     }
 
-    /// Accepts bytes that the host puts on the line; they arrive at the rate of the line.
+    /// Accepts bytes that the sender puts on the serial line; they arrive at the rate of the line.
     pub fn on_bytes(&mut self, bytes: &[u8]) {
         let Some(settings) = self.settings else { return };
         if !matches!(self.flow, Flow::Closed) {
@@ -102,56 +102,56 @@ impl DncPort {
         }
     }
 
-    /// Adds a character without valid stop bits (noise, a break, another baud rate) behind those on the line.
+    /// Puts a character without valid stop bits (noise, a break, another baud rate) on the line, after those already there.
     pub fn on_framing_error(&mut self) {
         self.wire.push_back(Arriving::Damaged);
     }
 
-    /// Whether the sender's data set ready line is on.
+    /// Sets whether the sender's data set ready (DSR) line is on; it being off during reading is alarm PS0086.
     pub fn set_ready(&mut self, is_ready: bool) {
         self.is_ready = is_ready;
     }
 
-    /// Characters on the line that have not arrived yet.
+    /// Number of characters on the line that have not arrived yet.
     pub fn on_wire(&self) -> usize {
         self.wire.len()
     }
 
-    /// Characters in the buffer.
+    /// Number of received characters in the buffer that have not been read as blocks.
     pub fn buffered(&self) -> usize {
         self.buffer.len()
     }
 
-    /// Next byte that the control sends, as the sender receives it.
+    /// Takes the next byte that the control sends, as the sender receives it; `None` if there is none.
     pub fn poll_transmit(&mut self) -> Option<u8> {
         let frame = self.outgoing.pop_front()?;
         Some(self.settings.map_or(frame, |settings| settings.sender.byte(frame)))
     }
 
-    /// Whether [`DncPort::poll_transmit`] has a byte.
+    /// Whether [`DncPort::poll_transmit`] would return a byte.
     pub fn has_output(&self) -> bool {
         !self.outgoing.is_empty()
     }
 
-    /// Exempts the characters now on the line from the ten after DC3: for hosts behind a pipe without a line rate,
-    /// which wrote their bytes before they could see the DC3.
+    /// Exempts the characters that are now on the line from the limit of ten after DC3: for senders behind a pipe without a line
+    /// rate, which have written their bytes before they could see the DC3. Acts only while DC3 is in force.
     pub fn exempt_bytes_on_wire(&mut self) {
         if let Flow::Stopped { exempt, .. } = &mut self.flow {
             *exempt = self.wire.len();
         }
     }
 
-    /// Whether the sender has sent DC1 since the last call while the port was not reading a program.
+    /// Whether the sender has sent DC1 while the port was not reading a program; clears that mark.
     pub fn take_request(&mut self) -> bool {
         std::mem::take(&mut self.is_requested)
     }
 
-    /// The control's output to the sender.
+    /// Queue of the control's output (DPRNT, BPRNT) to the sender.
     pub fn punch(&mut self) -> &mut Punch {
         &mut self.punch
     }
 
-    /// Queues a macro statement's output for the sender; without a line it is discarded.
+    /// Queues the output of a macro statement for the sender; a port without a serial line discards it.
     pub fn put(&mut self, output: &Output) {
         if self.settings.is_some() {
             let code = self.code();
@@ -159,12 +159,12 @@ impl DncPort {
         }
     }
 
-    /// Whether output is on its way to the sender.
+    /// Whether output waits to be sent and the sender has not stopped it.
     pub fn is_punching(&self) -> bool {
         self.punch.is_sending()
     }
 
-    /// Code of the line: that of the received program, ISO before it is known.
+    /// Character code of the line: that of the received program; ISO as long as it is not known.
     pub fn code(&self) -> TapeCode {
         self.tape.code().unwrap_or(TapeCode::Iso)
     }
@@ -174,7 +174,7 @@ impl DncPort {
         self.counters
     }
 
-    /// Simulates `dt` of the line.
+    /// Simulates the line for the time `dt`; returns the alarm that arose (parity or framing, overrun, sender not ready), if any.
     pub fn step(&mut self, dt: Micros) -> Option<Fault> {
         let settings = self.settings?;
         let char_cost = u64::from(settings.bits_per_char) * US_PER_S;
@@ -199,12 +199,12 @@ impl DncPort {
         fault.or((is_reading && !self.is_ready).then_some(Fault::alarm(Alarm::NotReady, 0)))
     }
 
-    /// Whether no further block can come: a program in memory, read to its last line.
+    /// Whether no further block can come: the program is in memory and its last block has been taken. Never true on a serial line.
     pub fn is_exhausted(&self) -> bool {
         self.settings.is_none() && self.blocks == 0
     }
 
-    /// The next complete block.
+    /// Takes the next complete block from the buffer; `None` if none has arrived completely.
     pub fn take_block(&mut self) -> Option<ReceivedBlock> {
         if self.blocks == 0 {
             return None;
@@ -217,7 +217,8 @@ impl DncPort {
         Some(self.tape.read(&frames))
     }
 
-    /// Stops reading: program end or alarm.
+    /// Stops reading at the program's end or at an alarm: sends DC3. What the sender sends
+    /// afterwards (DC1, DC3) only starts and stops the control's output.
     pub fn close(&mut self) {
         if !matches!(self.flow, Flow::Closed) {
             self.flow = Flow::Closed;
@@ -228,7 +229,7 @@ impl DncPort {
         }
     }
 
-    /// Reset: stops reading and discards the received characters.
+    /// Reset of the control: stops reading, and discards received characters and unsent output.
     pub fn reset(&mut self) {
         self.close();
         self.punch.reset();
@@ -236,7 +237,7 @@ impl DncPort {
         self.blocks = 0;
     }
 
-    /// Cycle start after a reset: reads the next program.
+    /// Cycle start after a reset: the port waits for the next program.
     pub fn restart(&mut self) {
         if let (Some(settings), Flow::Closed) = (self.settings, &self.flow) {
             self.tape = Tape::new(settings.tape);

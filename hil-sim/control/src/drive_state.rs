@@ -27,7 +27,7 @@ use super::action::{Action, ReadBlock};
 use super::path::to_pose;
 use super::settings::{ControlSettings, Switches};
 
-/// Drives of axes and spindle in a simulated control. Keeps its state between calls.
+/// Drives of the axes and of the spindle in a simulated control, with what the control waits for. Keeps its state between calls.
 #[derive(Debug)]
 pub struct DriveState {
     loops: Option<PositionLoops>,
@@ -40,7 +40,7 @@ pub struct DriveState {
 }
 
 impl DriveState {
-    /// Drives at rest at the origin.
+    /// Drives at rest at the origin; only those for which the settings have data are simulated.
     pub fn new(settings: &ControlSettings) -> Self {
         DriveState {
             loops: settings.servo.map(|servo| PositionLoops::new(servo, [0.0; AXES])),
@@ -51,7 +51,7 @@ impl DriveState {
         }
     }
 
-    /// Records which move is in execution.
+    /// Records that the control has begun this move: whether it is a rapid, and whether it waits for the spindle.
     pub fn begin(&mut self, segment: &Segment) {
         self.is_rapid = segment.path == Path::Rapid;
         self.awaits_spindle = self.is_rapid || self.awaits_spindle && self.is_waited_for();
@@ -69,7 +69,7 @@ impl DriveState {
         }
     }
 
-    /// Applies S and M of a block.
+    /// Applies the S and M functions (M3, M4, M5) of a block to the spindle.
     pub fn apply_block(&mut self, block: &ReadBlock, switches: &Switches) {
         let Some(spindle) = self.spindle.as_mut().filter(|_| block.action != Action::Nothing) else { return };
         let before = spindle.commanded_rev_per_min();
@@ -79,19 +79,20 @@ impl DriveState {
         self.awaits_spindle |= spindle.commanded_rev_per_min() != before;
     }
 
-    /// Stops the spindle at M2, M30 and reset, as the ladder of a machine does.
+    /// Stops the spindle if `stop` is M2 or M30, as the ladder of a machine does; also used at a reset.
     pub fn end(&mut self, stop: ProgramStop) {
         if let (Some(spindle), ProgramStop::End) = (&mut self.spindle, stop) {
             spindle.set_rotation(SpindleRotation::Stop);
         }
     }
 
-    /// Whether the move in execution waits until the spindle has its speed.
+    /// Whether the move in execution must wait because the spindle has not reached its commanded speed.
     pub fn holds(&self) -> bool {
         self.awaits_spindle && !self.is_rapid && self.is_waited_for()
     }
 
-    /// Whether the move in execution ends at rest: a rapid before a block that waits.
+    /// Whether the move in execution ends at rest because the next block waits: it is a rapid, and the next block waits for axes in
+    /// position or for the spindle.
     pub fn stops_at_block_end(&self) -> bool {
         self.is_rapid && (self.loops.is_some() || self.is_waited_for())
     }
@@ -102,7 +103,7 @@ impl DriveState {
 }
 
 impl Control {
-    /// Actual position of the axes, which lags behind the commanded one.
+    /// Actual position of the axes, in whole nanometres and microdegrees; it lags behind the commanded position.
     pub fn actual_position(&self) -> Pose {
         self.drive_state.loops.as_ref().map_or(self.position(), |loops| to_pose(&loops.axes()))
     }
@@ -112,32 +113,32 @@ impl Control {
         self.drive_state.loops.as_ref().map_or(*self.axes(), PositionLoops::axes)
     }
 
-    /// Whether the axes pass exactly through the corners between blocks.
+    /// Whether the axes pass exactly through the corners between blocks: neither rounding nor lag is simulated.
     pub fn meets_corners(&self) -> bool {
         self.settings.drives.is_none() && self.settings.servo.is_none()
     }
 
-    /// Feed of the axes as they follow the commanded feed, with their lag.
+    /// Feed along the path at which the axes actually move: the commanded feed, delayed by their lag.
     pub fn followed_feed(&self) -> MmPerMin {
         self.drive_state.feed
     }
 
-    /// Whether all axes are in position, within tolerance of the commanded one.
+    /// Whether all axes are in position: their lag is within the tolerance. Always true without data of the servos.
     pub fn is_in_position(&self) -> bool {
         self.drive_state.loops.as_ref().is_none_or(PositionLoops::is_in_position)
     }
 
-    /// State of the spindle, if one is modelled.
+    /// State of the spindle; `None` if the spindle is not simulated.
     pub fn spindle(&self) -> Option<&SpindleState> {
         self.drive_state.spindle.as_ref()
     }
 
-    /// State of the spindle, to load it.
+    /// State of the spindle, to set its cutting load; `None` if the spindle is not simulated.
     pub fn spindle_mut(&mut self) -> Option<&mut SpindleState> {
         self.drive_state.spindle.as_mut()
     }
 
-    /// Time after which the axes have only `ratio` left of a sudden change of speed, s.
+    /// Time, s, after which the lag of the axes has settled to `ratio` after a sudden change of commanded speed; 0 without servos.
     pub fn settling_s(&self, ratio: f64) -> f64 {
         self.settings.servo.map_or(0.0, |servo| servo.settling_s(ratio))
     }

@@ -6,9 +6,9 @@
 pub struct Dynamics {
     /// Acceleration along the path.
     pub acceleration_mm_per_s2: f64,
-    /// Largest jump of an axis' speed at a corner.
+    /// Largest permitted step of an axis's speed at a corner.
     pub corner_jump_mm_per_s: f64,
-    /// Speed at G0 (X of the HU80A-5X: 12 m/min).
+    /// Speed of rapids (G0) along the path; the X axis of the HU80A-5X has 12 m/min.
     pub rapid_mm_per_s: f64,
 }
 

@@ -25,7 +25,7 @@ use super::restart::RestartList;
 use super::search::{Approach, Search, SearchResult, never};
 use super::settings::{ControlSettings, Switches};
 
-/// Reader of the program: interprets macro statements, calls and plain blocks in the order of execution.
+/// Reader of a whole program: interprets macro statements and calls, and returns the blocks in the order of execution.
 #[derive(Debug)]
 pub struct Executive {
     reader: PlainReader,
@@ -40,26 +40,27 @@ pub struct Executive {
     messages: VecDeque<String>,
 }
 
-/// Next block, or the reason why there is none.
+/// Result of asking for the next block: the block, or the reason why there is none now.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NextBlock {
-    /// A block.
+    /// The next block to execute.
     Block(Box<ReadBlock>),
-    /// No block before the next step of time.
+    /// Macro statements used up the time of this step; a block may come in the next one.
     Busy,
-    /// No block before the next line of the DNC line.
+    /// The next line of the program has not arrived on the serial (DNC) line yet.
     Starved,
-    /// The program is over.
+    /// The program is over: no further block comes.
     Over,
 }
 
 impl Executive {
-    /// Executive at power-on, the axes at the origin; subprograms are behind the program or in the library.
+    /// Executive for a program in memory at power-on, with the axes at the origin; subprograms are in `text` after the program, or
+    /// in the library.
     pub fn new(text: &[u8], settings: &ControlSettings, library: Box<dyn Library>) -> Self {
         Executive::with(text, settings, library, false)
     }
 
-    /// Executive at power-on, the axes at the origin; [`Executive::feed`] gives it the program.
+    /// Executive for a program from the serial (DNC) line at power-on, with the axes at the origin; [`Executive::feed`] gives its lines.
     pub fn on_line(settings: &ControlSettings) -> Self {
         Executive::with(b"", settings, Box::new(()), true)
     }
@@ -87,14 +88,14 @@ impl Executive {
         self.interpreter.set_library(library);
     }
 
-    /// Accepts the next line of the DNC line, after [`NextBlock::Starved`].
+    /// Accepts the next line of a program from the serial line, after [`NextBlock::Starved`]; `line` is its number, from 1.
     pub fn feed(&mut self, text: Vec<u8>, line: u32) {
         self.interpreter.feed(&text, line);
         self.line = line;
         self.fed = Some(text);
     }
 
-    /// Reset: ready for another program of the DNC line, in the modal state of power-on, with the axes where they are.
+    /// Reset: makes ready for another program from the serial line, in the modal state of power-on, with the axes at `position`.
     /// Variables from #500 on and offsets are kept.
     pub fn reset(&mut self, settings: &ControlSettings, position: Pose) {
         self.reader = PlainReader::new(settings);
@@ -105,7 +106,7 @@ impl Executive {
         self.messages.clear();
     }
 
-    /// Functions that #3003 and #3004 switch off after the blocks read.
+    /// Functions that #3003 and #3004 have switched off after the blocks read so far.
     pub fn ignored(&self) -> Ignored {
         self.interpreter.variables().ignored
     }
@@ -115,12 +116,12 @@ impl Executive {
         self.reader.end()
     }
 
-    /// Offsets as last written by the program.
+    /// Work offsets and tool lengths as last written by the program.
     pub fn tables(&self) -> &Tables {
         &self.interpreter.variables().tables
     }
 
-    /// The next block at `now`.
+    /// Reads up to the next block; `now` is the time for the clock variables of macros.
     pub fn next(&mut self, now: Micros, switches: &Switches) -> NextBlock {
         let next =
             self.pending.take().map_or_else(|| self.advance(now, switches), |block| NextBlock::Block(Box::new(block)));
@@ -181,7 +182,7 @@ impl Executive {
         NextBlock::Over
     }
 
-    /// Examines the next block for a search of the operator; `None` while no whole block has arrived.
+    /// Reads the next block and checks whether it is the target of the operator's search; `None` if no whole block has arrived yet.
     pub fn search(
         &mut self,
         search: Search,
@@ -211,22 +212,23 @@ impl Executive {
         self.is_over
     }
 
-    /// Output to the punch since the last call.
+    /// Takes the outputs of POPEN, DPRNT, BPRNT and PCLOS since the last call.
     pub fn take_outputs(&mut self) -> Vec<Output> {
         std::mem::take(&mut self.outputs)
     }
 
-    /// Messages of `#3006` and `#3000`, and the place in a called program where an alarm came up.
+    /// Messages that the program has issued by `#3006` and `#3000`; if an alarm came up in a called program, one more message names the
+    /// place of it there.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.messages.iter().map(String::as_str)
     }
 
-    /// Starts the list of functions that a restart shows to the operator.
+    /// Begins to collect the functions (M, S, T) that a restart must show to the operator.
     pub fn list_for_restart(&mut self) {
         self.reader.list_for_restart();
     }
 
-    /// The list of functions before the last block.
+    /// Takes the collected functions of all blocks before the last one read.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.reader.take_restart_list()
     }

@@ -15,23 +15,23 @@ use arcfeed_units::{MmPerMin, PERCENT, S_PER_MIN};
 use super::action::MoveContext;
 use super::path::Travel;
 
-/// Inputs of the control that affect the speed of a block.
+/// Inputs of the control that affect the speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeedConditions {
-    /// The override in effect.
+    /// Feed override in effect, %.
     pub override_percent: u8,
-    /// The feed that replaces the programmed one.
+    /// Dry run feed, which replaces the programmed one; `None` without dry run.
     pub dry_run: Option<MmPerMin>,
-    /// Feed hold, reset or alarm: the axes come to rest.
+    /// Whether feed hold, a reset, an alarm or waiting for the spindle brings the axes to rest.
     pub holds: bool,
-    /// Whether only feed hold stops the axes; a tap ignores it.
+    /// Whether nothing but feed hold can be the reason for `holds`; tapping moves then continue.
     pub holds_but_taps: bool,
-    /// The axes come to rest at the end of each block.
+    /// Whether the axes come to rest at the end of each block.
     pub stops_at_block_end: bool,
 }
 
 impl FeedConditions {
-    /// The programmed feed, without any input from the panel.
+    /// Conditions without any effect: 100 %, no dry run, no hold.
     pub const PROGRAMMED: FeedConditions = FeedConditions {
         override_percent: PERCENT as u8,
         dry_run: None,
@@ -49,7 +49,7 @@ impl FeedConditions {
         FeedConditions { override_percent: PERCENT as u8, holds: self.holds && !self.holds_but_taps, ..*self }
     }
 
-    /// Speed for a programmed speed under these conditions.
+    /// Speed, mm/s, that these conditions give for a programmed speed: the dry run feed, or the programmed speed times the override.
     pub fn speed_mm_per_s(&self, programmed_mm_per_s: f64) -> f64 {
         match self.dry_run {
             Some(feed) => f64::from(feed.0) / S_PER_MIN,

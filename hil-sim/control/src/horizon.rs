@@ -16,12 +16,12 @@ use super::feeds::FeedConditions;
 use super::path_spans::{PathSpan, walk};
 use super::prepared_move::{ActiveMove, QueuedBlock};
 
-/// Remaining distance below which a path counts as done, far below a nanometre.
+/// Remaining distance, mm, below which a path counts as completed, far below a nanometre.
 pub const DONE: f64 = 1e-10;
 /// Periods at the present speed that a new horizon reaches beyond the needed distance.
 const SPARE_PERIODS: f64 = 24.0;
 
-/// Part of the path that is planned: the span in which the axes are, and the spans ahead.
+/// Planned part of the path: the span in which the axes are, and the spans ahead, as far as the axes need to come to rest.
 #[derive(Clone, Debug)]
 pub struct Horizon {
     here: PathSpan,
@@ -31,7 +31,7 @@ pub struct Horizon {
 }
 
 impl Horizon {
-    /// An empty horizon, to be computed.
+    /// Empty horizon, which the next update computes.
     pub fn new() -> Self {
         let here = PathSpan { at_mm: 0.0, limits: PathLimits::NONE, wanted_mm_per_s: f64::INFINITY };
         Horizon { here, ahead: Vec::new(), conditions: None }
@@ -42,7 +42,7 @@ impl Horizon {
         &self.here
     }
 
-    /// Spans ahead, with their safe speeds.
+    /// Spans ahead that may slow the axes, with their safe speeds.
     pub(crate) fn ahead(&self) -> &[Ahead] {
         &self.ahead
     }
@@ -52,24 +52,24 @@ impl Horizon {
         self.conditions = None;
     }
 
-    /// Whether the horizon is valid and ends before a move that is added to the queue.
+    /// Whether the horizon is valid and does not end with a stop, so that it ends before a move added to the queue now.
     pub fn ends_before_queue(&self) -> bool {
         self.conditions.is_some() && self.ahead.last().is_some_and(|last| last.limits.speed > 0.0)
     }
 
-    /// Shifts positions to count from the end of a move that is over.
+    /// Shifts all positions so that they count from the end of `active`, which is over.
     pub fn rebase(&mut self, active: &ActiveMove) {
         for ahead in &mut self.ahead {
             ahead.at -= active.prepared.travel.length_mm;
         }
     }
 
-    /// Sets the wanted speed to that of the move just begun, which may be more than in the corner before it.
+    /// Sets the wanted speed of the present span to that of the move just begun; in the corner before it may have been lower.
     pub fn enter(&mut self, active: &ActiveMove, conditions: &FeedConditions) {
         self.here.wanted_mm_per_s = active.prepared.wanted(&active.context, conditions);
     }
 
-    /// Updates the horizon for the axes' position, and for the distance that they may travel within `dt_s`.
+    /// Updates the horizon for the present position and motion of the axes, and for the distance they may travel within `dt_s`.
     pub fn update(
         &mut self,
         dt_s: f64,

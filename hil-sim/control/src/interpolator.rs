@@ -36,16 +36,16 @@ pub struct Interpolator {
     limited: Vec<AxisLimited>,
 }
 
-/// A block that ran slower than its feed times the override because one axis reached its limit.
+/// Record of a block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimited {
     /// Count of blocks executed up to and including it.
     pub count: u32,
     /// N of the block, if it has one.
     pub sequence: Option<i64>,
-    /// X, Y, Z, A, B, C as 0 to 5.
+    /// Axis that reached its limit: 0 to 5 for X, Y, Z, A, B, C.
     pub axis: usize,
-    /// Whether only rotary axes move: degrees for mm below.
+    /// Whether only rotary axes move; the speeds below are then in degrees per second.
     pub is_rotary: bool,
     /// Requested speed along the path, at the first time it was not allowed.
     pub wanted_mm_per_s: f64,
@@ -81,7 +81,7 @@ impl Interpolator {
         }
     }
 
-    /// Number of blocks read ahead.
+    /// Number of blocks that wait in the queue, read ahead but not begun.
     pub fn queued(&self) -> usize {
         self.queue.len()
     }
@@ -106,8 +106,8 @@ impl Interpolator {
         }
     }
 
-    /// Takes the next block from the queue if the move before is done; `count` is the number of blocks executed before
-    /// it.
+    /// Takes the next block from the queue and begins its move; `None` if a move is still in execution or the queue is empty. `count` is
+    /// the number of blocks executed before it.
     pub fn take_next(&mut self, count: usize) -> Option<ReadBlock> {
         if self.active.is_some() {
             return None;
@@ -120,7 +120,7 @@ impl Interpolator {
         Some(block)
     }
 
-    /// Begins a move of a block that makes several; `count` as in [`Interpolator::take_next`], this block included.
+    /// Begins one move of a block that makes several; it ends at rest. `count` is the number of blocks executed, this one included.
     pub fn begin(&mut self, segment: Segment, context: MoveContext, count: usize) {
         let prepared = PreparedMove::new(segment, &self.limits());
         let count = u32::try_from(count).unwrap_or(u32::MAX);
@@ -134,7 +134,7 @@ impl Interpolator {
         self.moves_begun += 1;
     }
 
-    /// Moves the axes for `dt_s` or to the end of the block; returns the remaining time.
+    /// Moves the axes for `dt_s`, at most to the end of the present move; returns the time left over, s.
     pub fn advance(&mut self, dt_s: f64, conditions: &FeedConditions) -> f64 {
         let Some(active) = &mut self.active else {
             self.planner.rest();
@@ -176,12 +176,12 @@ impl Interpolator {
         }
     }
 
-    /// Position of the axes, in whole nanometres and microdegrees.
+    /// Commanded position of the axes, in whole nanometres and microdegrees.
     pub fn position(&self) -> Pose {
         self.position
     }
 
-    /// Position, unrounded: X, Y, Z in mm, A, B, C in degrees.
+    /// Commanded position, unrounded: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> &[f64; AXES] {
         &self.axes
     }
@@ -191,44 +191,44 @@ impl Interpolator {
         &self.limited
     }
 
-    /// The active move and the count of blocks executed up to and including it.
+    /// The move in execution, after the count of executed blocks up to and including its own; `None` between moves.
     pub fn active(&self) -> Option<(u32, &Segment)> {
         self.active.as_ref().map(|active| (active.count, &active.prepared.travel.segment))
     }
 
-    /// Number of moves begun since power-on.
+    /// Number of moves begun since power-on; one block may make several.
     pub fn moves_begun(&self) -> u64 {
         self.moves_begun
     }
 
-    /// Context of the active move.
+    /// Context of the move in execution.
     pub fn context(&self) -> Option<&MoveContext> {
         self.active.as_ref().map(|active| &active.context)
     }
 
-    /// Feed of the active move with override, dry run and clamp; for a helix, along its arc in the plane.
+    /// Feed that the control commands on the move in execution, after override, dry run and clamp; on a helix, along the arc in its plane.
     pub fn commanded(&self) -> MmPerMin {
         self.commanded
     }
 
-    /// Whether no move is active.
+    /// Whether no move is in execution.
     pub fn is_idle(&self) -> bool {
         self.active.is_none()
     }
 
-    /// Whether the axes have passed the end of a move and the next one has not been taken from the queue yet.
+    /// Whether the axes have travelled beyond the end of a move in the last step, but the next move has not been taken from the queue.
     pub fn is_between(&self) -> bool {
         matches!(&self.planner, SpeedPlanner::LookAhead(look_ahead) if look_ahead.is_between())
     }
 
-    /// Clears the queue and the active move: after a reset, with the axes at rest.
+    /// Empties the queue and drops the move in execution; for a reset, with the axes at rest.
     pub fn clear(&mut self) {
         self.queue.clear();
         self.active = None;
         self.planner.rest();
     }
 
-    /// Whether the axes are slow enough to stop with a permitted jump of speed.
+    /// Whether the axes can stop at once: they rest or, with the trapezoid planner, are slow enough for a permitted step of speed.
     pub fn may_stop(&self) -> bool {
         match &self.planner {
             SpeedPlanner::Trapezoid(trapezoid) => trapezoid.may_stop(),
@@ -236,7 +236,7 @@ impl Interpolator {
         }
     }
 
-    /// Speed along the path.
+    /// Commanded speed along the path.
     pub fn speed_mm_per_s(&self) -> f64 {
         match &self.planner {
             SpeedPlanner::Trapezoid(trapezoid) => trapezoid.speed_mm_per_s,

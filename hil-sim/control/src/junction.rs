@@ -32,17 +32,17 @@ const BEND_MISS: f64 = 0.0088;
 /// Fraction of the tolerance for each.
 const SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Rounding of the corner between two moves, within the corner tolerance.
+/// Rounding of the corner between two moves, which keeps the path within the corner tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Junction {
-    /// Half width of the corner, along the path to each side.
+    /// Length of the rounding on each side of the corner, along the path; 0 if the corner is not rounded.
     pub half_mm: f64,
     first: [f64; AXES],
     second: [f64; AXES],
 }
 
 impl Junction {
-    /// Rounded corner between two consecutive moves without a stop.
+    /// Rounding between two consecutive moves that are executed without a stop between them.
     pub fn new(before: &Travel, after: &Travel, drives: &DriveLimits) -> Self {
         let ([out, bent_out], [into, bent_into]) = (before.derivatives_at(1.0), after.derivatives_at(0.0));
         let first = difference(&into, &out);
@@ -62,7 +62,7 @@ impl Junction {
         Junction { half_mm: half, first, second }
     }
 
-    /// Displacement that the rounding adds to the moves at `way_mm` from the corner, negative before it. (1)
+    /// Displacement of the axes, mm or degrees, that the rounding adds to the moves at `way_mm` after the corner (negative: before). (1)
     pub fn rounding(&self, way_mm: f64) -> [f64; AXES] {
         let left = 1.0 - way_mm.abs() / self.half_mm;
         if !left.is_finite() || left <= 0.0 {
@@ -72,7 +72,7 @@ impl Junction {
         std::array::from_fn(|axis| part * (self.first[axis] + 0.5 * way_mm * self.second[axis]))
     }
 
-    /// Largest derivatives of the path in the corner.
+    /// Bounds of the path's derivatives inside the rounded corner.
     pub fn bend(&self, before: &Travel, after: &Travel) -> Bend {
         let moves = before.bend().or(&after.bend());
         if self.half_mm == 0.0 {

@@ -98,12 +98,12 @@ use signals::FeedOverrideLines;
 pub use arcfeed_nc::tape_code as code;
 pub use settings::{ControlSettings, Preset, Switches};
 
-/// Alarm that stopped the control before the end of its program.
+/// Alarm that has stopped the control before the end of its program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmRecord {
     /// Line of the program as received, counted from 1.
     pub line: u32,
-    /// Fault that the control found.
+    /// Cause of the alarm, with its number.
     pub fault: Fault,
 }
 
@@ -162,14 +162,14 @@ impl Control {
         Control { executive: Some(executive), ..Control::new(settings, DncPort::from_memory(b""), false) }
     }
 
-    /// Adds a library of subprograms, which the program may call.
+    /// Adds a library of subprograms that the program may call; returns the control.
     #[must_use]
     pub fn with_library(mut self, library: Box<dyn Library>) -> Self {
         self.set_library(library);
         self
     }
 
-    /// Sets the library of subprograms.
+    /// Sets the library of subprograms that the program may call.
     pub fn set_library(&mut self, library: Box<dyn Library>) {
         if let Some(executive) = &mut self.executive {
             executive.set_library(library);
@@ -210,7 +210,7 @@ impl Control {
         }
     }
 
-    /// The byte port.
+    /// The control's serial port, to put bytes on its line and take bytes from it.
     pub fn port(&mut self) -> &mut DncPort {
         &mut self.port
     }
@@ -225,7 +225,7 @@ impl Control {
         self.port.has_output()
     }
 
-    /// Simulates one interpolation period; `override_percent` is the value at the override input.
+    /// Simulates one interpolation period of length `dt`; `override_percent` is the value at the control's override input.
     pub fn step(&mut self, now: Micros, dt: Micros, override_percent: u8) {
         if let Some(fault) = self.port.step(dt) {
             self.stop_with(AlarmRecord { line: self.reader.line(), fault });
@@ -260,27 +260,27 @@ impl Control {
         self.interpolator.axes()
     }
 
-    /// The move being executed and the count of blocks executed so far.
+    /// The move in execution, after the count of executed blocks up to and including its own; `None` between moves.
     pub fn active(&self) -> Option<(u32, &Segment)> {
         self.interpolator.active()
     }
 
-    /// Number of moves begun since power-on: the active move is another one when it has changed.
+    /// Number of moves begun since power-on; a change means that another move is in execution.
     pub fn moves_begun(&self) -> u64 {
         self.interpolator.moves_begun()
     }
 
-    /// Context of the active move.
+    /// Context of the move in execution: coordinates, and what the program has commanded for it.
     pub fn context(&self) -> Option<&MoveContext> {
         self.interpolator.context()
     }
 
-    /// The feed of the active move with its override; zero at rapid and at rest.
+    /// Commanded feed of the move in execution, after override; zero at rapid and at rest.
     pub fn commanded(&self) -> MmPerMin {
         self.interpolator.commanded()
     }
 
-    /// Speed along the path, mm/s.
+    /// Commanded speed along the path, mm/s.
     pub fn speed_mm_per_s(&self) -> f64 {
         self.interpolator.speed_mm_per_s()
     }
@@ -290,23 +290,22 @@ impl Control {
         &self.executed
     }
 
-    /// Number of blocks read ahead.
+    /// Number of blocks that wait, read ahead but not begun.
     pub fn queued(&self) -> usize {
         self.interpolator.queued()
     }
 
-    /// Output of the macro statements read so far, for the punch; in DNC operation the control also sends it over the
-    /// line.
+    /// Output (DPRNT, BPRNT) of the macro statements read so far; in DNC operation the control also sends it over the line.
     pub fn output(&self) -> &[u8] {
         &self.output
     }
 
-    /// Whether a part of the output has not been sent yet.
+    /// Whether output waits to be sent and the sender has not stopped it.
     pub fn is_punching(&self) -> bool {
         self.port.is_punching()
     }
 
-    /// Messages of the program (#3006, #3000). If an alarm came up in a called program, one more message names its place there.
+    /// Messages that the program has issued (#3006, #3000). If an alarm came up in a called program, one more names its place.
     pub fn messages(&self) -> impl Iterator<Item = &str> {
         self.executive.iter().flat_map(Executive::messages)
     }
@@ -331,18 +330,18 @@ impl Control {
         self.ended || self.alarm.is_some()
     }
 
-    /// Whether the axes rest.
+    /// Whether the commanded speed is zero.
     pub fn is_at_rest(&self) -> bool {
         self.interpolator.is_at_rest()
     }
 
-    /// Whether the program has not ended and no block is available to execute.
+    /// Whether the control waits for the program: it is running, has no move or dwell in execution, and no block to execute.
     pub fn is_starved(&self) -> bool {
         let has_nothing = self.interpolator.is_idle() && self.interpolator.queued() == 0 && self.cycle_run.is_none();
         has_nothing && self.phase == Phase::Running && self.dwell_left == Micros(0) && !self.is_over()
     }
 
-    /// Time without a block to execute, after the first move.
+    /// Total time, ms, during which no block was available to execute, counted from the first move on.
     pub fn starved_ms(&self) -> u64 {
         self.starved_ms
     }

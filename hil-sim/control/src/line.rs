@@ -6,24 +6,24 @@
 use super::code::{with_even_parity, without_parity};
 use super::tape::TapeSettings;
 
-/// Settings of the line, for both ends.
+/// Settings of the serial (DNC) line, for both ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineSettings {
     /// Bits per second.
     pub baudrate: u32,
-    /// Bits a character takes: start, data, parity, stop.
+    /// Bits that a character takes on the line: start, data, parity and stop bits.
     pub bits_per_char: u32,
     /// Parity that the sender's hardware applies to its bytes.
     pub sender: SenderParity,
-    /// Characters the buffer holds.
+    /// Size of the control's receive buffer, characters.
     pub buffer: usize,
-    /// DC3 is sent when fewer characters than this are free.
+    /// Number of free characters in the buffer below which the control sends DC3 (XOFF).
     pub xoff_below: usize,
-    /// DC1 is sent when more than this are free.
+    /// Number of free characters in the buffer above which the control sends DC1 (XON).
     pub xon_above: usize,
-    /// Characters taken after DC3; one more is alarm PS0087.
+    /// Number of characters that the control accepts after DC3; one more is alarm PS0087.
     pub after_dc3_max: u32,
-    /// Settings for reading the tape.
+    /// How the received characters are decoded and checked.
     pub tape: TapeSettings,
 }
 
@@ -55,7 +55,7 @@ pub enum SenderParity {
 }
 
 impl SenderParity {
-    /// The frame that the control receives for a byte of the sender's.
+    /// Character on the line, with its parity bit, for a byte that the sender sends.
     pub fn frame(self, byte: u8) -> u8 {
         match self {
             SenderParity::None => byte,
@@ -64,7 +64,7 @@ impl SenderParity {
         }
     }
 
-    /// Byte that the sender reads for a frame sent by the control.
+    /// Byte that the sender reads for a character that the control sends; its parity bit is removed.
     pub fn byte(self, frame: u8) -> u8 {
         match self {
             SenderParity::None => frame,
@@ -73,12 +73,12 @@ impl SenderParity {
     }
 }
 
-/// Counters of the line's traffic.
+/// Counters of the characters that the control has received over the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineCounters {
     /// Characters received.
     pub bytes: u64,
-    /// Times DC3 was sent.
+    /// Number of times that the control has sent DC3 (XOFF).
     pub xoff_count: u32,
     /// Largest number of characters that arrived after one DC3.
     pub max_bytes_after_xoff: u32,

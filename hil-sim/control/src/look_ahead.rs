@@ -14,10 +14,10 @@ use super::feeds::FeedConditions;
 use super::horizon::{DONE, Horizon};
 use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 
-/// Speed planner with acceleration and jerk limits of each axis; state: the present motion.
+/// Speed planner under the acceleration and jerk limits of each axis. Keeps the present motion between calls.
 #[derive(Clone, Debug)]
 pub struct LookAhead {
-    /// Limits of the drives.
+    /// Limits of the drives, and the tolerance of corners.
     pub drives: DriveLimits,
     motion: Motion,
     /// Distance travelled beyond the end of a move, until the next move takes it over.
@@ -31,12 +31,12 @@ impl LookAhead {
         LookAhead { drives, motion: Motion::default(), overrun: None, horizon: Horizon::new() }
     }
 
-    /// Speed along the path.
+    /// Commanded speed along the path.
     pub fn speed_mm_per_s(&self) -> f64 {
         self.motion.speed
     }
 
-    /// Whether the axes have travelled a distance that belongs to the next move.
+    /// Whether the axes have travelled beyond the end of the last move, a distance that belongs to the next one.
     pub fn is_between(&self) -> bool {
         self.overrun.is_some()
     }
@@ -47,8 +47,8 @@ impl LookAhead {
         self.horizon.invalidate();
     }
 
-    /// Whether the axes can keep to the corners of these moves. A corner that is read while the axes brake to a stop
-    /// behind it may come too late.
+    /// Whether the axes can keep to the limits of the corners between these moves. They may not, if a corner was read while the axes
+    /// were already braking to a stop behind it.
     pub fn can_follow(&mut self, active: &ActiveMove, queue: &VecDeque<QueuedBlock>) -> bool {
         if self.horizon.ends_before_queue() {
             return true;
@@ -62,7 +62,7 @@ impl LookAhead {
         can_follow
     }
 
-    /// Moves the axes for `dt_s` or to the end of the move.
+    /// Moves the axes for `dt_s`, at most to the end of the move in execution.
     pub fn advance(
         &mut self,
         dt_s: f64,

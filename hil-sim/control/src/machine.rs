@@ -9,7 +9,7 @@ use crate::Control;
 /// Resolution of the linear axes' position feedback.
 const FEEDBACK_STEP: Nm = Nm(1_000);
 
-/// Report at this time, with actual positions, not commanded ones.
+/// The machine's report at the time `at`: actual (not commanded) position, count of executed blocks, feed and override.
 pub fn sample(control: &Control, at: Micros) -> Sample {
     Sample {
         at,
@@ -20,7 +20,7 @@ pub fn sample(control: &Control, at: Micros) -> Sample {
     }
 }
 
-/// Position from the feedback: whole steps.
+/// Position as the machine's feedback gives it: linear axes rounded to whole micrometres.
 pub fn feedback(position: &Pose) -> Pose {
     let step = FEEDBACK_STEP.0;
     let whole = |Nm(nm): Nm| Nm((nm + step / 2).div_euclid(step) * step);

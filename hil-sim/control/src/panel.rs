@@ -22,19 +22,19 @@ use super::restart::RestartList;
 use super::search::Search;
 use super::settings::Switches;
 
-/// State of operation, apart from alarms and the program's end.
+/// State of the control's operation, apart from alarms and the end of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Blocks are executed as they come.
+    /// Blocks are executed as they are read.
     Running,
-    /// The block before is done, the next waits for cycle start.
+    /// The last block is done, and the next one waits for cycle start (M00, M01, single block).
     Stopped {
         /// Time of the stop.
         since: Micros,
     },
-    /// Axes come to rest.
+    /// After a reset the axes come to rest.
     Resetting,
-    /// No program is running: cycle start begins one.
+    /// After a reset at rest: no program is running, and cycle start begins one.
     Ready,
 }
 
@@ -69,7 +69,7 @@ impl Control {
         }
     }
 
-    /// Whether the next block waits for cycle start.
+    /// Whether the next block waits for cycle start after M00, M01 or single block.
     pub fn is_stopped(&self) -> bool {
         matches!(self.phase, Phase::Stopped { .. })
     }
@@ -91,7 +91,7 @@ impl Control {
         self.phase == Phase::Ready
     }
 
-    /// Starts a search for a block, before anything is executed.
+    /// Starts a search for a block in the middle of the program; to be called before anything is executed.
     pub fn search(&mut self, search: Search) {
         if let Search::Restart(_) = search {
             self.reader.list_for_restart();
@@ -100,8 +100,8 @@ impl Control {
         self.search = Some(search);
     }
 
-    /// List of a restart that has found its block: the functions commanded before it, which the operator has to command
-    /// again, and the modal state at the block.
+    /// List for the operator after a program restart has found its block: the functions commanded before it, which the operator has to
+    /// command again, and the modal state there. `None` without a restart, or before the block is found.
     pub fn restart_list(&self) -> Option<&RestartList> {
         self.restart_list.as_ref()
     }

@@ -13,14 +13,14 @@ use crate::drives::limits::{AXES, Bend};
 
 const DEG: f64 = MICRODEG_PER_DEG as f64;
 
-/// A segment prepared for execution: position and derivatives along its path.
+/// Segment (one move) prepared for execution: position and derivatives as functions of the distance along its path.
 #[derive(Clone, Debug)]
 pub struct Travel {
     /// The segment.
     pub segment: Segment,
     /// Length of the path: of the linear axes in mm, or of the rotary ones in degrees if only they move.
     pub length_mm: f64,
-    /// Speed along the path over the feed: above one on a helix.
+    /// Factor from the feed to the speed along the path: above 1 on a helix, whose feed counts in the plane of its arc.
     pub speed_ratio: f64,
     /// Programmed speed along the path, mm/s; `None` for rapids.
     pub programmed_mm_per_s: Option<f64>,
@@ -77,7 +77,7 @@ impl Travel {
         [point[0], point[1], point[2], a, b, c]
     }
 
-    /// First and second derivative of all axes by the path length, at `ratio` of the path.
+    /// First and second derivative of the positions of all axes by the path length, at `ratio` (0 to 1) of the path.
     pub fn derivatives_at(&self, ratio: f64) -> [[f64; AXES]; 2] {
         let (mut first, mut second) = ([0.0; AXES], [0.0; AXES]);
         match &self.shape {
@@ -100,7 +100,7 @@ impl Travel {
         [first, second]
     }
 
-    /// Largest derivatives along the whole path.
+    /// Bounds of the derivatives along the whole path, for each axis.
     pub fn bend(&self) -> Bend {
         let mut bend = Bend::default();
         match &self.shape {

@@ -8,14 +8,14 @@ use crate::drives::limits::PathLimits;
 use super::feeds::FeedConditions;
 use super::prepared_move::{ActiveMove, QueuedBlock, flowing};
 
-/// A span of the path: its beginning, its limits, and the speed wanted on it.
+/// Span: part of the path ahead with its own limits, either a corner or a move between its corners.
 #[derive(Clone, Copy, Debug)]
 pub struct PathSpan {
-    /// Beginning of the span, from the beginning of the move in execution.
+    /// Beginning of the span, as the distance from the beginning of the move in execution.
     pub at_mm: f64,
-    /// Limits of the axes.
+    /// Limits that the axes set on the span.
     pub limits: PathLimits,
-    /// Speed that programmed feed and override ask for.
+    /// Speed on the span that the programmed feed and the override ask for.
     pub wanted_mm_per_s: f64,
 }
 

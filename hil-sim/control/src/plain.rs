@@ -18,18 +18,18 @@ use super::action::{Action, MoveContext, ProgrammedPath};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
 
-/// Result of reading a block without macro statements.
+/// Result of reading a plain block (one without macro statements).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plain {
     /// Action of the block.
     pub action: Action,
-    /// Context of its moves.
+    /// Context of the block's moves.
     pub context: MoveContext,
-    /// Cutter compensation commanded by it.
+    /// Cutter compensation that the block commands.
     pub contour: ContourCommand,
 }
 
-/// Reader of blocks without macro statements, with the modal state.
+/// Reader of plain blocks (without macro statements), which keeps the modal state.
 #[derive(Debug)]
 pub struct PlainReader {
     reader: Reader,
@@ -49,48 +49,48 @@ impl PlainReader {
         PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, is_center_path, restart: None }
     }
 
-    /// The modal state.
+    /// Modal state after the last block read.
     pub fn modal(&self) -> &Modal {
         self.reader.modal()
     }
 
-    /// The reader.
+    /// Interpreter of the program's text, to read or change its settings.
     pub fn reader(&mut self) -> &mut Reader {
         &mut self.reader
     }
 
-    /// Whether the last block read has written offsets.
+    /// Whether the last block read has written offsets (G10).
     pub fn has_set_data(&self) -> bool {
         self.sets_data
     }
 
-    /// Machine position after the blocks read, as the program has it.
+    /// Machine position at the end of the blocks read, as the program gives it.
     pub fn machine(&self) -> Pose {
         self.reader.machine()
     }
 
-    /// End of the last move that was read.
+    /// Machine position at the end of the last move that was read.
     pub fn end(&self) -> Pose {
         self.end
     }
 
-    /// Sets the machine position; the tool has no length then.
+    /// Sets the machine position from which the next block begins; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.set_position(machine);
         self.end = machine;
     }
 
-    /// Starts the list of functions that a restart shows to the operator.
+    /// Begins to collect the functions (M, S, T) that a restart must show to the operator.
     pub fn list_for_restart(&mut self) {
         self.restart = Some(RestartList::default());
     }
 
-    /// The list of functions before the last block.
+    /// Takes the collected functions of all blocks before the last one read.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.restart.take()
     }
 
-    /// Reads a block.
+    /// Reads a block, and makes its action in machine coordinates.
     ///
     /// # Errors
     /// As [`Reader::read`]; PS0011 for a cutting move without a feed; a tool length that begins in an arc along Z.
@@ -161,7 +161,7 @@ impl PlainReader {
     }
 }
 
-/// Position with this Z, and zero in all other axes.
+/// Position with `length` as Z, and zero in all other axes.
 pub fn along_z(length: Nm) -> Pose {
     Pose { linear: [Nm(0), Nm(0), length], ..Pose::ORIGIN }
 }

@@ -15,16 +15,16 @@ use super::junction::Junction;
 use super::path::Travel;
 use super::signals::OVERRIDE_MAX_PERCENT;
 
-/// A move with the limits of the axes on it.
+/// Move with the limits that the axes set on it.
 #[derive(Clone, Debug)]
 pub struct PreparedMove {
     /// Path of the move.
     pub travel: Travel,
-    /// Limits between the corners.
+    /// Limits on the part of the move between its corners.
     pub limits: PathLimits,
-    /// Corner at the beginning, if the move before flows into this one.
+    /// Corner at the beginning; `None` if the axes stop before this move.
     pub entry: Option<Corner>,
-    /// Largest speed at the beginning, if corners are passed with a jump of speed.
+    /// Largest speed at the beginning, for the trapezoid planner, which passes corners with a permitted step of speed.
     pub corner_mm_per_s: f64,
     /// Largest speed of the move, whatever its feed.
     speed_max_mm_per_s: f64,
@@ -33,17 +33,17 @@ pub struct PreparedMove {
 /// Settings of a control that limit all moves.
 #[derive(Clone, Copy, Debug)]
 pub struct MoveLimits<'a> {
-    /// Limits of the axes.
+    /// Limits of the axes; `None` without data of the drives.
     pub drives: Option<&'a DriveLimits>,
-    /// The control's clamp on arcs.
+    /// The control's own clamp of the feed on arcs; `None` if it has none.
     pub arc_clamp: Option<&'a ArcClamp>,
-    /// Speed at G0.
+    /// Speed of rapids (G0).
     pub rapid_mm_per_s: f64,
     /// Speed of cutting moves in dry run.
     pub dry_run_mm_per_s: f64,
 }
 
-/// A corner with the limits of the axes in it.
+/// Rounded corner between two moves, with the limits that the axes set in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner {
     /// Rounding of the corner.
@@ -52,12 +52,12 @@ pub struct Corner {
     pub limits: PathLimits,
 }
 
-/// A block read ahead.
+/// Block that the control has read ahead.
 #[derive(Clone, Debug)]
 pub struct QueuedBlock {
     /// The block.
     pub block: ReadBlock,
-    /// Prepared move, if the block makes one.
+    /// Prepared move of the block; `None` if it makes none.
     pub prepared: Option<PreparedMove>,
 }
 
@@ -66,27 +66,27 @@ pub struct QueuedBlock {
 pub struct ActiveMove {
     /// The move.
     pub prepared: PreparedMove,
-    /// Distance done.
+    /// Distance already travelled on the move.
     pub done_mm: f64,
-    /// Count of blocks executed, this one included.
+    /// Count of executed blocks, this one included.
     pub count: u32,
     /// Context of the move.
     pub context: MoveContext,
-    /// Whether the move ends at rest, even if the next block could flow.
+    /// Whether the move ends at rest even if the next block could follow without a stop.
     pub ends_at_rest: bool,
 }
 
 /// Result of an advance in time on the move in execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Advance {
-    /// The move continues from this distance from its beginning, mm; remaining time, s.
+    /// The move is not over: distance from its beginning, mm, and time left over, s.
     To(f64, f64),
-    /// The move is over; remaining time, s.
+    /// The move is over; time left over, s.
     Over(f64),
 }
 
 impl PreparedMove {
-    /// Move that begins at rest. Without drives, no axis limits its speed.
+    /// Prepares a move that begins at rest. Without data of the drives, no axis limits its speed.
     pub fn new(segment: Segment, limits: &MoveLimits<'_>) -> Self {
         let MoveLimits { drives, arc_clamp, rapid_mm_per_s, dry_run_mm_per_s } = *limits;
         let travel = Travel::new(segment);
@@ -99,7 +99,7 @@ impl PreparedMove {
         PreparedMove { travel, limits, entry: None, corner_mm_per_s: 0.0, speed_max_mm_per_s }
     }
 
-    /// Joins the move to the one before without a stop between them, if that is faster.
+    /// Joins the move to the one before by a rounded corner without a stop, unless stopping between them is faster.
     pub fn join(&mut self, before: &PreparedMove, drives: &DriveLimits) {
         // A path in degrees does not continue in millimetres.
         if before.travel.is_rotary() != self.travel.is_rotary() || self.travel.length_mm == 0.0 {
@@ -122,7 +122,7 @@ impl PreparedMove {
         rounding_s + time_s(speed, 0.5 * self.travel.length_mm - half_mm, most, &self.limits)
     }
 
-    /// Wanted speed of the move, mm/s.
+    /// Speed, mm/s along the path, that the programmed feed asks for under these conditions, after the control's own limits.
     pub fn wanted(&self, context: &MoveContext, conditions: &FeedConditions) -> f64 {
         let speed = |programmed| {
             let asked = conditions.for_context(context).speed_mm_per_s(programmed) * context.feed_ratio();
@@ -133,7 +133,7 @@ impl PreparedMove {
 }
 
 impl ActiveMove {
-    /// Remaining distance.
+    /// Remaining distance of the move.
     pub fn left_mm(&self) -> f64 {
         self.prepared.travel.length_mm - self.done_mm
     }

@@ -12,7 +12,7 @@ use arcfeed_nc_macro::print::Output;
 
 use super::code::{DC1, DC2, DC3, DC4, TapeCode, with_even_parity};
 
-/// Output of the control to the sender (POPEN, DPRNT, BPRNT, PCLOS). Keeps its state between calls.
+/// Queue of the control's output to the sender (statements POPEN, DPRNT, BPRNT, PCLOS). Keeps its state between calls.
 #[derive(Debug, Default)]
 pub struct Punch {
     queue: VecDeque<u8>,
@@ -21,7 +21,7 @@ pub struct Punch {
 }
 
 impl Punch {
-    /// Queues a macro statement's output; `code` is the control's code.
+    /// Queues the output of a macro statement; `code` is the character code of the line.
     pub fn put(&mut self, output: &Output, code: TapeCode) {
         match output {
             Output::Open => self.open(),
@@ -43,7 +43,7 @@ impl Punch {
         self.queue.push_back(with_even_parity(DC2));
     }
 
-    /// DPRNT: a line of text; characters that the code does not have become blanks.
+    /// Queues a line of text (DPRNT); characters that the code does not have become blanks.
     pub fn print(&mut self, text: &[u8], code: TapeCode) {
         let frames = text.iter().chain(b"\n").filter_map(|byte| code.encode(*byte).or(code.encode(b' ')));
         self.queue.extend(frames);
@@ -63,7 +63,8 @@ impl Punch {
         self.is_stopped = false;
     }
 
-    /// Handles a character from the sender; returns whether it was for the punch.
+    /// Handles a character from the sender: DC3 stops the output, DC1 starts it again. Returns whether the character was meant for the
+    /// output: it is DC1 or DC3, and output is open or waits.
     pub fn receive(&mut self, byte: u8) -> bool {
         match byte {
             DC1 => self.is_stopped = false,
@@ -73,7 +74,7 @@ impl Punch {
         self.is_open || !self.queue.is_empty()
     }
 
-    /// Next frame, if the sender has not stopped the output.
+    /// Takes the next character to be sent; `None` if there is none or the sender has stopped the output.
     pub fn poll(&mut self) -> Option<u8> {
         if self.is_stopped { None } else { self.queue.pop_front() }
     }

@@ -11,12 +11,12 @@ use super::restart::RestartList;
 use super::settings::{ControlSettings, Switches};
 use super::tape::ReceivedBlock;
 
-/// Result of reading the next block from the tape.
+/// Result of decoding and checking the next block from the tape.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OpenedBlock {
-    /// Text of the block.
+    /// Text of a valid block.
     Text(Vec<u8>),
-    /// Block that stops the control.
+    /// Block that failed a check, as a block that stops the control with an alarm.
     Refused(Box<ReadBlock>),
 }
 
@@ -34,22 +34,22 @@ impl BlockReader {
         BlockReader { reader: PlainReader::new(settings), line: 0, has_begun: false }
     }
 
-    /// Sets the machine position.
+    /// Sets the machine position from which the next block begins; the tool has no length then.
     pub fn stand_at(&mut self, machine: Pose) {
         self.reader.stand_at(machine);
     }
 
-    /// Offsets as last written by the program.
+    /// Work offsets and tool lengths as last written by the program.
     pub fn tables(&mut self) -> &Tables {
         self.reader.reader().tables()
     }
 
-    /// Starts the list of functions that a restart shows to the operator.
+    /// Begins to collect the functions (M, S, T) that a restart must show to the operator.
     pub fn list_for_restart(&mut self) {
         self.reader.list_for_restart();
     }
 
-    /// The list of functions before the last block.
+    /// Takes the collected functions of all blocks before the last one read.
     pub fn take_restart_list(&mut self) -> Option<RestartList> {
         self.reader.take_restart_list()
     }
@@ -59,7 +59,7 @@ impl BlockReader {
         self.reader.modal()
     }
 
-    /// Lines read so far.
+    /// Number of lines read so far.
     pub fn line(&self) -> u32 {
         self.line
     }
@@ -69,7 +69,7 @@ impl BlockReader {
         self.reader.end()
     }
 
-    /// Reads a block; `None` for `%`, empty and deleted ones, which do nothing.
+    /// Reads a block and makes its action; `None` for `%`, empty and deleted blocks, which do nothing.
     pub fn read(&mut self, received: ReceivedBlock, switches: &Switches) -> Option<ReadBlock> {
         match self.open(received, switches)? {
             OpenedBlock::Text(text) => Some(self.understand(text, switches)),
@@ -77,7 +77,7 @@ impl BlockReader {
         }
     }
 
-    /// Reads the next block from the tape; `None` for `%`, empty and deleted blocks, which do nothing.
+    /// Decodes and checks the next block from the tape, without executing it; `None` for `%`, empty and deleted blocks.
     pub fn open(&mut self, received: ReceivedBlock, switches: &Switches) -> Option<OpenedBlock> {
         self.line += 1;
         let (text, refused) = match received {
@@ -131,7 +131,7 @@ impl BlockReader {
     }
 }
 
-/// The sequence number at the head of a block.
+/// Sequence number (N) at the beginning of a block; `None` without one.
 pub fn sequence_of(text: &[u8]) -> Option<u32> {
     let code = text.trim_ascii_start();
     let code = match code.strip_prefix(b"/") {

@@ -13,13 +13,13 @@ const M_CODES: usize = 35;
 /// Functions commanded before the block of a restart, which the control shows to the operator.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestartList {
-    /// M codes in program order, the last ones; without stops and calls.
+    /// M codes in program order, at most the last ones; without stops (M0 to M2, M30) and calls (M98, M99).
     pub m: VecDeque<i64>,
-    /// The last T.
+    /// Last T number; `None` without one.
     pub t: Option<i64>,
-    /// The last S.
+    /// Last S value; `None` without one.
     pub s: Option<i64>,
-    /// The modal state before the block.
+    /// Modal state before the block of the restart; `None` if no block was read.
     pub modal: Option<Modal>,
     pending: Vec<(u8, i64)>,
 }

@@ -18,28 +18,28 @@ use super::reader::{BlockReader, sequence_of};
 use super::settings::Switches;
 use super::tape::ReceivedBlock;
 
-/// Target of a block search: sequence search or restart.
+/// Target of the operator's search for a block in the middle of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Search {
-    /// The block with this number, with the modal state as it is.
+    /// Sequence number search: block with this N; everything before it is skipped, so the modal state stays as it is.
     Sequence(u32),
-    /// The block with this number, with the modal state and the position that the program gives it.
+    /// Program restart: block with this N; everything before it is read, so the block gets its modal state and start position.
     Restart(u32),
 }
 
-/// Result of a search at one block.
+/// Result of checking one block in a search.
 #[derive(Debug, PartialEq)]
 pub enum SearchResult {
-    /// Not the target.
+    /// The block is not the target.
     NotYet,
-    /// The target: the moves that lead to it, and the block itself.
+    /// The block is the target: the moves to its start position, then the block itself.
     Here(Vec<ReadBlock>),
-    /// The target does not exist: the block with the alarm.
+    /// The target does not exist or cannot be used: a block that stops the control with the alarm.
     Never(Box<ReadBlock>),
 }
 
 impl Search {
-    /// Checks the next block.
+    /// Checks whether the next block is the target.
     pub fn apply(
         self,
         received: ReceivedBlock,
@@ -68,23 +68,23 @@ impl Search {
     }
 }
 
-/// Block that raises the alarm of a search whose sequence number does not exist.
+/// Block that raises alarm PS0060: the sequence number of the search does not exist.
 pub fn never(line: u32) -> ReadBlock {
     let fault = Fault::alarm(Alarm::SequenceNotFound, 0);
     ReadBlock::new(line, Vec::new(), Action::Fault(fault))
 }
 
-/// Approach of the axes to the start position of a restart.
+/// How the axes move to the start position of a program restart.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
-    /// Present position.
+    /// Present position of the axes.
     pub position: Pose,
-    /// Feed of the approach.
+    /// Feed of the moves to the start position.
     pub feed: MmPerMin,
 }
 
 impl Approach {
-    /// Result of a restart at block N `wanted` when `block` is reached; the block before it ends at `start`.
+    /// Checks whether `block` is the one with N `wanted`; `start` is the position at which the block before it ends.
     pub fn restart_at(&self, wanted: u32, block: ReadBlock, start: Pose) -> SearchResult {
         if sequence_of(&block.text) == Some(wanted) {
             if block.contour.continues && block.contour.offset != Nm(0) {

@@ -20,15 +20,15 @@ pub struct ControlSettings {
     pub nc: nc::Settings,
     /// Work offsets and tool lengths at power-on.
     pub tables: nc::Tables,
-    /// The serial line.
+    /// Settings of the serial (DNC) line.
     pub line: LineSettings,
-    /// Blocks read ahead of the one being executed.
+    /// Number of blocks that the control reads ahead of the one in execution.
     pub look_ahead: usize,
-    /// Time to read a block ahead. Blocks read before the axes start take none.
+    /// Time that the control takes to read one block ahead; 0 for blocks read before the axes start.
     pub block_processing: Micros,
     /// Limits of the axes along the path, used without data of the drives.
     pub dynamics: Dynamics,
-    /// Limits of each drive.
+    /// Limits of each axis, and the corner tolerance; `None` without data of the drives.
     pub drives: Option<DriveLimits>,
     /// Position loops of the axes; without them the axes have their commanded positions.
     pub servo: Option<Servo>,
@@ -46,22 +46,22 @@ pub struct ControlSettings {
     pub switches: Switches,
 }
 
-/// The switches of the operator's panel.
+/// Switches of the operator's panel; true is on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Switches {
-    /// Every block waits for cycle start.
+    /// Single block: every block waits for cycle start.
     pub single_block: bool,
-    /// M01 stops.
+    /// Optional stop: M01 stops the program.
     pub optional_stop: bool,
-    /// Which `/n` are skipped, bit n - 1; evaluated when a block is read ahead, not when it is executed.
+    /// Block delete: the switches `/n` that are on, as bits n - 1; evaluated when a block is read ahead, not when it is executed.
     pub block_delete: u16,
-    /// Cutting moves run at the dry run feed.
+    /// Dry run: cutting moves run at the dry run feed.
     pub dry_run: bool,
-    /// OVC (G006 bit 4): the override counts as 100 %.
+    /// Override cancel (OVC, G006 bit 4): the override counts as 100 %.
     pub override_cancel: bool,
 }
 
-/// Models of control that can be simulated.
+/// Model of control for which settings are built in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Series 16i.
@@ -121,7 +121,7 @@ impl ControlSettings {
 }
 
 impl Switches {
-    /// Whether the switch of a `/n` is on.
+    /// Whether the block delete switch of this number (`/n`) is on.
     pub fn deletes(&self, switch: u8) -> bool {
         self.block_delete.checked_shr(u32::from(switch.saturating_sub(1))).is_some_and(|bits| bits & 1 == 1)
     }

@@ -6,25 +6,25 @@
 
 use arcfeed_units::PERCENT;
 
-/// The largest override there is, %.
+/// Largest override that the lines can carry, %.
 pub const OVERRIDE_MAX_PERCENT: u8 = 254;
 
-/// The levels of *FV7 to *FV0.
+/// Levels of the eight override lines as bits, *FV0 in bit 0. They are inverted: a line at 0 counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeedOverrideLines(pub u8);
 
 impl FeedOverrideLines {
-    /// Levels for an override; 254 % for more.
+    /// Levels for an override in %, at most 254 %.
     pub fn of_percent(percent: u8) -> Self {
         FeedOverrideLines(!percent.min(OVERRIDE_MAX_PERCENT))
     }
 
-    /// Override that the control reads.
+    /// Override, %, that the control reads from these levels; 0 if all are at 0, as with a broken cable.
     pub fn percent(self) -> u8 {
         if self.0 == 0 { 0 } else { !self.0 }
     }
 
-    /// Override that the control applies.
+    /// Override, %, that the control applies: 100 % if the override is cancelled, otherwise the one read.
     pub fn effective_percent(self, is_cancelled: bool) -> u8 {
         if is_cancelled { PERCENT as u8 } else { self.percent() }
     }

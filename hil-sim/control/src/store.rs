@@ -17,7 +17,7 @@ use super::dnc_port::DncPort;
 use super::line::LineSettings;
 use super::tape::ReceivedBlock;
 
-/// Control in EDIT mode: receives a program into its memory, and punches it.
+/// Control in EDIT mode: receives a program over the serial line into its memory (READ), and sends it back (PUNCH).
 #[derive(Debug)]
 pub struct Store {
     port: DncPort,
@@ -25,16 +25,16 @@ pub struct Store {
     state: StoreState,
 }
 
-/// Progress of a program in memory: received, stored, punched, or rejected.
+/// State of a control in EDIT mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreState {
-    /// Receives a program.
+    /// It receives a program.
     Reading,
-    /// Holds a program.
+    /// It has a program in memory and does not send.
     Stored,
-    /// Sends its program.
+    /// It sends its program.
     Punching,
-    /// Has rejected a program.
+    /// It has rejected the received program because of this fault.
     Refused(Fault),
 }
 
@@ -54,7 +54,7 @@ impl Store {
         self.state
     }
 
-    /// Blocks of the program, as memory keeps them.
+    /// Blocks of the program as stored: without blanks outside comments, and without empty blocks.
     pub fn blocks(&self) -> &[Vec<u8>] {
         &self.blocks
     }
@@ -70,7 +70,7 @@ impl Store {
         }
     }
 
-    /// Starts the output, as PUNCH does.
+    /// Starts to send the stored program, as the key PUNCH does.
     pub fn punch(&mut self) {
         let code = self.port.code();
         let punch = self.port.punch();

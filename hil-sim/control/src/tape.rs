@@ -1,4 +1,4 @@
-//! Frames to blocks: label skip, code by the first end of block, TH and TV check.
+//! Decoding of tape characters (frames) into blocks: label skip, code by the first end of block, TH (parity) and TV (count) check.
 //!
 //! After power-on and reset everything up to the first end of block is skipped: `%` and the leader are there, and a
 //! first block without a `%` before it is skipped too. The first end of block also distinguishes ISO from EIA.
@@ -12,10 +12,10 @@ use arcfeed_nc::word::{column, is_control_character, is_mark, small_letter};
 
 use super::code::{Symbol, TapeCode};
 
-/// Settings for reading the tape.
+/// Settings for decoding and checking the received tape characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TapeSettings {
-    /// Code of the tape; `None`: ISO or EIA, as the first end of block shows.
+    /// Character code; `None` if the first end of block decides between ISO and EIA.
     pub code: Option<TapeCode>,
     /// Whether everything before the first end of block is skipped.
     pub label_skip: bool,
@@ -32,15 +32,15 @@ impl Default for TapeSettings {
     }
 }
 
-/// Block received from the tape or the line.
+/// One block of tape characters, after decoding and checks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReceivedBlock {
-    /// Label, which the tape skips.
+    /// Label: characters before the first end of block, which are skipped.
     Label {
         /// Whether the label contains a `%`, which begins the program.
         has_mark: bool,
     },
-    /// A block without its end.
+    /// Text of a valid block, without its end of block.
     Block(Vec<u8>),
     /// A block that failed a check.
     Refused {
@@ -73,7 +73,7 @@ impl Tape {
         Tape::new(TapeSettings { code: Some(TapeCode::Ascii), label_skip: false, ..TapeSettings::default() })
     }
 
-    /// Examines a frame as it arrives; returns whether it ends a block.
+    /// Examines a character as it arrives, to find the code and the end of the program; returns whether it ends a block.
     pub fn watch(&mut self, frame: u8) -> bool {
         let Some(code) = self.code else {
             self.code = TapeCode::of_end_of_block(frame);
@@ -92,12 +92,12 @@ impl Tape {
         self.has_ended
     }
 
-    /// The code, once it is known.
+    /// Character code; `None` before it is known.
     pub fn code(&self) -> Option<TapeCode> {
         self.code
     }
 
-    /// Reads the frames of a block, its end of block included.
+    /// Decodes and checks the characters of one block, its end of block included.
     pub fn read(&mut self, frames: &[u8]) -> ReceivedBlock {
         let code = self.code.unwrap_or(TapeCode::Ascii);
         let mut text = Vec::with_capacity(frames.len());

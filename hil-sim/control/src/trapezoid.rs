@@ -17,12 +17,12 @@ use super::prepared_move::{ActiveMove, Advance, QueuedBlock, flowing};
 /// does not decide it.
 const SURE_RATIO: f64 = 1.0 - 1e-6;
 
-/// Speed planner with a limit of the acceleration along the path; state: the present speed.
+/// Speed planner with a limit of the acceleration along the path only. Keeps the present speed between calls.
 #[derive(Clone, Debug)]
 pub struct Trapezoid {
     /// Limits along the path.
     pub dynamics: Dynamics,
-    /// Speed along the path.
+    /// Present speed along the path.
     pub speed_mm_per_s: f64,
     ahead: Vec<Ahead>,
 }
@@ -41,7 +41,7 @@ impl Trapezoid {
         Trapezoid { dynamics, speed_mm_per_s: 0.0, ahead: Vec::new() }
     }
 
-    /// Moves the axes for `dt_s` or to the end of the move.
+    /// Moves the axes for `dt_s`, at most to the end of the move in execution.
     pub fn advance(
         &mut self,
         dt_s: f64,
@@ -108,7 +108,7 @@ impl Trapezoid {
         0.0
     }
 
-    /// Speed at a corner.
+    /// Largest speed along the path at the corner between two moves, so that no axis steps in speed by more than permitted.
     pub fn corner_mm_per_s(&self, before: &Travel, after: &Travel) -> f64 {
         let jump = (after.direction_in() - before.direction_out()).amax();
         if jump > 0.0 { self.dynamics.corner_jump_mm_per_s / jump } else { f64::INFINITY }

@@ -1,4 +1,4 @@
-//! Heights of a stock along an axis, and their deviation from those of another stock on the same lattice.
+//! Heights of a stock along an axis, and their deviation from those of another stock (tri-dexel model) on the same lattice.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use super::dexel::Interval;
 use super::lattice::Lattice;
 use super::workpiece::Stock;
 
-/// Heights, or differences of heights, over the columns and rows of the rays along an axis.
+/// Heights (upper ends of the material, mm), or differences of heights, of all rays along one axis, by column and row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     axis: usize,
@@ -15,20 +15,20 @@ pub struct HeightMap {
     heights_mm: Vec<Option<f64>>,
 }
 
-/// Statistics of a height map.
+/// Statistics of the heights, or differences of heights, of a [`HeightMap`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Rays with a height.
+    /// Number of rays with a height; rays without material have none.
     pub rays: usize,
-    /// The lowest.
+    /// The lowest height, mm.
     pub min_mm: f64,
-    /// The highest.
+    /// The highest height, mm.
     pub max_mm: f64,
-    /// Root of the mean square.
+    /// Root mean square of the heights, mm.
     pub rms_mm: f64,
 }
 
-/// Error of a comparison: the two maps have different columns or rows.
+/// Error of a comparison of two height maps: they belong to different axes or to different lattices of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherLattice;
 
@@ -41,7 +41,7 @@ impl fmt::Display for OtherLattice {
 impl std::error::Error for OtherLattice {}
 
 impl HeightMap {
-    /// Upper ends of the material along an axis (0, 1, 2 for x, y, z); `None` for rays without material.
+    /// Coordinates of the upper ends of the material along an axis (0, 1, 2 for x, y, z); `None` for rays without material.
     pub fn new(stock: &Stock, axis: usize) -> Self {
         let axis = axis % 3;
         let top = |extent: Interval| extent.to_mm;
@@ -49,11 +49,11 @@ impl HeightMap {
         HeightMap { axis, lattice: *stock.lattice(), heights_mm }
     }
 
-    /// Heights above a reference: positive for excess material, negative for missing material.
-    /// `None` where either map has no height.
+    /// Difference of this map's heights and those of `reference`: positive for excess material, negative for missing material.
+    /// `None` for rays without material in either of the two stocks.
     ///
     /// # Errors
-    /// The maps are not of the same rays.
+    /// The maps belong to different axes or lattices, so that their rays do not correspond.
     pub fn above(&self, reference: &HeightMap) -> Result<HeightMap, OtherLattice> {
         if self.axis != reference.axis || self.lattice != reference.lattice {
             return Err(OtherLattice);
@@ -63,7 +63,7 @@ impl HeightMap {
         Ok(HeightMap { heights_mm, ..*self })
     }
 
-    /// All heights, row by row, mm.
+    /// All heights, mm, row by row; `None` for rays without material.
     pub fn heights_mm(&self) -> &[Option<f64>] {
         &self.heights_mm
     }
@@ -80,10 +80,10 @@ impl HeightMap {
         })
     }
 
-    /// Writes one line a ray, `column coordinate, row coordinate, height`, in millimetres; rays without a height are left out.
+    /// Writes CSV: a header, then for each ray with a height a line `column coordinate, row coordinate, height`, mm.
     ///
     /// # Errors
-    /// The file takes no more.
+    /// Writing to `file` fails.
     pub fn write_csv<W: Write>(&self, file: W) -> io::Result<()> {
         let mut file = io::BufWriter::new(file);
         let [column_axis, row_axis] = Lattice::across(self.axis);

@@ -5,12 +5,12 @@
 
 use std::mem;
 
-/// Interval of a ray, by coordinates along the ray.
+/// Interval of a ray between two coordinates along the ray, mm. It is empty if the upper end is not above the lower one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Lower end.
+    /// Coordinate of the lower end.
     pub from_mm: f64,
-    /// Upper end.
+    /// Coordinate of the upper end.
     pub to_mm: f64,
 }
 
@@ -20,13 +20,13 @@ impl Interval {
         Interval { from_mm, to_mm }
     }
 
-    /// Interval between two coordinates in any order.
+    /// Interval between two coordinates given in any order.
     #[inline]
     pub fn between(one_mm: f64, other_mm: f64) -> Self {
         if one_mm < other_mm { Interval::new(one_mm, other_mm) } else { Interval::new(other_mm, one_mm) }
     }
 
-    /// Length; negative if the interval is empty.
+    /// Length, mm; negative if the interval ends before it begins.
     pub fn length_mm(&self) -> f64 {
         self.to_mm - self.from_mm
     }
@@ -41,22 +41,22 @@ impl Interval {
         }
     }
 
-    /// Whether two intervals overlap by more than a point.
+    /// Whether two intervals have more than one point in common.
     #[inline]
     pub fn meets(&self, other: &Interval) -> bool {
         self.from_mm < other.to_mm && other.from_mm < self.to_mm
     }
 }
 
-/// Empty interval, which ends before it begins.
+/// Empty interval: it ends before it begins.
 pub const NOWHERE: Interval = Interval { from_mm: f64::INFINITY, to_mm: f64::NEG_INFINITY };
 
-/// Effect of a cut on a ray.
+/// Material that a cut has removed from a ray, and what that did to the ray's memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taken {
-    /// The length removed.
+    /// Length of the removed material, mm.
     pub length_mm: f64,
-    /// Change of the heap memory of the ray.
+    /// Change of the ray's heap memory, bytes; a ray with one interval or none has no heap memory.
     pub heap_bytes: isize,
 }
 
@@ -82,7 +82,7 @@ impl Taken {
 }
 
 impl Dexel {
-    /// Dexel with these intervals, which must be sorted and apart; empty ones are dropped.
+    /// Dexel with these intervals, which must be in ascending order and must not touch or overlap; empty ones are dropped.
     pub fn new(mut pieces: Vec<Interval>) -> Self {
         pieces.retain(|piece| piece.length_mm() > 0.0);
         match pieces.as_slice() {
@@ -92,7 +92,7 @@ impl Dexel {
         }
     }
 
-    /// The intervals, in order.
+    /// The intervals of material, in ascending order.
     pub fn intervals(&self) -> &[Interval] {
         match self {
             Dexel::Empty => &[],
@@ -101,7 +101,7 @@ impl Dexel {
         }
     }
 
-    /// Interval from the beginning of the first interval to the end of the last one.
+    /// Interval from the beginning of the first interval of material to the end of the last one; `None` without material.
     #[inline]
     pub fn extent(&self) -> Option<Interval> {
         if let Dexel::One(one) = self {
@@ -111,22 +111,22 @@ impl Dexel {
         Some(Interval { from_mm: pieces.first()?.from_mm, to_mm: pieces.last()?.to_mm })
     }
 
-    /// Total length of the material.
+    /// Total length of the material, mm.
     pub fn length_mm(&self) -> f64 {
         self.intervals().iter().map(Interval::length_mm).sum()
     }
 
-    /// Whether there is material at a coordinate.
+    /// Whether there is material at a coordinate along the ray; the upper end of an interval does not count.
     pub fn contains(&self, at_mm: f64) -> bool {
         self.intervals().iter().any(|piece| piece.from_mm <= at_mm && at_mm < piece.to_mm)
     }
 
-    /// The intervals that overlap a range of the ray, in order.
+    /// The intervals of material that overlap `stretch`, in ascending order, at their full length.
     pub fn met(&self, stretch: &Interval) -> impl DoubleEndedIterator<Item = &Interval> {
         self.intervals().iter().filter(|piece| piece.meets(stretch))
     }
 
-    /// Whether there is material in a range of the ray.
+    /// Whether there is material inside `stretch`.
     #[inline]
     pub fn meets(&self, stretch: &Interval) -> bool {
         match self {
@@ -136,7 +136,7 @@ impl Dexel {
         }
     }
 
-    /// Heap memory of the ray.
+    /// Heap memory of the ray, bytes: 0 for at most one interval.
     pub fn heap_bytes(&self) -> usize {
         match self {
             Dexel::Empty | Dexel::One(_) => 0,
@@ -144,12 +144,12 @@ impl Dexel {
         }
     }
 
-    /// Removes the material inside `cut`; returns the removed length.
+    /// Removes the material inside `cut`; returns the removed length, mm.
     pub fn subtract(&mut self, cut: Interval) -> f64 {
         self.take(cut).length_mm
     }
 
-    /// Removes the material inside `cut`; returns the removed length, and the change of the memory of the ray.
+    /// Removes the material inside `cut`; returns the removed length, and the change of the ray's heap memory.
     #[inline]
     pub fn take(&mut self, cut: Interval) -> Taken {
         match self {

@@ -1,4 +1,4 @@
-//! Surfaces as files: STL in and out, PLY out. Numbers in these files are f32, millimetres.
+//! Triangle meshes as files: STL is read and written, PLY only written. Numbers in these files are f32, millimetres.
 
 use std::fmt;
 use std::io::{self, Read, Seek, Write};
@@ -8,12 +8,12 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use super::mesh::{Mesh, MeshError};
 
-/// Reason why a file contains no valid solid.
+/// Reason why an STL file contains no valid solid.
 #[derive(Debug)]
 pub enum FileError {
-    /// The file cannot be read, or is no STL file.
+    /// The file cannot be read, or it is not an STL file.
     Read(io::Error),
-    /// The triangles do not enclose a volume.
+    /// The file's triangles do not enclose a volume.
     Mesh(MeshError),
 }
 
@@ -31,7 +31,7 @@ impl std::error::Error for FileError {}
 /// Reads an STL file, text or binary.
 ///
 /// # Errors
-/// It is none, or its triangles do not enclose a volume.
+/// The file is not an STL file, or its triangles do not enclose a volume.
 pub fn read_stl<R: Read + Seek>(mut file: R) -> Result<Mesh, FileError> {
     let triangles = stl_io::create_stl_reader(&mut file).map_err(FileError::Read)?;
     let triangles: Vec<Triangle> = triangles.collect::<io::Result<_>>().map_err(FileError::Read)?;
@@ -42,7 +42,7 @@ pub fn read_stl<R: Read + Seek>(mut file: R) -> Result<Mesh, FileError> {
 /// Writes a binary STL file.
 ///
 /// # Errors
-/// The file takes no more.
+/// Writing to `file` fails.
 pub fn write_stl<W: Write>(mesh: &Mesh, mut file: W) -> io::Result<()> {
     let triangle = |corners: [Vector; 3]| Triangle {
         normal: Normal::new(single(normal(&corners))),
@@ -51,10 +51,10 @@ pub fn write_stl<W: Write>(mesh: &Mesh, mut file: W) -> io::Result<()> {
     stl_io::write_stl(&mut file, mesh.corners_mm().map(triangle))
 }
 
-/// Writes a binary PLY file, little end first.
+/// Writes a binary little-endian PLY file.
 ///
 /// # Errors
-/// The file takes no more, or there are more corners than the format can count.
+/// Writing to `file` fails, or there are more vertices than the format's 32-bit indices can count.
 pub fn write_ply<W: Write>(mesh: &Mesh, file: W) -> io::Result<()> {
     let mut file = io::BufWriter::new(file);
     write!(

@@ -1,4 +1,4 @@
-//! Bounds of the sweep of a slab whose axis is a lattice axis, on a path that rises or falls, projected along the axis.
+//! Rays that a slab can cut while its axis is a lattice axis and its path rises or falls: bounds, seen along the slab's axis.
 //!
 //! The outside sweeps a disc along the path. The hole spares the points that stay inside it during the whole move:
 //!
@@ -18,7 +18,7 @@ use super::dexel::{Dexel, Interval};
 use super::section::Sweep;
 use super::tool::Slab;
 
-/// Straight sweep of a slab whose axis is a lattice axis, projected along that axis.
+/// Straight sweep of a slab (part of a tool between two heights) whose axis is a lattice axis, projected along that axis.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabSweep {
     axis: usize,
@@ -31,19 +31,19 @@ pub struct SlabSweep {
     margin_mm: f64,
 }
 
-/// Part of a row of rays that can lose material in a sweep.
+/// Part of a row of parallel rays that can lose material in a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Range of the rays across the row.
+    /// Coordinates along the row, across the rays, between which rays can lose material, mm.
     pub across: Interval,
-    /// Range within `across` without such rays.
+    /// Part of `across` in which no ray loses material, because it stays in the tool's hole; `None` without such a part.
     pub hollow: Option<Interval>,
-    /// The stretch of each ray.
+    /// Coordinates along the rays between which they can lose material, the same for all rays of the row, mm.
     pub along: Interval,
 }
 
 impl SlabSweep {
-    /// Prepares the sweep of a slab, widened by a margin; `None` if its axis is not one of the lattice's.
+    /// Prepares the sweep of a slab, widened by a margin; `None` if the slab's axis is not a lattice axis.
     pub fn new(slab: &Slab, sweep: &Sweep, margin_mm: f64) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let hole_mm = slab.inner_mm.map_or(0.0, |inner| inner[0].min(inner[1]) - margin_mm).max(0.0);
@@ -58,8 +58,8 @@ impl SlabSweep {
         Some(SlabSweep { axis, ends_mm, outer_mm, hole_mm, heights, margin_mm })
     }
 
-    /// Narrows a row of rays along `ray_axis` from the bounding box of the sweep to the part that the slab can cut.
-    /// `None` if no ray can lose material.
+    /// Narrows a row of rays along `ray_axis`, at the coordinate `row_mm`, from the bounding box of the sweep to the part that the
+    /// slab can cut. `None` if no ray can lose material. Rays across the slab's axis are not narrowed.
     pub fn narrowed(&self, row: Row, [ray_axis, column_axis]: [usize; 2], row_mm: f64) -> Option<Row> {
         if ray_axis != self.axis {
             return Some(row);
@@ -72,7 +72,7 @@ impl SlabSweep {
         Some(Row { across, hollow, along: self.heights })
     }
 
-    /// Whether a ray through a point can lose material.
+    /// Whether a ray along `ray_axis` through a point can lose material; `dexel` is the material that the ray still has.
     pub fn may_cut(&self, ray_axis: usize, point_mm: &[f64; 3], dexel: &Dexel) -> bool {
         if ray_axis == self.axis {
             return self.reaches(point_mm, self.outer_mm, self.hole_mm);

@@ -1,7 +1,7 @@
-//! All rays of one direction.
+//! All parallel rays of one direction, with their material, and how passes of a tool cut them.
 //!
-//! Rows are cut side by side on all cores. No ray is touched by two of them, and sums are formed row by row, then in the
-//! order of the rows, so the number of threads does not show in any result.
+//! Rows of rays are cut in parallel on all cores. Each ray belongs to one row, and volumes are summed row by row and then in the
+//! order of the rows, so no result depends on the number of threads.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use super::lattice::Lattice;
 use super::level::Losses;
 use super::sweep::{LayersCut, Pass, Reach, RowCut};
 
-/// All rays along one axis.
+/// All rays along one axis of a lattice, each with its material.
 #[derive(Clone, Debug)]
 pub struct Grid {
     axis: usize,
@@ -50,50 +50,50 @@ struct Tile {
 }
 
 impl Grid {
-    /// Builds the grid by calling `on_ray` for the material of every ray,
-    /// with a point of the ray whose coordinate along it is 0.
+    /// Builds the grid by calling `on_ray` once for every ray: it gets a point of the ray, whose coordinate along the ray is 0,
+    /// and returns the material of the ray.
     pub fn new(lattice: &Lattice, axis: usize, on_ray: impl Fn(Vector) -> Dexel + Sync) -> Self {
         let [width, height] = lattice.size(axis);
         let ray = |index: usize| on_ray(point_mm(lattice, axis, [index % width, index / width]));
         Grid::of(lattice, axis, (0..width * height).into_par_iter().map(ray).collect())
     }
 
-    /// Builds the grid from existing rays, row by row; missing rays are empty.
+    /// Builds the grid from the material of existing rays, row by row; rays missing at the end of the list are empty.
     pub fn of(lattice: &Lattice, axis: usize, mut dexels: Vec<Dexel>) -> Self {
         dexels.resize(lattice.size(axis).iter().product(), Dexel::Empty);
         let heap_bytes = dexels.iter().map(Dexel::heap_bytes).sum();
         Grid { axis, lattice: *lattice, dexels, heap_bytes }
     }
 
-    /// 0, 1, 2 for rays along x, y, z.
+    /// Direction of the rays: 0, 1, 2 for x, y, z.
     pub fn axis(&self) -> usize {
         self.axis
     }
 
-    /// The rays, row by row.
+    /// Material of all rays, row by row.
     pub fn dexels(&self) -> &[Dexel] {
         &self.dexels
     }
 
-    /// The ray at a column and a row.
+    /// Material of the ray at a column and a row; `None` outside of the grid.
     pub fn dexel(&self, column: usize, row: usize) -> Option<&Dexel> {
         let [width, _] = self.lattice.size(self.axis);
         self.dexels.get(row * width + column).filter(|_| column < width)
     }
 
-    /// Length of all material times the area of a cell.
+    /// Volume of the material, mm3: its length on all rays times the area that one ray represents.
     pub fn volume_mm3(&self) -> f64 {
         let [width, _] = self.lattice.size(self.axis);
         let rows = self.dexels.chunks(width).map(|row| row.iter().map(Dexel::length_mm).sum::<f64>());
         rows.sum::<f64>() * self.lattice.area_mm2()
     }
 
-    /// Memory of the rays, with their heap memory.
+    /// Memory of all rays, bytes, including their heap memory.
     pub fn memory_bytes(&self) -> usize {
         self.dexels.capacity() * size_of::<Dexel>() + self.heap_bytes
     }
 
-    /// Removes the material that the passes sweep; returns its volume, mm3.
+    /// Removes the material that the passes (parts of a tool on straight sweeps) sweep; returns its volume, mm3.
     pub fn cut(&mut self, passes: &[Pass<'_>]) -> f64 {
         let (axis, lattice) = (self.axis, self.lattice);
         let [width, _] = lattice.size(axis);

@@ -1,4 +1,4 @@
-//! Positions of the rays: through the centres of cubic cells, in the three directions of the axes.
+//! Positions of the rays of a tri-dexel model: through the centres of cubic cells, in the three directions of the axes.
 //!
 //! Rays of all three directions meet in the cells' centres, the *nodes*. A ray along axis k stands at a column, counted
 //! along axis k + 1, and a row, counted along axis k + 2 (mod 3).
@@ -11,7 +11,7 @@ const CELLS_MAX: f64 = 65_536.0;
 /// Part of a cell that a box may be over a whole number of cells: rounding, no material.
 const OVERHANG_RATIO: f64 = 1e-9;
 
-/// Lattice of cubic cells in a box: rays pass through the centres of the cells.
+/// Lattice of cubic cells in a box; rays along x, y and z pass through the centres of the cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     lowest_mm: [f64; 3],
@@ -22,12 +22,12 @@ pub struct Lattice {
 /// Reason why a lattice cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LatticeError {
-    /// The step is not a positive number.
+    /// The edge length of a cell is not a positive number.
     Step {
-        /// Rejected step.
+        /// Rejected edge length of a cell.
         step_mm: f64,
     },
-    /// The box has no cells along an axis, or too many.
+    /// The box has no extent along an axis, or more than 65 536 cells.
     Box {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -72,50 +72,50 @@ impl Lattice {
         Ok(Lattice { lowest_mm, step_mm, cells })
     }
 
-    /// Distance of neighbouring rays.
+    /// Edge length of a cell, which is also the distance of neighbouring rays.
     pub fn step_mm(&self) -> f64 {
         self.step_mm
     }
 
-    /// Area that one ray represents, mm2.
+    /// Cross-section that one ray represents, mm2: a face of a cell.
     pub fn area_mm2(&self) -> f64 {
         self.step_mm * self.step_mm
     }
 
-    /// Cells along x, y and z.
+    /// Number of cells along x, y and z.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
 
-    /// The lowest corner of the first cell.
+    /// Corner of the lattice with the lowest x, y and z.
     pub fn lowest_mm(&self) -> [f64; 3] {
         self.lowest_mm
     }
 
-    /// The axes along which columns and rows of the rays along `axis` are counted.
+    /// For rays along `axis`: the axis along which their columns are counted, and the one along which their rows are counted.
     pub fn across(axis: usize) -> [usize; 2] {
         [(axis + 1) % 3, (axis + 2) % 3]
     }
 
-    /// Columns and rows of the rays along `axis`.
+    /// Numbers of columns and of rows of the rays along `axis`.
     pub fn size(&self, axis: usize) -> [usize; 2] {
         Self::across(axis).map(|across| self.cells[across])
     }
 
-    /// Coordinate of a cell's centre along `axis`.
+    /// Coordinate along `axis` of the centre of the cell with this index.
     #[inline]
     pub fn center_mm(&self, axis: usize, cell: usize) -> f64 {
         self.centers_mm(axis)(cell)
     }
 
-    /// Coordinates of the centres of cells along `axis`, as a function of the cell.
+    /// Function that returns the coordinate along `axis` of the centre of the cell with a given index.
     pub fn centers_mm(&self, axis: usize) -> impl Fn(usize) -> f64 + Copy {
         let (lowest_mm, step_mm) = (self.lowest_mm[axis], self.step_mm);
         // No lattice has as many cells as a u32 holds, and that is sooner a float.
         move |cell| lowest_mm + (f64::from(cell as u32) + 0.5) * step_mm
     }
 
-    /// The cells along `axis` whose centres lie between two coordinates, as a range.
+    /// Indices of the cells along `axis` whose centres lie between two coordinates, both included.
     pub fn cells_between(&self, axis: usize, from_mm: f64, to_mm: f64) -> std::ops::Range<usize> {
         let place = |at_mm: f64| (at_mm - self.lowest_mm[axis]) / self.step_mm - 0.5;
         // A cast from float to whole number truncates and saturates: it is the next one down, 0 below that.

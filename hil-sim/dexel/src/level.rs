@@ -1,4 +1,4 @@
-//! A tool whose axis is one of the lattice's, on a straight way square to it: three-axis milling on a level.
+//! Cut by a tool whose axis is a lattice axis, on a straight move perpendicular to it: three-axis milling at a constant height.
 //!
 //! At a height of the tool the sweep is that of a disc, less what is in the hole all the way; the way is straight, so the farthest
 //! place of it is one of its ends:
@@ -25,13 +25,13 @@ use super::lattice::Lattice;
 use super::monotone::{MonotonePart, Radii};
 use super::section::Sweep;
 
-/// Intervals that a ray loses, at most two; an unused one ends before it begins.
+/// The at most two intervals that a ray loses in a cut; an unused one ends before it begins.
 pub type Losses = [Interval; 2];
 
 /// Distance from a border of a part beyond which rounding cannot show on which side of it a ray is.
 const BORDER_MM: f64 = 1e-4;
 
-/// Part of a tool in a straight move square to its own axis.
+/// Part of a tool on a straight move perpendicular to the tool's axis, which is parallel to a lattice axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Level<'a> {
     part: &'a MonotonePart,
@@ -55,7 +55,7 @@ struct Band {
     per_y: f64,
 }
 
-/// A row of rays along the tool's axis.
+/// Cut of a row of rays that are parallel to the tool's axis.
 #[derive(Clone, Debug)]
 pub struct AxialRow<'a> {
     level: &'a Level<'a>,
@@ -69,14 +69,14 @@ pub struct AxialRow<'a> {
     alike: (Interval, Interval),
 }
 
-/// A row of rays across the tool's axis, all at one height.
+/// Cut of a row of rays perpendicular to the tool's axis, all of which pass at one height of the tool.
 #[derive(Clone, Debug)]
 pub struct LayerRow {
     band: Band,
     radii: Option<Radii>,
 }
 
-/// A row of rays across the tool's axis, one above the other.
+/// Cut of a row of rays perpendicular to the tool's axis, which lie one above the other along that axis.
 #[derive(Clone, Debug)]
 pub struct UprightRow<'a> {
     level: &'a Level<'a>,
@@ -88,8 +88,8 @@ pub struct UprightRow<'a> {
 }
 
 impl<'a> Level<'a> {
-    /// Prepares a part on a way, for rays along an axis; `None` if the tool's axis is not one of the lattice's or the way is
-    /// not perpendicular to it.
+    /// Prepares a part of a tool on a sweep, for rays along `ray_axis`; `None` if the tool's axis is not a lattice axis, or the
+    /// sweep is not perpendicular to it.
     pub fn new(part: &'a MonotonePart, sweep: &Sweep, ray_axis: usize) -> Option<Self> {
         let axis = (0..3).find(|axis| sweep.axis[*axis].abs() == 1.0)?;
         let is_level = sweep.from_mm[axis] == sweep.to_mm[axis];
@@ -104,7 +104,8 @@ impl<'a> Level<'a> {
         self.axis
     }
 
-    /// Part of a row of rays along `ray_axis` that may lose material, widened by a margin; `None` if there is none.
+    /// Part of the row of rays along `ray_axis` at the coordinate `row_mm` that may lose material, widened by a margin;
+    /// `None` if no ray of the row can lose any.
     pub fn reach(&self, [ray_axis, column_axis]: [usize; 2], row_mm: f64, margin_mm: f64) -> Option<Row> {
         let Radii { outer_mm, inner_mm } = self.part.extreme_radii();
         let [low_mm, high_mm] = self.part.heights_mm();
@@ -131,7 +132,7 @@ impl<'a> Level<'a> {
         Some(Row { across: chord, hollow, along: heights })
     }
 
-    /// A row of rays along the tool's axis.
+    /// Cut of the row, at the coordinate `row_mm`, of rays parallel to the tool's axis.
     pub fn axial_row(&self, column_axis: usize, row_mm: f64) -> AxialRow<'_> {
         let row_axis = 3 - self.axis - column_axis;
         let [from_mm, to_mm] = self.ends_mm;
@@ -152,23 +153,25 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Interval that a ray across the axis loses at every height of the part, by its coordinate, if all rows lose the same.
+    /// Interval that a ray perpendicular to the tool's axis loses, as a function of its column's coordinate, if that interval is the
+    /// same at every height of the part; `None` if it is not, or if the part has a hole.
     pub fn layer_loss(&self) -> Option<impl Fn(f64) -> Interval> {
         let Radii { outer_mm, inner_mm: None } = self.part.upright()? else { return None };
         Some(move |column_mm| self.band.chord(column_mm, outer_mm).unwrap_or(NOWHERE))
     }
 
-    /// Whether the part is there at a coordinate along the axis.
+    /// Whether the part of the tool extends to this coordinate along the tool's axis.
     pub fn is_at(&self, at_mm: f64) -> bool {
         self.part.radii(self.height_mm(at_mm), &mut 0).is_some()
     }
 
-    /// A row of rays at one height, across the tool's axis.
+    /// Cut of a row of rays perpendicular to the tool's axis, all at the coordinate `row_mm` along that axis.
     pub fn layer_row(&self, row_mm: f64) -> LayerRow {
         LayerRow { band: self.band, radii: self.part.radii(self.height_mm(row_mm), &mut 0) }
     }
 
-    /// A row of rays one above the other, across the tool's axis.
+    /// Cut of a row of rays perpendicular to the tool's axis that lie one above the other; `row_mm` is their common coordinate across
+    /// both.
     pub fn upright_row(&self, row_mm: f64) -> UprightRow<'_> {
         UprightRow { level: self, band: self.band, off_mm: row_mm, near: 0, last: (NOWHERE, [NOWHERE; 2]) }
     }
@@ -256,12 +259,12 @@ fn clamped_ratio(part: f64) -> f64 {
 }
 
 impl AxialRow<'_> {
-    /// Coordinates of columns whose rays lose the same interval, and that interval.
+    /// Range of column coordinates whose rays all lose the same interval, and that interval; both are empty if there is none.
     pub fn alike(&self) -> (Interval, Interval) {
         self.alike
     }
 
-    /// Interval that the ray at a column loses; it ends before it begins if the ray loses nothing. (1)
+    /// Interval that the ray at a column's coordinate loses; it ends before it begins if the ray loses nothing. (1)
     #[inline]
     pub fn loss(&self, column_mm: f64) -> Interval {
         let arm_mm = column_mm - self.columns_mm[0];
@@ -281,7 +284,7 @@ impl AxialRow<'_> {
 }
 
 impl LayerRow {
-    /// Intervals that the ray at a column loses.
+    /// Intervals that the ray at a column's coordinate loses.
     #[inline]
     pub fn losses(&self, column_mm: f64) -> Losses {
         self.radii.map_or([NOWHERE; 2], |radii| self.band.losses(column_mm, &radii))
@@ -289,7 +292,7 @@ impl LayerRow {
 }
 
 impl UprightRow<'_> {
-    /// Coordinates of columns whose rays lose the same interval, and that interval.
+    /// Range of column coordinates whose rays all lose the same interval, and that interval; both are empty if there is none.
     pub fn alike(&self) -> (Interval, Interval) {
         let Some(Radii { outer_mm, inner_mm: None }) = self.level.part.upright() else { return (NOWHERE, NOWHERE) };
         let [low_mm, high_mm] = self.level.part.heights_mm();
@@ -297,7 +300,7 @@ impl UprightRow<'_> {
         (wider(columns, -BORDER_MM), self.band.chord(self.off_mm, outer_mm).unwrap_or(NOWHERE))
     }
 
-    /// Intervals that the ray at a column loses.
+    /// Intervals that the ray at a column's coordinate loses. Calls with neighbouring columns in order are the fastest.
     #[inline]
     pub fn losses(&mut self, column_mm: f64) -> Losses {
         let height_mm = self.level.height_mm(column_mm);

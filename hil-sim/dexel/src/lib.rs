@@ -1,11 +1,11 @@
 #![doc = include_str!("../README.md")]
 //!
-//! The workpiece, and what a moving tool takes from it: a tri-dexel model.
+//! The workpiece as a tri-dexel model, and the material that a moving tool removes from it.
 //!
-//! Three families of parallel rays, along x, y and z, through the centres of the same cubic cells; of each ray its
-//! stretches of material. A cut takes from every ray the stretch that the tool sweeps, computed in closed form for
-//! a straight move of a tool with a fixed axis; other moves are made of such. What this costs and how far it is from the
-//! truth: docs/stock.md.
+//! Three families of parallel rays, along x, y and z, pass through the centres of the same cubic cells; each ray (dexel) is
+//! stored as its intervals of material. A cut removes from every ray the interval that the tool sweeps. That interval is computed
+//! in closed form for a straight move of a tool with a fixed axis (a sweep); all other moves are approximated by sweeps. Cost and
+//! accuracy: docs/stock.md.
 
 pub mod frame;
 

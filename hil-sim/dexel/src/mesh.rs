@@ -1,4 +1,4 @@
-//! Closed surfaces of triangles.
+//! Closed surfaces of triangles, which enclose a solid.
 //!
 //! ```text
 //! volume = sum over triangles of a . (b x c) / 6        (1)
@@ -43,7 +43,7 @@ const BLOCK_TRIANGLES: [[usize; 3]; 12] = [
     [3, 7, 5],
 ];
 
-/// A closed surface, its triangles counter-clockwise as seen from outside.
+/// Closed surface of triangles whose corners are counter-clockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     vertices_mm: Vec<Vector>,
@@ -53,21 +53,21 @@ pub struct Mesh {
 /// Reason why triangles do not enclose a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshError {
-    /// There are none.
+    /// There are no triangles.
     Empty,
-    /// A coordinate is no number.
+    /// A corner of a triangle has a coordinate that is no finite number, or is the index of no vertex.
     NotANumber {
-        /// The triangle, counted from 0.
+        /// Index of that triangle, from 0.
         triangle: usize,
     },
-    /// Edges without a triangle on their other side.
+    /// Some edges have no triangle on their other side, so the surface is not closed.
     Open {
         /// Number of open edges.
         edges: usize,
-        /// The ends of one of them.
+        /// Both ends of one of the open edges.
         example_mm: [Vector; 2],
     },
-    /// The triangles face inwards.
+    /// The triangles face inwards: their corners are clockwise as seen from outside.
     InsideOut,
 }
 
@@ -91,7 +91,7 @@ impl Mesh {
     /// Mesh of triangles given by the indices of their corners; triangles with two equal corners are left out.
     ///
     /// # Errors
-    /// They do not enclose a volume. A number beyond the corners counts as a corner that is no point.
+    /// The triangles do not enclose a volume. An index of no vertex counts as [`MeshError::NotANumber`].
     pub fn new(vertices_mm: Vec<Vector>, mut triangles: Vec<[usize; 3]>) -> Result<Self, MeshError> {
         let is_point = |vertex: &usize| vertices_mm.get(*vertex).is_some_and(|v| v.iter().all(|x| x.is_finite()));
         if let Some(triangle) = triangles.iter().position(|triangle| !triangle.iter().all(is_point)) {
@@ -138,12 +138,12 @@ impl Mesh {
         &self.vertices_mm
     }
 
-    /// Triangles, each by the indices of its vertices.
+    /// Triangles, each as the indices of its three vertices.
     pub fn triangles(&self) -> &[[usize; 3]] {
         &self.triangles
     }
 
-    /// The corners of each triangle.
+    /// Positions of the three corners of each triangle.
     pub fn corners_mm(&self) -> impl ExactSizeIterator<Item = [Vector; 3]> + '_ {
         self.triangles.iter().map(|triangle| triangle.map(|vertex| self.vertices_mm[vertex]))
     }
@@ -252,7 +252,7 @@ impl InitialSolid for Block {
     }
 }
 
-/// The material between crossings in order: where more surfaces were entered than left.
+/// Material on a ray from the places where surfaces cross it, in ascending order: it is where more surfaces were entered than left.
 pub(super) fn wound(crossings: &[(usize, f64, i32)]) -> Dexel {
     let mut pieces: Vec<Interval> = Vec::new();
     let mut inside = 0;

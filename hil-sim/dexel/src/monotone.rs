@@ -1,4 +1,4 @@
-//! A part of a tool whose walls are monotone: going up, each of them only widens or only narrows, without a step.
+//! Part of a tool whose walls are monotone: going up, its outside and its hole each only widen or only narrow, without a step.
 //!
 //! So the heights at which the tool is as wide as a distance d, and those at which its hole is as narrow, are one stretch each:
 //!
@@ -29,7 +29,7 @@ struct Piece {
     slope: f64,
 }
 
-/// Radius of the outside or the hole over the height, ordered by increasing radius.
+/// Radius of a part's outside or hole as a function of the height, in pieces ordered by increasing radius (of a hole: decreasing).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
     pieces: Vec<Piece>,
@@ -40,7 +40,7 @@ pub struct Wall {
     cells_per_mm: f64,
 }
 
-/// Consecutive slabs of a tool whose outside and hole each only widen or only narrow with the height.
+/// Consecutive slabs of a tool, over whose height the outside and the hole each only widen or only narrow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotonePart {
     slabs: Vec<Slab>,
@@ -48,7 +48,7 @@ pub struct MonotonePart {
     inner: Option<Wall>,
 }
 
-/// Radii of a tool part at one height.
+/// Radii of a part of a tool at one height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
     /// Radius of the outside.
@@ -102,7 +102,7 @@ impl Wall {
 }
 
 impl MonotonePart {
-    /// Divides slabs into monotone parts, from bottom to top.
+    /// Divides the slabs of a tool, from bottom to top, into as few monotone parts as follow each other.
     pub fn all(slabs: &[Slab]) -> Vec<Self> {
         let mut parts = Vec::new();
         let mut first = 0;
@@ -121,24 +121,24 @@ impl MonotonePart {
         MonotonePart { slabs: slabs.to_vec(), outer: Wall::new(slabs, |slab| slab.outer_mm), inner }
     }
 
-    /// Lowest and highest height of the part.
+    /// Lowest and highest height of the part above the tool's tip, mm.
     pub fn heights_mm(&self) -> [f64; 2] {
         let end = |slab: Option<&Slab>, end: usize| slab.map_or(0.0, |slab| slab.heights_mm[end]);
         [end(self.slabs.first(), 0), end(self.slabs.last(), 1)]
     }
 
-    /// Largest radius of the outside, and smallest radius of the hole.
+    /// Largest radius of the outside, and smallest radius of the hole, over the whole part.
     pub fn extreme_radii(&self) -> Radii {
         let outer_mm = self.outer.pieces.last().map_or(0.0, |piece| piece.to_mm);
         Radii { outer_mm, inner_mm: self.inner.as_ref().and_then(|wall| wall.pieces.last()).map(|piece| -piece.to_mm) }
     }
 
-    /// The smallest radius of the outside.
+    /// Smallest radius of the outside over the whole part.
     pub fn narrowest_mm(&self) -> f64 {
         self.outer.pieces.first().map_or(0.0, |piece| piece.from_mm)
     }
 
-    /// Radii at all heights, if its walls are upright.
+    /// Radii of the part if they are the same at all heights; `None` otherwise.
     pub fn upright(&self) -> Option<Radii> {
         let Slab { outer_mm: [outer_mm, _], inner_mm, .. } = *self.slabs.first()?;
         let radii = Radii { outer_mm, inner_mm: inner_mm.map(|[inner_mm, _]| inner_mm) };
@@ -148,25 +148,25 @@ impl MonotonePart {
         self.slabs.iter().all(is_alike).then_some(radii)
     }
 
-    /// Whether it has a hole.
+    /// Whether the part has a hole about its axis.
     pub fn is_hollow(&self) -> bool {
         self.inner.is_some()
     }
 
-    /// Heights at which the outside's radius is at least a distance. (1)
+    /// Heights at which the outside's radius is at least `distance_mm`; `None` if it is so nowhere. (1)
     #[inline]
     pub fn wide(&self, distance_mm: f64) -> Option<Interval> {
         self.outer.stretch(distance_mm)
     }
 
-    /// Heights at which the hole's radius is at most a distance; `None` without a hole. (2)
+    /// Heights at which the hole's radius is at most `distance_mm`; `None` if it is so nowhere, or without a hole. (2)
     #[inline]
     pub fn narrow(&self, distance_mm: f64) -> Option<Interval> {
         self.inner.as_ref()?.stretch(-distance_mm)
     }
 
-    /// Radii at a height; `None` above and below the part. The search begins at the slab with the index `near`, and
-    /// updates it.
+    /// Radii at a height; `None` above and below the part. The search begins at the slab with the index `near`, and stores there
+    /// the index of the slab found, so that a search at a neighbouring height is fast.
     #[inline]
     pub fn radii(&self, height_mm: f64, near: &mut usize) -> Option<Radii> {
         let slabs = self.slabs.as_slice();
@@ -187,7 +187,7 @@ impl MonotonePart {
         Some(Radii { outer_mm: at(slab.outer_mm), inner_mm: slab.inner_mm.map(at) })
     }
 
-    /// Heights of a slab with cylindrical walls; `None` for another slab.
+    /// Heights of the slab with this index if all of its radii are constant; `None` otherwise.
     pub fn same_radii(&self, slab: usize) -> Option<Interval> {
         let is_upright = |radii: [f64; 2]| radii[0] == radii[1];
         let slab = self.slabs.get(slab)?;

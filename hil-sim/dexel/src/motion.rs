@@ -1,7 +1,7 @@
-//! Moves of a tool as straight sweeps under a fixed axis, and how far these are from the truth.
+//! Moves of a tool, replaced by straight sweeps with a fixed axis, and the error of that.
 //!
-//! A straight move that keeps the axis is one sweep, exact. Of the others, the surface of what is swept is nowhere further
-//! than the tolerance from the true one:
+//! A straight move that keeps the axis is one exact sweep. For all other moves, the surface that the sweeps leave is nowhere
+//! further than the tolerance from the true one:
 //!
 //! ```text
 //! arc, helix, angle a a sweep, radius r:        r a^2 / 8 <= tolerance                   (1)
@@ -24,50 +24,50 @@ use super::tool::Tool;
 /// Most sweeps of one move: more are a mistake in the tolerance.
 const SWEEPS_MAX: f64 = 1e6;
 
-/// Position of a tool: tip and axis.
+/// Position of a tool in space: its tip, and the direction of its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// The tip.
+    /// Position of the tip.
     pub tip_mm: Vector,
-    /// Direction from the tip to the holder, of any length.
+    /// Direction of the axis, from the tip to the holder, of any length.
     pub axis: Vector,
 }
 
 /// Move of a tool in space: straight or along an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Move {
-    /// The tip goes straight, the axis turns evenly along the shorter way.
+    /// The tip moves on a straight line while the axis turns at a constant rate, through the smaller angle between both axes.
     Straight {
         /// Pose at the start.
         from: Pose,
         /// Pose at the end.
         to: Pose,
     },
-    /// The tip turns about a line, and rises along it; the axis stays.
+    /// The tip moves on an arc or a helix about a line; the direction of the axis does not change.
     Turn {
         /// Pose at the start.
         from: Pose,
-        /// A point of the line.
+        /// A point of the line about which the tip turns.
         center_mm: Vector,
-        /// Direction of the line.
+        /// Direction of that line, of any length.
         normal: Vector,
         /// Angle of the arc, by the right-hand rule about the normal.
         angle_rad: f64,
-        /// Along the normal, over the whole angle; 0 for an arc.
+        /// Displacement along the normal over the whole angle; 0 for an arc.
         rise_mm: f64,
     },
 }
 
-/// Reason why a move cannot be swept.
+/// Reason why a move cannot be replaced by sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveError {
-    /// An axis or normal without a direction.
+    /// A tool axis or the normal of an arc is zero or not finite.
     Direction(Vector),
-    /// The axis turns to its opposite: there is no shorter way.
+    /// The tool axis turns to its opposite: the plane in which it turns is then not determined.
     Opposite,
-    /// A coordinate is no number.
+    /// A coordinate of a position is not a finite number.
     Position(Vector),
-    /// The tolerance is not positive, or takes too many sweeps.
+    /// The tolerance is not positive, or so small that the move would need more than a million sweeps.
     Tolerance {
         /// Rejected tolerance.
         tolerance_mm: f64,
@@ -90,10 +90,10 @@ impl fmt::Display for MoveError {
 impl std::error::Error for MoveError {}
 
 impl Move {
-    /// Straight sweeps that replace the move within the tolerance, in order.
+    /// Straight sweeps that replace the move within the tolerance, in the order of the motion.
     ///
     /// # Errors
-    /// A direction or position is none, or the tolerance takes more than a million sweeps.
+    /// A direction or position is invalid, the axis turns to its opposite, or the tolerance would need more than a million sweeps.
     pub fn sweeps(&self, tool: &Tool, tolerance_mm: f64) -> Result<Vec<Sweep>, MoveError> {
         if tolerance_mm.is_nan() || tolerance_mm <= 0.0 {
             return Err(MoveError::Tolerance { tolerance_mm });

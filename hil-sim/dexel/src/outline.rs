@@ -12,10 +12,10 @@
 use super::dexel::Dexel;
 use super::mesh::{Mesh, wound};
 
-/// A place in the plane, or a direction.
+/// Point of the plane, mm, or direction in it.
 pub type Point2 = [f64; 2];
 
-/// Section of a closed mesh by a plane: closed polygons, as edges with the solid on their left.
+/// Section of a closed mesh by a plane: closed polygons, as directed edges with the solid on their left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     pieces: Vec<[Point2; 2]>,
@@ -30,7 +30,7 @@ fn difference([a, b]: Point2, [c, d]: Point2) -> Point2 {
 }
 
 impl Outline {
-    /// Section of a mesh by the plane of two different axes, at a coordinate along the third.
+    /// Section of a mesh by the plane that two different axes (0, 1, 2 for x, y, z) span, at a coordinate along the third axis.
     pub fn of(mesh: &Mesh, axes: [usize; 2], at_mm: f64) -> Self {
         let is_mirrored = (axes[0] + 1) % 3 != axes[1];
         let pieces = mesh.triangles().iter().filter_map(|triangle| {
@@ -45,8 +45,8 @@ impl Outline {
         self.pieces.iter().map(|[a, b]| cross(*a, *b) / 2.0).sum()
     }
 
-    /// Least and greatest coordinate of the outline along a direction, from a point; `None` where the plane misses
-    /// the solid.
+    /// Lowest and highest coordinate of the outline along the direction `along`, measured from the point `from_mm`; `None` if the
+    /// plane does not meet the solid.
     pub fn extent_mm(&self, from_mm: Point2, along: Point2) -> Option<[f64; 2]> {
         let at = self.pieces.iter().map(|[end, _]| dot(difference(*end, from_mm), along));
         at.fold(None, |extent, at| {
@@ -55,7 +55,7 @@ impl Outline {
         })
     }
 
-    /// Material on the line through a point, by the coordinate from that point along a direction of length 1.
+    /// Material on the line through a point; the coordinate is measured from that point along `along`, a direction of length 1.
     pub fn on_line(&self, through_mm: Point2, along: Point2) -> Dexel {
         let mut crossings: Vec<(usize, f64, i32)> = Vec::new();
         for ends in &self.pieces {

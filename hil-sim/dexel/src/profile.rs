@@ -1,4 +1,4 @@
-//! Profile of a solid of revolution: lines and arcs in the plane of radius and height, from bottom to top.
+//! Profile of a solid of revolution: lines and arcs in the plane of radius and height, from the lowest point to the highest.
 //!
 //! An arc is replaced by chords with their ends on the arc. For a chord over the angle a, on the radius r, the distance
 //!
@@ -18,21 +18,21 @@ const CHORDS_MAX: f64 = 4_096.0;
 /// Largest distance of an arc's end from the circle through its start, as a fraction of the radius.
 const ROUND_RATIO: f64 = 1e-9;
 
-/// A vertex of a profile.
+/// Vertex of a profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knot {
-    /// Distance from the axis.
+    /// Distance from the axis of revolution.
     pub radius_mm: f64,
-    /// Coordinate along the axis.
+    /// Coordinate along the axis of revolution.
     pub height_mm: f64,
 }
 
-/// Reason why a profile is invalid.
+/// Reason why a profile, or the tool of two profiles, is invalid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProfileError {
-    /// The next point is lower, on the other side of the axis, or not a finite number.
+    /// A point is lower than the one before it, has a negative radius, or is not finite.
     Point(Knot),
-    /// The ends of an arc are not on one circle about its centre, or it is more than half of one.
+    /// The ends of an arc are not at the same distance from its centre, or it has no length.
     Arc {
         /// End point of the arc.
         to: Knot,
@@ -44,14 +44,14 @@ pub enum ProfileError {
         /// Rejected tolerance.
         tolerance_mm: f64,
     },
-    /// Outside and inside do not begin and end at the same heights.
+    /// The profiles of the outside and of the hole do not begin and end at the same heights.
     Heights,
-    /// The inside lies outside at a height.
+    /// The hole is wider than the outside at some height.
     InsideOut {
-        /// Height at which the outlines cross.
+        /// Lower end of the heights at which it is wider.
         height_mm: f64,
     },
-    /// There is no height between its ends.
+    /// The profile's first and last point have the same height.
     Flat,
 }
 
@@ -79,7 +79,7 @@ impl fmt::Display for ProfileError {
 
 impl std::error::Error for ProfileError {}
 
-/// Outline of a solid of revolution, from bottom to top, in the plane of radius and height.
+/// Outline of a solid of revolution in the plane of radius and height, from the lowest point to the highest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     knots: Vec<Knot>,
@@ -87,10 +87,10 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Begins a profile at a point; arcs become chords within the tolerance.
+    /// Begins a profile at its lowest point; arcs added later become chords within `tolerance_mm`.
     ///
     /// # Errors
-    /// The point is no point beside the axis, or the tolerance is not positive.
+    /// The radius is negative, a coordinate is not finite, or the tolerance is not positive.
     pub fn from(radius_mm: f64, height_mm: f64, tolerance_mm: f64) -> Result<Self, ProfileError> {
         let first = Knot { radius_mm, height_mm };
         if !(tolerance_mm > 0.0 && tolerance_mm.is_finite()) {
@@ -100,18 +100,18 @@ impl Profile {
         profile.with(first)
     }
 
-    /// Continues the profile by a straight line.
+    /// Continues the profile by a straight line to this point.
     ///
     /// # Errors
-    /// That would lead down or across the axis.
+    /// The point is lower than the last one, or its radius is negative.
     pub fn line(self, radius_mm: f64, height_mm: f64) -> Result<Self, ProfileError> {
         self.with(Knot { radius_mm, height_mm })
     }
 
-    /// Continues the profile by the shorter arc about a centre. (1)
+    /// Continues the profile by the shorter arc about `center` from the last point to `to`, as chords. (1)
     ///
     /// # Errors
-    /// There is no such arc, it leads down or across the axis, or it takes too many chords.
+    /// There is no such arc, it leads down or to a negative radius, or it takes more than 4096 chords.
     pub fn arc(mut self, to: Knot, center: Knot) -> Result<Self, ProfileError> {
         let no_arc = ProfileError::Arc { to, center };
         let from = *self.knots.last().ok_or(no_arc)?;
@@ -143,10 +143,10 @@ impl Profile {
         &self.knots
     }
 
-    /// Heights of the profile's first and last point.
+    /// Heights of the profile's first and last point, mm.
     ///
     /// # Errors
-    /// It has no height.
+    /// Both heights are the same.
     pub fn span_mm(&self) -> Result<[f64; 2], ProfileError> {
         match (self.knots.first(), self.knots.last()) {
             (Some(a), Some(b)) if a.height_mm < b.height_mm => Ok([a.height_mm, b.height_mm]),
@@ -154,7 +154,8 @@ impl Profile {
         }
     }
 
-    /// Radii just above one height and just below another; there must be no vertex between them.
+    /// Radii just above the height `low_mm` and just below `high_mm`; `None` if there is a vertex between them, or the profile does not
+    /// reach over both.
     pub fn radii_between(&self, low_mm: f64, high_mm: f64) -> Option<[f64; 2]> {
         let piece = self.knots.windows(2).find(|w| w[0].height_mm <= low_mm && w[1].height_mm >= high_mm)?;
         let [a, b] = [piece[0], piece[1]];

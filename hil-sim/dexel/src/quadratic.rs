@@ -1,4 +1,4 @@
-//! Quadratic functions of one variable, with what the sections of cones and slabs ask of them.
+//! Quadratic functions of one variable, as the sections of cones and slabs need them.
 //!
 //! ```text
 //! f(x) = a x^2 + 2 b x + c
@@ -7,12 +7,12 @@
 //!
 //! Source: (1) the usual solution without cancellation; it also gives the one root of a straight line.
 
-/// Quadratic function a x^2 + 2 b x + c, by its coefficients.
+/// Quadratic function a x^2 + 2 b x + c, as its coefficients a, b and c (b without the factor 2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quadratic(pub [f64; 3]);
 
 impl Quadratic {
-    /// Value at x.
+    /// Value of the function at x.
     #[inline]
     pub fn at(&self, x_ratio: f64) -> f64 {
         let Quadratic([a, b, c]) = self;
@@ -28,7 +28,8 @@ impl Quadratic {
         if x < y { [x, y] } else { [y, x] }
     }
 
-    /// Part of a range where the function is not positive; `None` unless that is certainly a single interval.
+    /// Part of the range from `low` to `high` in which the function is not positive; `None` if there is none. If there are two
+    /// such parts, the lower one.
     pub fn not_positive_within(&self, [low, high]: [f64; 2]) -> Option<[f64; 2]> {
         let Quadratic([a, b, c]) = self;
         let has_roots = b * b - a * c > 0.0;

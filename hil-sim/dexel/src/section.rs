@@ -1,4 +1,4 @@
-//! Exact intervals that a moving slab of a tool removes from a ray.
+//! Exact intervals that a moving slab (part of a tool between two heights) removes from a ray.
 //!
 //! A point of the ray is o + u d. The slab's reference point is at f + s v, s from 0 to 1. With w = o - f, the tool's axis a, and
 //! the parts of all vectors perpendicular to it marked by ', the ray's point is in the slab at s where
@@ -46,7 +46,7 @@ impl Sweep {
         [0, 1, 2].map(|axis| self.to_mm[axis] - self.from_mm[axis])
     }
 
-    /// The sweep in another frame.
+    /// The same sweep in the coordinates of another frame.
     pub fn in_frame(&self, frame: &Frame) -> Self {
         let [from_mm, to_mm, axis] = [self.from_mm, self.to_mm, self.axis].map(|vector| frame.coordinates(vector));
         Sweep { from_mm, to_mm, axis }
@@ -66,7 +66,7 @@ struct Cone {
 #[derive(Clone, Copy, Debug)]
 struct Conic([f64; 6]);
 
-/// Intersection of a moving slab with rays of one direction.
+/// Intersection of a slab on a sweep with rays of one direction, prepared for many rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
     ray_axis: usize,
@@ -87,7 +87,7 @@ struct Places {
 }
 
 impl Section {
-    /// Prepares a slab on a sweep, for rays along an axis.
+    /// Prepares a slab on a sweep, for rays along `ray_axis` (0, 1, 2 for x, y, z).
     pub fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
         let motion_mm = sweep.motion_mm();
         let rise = [sweep.axis[ray_axis], dot(motion_mm, sweep.axis)];
@@ -110,8 +110,8 @@ impl Section {
         }
     }
 
-    /// Passes each interval of the ray through `point_mm` that the slab sweeps to `take`; the coordinate of
-    /// `point_mm` along the ray is ignored. All intervals must be known to lie in `within`.
+    /// Calls `take` with each interval that the slab sweeps on the ray through `point_mm`, in ascending order; the coordinate
+    /// of `point_mm` along the ray is ignored. `within` must contain all swept intervals.
     pub fn for_each_span(&self, mut point_mm: Vector, within: &Interval, mut take: impl FnMut(Interval)) {
         let origin_mm = self.sweep.from_mm[self.ray_axis];
         point_mm[self.ray_axis] = origin_mm;

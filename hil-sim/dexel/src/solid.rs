@@ -1,4 +1,4 @@
-//! Initial shapes of a stock, and the shape that a tool has left.
+//! Shapes of a stock before the first cut, and the shape that a tool has left of one.
 
 use std::fmt::Debug;
 
@@ -16,29 +16,29 @@ use super::tool::Tool;
 /// Gaps between the slabs of a solid of revolution that are rounding.
 const GAP_MM: f64 = 1e-9;
 
-/// A solid that can be intersected with rays.
+/// Solid that can be intersected with the rays of a tri-dexel model.
 pub trait Solid: Debug + Send + Sync {
-    /// The lowest and the highest corner of a box around it.
+    /// Lowest and highest corner of a box around the solid, with faces along the axes.
     fn bounds_mm(&self) -> [Vector; 2];
 
-    /// Material of the solid along the rays of one direction.
+    /// Material of the solid on all rays of a lattice along `axis` (0, 1, 2 for x, y, z).
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid;
 }
 
-/// A solid before its first cut, which can also be described in another frame.
+/// Solid before its first cut; its coordinates can be transformed to another frame.
 pub trait InitialSolid: Solid {
-    /// The solid in another frame.
+    /// The same solid in the coordinates of another frame.
     fn in_frame(&self, frame: &Frame) -> Box<dyn InitialSolid>;
 }
 
-/// A solid without the material that a tool has swept.
+/// Solid without the material that a tool has swept.
 #[derive(Debug)]
 pub struct Machined<'a> {
-    /// The solid.
+    /// Solid before the sweeps.
     pub solid: &'a dyn Solid,
-    /// The tool.
+    /// Tool that removes the material.
     pub tool: &'a Tool,
-    /// Sweeps of the tool.
+    /// Sweeps that the tool has made.
     pub sweeps: &'a [Sweep],
 }
 
@@ -54,7 +54,7 @@ impl Solid for Machined<'_> {
     }
 }
 
-/// A block with its edges along the axes.
+/// Rectangular block with its edges along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// The lowest corner.

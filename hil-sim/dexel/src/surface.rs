@@ -37,10 +37,10 @@ struct Crossing {
     leaves: bool,
 }
 
-/// Surface of the remaining stock.
+/// Surface of the remaining stock, as a closed mesh of triangles.
 ///
 /// # Errors
-/// No node has material.
+/// No node (centre of a cell) has material.
 pub fn surface(stock: &Stock) -> Result<Mesh, MeshError> {
     let crossings = crossings(stock);
     let mut numbers: HashMap<[usize; 3], usize> = HashMap::new();

@@ -1,4 +1,4 @@
-//! Which rays a moving tool can meet at all: boxes, so that most rays are never asked.
+//! Selection of the rays that a moving tool can meet, by bounding boxes, so that most rays need no computation.
 //!
 //! A slab lies in a box about it, which moves with it. At a row of rays only those s count at which the box is on that
 //! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
@@ -25,7 +25,7 @@ const MARGIN_MM: f64 = 1e-7;
 /// Below this a ray counts as lying in a plane, or along an axis.
 const STEEP_RATIO: f64 = 1e-3;
 
-/// Part of a tool on one sweep, prepared for rays of one direction, with its bounding box.
+/// Part of a tool on one straight sweep, with its bounding box, prepared for rays of one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass<'a> {
     ray_axis: usize,
@@ -60,32 +60,33 @@ struct SlabShape {
     heights_mm: [f64; 2],
 }
 
-/// Material that the rays of one row lose, in the form that fits the direction of the row.
+/// Material that the rays of one row lose in a pass, in the form that suits the direction of the rays and of the row.
 #[derive(Clone, Debug)]
 pub enum RowCut<'a> {
-    /// Along the axis of a tool on a level.
+    /// The rays are parallel to the tool's axis, and the pass is perpendicular to that axis.
     Axial(AxialRow<'a>),
-    /// Across it, at one height.
+    /// The rays are perpendicular to the tool's axis, all at one height of the tool.
     Layer(LayerRow),
-    /// Across it, one above the other.
+    /// The rays are perpendicular to the tool's axis and lie one above the other.
     Upright(UprightRow<'a>),
-    /// One ray at a time.
+    /// Any other direction: each ray is computed on its own.
     Rays(&'a Pass<'a>),
 }
 
-/// A cut that is the same in all of these rows.
+/// Cut that is the same in several rows of rays.
 #[derive(Clone, Debug)]
 pub struct LayersCut {
-    /// Rows.
+    /// Indices of the rows.
     pub rows: Range<usize>,
-    /// Column of the first loss.
+    /// Index of the column to which the first entry of `losses` belongs.
     pub first: usize,
-    /// Interval that a ray loses, column by column; one that ends before it begins is none.
+    /// Interval that the ray of each column loses, from column `first` on; it ends before it begins if the ray loses nothing.
     pub losses: Vec<Interval>,
 }
 
 impl LayersCut {
-    /// Adds another cut of the same rows. Returns whether every ray still loses one interval; otherwise nothing is added.
+    /// Adds another cut of the same rows and returns true. If the rows differ, or a ray would lose two separate intervals, adds nothing
+    /// and returns false.
     pub fn add(&mut self, other: &LayersCut) -> bool {
         let (columns, others) = (self.columns(), other.columns());
         let all = columns.start.min(others.start)..columns.end.max(others.end);
@@ -116,17 +117,17 @@ impl LayersCut {
     }
 }
 
-/// The rays of one row that a pass can meet, and where on them.
+/// The rays of one row that a pass can meet, and the part of them that it can meet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reach {
     /// Columns of the row, in two parts with a hollow between them.
     columns: [Range<usize>; 2],
-    /// Stretch of each ray.
+    /// Coordinates along the rays between which the pass can meet them, the same for all rays of the row.
     pub along: Interval,
 }
 
 impl Reach {
-    /// The same but for these columns.
+    /// The same reach without these columns; the gap between the two ranges becomes part of the reach if it is not among them.
     pub fn without(&self, columns: &Range<usize>) -> Self {
         let [first, last] = self.parts();
         let (start, end) = (first.start, last.end);
@@ -134,7 +135,7 @@ impl Reach {
         Reach { columns: [start..low, high..end], along: self.along }
     }
 
-    /// All columns of the row that it can meet.
+    /// All columns of the row that the pass can meet.
     pub fn columns(&self) -> impl Iterator<Item = usize> {
         self.parts().into_iter().flatten()
     }
@@ -145,7 +146,7 @@ impl Reach {
     }
 }
 
-/// Passes of all parts of a tool over all sweeps, for rays along an axis. Slabs that can be cut together share a
+/// Passes of all parts of a tool over all sweeps, for rays along `ray_axis`. Slabs of the tool that can be cut together are one
 /// pass.
 pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass<'a>> {
     let mut passes = Vec::with_capacity(sweeps.len() * tool.slabs().len());
@@ -182,24 +183,24 @@ fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> 
 }
 
 impl Pass<'_> {
-    /// Lowest and highest corner of the bounding box at the start of the sweep.
+    /// Lowest and highest corner of the bounding box of the tool's part at the start of the sweep.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
     }
 
-    /// Rows of the lattice that the pass can meet.
+    /// Indices of the rows of the lattice that the pass can meet.
     pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
         let [_, row_axis] = Lattice::across(self.ray_axis);
         self.cells(lattice, row_axis)
     }
 
-    /// Cells along an axis that the pass can meet.
+    /// Indices of the cells along `axis` that the pass can meet.
     pub fn cells(&self, lattice: &Lattice, axis: usize) -> Range<usize> {
         let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
         lattice.cells_between(axis, from_mm, to_mm)
     }
 
-    /// Rays of the row at this coordinate that the pass can meet; `None` if there are none.
+    /// Rays that the pass can meet in the row at the coordinate `row_mm`; `None` if there are none.
     pub fn reach(&self, lattice: &Lattice, row_mm: f64) -> Option<Reach> {
         let [column_axis, _] = Lattice::across(self.ray_axis);
         let axes = [self.ray_axis, column_axis];
@@ -231,7 +232,7 @@ impl Pass<'_> {
         (during[0] <= during[1]).then_some(Row { across, hollow: None, along })
     }
 
-    /// Material that the rays of the row at this coordinate lose.
+    /// Material that the rays of the row at the coordinate `row_mm` lose.
     #[inline]
     pub fn row_cut(&self, row_mm: f64) -> RowCut<'_> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
@@ -243,7 +244,7 @@ impl Pass<'_> {
         }
     }
 
-    /// The same cut in many rows; `None` if it is not the same, or of two intervals a ray.
+    /// The cut, if it is the same in all rows that the pass meets, with at most one interval for each ray; `None` otherwise.
     pub fn layers_cut(&self, lattice: &Lattice) -> Option<LayersCut> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
         let Shape::Level(level) = &self.shape else { return None };
@@ -267,7 +268,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Whether a ray is near enough to lose material.
+    /// Whether a ray through a point comes near enough to the pass to lose material; `dexel` is the material it still has.
     pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
         match &self.shape {
             // The loss itself is as fast to compute as this test.
@@ -279,7 +280,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Removes the swept material from a ray of a row; returns the removed length.
+    /// Removes the swept material from one ray of a row that has this reach; returns the removed length, mm.
     pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
         let Shape::Slab(shape) = &self.shape else {
             return self.losses(&ray_point_mm).into_iter().flatten().map(|loss| dexel.subtract(loss)).sum();
@@ -294,7 +295,7 @@ impl Pass<'_> {
         removed_mm
     }
 
-    /// Intervals of the ray that the pass sweeps.
+    /// Intervals that the pass sweeps on the ray through a point, whether there is material or not.
     pub fn spans(&self, ray_point_mm: Vector) -> Vec<Interval> {
         let Shape::Slab(shape) = &self.shape else {
             return self.losses(&ray_point_mm).into_iter().flatten().filter(|loss| loss.length_mm() > 0.0).collect();

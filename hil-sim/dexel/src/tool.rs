@@ -1,4 +1,4 @@
-//! Tools and other solids of revolution: slabs, each between two cones about the axis.
+//! Tools and other solids of revolution, as slabs: parts between two heights, bounded by cones about the axis.
 //!
 //! The origin is the tool's tip, the axis points from there to the holder.
 
@@ -7,7 +7,7 @@ use super::profile::{Knot, Profile, ProfileError};
 
 pub use super::slab::Slab;
 
-/// A tool as a solid of revolution.
+/// Tool as a solid of revolution about its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
     slabs: Vec<Slab>,
@@ -17,10 +17,10 @@ pub struct Tool {
 }
 
 impl Tool {
-    /// Tool with this outside and, for a ring, this inside.
+    /// Tool with the profile `outside` and, for a ring, the profile `inside` of its hole.
     ///
     /// # Errors
-    /// The outlines do not belong together.
+    /// A profile has no height, both have different heights, or the hole is wider than the outside.
     pub fn new(outside: &Profile, inside: Option<&Profile>) -> Result<Self, ProfileError> {
         let span_mm = outside.span_mm()?;
         if inside.map_or(Ok(span_mm), Profile::span_mm)? != span_mm {
@@ -47,15 +47,15 @@ impl Tool {
         Ok(Tool { slabs, parts, middle_mm, reach_mm })
     }
 
-    /// A flat end mill.
+    /// Flat end mill.
     ///
     /// # Errors
-    /// The measures are none of a tool, as with all tools below.
+    /// The radius is negative, or the height is not positive; also for all tools below.
     pub fn cylinder(radius_mm: f64, height_mm: f64) -> Result<Self, ProfileError> {
         Tool::new(&edge(radius_mm, 0.0, height_mm, 1.0)?, None)
     }
 
-    /// A ball end mill, whose ball is approximated within the tolerance.
+    /// Ball end mill; the ball is replaced by cones within the tolerance.
     ///
     /// # Errors
     /// The ball is higher than the tool.
@@ -63,7 +63,7 @@ impl Tool {
         Tool::bull_nose([radius_mm, radius_mm], height_mm, tolerance_mm)
     }
 
-    /// An end mill with a rounded corner: radius of the tool, radius of the corner.
+    /// End mill with a rounded corner; `radii_mm` are the radius of the tool and that of the corner.
     ///
     /// # Errors
     /// The corner is larger than the tool.
@@ -72,7 +72,7 @@ impl Tool {
         Tool::new(&edge(radius_mm, -corner_mm, height_mm, tolerance_mm)?, None)
     }
 
-    /// The ring of a cup mill: outer radius, inner radius, and the corner of its inserts on both sides (0: square).
+    /// Ring of a cup mill; `radii_mm` are the outer and the inner radius, and `corner_mm` is the corner radius at both sides (0: square).
     ///
     /// # Errors
     /// The corners are wider than the ring.
@@ -82,27 +82,27 @@ impl Tool {
         Tool::new(&outside, Some(&inside))
     }
 
-    /// Slabs of the tool, from bottom to top.
+    /// Slabs of the tool, from bottom to top: parts between two heights with conical walls.
     pub fn slabs(&self) -> &[Slab] {
         &self.slabs
     }
 
-    /// Monotone parts of the tool, from bottom to top.
+    /// Monotone parts of the tool, from bottom to top: groups of slabs whose walls only widen or only narrow.
     pub fn parts(&self) -> &[MonotonePart] {
         &self.parts
     }
 
-    /// Half the height of the tool, measured from the tip.
+    /// Height of the tool's middle above its tip, mm.
     pub fn middle_mm(&self) -> f64 {
         self.middle_mm
     }
 
-    /// Radius of the sphere around the axis point at half height that contains the whole tool.
+    /// Radius of the smallest sphere about the axis point at `middle_mm` that contains the whole tool, mm.
     pub fn reach_mm(&self) -> f64 {
         self.reach_mm
     }
 
-    /// Volume of the slabs, with chords in place of arcs.
+    /// Volume of the slabs, mm3; arcs of the profile count as their chords.
     pub fn volume_mm3(&self) -> f64 {
         self.slabs.iter().map(Slab::volume_mm3).sum()
     }

@@ -1,4 +1,4 @@
-//! The stock: three grids of rays that are cut together.
+//! The stock (workpiece as a tri-dexel model): three grids of rays that are cut together.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use super::tool::Tool;
 /// Sweeps prepared at a time: bounds what a long list of them takes.
 const SWEEPS_AT_A_TIME: usize = 1_024;
 
-/// A workpiece as rays along x, y and z (tri-dexel).
+/// Workpiece as the intervals of material on rays along x, y and z (tri-dexel model).
 #[derive(Clone, Debug)]
 pub struct Stock {
     lattice: Lattice,
@@ -21,14 +21,14 @@ pub struct Stock {
     memory_max_bytes: usize,
 }
 
-/// Volume of material according to each of the three grids, x first.
+/// Volume of the same material, measured once by each of the three grids of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// mm3.
+    /// Volume by the rays along x, y and z, mm3.
     pub by_axis: [f64; 3],
 }
 
-/// Reason why a stock cannot be built or cut further.
+/// Reason why a stock cannot be made or cut further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StockError {
     /// The lattice of rays is invalid.
@@ -68,7 +68,7 @@ impl Volume {
         self.by_axis.iter().sum::<f64>() / 3.0
     }
 
-    /// Difference between the largest and the smallest of the three volumes: a measure of their error.
+    /// Difference between the largest and the smallest of the three volumes, mm3: an estimate of their error.
     pub fn spread_mm3(&self) -> f64 {
         let [a, b, c] = self.by_axis;
         a.max(b).max(c) - a.min(b).min(c)
@@ -109,10 +109,10 @@ impl Stock {
         &self.grids
     }
 
-    /// Removes the material that the tool sweeps; returns its volume.
+    /// Removes the material that the tool sweeps; returns the removed volume.
     ///
     /// # Errors
-    /// The remaining intervals take more memory than allowed; the swept material is removed nevertheless.
+    /// The remaining intervals take more memory than allowed. Sweeps are cut 1024 at a time; those up to this point have been cut.
     pub fn cut(&mut self, tool: &Tool, sweeps: &[Sweep]) -> Result<Volume, StockError> {
         let mut removed = Volume { by_axis: [0.0; 3] };
         for sweeps in sweeps.chunks(SWEEPS_AT_A_TIME) {
@@ -129,7 +129,7 @@ impl Stock {
         Volume { by_axis: [0, 1, 2].map(|axis: usize| self.grids[axis].volume_mm3()) }
     }
 
-    /// Bytes of the rays and of their pieces.
+    /// Memory of the rays and of their intervals, bytes.
     pub fn memory_bytes(&self) -> usize {
         self.grids.iter().map(Grid::memory_bytes).sum()
     }

@@ -32,7 +32,7 @@ const NARROW_RATIO: f64 = 0.01;
 /// Upper bound of the change of a displacement in a step.
 const MARGIN_MM: f64 = 0.1;
 
-/// Milling process: cutter, workpiece, cutting force and vibration, step by step.
+/// Milling process: computes chips, cutting forces and vibration of a cutter in its workpiece, step by step.
 #[derive(Clone, Debug)]
 pub struct Process {
     engagement: EdgeEngagement,
@@ -53,20 +53,20 @@ struct EdgeDisplacements {
     bent_mm: Vec<Vector3<f64>>,
 }
 
-/// Result of a step of the process: chips, loads and displacement.
+/// Result of one time step of the process: chips, loads, and displacement at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProcessStep {
-    /// Loads on the tool at the end of the step.
+    /// Force and torque on the tool at the end of the step.
     pub loads: Loads,
-    /// Displacement of the tool relative to the workpiece at the end.
+    /// Displacement of the tool relative to the workpiece at the end of the step, by their vibration.
     pub displacement_mm: Vector3<f64>,
-    /// Thickest chip of any edge on the side at the end.
+    /// Thickest chip of all edges on the tool's side at the end of the step.
     pub thickest_mm: f64,
-    /// Largest mean chip thickness of any edge on the tool's end.
+    /// Largest mean chip thickness of all edges on the tool's end, at the end of the step.
     pub end_mm: f64,
     /// Removed volume as the rays along each axis of the layers measure it, mm3.
     pub removed_mm3: [f64; 2],
-    /// Whether force and displacement converged.
+    /// Whether the iteration of force and displacement converged in this step.
     pub agrees: bool,
 }
 
@@ -79,13 +79,13 @@ struct Edges<'a> {
 }
 
 impl Process {
-    /// A cutter in its workpiece with their vibration; a rigid pair has no modes.
+    /// Process of a cutter in its workpiece; `vibration` has the modes of both, or none for a rigid pair.
     pub fn new(engagement: EdgeEngagement, cutting: Cutting, vibration: Vibration) -> Self {
         let chips_mm = vec![0.0; engagement.cutter().teeth()];
         Process { engagement, cutting, vibration, chips_mm, edge_displacements: EdgeDisplacements::default() }
     }
 
-    /// Cutter and workpiece.
+    /// Cutter and workpiece, to be read.
     pub fn engagement(&self) -> &EdgeEngagement {
         &self.engagement
     }
@@ -95,12 +95,12 @@ impl Process {
         &mut self.engagement
     }
 
-    /// Thickest chip of each tooth's side at the end of the last step.
+    /// Thickest chip, mm, of each tooth on the tool's side, at the end of the last step.
     pub fn chips_mm(&self) -> &[f64] {
         &self.chips_mm
     }
 
-    /// Takes the edges out of the material; when they enter again, the tool does not vibrate.
+    /// Takes the edges out of the material and stops the vibration.
     pub fn lift(&mut self) {
         self.engagement.lift();
         self.vibration.rest();
@@ -112,8 +112,8 @@ impl Process {
         &self.vibration
     }
 
-    /// Upper bound of the force: all edges with a chip this thick over their whole width, as if all forces had the same
-    /// direction.
+    /// Upper bound of the cutting force, N: all edges cut a chip of this thickness over their whole width, and all their forces have
+    /// the same direction.
     pub fn force_max_n(&self, thickness_mm: f64) -> f64 {
         let width_mm = self.engagement.cutter().pieces().iter().map(EdgePiece::width_mm).sum();
         let EdgeForce { tangential_n, radial_n, axial_n } = self.cutting.force(&ChipSection { thickness_mm, width_mm });
@@ -125,8 +125,8 @@ impl Process {
         &mut self.vibration
     }
 
-    /// Moves to the next position, `dt_s` later, less than a quarter of a turn on; all edges have the displacement of
-    /// the cut.
+    /// Moves the tool to its next pose within `dt_s` seconds, less than a quarter of a turn on, and cuts. All edges have the same
+    /// displacement: that at the place of the cut.
     pub fn step(&mut self, dt_s: f64, pose: &ToolPose) -> ProcessStep {
         let at = self.engagement.poses(pose);
         let mut edges = Edges { engagement: &mut self.engagement, cutting: &self.cutting, pose, at: &at };
@@ -141,8 +141,8 @@ impl Process {
         self.moment(&step, found, removed_mm3)
     }
 
-    /// Moves to the next position as [`Process::step`], on a flexible workpiece: each edge that may have a chip has
-    /// the workpiece's displacement at its own position. The workpiece's modes come first.
+    /// Moves the tool as [`Process::step`], but on a flexible workpiece: each edge that may have a chip has the workpiece's
+    /// displacement at the edge's own position. The workpiece's modes must come first among the modes of the vibration.
     pub fn step_on<B: Modal>(&mut self, dt_s: f64, pose: &ToolPose, workpiece: &mut Workpiece<B>) -> ProcessStep {
         let mut at = self.engagement.poses(pose);
         self.edge_displacements.update(&self.engagement, &mut at, &self.vibration, workpiece);

@@ -49,34 +49,34 @@ const KRYLOV: usize = 30;
 /// Part of an eigenvalue's absolute value below which its imaginary part is rounding.
 const REAL_RATIO: f64 = 1e-4;
 
-/// Linear model of milling with straight teeth, for stability limits.
+/// Linear model of milling with straight, evenly spaced teeth, for computing the depth limit of stable cutting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearMilling {
-    /// Modes between tool and workpiece, in a frame with x along the feed and y to its left; Z is ignored.
+    /// Modes of vibration between tool and workpiece, in a frame with x along the feed and y to its left; components along z are ignored.
     pub modes: Vec<Mode>,
     /// Number of teeth.
     pub teeth: usize,
-    /// Force per area of the chip along the cut and across it, N/mm2.
+    /// Specific cutting forces, N/mm2: force per area of the chip along the cut (Kt) and square to it (Kn).
     pub specific_mpa: [f64; 2],
-    /// Angles at which a tooth enters and leaves, clockwise from +y.
+    /// Angles at which a tooth enters the material and leaves it, clockwise from +y.
     pub engaged_rad: [f64; 2],
 }
 
-/// Kind of chatter beyond a stability limit.
+/// Kind of chatter that begins beyond a depth limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChatterKind {
-    /// The vibration has a frequency of its own.
+    /// Hopf bifurcation: the vibration has a frequency of its own, unrelated to that of the teeth.
     Hopf,
-    /// The vibration repeats every second tooth.
+    /// Period doubling (flip): the vibration repeats with every second tooth.
     Flip,
 }
 
-/// Smallest axial depth at which the cut is not stable.
+/// Smallest axial depth of cut at which the cut is not stable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthLimit {
-    /// Axial depth.
+    /// Axial depth of cut.
     pub depth_mm: f64,
-    /// Chatter beyond it.
+    /// Kind of chatter beyond that depth.
     pub kind: ChatterKind,
 }
 
@@ -104,13 +104,13 @@ struct ToothMap<'a> {
 }
 
 impl LinearMilling {
-    /// Engaged angles of a tooth, for a radial immersion as a fraction of the diameter, in up or down milling.
+    /// Angles at which a tooth enters and leaves the material, for a radial immersion ae/D (0 to 1), in up or down milling.
     pub fn engaged_rad(immersion_ratio: f64, is_up: bool) -> [f64; 2] {
         let edge_rad = libm::acos(1.0 - 2.0 * immersion_ratio.clamp(0.0, 1.0));
         if is_up { [0.0, edge_rad] } else { [PI - edge_rad, PI] }
     }
 
-    /// Smallest unstable depth at a speed, up to `depth_max_mm`; `None` if all are stable.
+    /// Smallest unstable axial depth at a spindle speed; `None` if all depths up to `depth_max_mm` are stable.
     pub fn limit(&self, rev_per_min: f64, depth_max_mm: f64) -> Option<DepthLimit> {
         let map = ToothMap::new(self, rev_per_min);
         let is_stable = |depth_mm: f64| map.multiplier(depth_mm).norm() < 1.0;

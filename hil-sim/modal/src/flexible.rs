@@ -19,9 +19,9 @@ use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
 use crate::fe::modal_point::ModalPoint;
 
-/// Body whose mode shapes are known at each of its points, and around it.
+/// Body whose mode shapes can be found at each of its points, and around it.
 pub trait Modal {
-    /// Angular frequencies, rad/s.
+    /// Angular frequencies of the modes, rad/s, the lowest first.
     fn omega_rad_per_s(&self) -> &[f64];
 
     /// Distance outside the body up to which its outermost elements extrapolate the displacement.
@@ -92,7 +92,7 @@ impl<B: Modal> Modal for Arc<B> {
 /// change by less than the error of the elements.
 const SAME_RATIO: f64 = 0.02;
 
-/// Workpiece that a tool moves along; state: the last point of each view, because the next one is near.
+/// Flexible workpiece along which a tool moves. Keeps, for the cut and for each edge, the last point, near which the next one is found.
 #[derive(Clone, Debug)]
 pub struct Workpiece<B> {
     body: B,
@@ -110,17 +110,17 @@ struct View {
 }
 
 impl<B: Modal> Workpiece<B> {
-    /// Workpiece before its first point is looked up.
+    /// Flexible workpiece with the modes of `body`.
     pub fn new(body: B) -> Self {
         Workpiece { body, views: Vec::new() }
     }
 
-    /// Number of modes.
+    /// Number of modes of the workpiece.
     pub fn count(&self) -> usize {
         self.body.omega_rad_per_s().len()
     }
 
-    /// Mode shapes at the point of the body nearest to another, 1/sqrt(kg).
+    /// Shapes of all modes at the point of the body nearest to `point_mm`, 1/sqrt(kg).
     pub fn shapes_on(&mut self, point_mm: [f64; 3]) -> &[Vector3<f64>] {
         self.update_view(0, point_mm, [0.0, 0.0])
     }

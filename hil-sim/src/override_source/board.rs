@@ -27,12 +27,12 @@ use arcfeed_control::signals::FeedOverrideLines;
 /// Length of a frame with a setpoint on the line.
 const SETPOINT_BYTES: usize = OVERHEAD + 18;
 
-/// Serial line of a board, by what is at its other end.
+/// Serial line of a feed board, named by the device at its other end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wire {
-    /// Line to the host.
+    /// Line to the host program.
     Link,
-    /// Line to the machine.
+    /// Line to the simulated machine, for its signals and the override.
     Machine,
     /// Line to the sender of NC text, which the board taps.
     Sender,
@@ -40,32 +40,32 @@ pub enum Wire {
     Control,
 }
 
-/// The simulator's ends of a board's serial lines.
+/// The simulator's ends of a feed board's serial lines.
 pub trait Wires {
-    /// Sends bytes.
+    /// Sends bytes to the board over one line.
     ///
     /// # Errors
     /// The line is broken.
     fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure>;
 
-    /// Waits for bytes until `bytes` is full.
+    /// Waits for bytes from the board on one line until `bytes` is full.
     ///
     /// # Errors
-    /// The bytes do not come.
+    /// The bytes do not come in time, or the line is closed.
     fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure>;
 
-    /// Takes the bytes that have arrived; returns their number.
+    /// Copies the bytes that have arrived from the board, at most as many as `bytes` has room for; returns their number.
     ///
     /// # Errors
     /// The line is broken.
     fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure>;
 }
 
-/// Devices at the other ends of a board's remaining lines.
+/// Devices at the other ends of a board's lines to the host, the sender and the control.
 pub trait AttachedDevices {
-    /// Bytes that the devices send in this period, as far as their lines' bit rates allow.
+    /// Adds to `traffic` the bytes that the devices send in the period up to `at`, as far as the bit rates of their lines allow.
     fn send(&mut self, at: Micros, traffic: &mut Traffic);
-    /// Bytes that the devices receive.
+    /// Receives bytes that the board has sent on a line.
     fn receive(&mut self, at: Micros, wire: Wire, bytes: &[u8]);
 }
 
@@ -75,7 +75,7 @@ impl AttachedDevices for () {
     fn receive(&mut self, _at: Micros, _wire: Wire, _bytes: &[u8]) {}
 }
 
-/// Bytes on their way to the board.
+/// Bytes on their way from the attached devices to the board.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Bytes from the host.
@@ -86,22 +86,22 @@ pub struct Traffic {
     pub control: Vec<u8>,
 }
 
-/// Reason why a board has stopped. Its lines are released then, as by a loss of power: 0 %.
+/// Reason why a board has stopped. Its override lines are then released, as by a loss of power, which means 0 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoardFailure {
-    /// A line is closed.
+    /// The serial line is closed.
     Closed(Wire),
-    /// No answer in time.
+    /// No bytes came in time on this serial line.
     Silent(Wire),
-    /// Bytes on the machine line are no setpoint.
+    /// The board sent something else than a setpoint on the machine line.
     NoSetpoint,
-    /// A setpoint answers the sample of this time, not the last one.
+    /// The setpoint of the board answers the sample of this earlier time, not the last one.
     OutOfStep(Micros),
-    /// A tap passed on this many bytes, not all of those in the period.
+    /// The board, as a tap between sender and control, passed on this many bytes, but not all of those in the period.
     Tap(usize),
 }
 
-/// Feed board, real or emulated, at the other end of its lines.
+/// Feed board, real or emulated, as the source of the override; it is reached over its serial lines.
 #[derive(Debug)]
 pub struct Board<W, A = ()> {
     wires: W,
@@ -127,7 +127,7 @@ struct Counts {
 }
 
 impl<W: Wires, A: AttachedDevices> Board<W, A> {
-    /// Board with a device attached to its other lines.
+    /// Board at `wires`, with devices attached to its other lines; `mode` says whether it runs in lockstep or free.
     pub fn new(wires: W, attached: A, mode: ModeCode) -> Self {
         Board {
             wires,
@@ -145,7 +145,7 @@ impl<W: Wires, A: AttachedDevices> Board<W, A> {
         }
     }
 
-    /// Restarts the board; `restart` does it at the far ends. Counters and bytes on the lines are discarded.
+    /// Restarts the board; `restart` must do it at the board itself. Counters and bytes on the lines are discarded.
     pub fn restart(&mut self, restart: impl FnOnce(&mut W)) {
         restart(&mut self.wires);
         (self.machine, self.traffic, self.tapped) = (PlainLine::new(), Traffic::default(), [0; 2]);
@@ -153,27 +153,27 @@ impl<W: Wires, A: AttachedDevices> Board<W, A> {
         (self.has_begun, self.last, self.failure) = (false, None, None);
     }
 
-    /// Sets the inputs from the machine's panel, and other signals that are not the control's.
+    /// Sets the board's inputs from the machine's panel, and other signals that do not come from the control.
     pub fn set_panel(&mut self, panel: Signals) {
         self.panel = panel;
     }
 
-    /// The attached device.
+    /// The attached devices.
     pub fn attached(&self) -> &A {
         &self.attached
     }
 
-    /// The attached device, mutable.
+    /// The attached devices, mutable.
     pub fn attached_mut(&mut self) -> &mut A {
         &mut self.attached
     }
 
-    /// The attached device, at the end.
+    /// Returns the attached devices and drops the board.
     pub fn into_attached(self) -> A {
         self.attached
     }
 
-    /// The lines and the attached device.
+    /// Returns the lines and the attached devices.
     pub fn into_parts(self) -> (W, A) {
         (self.wires, self.attached)
     }
@@ -183,12 +183,12 @@ impl<W: Wires, A: AttachedDevices> Board<W, A> {
         &self.wires
     }
 
-    /// State of the board's supervisor, as last reported.
+    /// State of the board's supervisor, as last reported; `None` before the first report.
     pub fn state(&self) -> Option<StateCode> {
         self.last.map(|setpoint| setpoint.state)
     }
 
-    /// Reason why the board has stopped.
+    /// Reason why the board has stopped; `None` as long as it runs.
     pub fn failure(&self) -> Option<BoardFailure> {
         self.failure
     }

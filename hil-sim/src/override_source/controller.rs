@@ -16,7 +16,7 @@ use arcfeed_units::{Micros, Nm, Span};
 use super::{Decision, MachineSignals, MoveStart, OverrideSource};
 use crate::faults::ControllerFault;
 
-/// A feed controller, with an optional fault.
+/// Feed controller that runs in this process as the source of the override, with an optional fault for tests.
 #[derive(Debug)]
 pub struct InProcessController {
     supervisor: Option<Supervisor>,
@@ -53,10 +53,10 @@ impl Board for BoardIo {
 }
 
 impl InProcessController {
-    /// The controller of a job, with the tick `period`; the operator has armed it before cycle start.
+    /// Controller for a job, with the tick `period`; it is armed already. `fault` is made part of it.
     ///
     /// # Errors
-    /// The bounds of the override are invalid.
+    /// The job's limits of the override are invalid.
     pub fn new(job: &Job, fault: ControllerFault, period: Span) -> Result<Self, SettingsError> {
         // A job that rewrites the program needs no override, and the machine may have none.
         let has_override = !matches!(job.policy, FeedPolicy::RewriteOnly(_));

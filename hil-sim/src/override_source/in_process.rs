@@ -12,7 +12,7 @@ use super::board::{BoardFailure, Wire, Wires};
 /// Number of lines of a board.
 const LINES: usize = 4;
 
-/// Board application that runs in this process, with its byte queues.
+/// Application of a feed board that runs in this process, with byte queues in place of its serial lines.
 pub struct InProcess<'q, const N: usize> {
     main_loop: MainLoop<'q, N>,
     task: ControlTask<'q>,
@@ -54,14 +54,14 @@ impl BoardLines for Rings {
 }
 
 impl<'q, const N: usize> InProcess<'q, N> {
-    /// A board that has just started.
+    /// Board that has just started.
     pub fn new(main_loop: MainLoop<'q, N>, task: ControlTask<'q>) -> Self {
         let (machine, lockstep) = (MachineLine::new(), Lockstep::new());
         InProcess { main_loop, task, machine, lockstep, rings: Rings::default(), log: Log::default() }
     }
 
-    /// Adds a log over the link: frames, each with the number of ticks after which it is sent. On a chip the image's
-    /// logger writes the log; a board in this process gets it here.
+    /// Adds log frames that the board sends to the host, each with the number of ticks after which it is sent. On a chip the
+    /// image's logger writes the log; a board in this process gets it here.
     #[must_use]
     pub fn with_log(mut self, frames: impl IntoIterator<Item = (u32, Vec<u8>)>) -> Self {
         self.log.frames = frames.into_iter().collect();

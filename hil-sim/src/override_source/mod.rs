@@ -1,4 +1,4 @@
-//! Sources of the feed override: the seam between the machine and the feed controller, whichever it is.
+//! Sources of the feed override: interface between the simulated machine and a feed controller, in this process or on a board.
 //!
 //! [`controller`] is a controller in this process that is notified of each move. [`board`] is a feed board that sees only the machine's
 //! signals.
@@ -20,44 +20,44 @@ use arcfeed_nc::modal::Pose;
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Micros, RevPerMin};
 
-/// Signals of the machine in a servo period.
+/// Signals of the machine at the end of a servo period, as a feed controller sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSignals {
-    /// Time.
+    /// Time of the signals.
     pub at: Micros,
     /// Position feedback, in the workpiece's coordinates.
     pub position: Pose,
-    /// Spindle speed.
+    /// Speed of the spindle.
     pub spindle: RevPerMin,
     /// The operator's dial, %.
     pub operator_percent: u8,
-    /// Signals of the control.
+    /// Digital signals of the control, such as feed hold or rapid.
     pub signals: Signals,
 }
 
-/// A move that the control begins, with its conditions.
+/// A move that the control begins, with the conditions that the feed controller needs.
 #[derive(Clone, Copy, Debug)]
 pub struct MoveStart<'a> {
-    /// Running count of the move.
+    /// Number of the move, counted up from one move to the next.
     pub count: u32,
     /// The move, in the workpiece's coordinates.
     pub segment: &'a Segment,
-    /// Cut rule of the job for the move.
+    /// Cut rule of the job for the move; `None` if no law governs it.
     pub rule: Option<&'a CutRule>,
-    /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
+    /// Engaged arcs of the tool's circles along the move; `None` unless the rule expects engagement for each move.
     pub along: Option<&'a EngagedTable>,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
-    /// Largest feed on the move, if it differs from that of the job's axes and ceiling.
+    /// Largest feed on the move; `None` if the limits of the job's axes and its ceiling apply.
     pub limit: Option<FeedLimit>,
-    /// Largest override at the end of the move, %.
+    /// Largest override at the end of the move, %, so that the next move can begin with what it needs.
     pub end_percent: u8,
 }
 
-/// Reason and state behind an override.
+/// State of the supervisor and reason behind an override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decision {
-    /// State of the supervisor.
+    /// State of the supervisor, such as armed or running.
     pub state: StateCode,
     /// Reason of the override; `None` if the source does not report it.
     pub reason: Option<Reason>,
@@ -65,13 +65,13 @@ pub struct Decision {
 
 /// Source of the feed override, called once a servo period.
 pub trait OverrideSource {
-    /// Notes that the control begins a move, or has none in work. A controller that follows the position ignores it.
+    /// Receives the move that the control begins, or `None` if no move is in execution. A source that follows the position ignores it.
     fn begin(&mut self, _begun: Option<MoveStart<'_>>) {}
 
-    /// Decides on the override that the control reads from now on.
+    /// Decides on the override that the control reads from now on, from the machine's signals.
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride;
 
-    /// Last decision; `None` before the first, and of a source that reports none.
+    /// Decision behind the last override; `None` before the first one, and from a source that reports none.
     fn decision(&self) -> Option<Decision> {
         None
     }

@@ -16,13 +16,13 @@ use super::trail::BlockRef;
 /// Number of samples in a window.
 const WINDOW: usize = 32;
 
-/// Fraction of the feed per tooth that counts as no change.
+/// Change of the tool's position from tooth to tooth, as a fraction of the feed per tooth, up to which a cut counts as stable.
 pub const FLOOR_RATIO: f64 = 0.05;
 
-/// Chatter result of a block.
+/// Result of chatter detection for one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChatterResult {
-    /// Block of the result.
+    /// Block in which the tool cut.
     pub block: BlockRef,
     /// Mean change of the tool's position from tooth to tooth in the worst window.
     pub metric_mm: f64,
@@ -30,7 +30,7 @@ pub struct ChatterResult {
     pub verdict: Verdict,
 }
 
-/// Tool positions of a run, sampled once per tooth, by which chatter is detected.
+/// Tool positions of a run, sampled once per tooth, from which chatter is detected.
 #[derive(Clone, Debug)]
 pub struct ChatterSamples {
     sampling: Sampling,
@@ -43,7 +43,7 @@ pub struct ChatterSamples {
 }
 
 impl ChatterSamples {
-    /// Empty samples; `per_turn` samples per turn, and `floor_mm`, the change of position that counts as none.
+    /// Empty samples. `per_turn` is their number per turn; changes of position up to `floor_mm` count as none.
     pub fn new(per_turn: usize, floor_mm: f64) -> Self {
         let sampling = Sampling { teeth: per_turn, tooth_hz: 0.0, floor_mm };
         ChatterSamples { sampling, window: Vec::new(), windows: 0, block: None, blocks: Vec::new() }
@@ -59,7 +59,7 @@ impl ChatterSamples {
         self.sampling.floor_mm
     }
 
-    /// Adds the next sample.
+    /// Adds the next sample, the tool's position relative to the workpiece, at this spindle speed.
     pub fn add(&mut self, block: &BlockRef, place_mm: Vector3<f64>, rev_per_s: f64) {
         if self.block.replace(*block).is_some_and(|before| before != *block) {
             self.window.clear();

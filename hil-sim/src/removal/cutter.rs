@@ -19,27 +19,27 @@ use super::trail::{AxisSample, BlockRef, PathSection, Trail};
 /// Volume below this fraction of a cell is rounding when a tool moves along its own cut, and does not count.
 const ROUNDING_RATIO: f64 = 1e-6;
 
-/// Settings of a stock cutter: stock, tools and tolerance.
+/// Settings of a [`StockCutter`]: stock, tools and tolerance.
 #[derive(Clone, Debug)]
 pub struct StockCutterSettings {
     /// Workpiece, in the program's coordinates.
     pub stock: Stock,
-    /// Cutting part of the tool, or of the first of several.
+    /// Cutting part of the tool, or of the first tool of several.
     pub tool: Tool,
-    /// Numbers of several tools, and the cutting part of those behind the first. Without them the tool makes all cuts.
+    /// The other tools, with their numbers; `None` if the program has only one tool, which then makes all cuts.
     pub numbered: Option<NumberedTools>,
-    /// Machine that gives the tool's direction under G43.4.
+    /// Machine whose kinematics give the tool's direction under G43.4; `None` if unknown.
     pub machine: Option<Machine>,
-    /// Largest distance of chords from the path of the axes.
+    /// Largest distance of the chords, which replace the executed path, from that path.
     pub tolerance_mm: f64,
 }
 
-/// Several tools, by the T numbers of the program.
+/// Several tools, found by the T numbers of the program.
 #[derive(Clone, Debug)]
 pub struct NumberedTools {
-    /// Number of the first tool.
+    /// T number of the first tool.
     pub first: Option<i64>,
-    /// Numbers and cutting parts of the others.
+    /// T numbers and cutting parts of the other tools.
     pub others: Vec<(Option<i64>, Tool)>,
 }
 
@@ -65,19 +65,19 @@ impl StockCutterSettings {
     }
 }
 
-/// Cutting blocks whose material was not removed, by reason.
+/// Cutting blocks whose material was not removed for one and the same reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Reason.
+    /// Reason why it was not removed.
     pub reason: LeftOutReason,
-    /// First of the blocks.
+    /// First of these blocks.
     pub first: BlockRef,
-    /// Number of blocks.
+    /// Number of these blocks.
     pub blocks: usize,
     last: u32,
 }
 
-/// Stock that is cut during a run, with the record of what was removed.
+/// Stock that is cut along the executed path of a run, with a record of the removed material.
 #[derive(Debug)]
 pub struct StockCutter {
     settings: StockCutterSettings,
@@ -119,7 +119,7 @@ impl LeftOut {
 }
 
 impl StockCutter {
-    /// State before the run.
+    /// Stock cutter before the run.
     pub fn new(settings: StockCutterSettings) -> Self {
         StockCutter {
             trail: Trail::new(settings.tolerance_mm, settings.reach_mm()),
@@ -134,7 +134,7 @@ impl StockCutter {
         }
     }
 
-    /// Processes a period of the run.
+    /// Processes one period of the run: removes the material of the path sections that it completes.
     ///
     /// # Errors
     /// The remaining stock takes more memory than allowed.
@@ -152,7 +152,7 @@ impl StockCutter {
         self.add_sample(&AxisSample { at: simulation.now(), axes: simulation.control().actual_axes(), block, context })
     }
 
-    /// Processes the end of the run.
+    /// Processes the end of the run: removes the material of the last path section.
     ///
     /// # Errors
     /// The remaining stock takes more memory than allowed.
@@ -186,12 +186,12 @@ impl StockCutter {
         &self.blocks
     }
 
-    /// Volume removed on each section of the path, in order.
+    /// Material removed on each section of the path, in order of execution.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// Cutting blocks without a known position on the workpiece.
+    /// Cutting blocks whose material was not removed, by reason.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }

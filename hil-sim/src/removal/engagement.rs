@@ -41,7 +41,7 @@ const TURN_DEG: f64 = 360.0;
 /// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
-/// Settings of the engagement meter.
+/// Settings of an [`EngagementMeter`].
 #[derive(Clone, Debug)]
 pub struct EngagementSettings {
     /// The workpiece, in the program's coordinates; layers along Z.
@@ -50,11 +50,11 @@ pub struct EngagementSettings {
     pub tool: Tool,
     /// Height above the tip up to which engagement counts.
     pub depth_mm: f64,
-    /// Distance in front of a circle at which material counts: a chip's thickness.
+    /// Distance in front of a cutting circle within which material counts as engaged: a chip's thickness.
     pub ahead_mm: f64,
     /// Distance between two samples of a move.
     pub every_mm: f64,
-    /// Whether moves under a cut rule are sampled, one value for each of the job's rules.
+    /// For each cut rule of the job, whether moves under it are sampled.
     pub rules: Vec<bool>,
     /// Machine that gives the tool's direction under G43.4.
     pub machine: Option<Machine>,
@@ -69,21 +69,21 @@ pub struct EngagementSettings {
 pub struct EngagedMove {
     /// Block of the move.
     pub block: BlockRef,
-    /// Samples in order; empty if the position on the workpiece is not known.
+    /// Samples in order of the path; empty if the tool's position on the workpiece is not known.
     pub samples: Vec<EngagedSample>,
 }
 
-/// Engaged arcs of the circles at one position.
+/// Engaged arcs of the tool's outer and inner circle at one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EngagedSample {
-    /// Path of the move up to the sample; grows from sample to sample.
+    /// Path of the move up to the sample.
     pub at_mm: f64,
     /// Beginning and end of the engaged arc of the outer and of the inner circle, in the angles of the laws; `None`
     /// without material in front.
     pub intervals_deg: [Option<[f64; 2]>; 2],
 }
 
-/// Meter of the tool's engagement: the tool in the layers of the workpiece, with the samples so far. Keeps its state between calls.
+/// Engagement meter: moves the tool through the layers of the workpiece and samples its engaged arcs. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct EngagementMeter {
     settings: EngagementSettings,
@@ -121,7 +121,7 @@ struct Heading {
 }
 
 impl EngagementMeter {
-    /// State before the run.
+    /// Engagement meter before the run.
     pub fn new(settings: EngagementSettings) -> Self {
         let rise_mm = settings.layers.rise_mm();
         let heights =
@@ -169,17 +169,17 @@ impl EngagementMeter {
         }
     }
 
-    /// Moves with samples, in order of execution.
+    /// Sampled moves with their engaged arcs, in order of execution.
     pub fn moves(&self) -> &[EngagedMove] {
         &self.moves
     }
 
-    /// Descending moves with their sections, in order of execution.
+    /// Descending moves with their engaged sections, in order of execution; empty without the plunge law.
     pub fn descents(&self) -> &[SectionedMove] {
         self.descents.as_ref().map_or(&[], SectionMeter::moves)
     }
 
-    /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
+    /// Cutting blocks without engaged arcs, because the tool's position on the workpiece is unknown or its axis is tilted.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }

@@ -28,7 +28,7 @@ const TOGETHER: usize = 64;
 /// Margin of a bound.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Solid of revolution that the edges of a tool without runout sweep.
+/// Solid of revolution that the edges of a tool without runout sweep, as slices.
 #[derive(Clone, Debug)]
 pub struct CuttingSolid {
     /// Slices from the tip upwards, each as high as a layer; one more than the evaluated height, for a tip inside a
@@ -38,18 +38,18 @@ pub struct CuttingSolid {
     pub reach_mm: f64,
 }
 
-/// Swept area of a layer.
+/// Area of one layer that a tool's cuts have swept.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     groups: Vec<Group>,
 }
 
-/// Position of a point relative to the swept area.
+/// Depth of a point inside a swept area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Depth {
-    /// Depth of the point; negative outside.
+    /// Distance of the point from the border of the swept area: positive inside, negative outside.
     pub deep_mm: f64,
-    /// Segment on which the point is deepest.
+    /// Index of the segment of the tip's path at which the point is deepest.
     pub segment: usize,
     /// Vector from the tool's axis there to the point.
     pub arm_mm: Vector2<f64>,
@@ -76,7 +76,7 @@ struct Swept {
 }
 
 impl Envelope {
-    /// Swept area of these segments.
+    /// Area of the layer with the index `layer` that the solid `turned` sweeps when its tip follows these segments.
     pub fn new(segments: &[TipSegment], turned: &CuttingSolid, layers: &Layers, layer: usize) -> Self {
         let rise_mm = layers.rise_mm();
         let foot_mm = layers.middle_mm(layer) - rise_mm / 2.0;

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::flexible::Workpiece;
 
-/// Flexible workpiece: the body with its modes.
+/// Workpiece that bends under the cutting force, with its modes.
 #[derive(Clone, Debug)]
 pub struct FlexibleWorkpiece {
     workpiece: Workpiece<Arc<Field>>,
@@ -24,24 +24,24 @@ pub struct FlexibleWorkpiece {
 }
 
 impl FlexibleWorkpiece {
-    /// A body with its modes, and the height above its tip up to which the tool has edges.
+    /// Workpiece with the modes of `field`; `edges_mm` is the height above the tool's tip up to which the tool has edges.
     pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
         FlexibleWorkpiece { bounds_mm: field.mesh().bounds_mm(), workpiece: Workpiece::new(field), edges_mm }
     }
 
-    /// Number of modes.
+    /// Number of modes of the workpiece.
     pub fn count(&self) -> usize {
         self.workpiece.count()
     }
 
-    /// Mode shapes at a tool with its tip at this position, 1/sqrt(kg).
+    /// Mode shapes, 1/sqrt(kg), at the point of the workpiece that represents the whole tool, with its tip at this position.
     pub fn shapes(&mut self, tip_mm: &Vector) -> &[Vector3<f64>] {
         let [low_mm, high_mm] = self.bounds_mm.map(|corner_mm| corner_mm[2]);
         let [from_mm, to_mm] = [tip_mm[2], tip_mm[2] + self.edges_mm].map(|at_mm| at_mm.clamp(low_mm, high_mm));
         self.workpiece.shapes_on([tip_mm[0], tip_mm[1], (from_mm + to_mm) / 2.0])
     }
 
-    /// The workpiece for evaluation at each edge.
+    /// The same workpiece, for mode shapes at each edge.
     pub fn workpiece_mut(&mut self) -> &mut Workpiece<Arc<Field>> {
         &mut self.workpiece
     }

@@ -20,7 +20,7 @@ use super::trail::SECTION_TIME_MAX;
 /// Chip thickness below which an edge counts as not cutting.
 pub const CHIP_MIN_MM: f64 = 1e-3;
 
-/// Loads of one step of the tool.
+/// Cutting loads in one step of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadSample {
     /// Duration of the step.
@@ -37,7 +37,7 @@ pub struct LoadSample {
     pub end_mm: f64,
 }
 
-/// Largest value and mean of a load.
+/// Statistics of one load (a force, torque or power): largest absolute value and integral over time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     max: f64,
@@ -50,15 +50,15 @@ pub struct Level {
 pub struct Passes {
     /// Number of passes.
     pub count: u64,
-    /// Thickest chip of all.
+    /// Thickest chip of all these passes.
     pub max_mm: f64,
     sum_mm: f64,
 }
 
-/// Load statistics of one block, or several.
+/// Load statistics of one block or of several.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadStatistics {
-    /// Time during which an edge had a chip.
+    /// Time in cut: during which any edge had a chip.
     pub time_s: f64,
     /// Force across the tool's axis, N.
     pub bending: Level,
@@ -68,7 +68,7 @@ pub struct LoadStatistics {
     pub torque: Level,
     /// Power, W.
     pub power: Level,
-    /// Passes of outer edges and of inner ones.
+    /// Passes of teeth on the outer circle and of those on the inner one.
     pub passes: [Passes; 2],
     /// Largest mean thickness of the chip of an edge on the tool's end.
     pub end_max_mm: f64,
@@ -88,7 +88,7 @@ pub struct TurnStatistics {
 }
 
 impl Level {
-    /// Largest absolute value.
+    /// Largest absolute value, in the unit of the load.
     pub fn max(&self) -> f64 {
         self.max
     }
@@ -105,7 +105,7 @@ impl Level {
 }
 
 impl Passes {
-    /// Mean of the thickest chips; `None` without passes.
+    /// Mean of the thickest chips of all passes, mm; `None` without passes.
     pub fn mean_mm(&self) -> Option<f64> {
         (self.count > 0).then(|| self.sum_mm / self.count as f64)
     }
@@ -117,7 +117,7 @@ impl Passes {
     }
 }
 
-/// Loads in a time window.
+/// Load statistics of a time window of a quarter of a second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadWindow {
     /// Beginning of the window.
@@ -129,7 +129,7 @@ pub struct LoadWindow {
 }
 
 impl LoadWindow {
-    /// The window of this time, without loads. Windows begin at whole multiples of their length.
+    /// Empty window that contains this time. Windows begin at whole multiples of their length.
     pub fn around(at: Micros) -> Self {
         let from = Micros(at.0 / SECTION_TIME_MAX.0 * SECTION_TIME_MAX.0);
         LoadWindow { from, to: from.after(SECTION_TIME_MAX), statistics: LoadStatistics::default() }
@@ -137,7 +137,7 @@ impl LoadWindow {
 }
 
 impl LoadStatistics {
-    /// Adds a step in the cut.
+    /// Adds a step of the tool in which it cuts.
     pub fn add(&mut self, sample: &LoadSample) {
         self.time_s += sample.dt_s;
         self.bending.add(sample.bending_n, sample.dt_s);
@@ -147,7 +147,7 @@ impl LoadStatistics {
         self.power.add(sample.power_w, sample.dt_s);
     }
 
-    /// Adds a pass: a tooth has left the material.
+    /// Adds the pass of a tooth that has left the material, with its thickest chip.
     pub fn add_pass(&mut self, side: Edge, thickest_mm: f64) {
         let passes = &mut self.passes[usize::from(side == Edge::Inner)];
         passes.merge(&Passes { count: 1, max_mm: thickest_mm, sum_mm: thickest_mm });
@@ -175,12 +175,12 @@ impl LoadStatistics {
         self.variation_sum += other.variation_sum;
     }
 
-    /// Mean of one of the loads; 0 out of the cut. (1)
+    /// Mean of one of these loads over the time in cut; 0 without a cut. (1)
     pub fn mean(&self, level: &Level) -> f64 {
         if self.time_s > 0.0 { level.integral / self.time_s } else { 0.0 }
     }
 
-    /// Variation of the bending force; `None` without a whole turn. (2)
+    /// Variation of the bending force within a turn, relative to its mean; `None` without a whole turn. (2)
     pub fn variation_ratio(&self) -> Option<f64> {
         (self.turns > 0).then(|| self.variation_sum / self.turns as f64)
     }
@@ -192,7 +192,7 @@ impl TurnStatistics {
         TurnStatistics { steps: 0, least_n: f64::INFINITY, most_n: 0.0, sum_n: 0.0, is_aside: false }
     }
 
-    /// Adds a step, with the thickest chip on the side.
+    /// Adds a step, with the bending force and the thickest chip on the tool's side.
     pub fn add(&mut self, bending_n: f64, side_mm: f64) {
         self.is_aside |= side_mm >= CHIP_MIN_MM;
         self.steps += 1;

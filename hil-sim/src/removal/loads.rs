@@ -39,7 +39,7 @@ const STEPS_MAX: f64 = 1e4;
 /// marks of 0.7 um.
 const CLEARINGS: u32 = 8;
 
-/// Settings for the evaluation of loads: edges, workpiece, step size.
+/// Settings of a [`LoadMeter`]: edges, workpiece, step size.
 #[derive(Clone, Debug)]
 pub struct LoadSettings {
     /// Edges in the layers of the workpiece, in the program's coordinates; layers along Z.
@@ -48,17 +48,17 @@ pub struct LoadSettings {
     pub machine: Option<Machine>,
     /// Largest angle of a step.
     pub step_max_rad: f64,
-    /// Flexible workpiece, whose modes are the first ones of the process.
+    /// Flexible workpiece, whose modes come first in the process; `None` for a rigid one.
     pub flexible: Option<FlexibleWorkpiece>,
     /// Workpiece for tools that the machine tilts; `None` to evaluate the edges of an upright tool only.
     pub tilted: Option<TiltedWorkpiece>,
-    /// Whether the edges are evaluated at all positions of the rotary axes, not at those of the first cut only.
+    /// Whether the edges are evaluated at all positions of the rotary axes; otherwise only at those of the first cut.
     pub is_indexed: bool,
     /// Samples for chatter detection: their number per turn, and the change of position that counts as none.
     pub samples: ChatterSamples,
 }
 
-/// Meter of the cutting loads in a run: the tool's edges in the workpiece, with the loads so far.
+/// Meter of the cutting loads in a run: moves the tool's edges through the workpiece and records chips, forces and passes of teeth.
 #[derive(Clone, Debug)]
 pub struct LoadMeter {
     settings: LoadSettings,
@@ -88,7 +88,7 @@ pub struct LoadMeter {
 }
 
 impl LoadMeter {
-    /// State before the run.
+    /// Load meter before the run.
     pub fn new(settings: LoadSettings) -> Self {
         let cutter = settings.process.engagement().cutter();
         let mut sides = vec![Edge::Outer; cutter.teeth()];
@@ -135,12 +135,12 @@ impl LoadMeter {
         self.windows.retain(|window| window.statistics.time_s > 0.0);
     }
 
-    /// Records the passes of the teeth from here on, until they are taken.
+    /// Begins to record the passes of the teeth for [`LoadMeter::take_passes`].
     pub fn record_passes(&mut self) {
         self.passes.record();
     }
 
-    /// Takes the recorded passes.
+    /// Takes the passes of the teeth recorded since the last call.
     pub fn take_passes(&mut self) -> Vec<ToothPass> {
         self.passes.take()
     }
@@ -150,7 +150,7 @@ impl LoadMeter {
         &self.blocks
     }
 
-    /// Load statistics by quarters of a second.
+    /// Load statistics of consecutive windows of a quarter of a second.
     pub fn windows(&self) -> &[LoadWindow] {
         &self.windows
     }
@@ -165,7 +165,7 @@ impl LoadMeter {
         &self.tip_path
     }
 
-    /// Cutting blocks whose position on the workpiece is unknown, or whose tool axis is tilted.
+    /// Cutting blocks without loads, because the tool's position on the workpiece is unknown or its axis is tilted.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
@@ -175,18 +175,18 @@ impl LoadMeter {
         self.settings.samples.blocks()
     }
 
-    /// Natural frequencies of a flexible workpiece, from the lowest.
+    /// Natural frequencies of a flexible workpiece in Hz, the lowest first; empty for a rigid one.
     pub fn workpiece_hz(&self) -> impl Iterator<Item = f64> {
         let count = self.settings.flexible.as_ref().map_or(0, FlexibleWorkpiece::count);
         self.settings.process.vibration().modes()[..count].iter().map(|mode| mode.frequency_hz)
     }
 
-    /// Largest change of position that chatter detection counts as no change.
+    /// Largest change of the tool's position, mm, that chatter detection counts as no change.
     pub fn floor_mm(&self) -> f64 {
         self.settings.samples.floor_mm()
     }
 
-    /// Angle of a step.
+    /// Angle by which the tool turns in one step.
     pub fn step_rad(&self) -> f64 {
         TAU / self.steps_a_turn as f64
     }

@@ -1,4 +1,4 @@
-//! Marks that each tooth has left on the walls, relative to the sweep of a true tool.
+//! Marks: deviations that each tooth has left on the walls of the workpiece, relative to the sweep of an ideal tool.
 //!
 //! In every layer rays end on walls. For each wall the ray direction with the larger angle to it counts. The depth of a
 //! ray's end in the sweep is the mark: positive for remaining material, negative where the wall is undercut. Marks
@@ -22,10 +22,10 @@ use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers};
 /// Depth below which a remainder of the blank is rounding.
 const LEFT_MM: f64 = 1e-9;
 
-/// Mark at a point of a wall.
+/// Mark at a point of a wall of the workpiece: how far the wall deviates from the sweep of an ideal tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallMark {
-    /// Index of the layer, from the lowest.
+    /// Index of the layer of the workpiece, counted from the lowest.
     pub layer: usize,
     /// Point in the plane of the layers.
     pub point_mm: Vector2<f64>,
@@ -35,7 +35,8 @@ pub struct WallMark {
     pub block: BlockRef,
 }
 
-/// Marks that a tool of this shape leaves on the walls along its path, at all ends of rays.
+/// Marks on all walls along the path of the tip, at all ends of rays. `blank` and `left` are the workpiece before and after; `turned` is
+/// the solid that the tool's edges sweep.
 pub fn marks(blank: &Layers, left: &Layers, tip_path: &TipPath, turned: &CuttingSolid) -> Vec<WallMark> {
     let mut marks = Vec::new();
     for (layer, (blank, now)) in blank.layers().iter().zip(left.layers()).enumerate() {

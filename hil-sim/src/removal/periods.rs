@@ -1,4 +1,4 @@
-//! Periods of a run: motion of the axes in each, and the block that it belongs to.
+//! Periods (milliseconds) of a run one by one: motion of the axes in each, and the block to which it belongs.
 
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::Micros;
@@ -10,7 +10,7 @@ use arcfeed_control::drives::limits::AXES;
 
 use super::trail::{BlockRef, PathSection, at_tip};
 
-/// Observer of a run, period by period; state: the last period.
+/// Observer of a run that returns its periods one by one. Keeps the last period between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Periods {
     axes: Option<[f64; AXES]>,
@@ -18,10 +18,10 @@ pub struct Periods {
     last: Option<(BlockRef, MoveContext, Segment)>,
 }
 
-/// One simulation period of a run, with its path.
+/// One simulation period of a run, with the motion of the axes in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Period {
-    /// Path of the period, one chord.
+    /// Path of the period, as one chord.
     pub section: PathSection,
     /// Move in execution, in machine coordinates.
     pub segment: Segment,
@@ -30,7 +30,7 @@ pub struct Period {
 }
 
 impl Periods {
-    /// Processes a period of the run; `None` before the second one, or before the first block.
+    /// Processes the period that the simulation has just computed; `None` in the first one, and before the first block.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
         let active =
             BlockRef::in_execution(simulation).map(|(block, segment)| (block, *simulation.context(), *segment));

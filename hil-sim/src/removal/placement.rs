@@ -1,4 +1,4 @@
-//! Position of the tool on the workpiece.
+//! Position of the tool on the workpiece ("part" below), from the machine coordinates of the axes.
 //!
 //! The workpiece is defined in the program's coordinates at its first cut: those of the work coordinate system in force
 //! there, with the rotary axes at their positions there. With L the machine coordinates of the tip, T(q) the turn of the part
@@ -38,21 +38,21 @@ const UPRIGHT_RAD: f64 = 1e-6;
 /// Tool axis without rotary axes, or for the part in its first position.
 const UP: Vector = [0.0, 0.0, 1.0];
 
-/// Reason why a block's material is not removed.
+/// Reason why the material of a block is not removed, or its edges are not evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOutReason {
-    /// A rotary axis turns, and the path is not given on the part.
+    /// A rotary axis turns, and the path is not programmed relative to the workpiece (G43.4).
     Turning,
-    /// The rotary axes are at other positions than for the first cut, and no machine is configured that turns the part about
-    /// known axes.
+    /// The rotary axes are at other positions than for the first cut, and the kinematics of a machine whose rotary axes turn the
+    /// workpiece are not known.
     OtherPosition,
-    /// The path is given on the part, and no machine is configured.
+    /// The path is programmed relative to the workpiece (G43.4), and the machine's kinematics are not known.
     NoMachine,
-    /// The path is the part's contour: G41, G42.
+    /// The path is the contour under G41 or G42, not the path of the tool's centre.
     Contour,
-    /// The tool is tilted on the part, and edges are evaluated for an upright tool only.
+    /// The tool is tilted on the workpiece, and edges are evaluated for an upright tool only.
     Tilted,
-    /// The tool's axis turns on the part; edges are evaluated at a fixed axis only.
+    /// The tool's axis turns on the workpiece during the move; edges are evaluated for a fixed axis only.
     AxisTurns,
     /// The shape of the tool in the spindle is not given.
     OtherTool,
@@ -60,23 +60,23 @@ pub enum LeftOutReason {
     Backwards,
 }
 
-/// Chord of the tip under a fixed axis.
+/// Straight motion (chord) of the tool's tip on the workpiece, while the tool's axis keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolChord {
-    /// Both ends on the part.
+    /// Start and end of the tip's motion, in the workpiece's coordinates.
     pub ends_mm: [Vector; 2],
-    /// Frame of the tool on the part: z along its axis to the holder, x and y those of the machine.
+    /// Frame of the tool on the workpiece: z along its axis to the holder, x and y those of the machine.
     pub frame: Frame,
 }
 
 impl ToolChord {
-    /// Whether the tool is tilted on the part.
+    /// Whether the tool's axis on the workpiece differs from Z.
     pub fn is_tilted(&self) -> bool {
         self.frame != Frame::OWN
     }
 }
 
-/// Position of the workpiece on the machine, as far as it is known.
+/// Position of the workpiece on the machine; it becomes known at the first cut.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WorkpiecePlacement {
     origin_mm: Option<Vector>,
@@ -91,17 +91,17 @@ impl WorkpiecePlacement {
         WorkpiecePlacement { is_indexed, ..WorkpiecePlacement::default() }
     }
 
-    /// Whether [`locate`](Self::locate) has found where the workpiece stands on the machine.
+    /// Whether the position of the workpiece is known, because [`locate`](Self::locate) has seen the first cut.
     pub fn is_known(&self) -> bool {
         self.origin_mm.is_some()
     }
 
-    /// Determines the workpiece's position from the first cut.
+    /// Sets the workpiece's position from the first cut; what is already known does not change.
     pub fn locate(&mut self, cut: &PathSection) {
         self.locate_at(&cut.positions[0], &cut.context, cut.turn_deg() <= SAME_DEG);
     }
 
-    /// Determines the workpiece's position from the first cut, at a position of the axes; the rotary ones stand or turn.
+    /// Sets the workpiece's position from the axes' position at the first cut; `stands` says whether the rotary axes stand still.
     pub fn locate_at(&mut self, position: &AxisPosition, context: &MoveContext, stands: bool) {
         self.origin_mm.get_or_insert_with(|| origin_of(context));
         if context.programmed_path != ProgrammedPath::Tip && stands {
@@ -109,7 +109,7 @@ impl WorkpiecePlacement {
         }
     }
 
-    /// Sweeps of a path section, in order.
+    /// Straight sweeps of the tool on the workpiece along a path section, in order.
     ///
     /// # Errors
     /// The tool's position on the workpiece is unknown.
@@ -126,8 +126,8 @@ impl WorkpiecePlacement {
         sweeps.map(|sweeps| sweeps.concat()).map_err(|_| LeftOutReason::Turning)
     }
 
-    /// Chord of the tip of an upright tool on the part, for a path section of one chord; `None` before the first cut
-    /// has given the part's position.
+    /// Straight motion of the tip of an upright tool on the workpiece, for a path section of one chord; `None` before the first cut
+    /// has given the workpiece's position.
     ///
     /// # Errors
     /// The tool's position on the workpiece is unknown, or the tool is tilted.
@@ -146,8 +146,8 @@ impl WorkpiecePlacement {
         )
     }
 
-    /// Chord of the tip of a tool with a fixed axis on the part, for a path section of one chord; `None` before the first
-    /// cut has given the part's position.
+    /// Straight motion of the tip of a tool with a fixed axis on the workpiece, for a path section of one chord; `None` before the
+    /// first cut has given the workpiece's position.
     ///
     /// # Errors
     /// The tool's position on the workpiece is unknown, or its axis turns on the part.
@@ -188,8 +188,8 @@ impl WorkpiecePlacement {
         }
     }
 
-    /// Tip and axis on the part at a position of the axes, in a move with this context; before the first cut as if the part
-    /// were where it is then. Without rotary axes, or without a machine that turns the part, it is `None`.
+    /// Tip and axis of the tool on the workpiece at a position of the axes, in a move with this context. Before the first cut it is
+    /// computed as if the workpiece were where it is then. `None` without rotary axes, or if the machine does not turn the workpiece.
     pub fn pose(&self, position: &AxisPosition, context: &MoveContext, machine: &Machine) -> Option<Pose> {
         let origin_mm = self.origin_mm.unwrap_or_else(|| origin_of(context));
         let tip_mm = difference([position[0], position[1], position[2]], origin_mm);

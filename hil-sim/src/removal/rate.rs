@@ -10,29 +10,29 @@ use super::trail::SECTION_TIME_MAX;
 /// Steps between rays that a window covers.
 const STEPS: f64 = 4.0;
 
-/// Volume removed on a path section.
+/// Volume that was removed on one path section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Index of the block among those that cut.
+    /// Index of the section's block among the blocks that cut.
     pub block: usize,
     /// Beginning of the section.
     pub from: Micros,
     /// End of the section.
     pub to: Micros,
-    /// Path length.
+    /// Length of the section.
     pub path_mm: f64,
     /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
 }
 
-/// Time window with its removal rate.
+/// Time window with the volume removed in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateWindow {
     /// Beginning of the window.
     pub from: Micros,
     /// End of the window.
     pub to: Micros,
-    /// Volume, as the mean of the three families of rays.
+    /// Removed volume: the mean of what the rays along x, y and z measure.
     pub removed_mm3: f64,
     path_mm: f64,
     /// Total time of the path sections.
@@ -44,9 +44,9 @@ pub struct RateWindow {
 pub struct RemovedVolume {
     /// Volume that the rays along x, y, z measure, mm3.
     pub removed: [f64; 3],
-    /// Time of the pieces that removed material.
+    /// Total time of the path sections that removed material.
     pub time: Micros,
-    /// Largest rate of a window, mm3/min.
+    /// Largest removal rate of all windows, mm3/min.
     pub rate_max_per_min: f64,
 }
 
@@ -58,14 +58,14 @@ impl Piece {
 }
 
 impl RateWindow {
-    /// Rate over the time of the path sections, mm3/min.
+    /// Removal rate: volume over the time of the window's path sections, mm3/min.
     pub fn rate_per_min(&self) -> f64 {
         self.removed_mm3 / self.cut.to_s() * S_PER_MIN
     }
 }
 
 impl RemovedVolume {
-    /// Volume removed in all pieces, which are in the order of time, and the largest rate over a path of `step_mm`.
+    /// Volume removed in all `pieces`, which must be in the order of time, and the largest rate; `step_mm` is the distance of the rays.
     pub fn of<'p>(pieces: impl Iterator<Item = &'p Piece> + Clone, step_mm: f64) -> Self {
         let mut removed_volume = RemovedVolume::default();
         for piece in pieces.clone().filter(|piece| piece.mean_mm3() > 0.0) {
@@ -94,7 +94,7 @@ impl RemovedVolume {
     }
 }
 
-/// Divides the path sections, in the order of time, into consecutive windows.
+/// Divides the path sections, in the order of time, into consecutive windows; `step_mm` is the distance of the rays.
 pub fn windows<'p>(pieces: impl Iterator<Item = &'p Piece>, step_mm: f64) -> Vec<RateWindow> {
     let mut windows: Vec<RateWindow> = Vec::new();
     for piece in pieces {

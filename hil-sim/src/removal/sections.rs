@@ -35,20 +35,20 @@ use super::trail::BlockRef;
 /// Path between two descending moves within which the second meets the chip of the first: more than any tooth goes.
 const JOINED_MM: f64 = 2.0;
 
-/// Settings for computing engaged sections of descending moves.
+/// Settings for computing the engaged sections of descending moves (plunges and ramps).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSettings {
-    /// Edges of the tool's end, and those of a side of it.
+    /// Numbers of edges on the tool's end and on a side of it.
     pub edges: EdgeCounts,
     /// Innermost and outermost radius of the tool.
     pub radii_mm: [f64; 2],
-    /// Height above the tip up to which the tool has a smaller radius than there.
+    /// Height above the tip of the rounded corner: below it the tool is narrower.
     pub corner_mm: f64,
-    /// Whether moves that descend at an angle have sections, too.
+    /// Whether ramps (moves that descend at an angle) have sections, too.
     pub has_ramps: bool,
 }
 
-/// Numbers of edges that pass a point in one turn.
+/// Numbers of edges of the tool that pass a point in one turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeCounts {
     /// Number of edges on the end.
@@ -57,27 +57,27 @@ pub struct EdgeCounts {
     pub side: usize,
 }
 
-/// A descending move with its engaged sections.
+/// Descending move (plunge or ramp) with its engaged sections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionedMove {
-    /// The move in the workpiece's coordinates.
+    /// The move, in the workpiece's coordinates.
     pub segment: Segment,
-    /// Samples in order; empty if the position on the workpiece is not known.
+    /// Samples in order of the path; empty if the tool's position on the workpiece is not known.
     pub samples: Vec<SectionSample>,
-    /// Joints with the descending moves directly before and behind it.
+    /// Joints with the descending moves directly before and after it; `None` without one.
     pub joints: [Option<SectionJoint>; 2],
 }
 
-/// Engaged section where one descending move continues in another.
+/// Engaged section at the joint where one descending move continues in another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionJoint {
-    /// Moment of the end's edges: the larger one of both moves. 0 if the position on the workpiece is not known.
+    /// Moment (sum of radius times engaged width) of the end's edges: the larger one of both moves; 0 if the position is not known.
     pub end_mm2: f64,
-    /// Moment of the edges of the sides that have material in front of them in either direction.
+    /// Moment of the sides' edges that have material in front of them in the direction of either move.
     pub side_mm2: f64,
-    /// Larger sine of the angles of both moves from the plane across the axis.
+    /// Larger sine of the slope angles of both moves, measured from the plane square to the tool's axis.
     pub sine_ratio: f64,
-    /// Larger cosine of them.
+    /// Larger cosine of these angles.
     pub cosine_ratio: f64,
 }
 
@@ -94,14 +94,14 @@ pub(super) struct SectionMeter {
     apart_mm: f64,
 }
 
-/// Engaged section of the tool at one place of a descending move.
+/// Engaged section of the tool at one position of a descending move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionSample {
-    /// Path of the move up to the sample; grows from sample to sample.
+    /// Path of the move up to the sample.
     pub at_mm: f64,
-    /// Moment of the end's edges. (1)
+    /// Moment (sum of radius times engaged width) of the end's edges. (1)
     pub end_mm2: f64,
-    /// Moment of the edges of the sides; 0 on a move along the axis. (2)
+    /// Moment of the sides' edges; 0 on a move along the tool's axis. (2)
     pub side_mm2: f64,
 }
 

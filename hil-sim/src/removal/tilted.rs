@@ -40,7 +40,7 @@ const BESIDE_RADII: f64 = 0.5;
 /// Half width of layers about an axis, in radii of the tool.
 const ABOUT_RADII: f64 = 2.0;
 
-/// Workpiece of a run with tilted tools.
+/// Workpiece for evaluating the edges of tilted tools.
 #[derive(Clone, Debug)]
 pub struct TiltedWorkpiece {
     /// Workpiece before the first cut, in the program's coordinates.
@@ -49,7 +49,7 @@ pub struct TiltedWorkpiece {
     pub tool: Tool,
     /// Largest distance of sweeps from the path of a tool whose axis turns.
     pub tolerance_mm: f64,
-    /// Radius of the tool if layers are made about its axis only; `None`: of the whole workpiece.
+    /// Radius about the tool's axis up to which layers are made, for plunges; `None` to make them of the whole workpiece.
     pub about_mm: Option<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Path of the tool's tip among the layers, in as few segments as possible.
+//! Path of the tool's tip in the workpiece's layers, as few straight segments.
 //!
 //! A segment at one height is extended as long as it passes every replaced point, at distance d beside and a along it,
 //! within t:
@@ -17,10 +17,10 @@ use super::trail::BlockRef;
 /// Tolerance t: far less than any mark of interest.
 const OFF_MAX_MM: f64 = 1e-6;
 
-/// Straight part of the tip's path.
+/// Straight segment of the tip's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipSegment {
-    /// Block of the segment.
+    /// Block to which the segment belongs.
     pub block: BlockRef,
     /// Position of the tip at the beginning, in the program's coordinates.
     pub from_mm: Vector,
@@ -28,7 +28,7 @@ pub struct TipSegment {
     pub to_mm: Vector,
 }
 
-/// Path of the tool's tip so far.
+/// Path of the tool's tip so far, as straight segments.
 #[derive(Clone, Debug, Default)]
 pub struct TipPath {
     segments: Vec<TipSegment>,
@@ -46,7 +46,7 @@ struct ExtensionCone {
 }
 
 impl TipPath {
-    /// All segments, in order.
+    /// All segments, in order of execution.
     pub fn segments(&self) -> &[TipSegment] {
         &self.segments
     }
@@ -56,7 +56,7 @@ impl TipPath {
         self.at_mm.is_none()
     }
 
-    /// Moves the tip straight to a point.
+    /// Extends the path by a straight motion of the tip to a point, or begins a new path there.
     pub fn move_to(&mut self, block: &BlockRef, tip_mm: Vector) {
         let Some(at_mm) = self.at_mm.replace(tip_mm).filter(|at_mm| *at_mm != tip_mm) else { return };
         if let (Some(segment), Some(cone)) = (self.segments.last_mut(), &mut self.cone)

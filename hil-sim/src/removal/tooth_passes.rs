@@ -6,18 +6,18 @@ use arcfeed_model::tool::Edge;
 use super::load_statistics::CHIP_MIN_MM;
 use super::trail::BlockRef;
 
-/// Finished pass of a tooth.
+/// Finished pass of a tooth through the material: from where it entered to where it left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToothPass {
     /// Tooth, counted from 0.
     pub tooth: usize,
-    /// Side on which the tooth cuts.
+    /// Whether the tooth cuts on the outer or on the inner cutting circle.
     pub side: Edge,
     /// Block in which the tooth left the material.
     pub block: BlockRef,
-    /// Time of the thickest chip.
+    /// Time of the thickest chip, s.
     pub at_s: f64,
-    /// Thickest chip.
+    /// Thickest chip of the pass.
     pub chip_mm: f64,
     /// Largest force of all teeth across the tool's axis during the pass.
     pub bending_n: f64,
@@ -27,14 +27,14 @@ pub struct ToothPass {
     pub tip_mm: Vector,
 }
 
-/// Step of the tool, in which teeth may end their passes.
+/// One step of the tool, with the loads of all teeth in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassStep {
-    /// Block that the step counts for.
+    /// Block to which the step belongs.
     pub block: BlockRef,
-    /// Time of the step.
+    /// Time of the step, s.
     pub at_s: f64,
-    /// Tip of the tool.
+    /// Position of the tool's tip, in the workpiece's coordinates.
     pub tip_mm: Vector,
     /// Force of all teeth across the tool's axis.
     pub bending_n: f64,
@@ -42,7 +42,7 @@ pub struct PassStep {
     pub torque_n_m: f64,
 }
 
-/// Tracker of the teeth's passes through the material. Keeps its state between calls.
+/// Tracks the passes of the teeth through the material. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub struct ToothPasses {
     /// Cutting circle of each tooth.
@@ -56,17 +56,17 @@ pub struct ToothPasses {
 }
 
 impl ToothPasses {
-    /// Teeth out of the material, each with the side on which it cuts.
+    /// Tracker with all teeth out of the material; `sides` has the cutting circle of each tooth.
     pub fn new(sides: Vec<Edge>) -> Self {
         ToothPasses { open: vec![None; sides.len()], sides, ended: Vec::new(), recorded: None }
     }
 
-    /// Records passes from here on, until they are taken.
+    /// Begins to record finished passes for [`ToothPasses::take`].
     pub fn record(&mut self) {
         self.recorded.get_or_insert_default();
     }
 
-    /// Takes the recorded passes.
+    /// Takes the finished passes that were recorded since the last call.
     pub fn take(&mut self) -> Vec<ToothPass> {
         self.recorded.as_mut().map_or(Vec::new(), std::mem::take)
     }
@@ -102,7 +102,7 @@ impl ToothPasses {
         &self.ended
     }
 
-    /// Takes the teeth out of the material; unfinished passes do not count.
+    /// Takes all teeth out of the material and drops their unfinished passes.
     pub fn lift(&mut self) {
         self.open.fill(None);
     }

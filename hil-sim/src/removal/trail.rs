@@ -33,14 +33,14 @@ const TURN_MAX_DEG: f64 = 1.0;
 /// Position of the tool's tip in machine coordinates: X, Y, Z in mm; A, B, C in degrees.
 pub type AxisPosition = [f64; AXES];
 
-/// Reference to an executed block.
+/// Reference to a block of the program that has been executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockRef {
     /// Count of blocks executed, this one included.
     pub count: u32,
-    /// N of the block.
+    /// N of the block; `None` without one.
     pub sequence: Option<i64>,
-    /// Index of the cut rule for the block.
+    /// Index of the job's cut rule for the block; `None` without one.
     pub rule: Option<usize>,
     /// Whether the move is a rapid.
     pub is_rapid: bool,
@@ -65,26 +65,26 @@ pub struct AxisSample {
     pub axes: [f64; AXES],
     /// Block in execution.
     pub block: BlockRef,
-    /// Context of its move.
+    /// Context of the move in execution.
     pub context: MoveContext,
 }
 
-/// Part of the path of one block, as chords.
+/// Path section: part of the executed path of one block, as chords, up to a quarter of a second.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathSection {
     /// Block of the section.
     pub block: BlockRef,
-    /// Context of its move.
+    /// Context of the block's move.
     pub context: MoveContext,
     /// Beginning of the section.
     pub from: Micros,
     /// End of the section.
     pub to: Micros,
-    /// Ends of the chords, one after the other; two or more.
+    /// Ends of the chords, two or more, in order.
     pub positions: Vec<AxisPosition>,
 }
 
-/// Divides the path of the axes into sections: one block, as chords, up to a quarter of a second.
+/// Divides the executed path of the axes into path sections.
 #[derive(Clone, Debug)]
 pub struct Trail {
     tolerance_mm: f64,
@@ -108,7 +108,7 @@ struct Checked {
 }
 
 impl Trail {
-    /// An empty path; no point of the tool is farther than `reach_mm` from its tip.
+    /// Empty path. Chords stay within `tolerance_mm`; no point of the tool is farther than `reach_mm` from its tip.
     pub fn new(tolerance_mm: f64, reach_mm: f64) -> Self {
         Trail {
             tolerance_mm,
@@ -149,7 +149,7 @@ impl Trail {
         over
     }
 
-    /// Completes the open section.
+    /// Completes the section in progress; `None` without one.
     pub fn end(&mut self) -> Option<PathSection> {
         let mut over = self.open.take()?;
         over.positions.extend(self.passed.last());
@@ -194,7 +194,7 @@ impl Trail {
 }
 
 impl PathSection {
-    /// Path length of the tip.
+    /// Length of the tip's path, mm.
     pub fn path_mm(&self) -> f64 {
         let chord = |pair: &[AxisPosition]| {
             libm::sqrt((0..3).map(|axis| (pair[1][axis] - pair[0][axis]) * (pair[1][axis] - pair[0][axis])).sum())
@@ -202,7 +202,7 @@ impl PathSection {
         self.positions.windows(2).map(chord).sum()
     }
 
-    /// Largest rotation of a rotary axis.
+    /// Largest rotation of any rotary axis within the section, degrees.
     pub fn turn_deg(&self) -> f64 {
         let turn = |position: &AxisPosition| {
             (3..AXES).map(|axis| (position[axis] - self.positions[0][axis]).abs()).fold(0.0, f64::max)

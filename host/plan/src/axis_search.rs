@@ -10,16 +10,16 @@ use crate::cup_mill::room::{DirectionGrid, LEAN_MAX_RAD, LEAN_STEP_RAD, Room, le
 use crate::cup_mill::side::RAISES;
 use crate::cutter::CupMill;
 
-/// Direction of the tool that the search has tried, with the share of the slot that its plan removes.
+/// One combination of start edge, tool direction and depth that the search has tried, with the share of the slot that its plan removes.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
-    /// Prepared slot, by the edges from which the path starts.
+    /// Index of the edges from which the path starts: 0 for the leading, 1 for the trailing edges.
     pub edge: usize,
-    /// Direction, with the width that it leaves for the ring between the blades.
+    /// Direction of the tool, with the free width on both sides of the ring between the blades.
     pub room: Room,
-    /// Number of equal parts of the blades' height, from the hub, that are left out.
+    /// Number of the eighths of the blades' height, from the hub up, beside which the ring does not pass; they stay uncut.
     pub raise: usize,
-    /// Removed part of the slot's volume, 0 to 1.
+    /// Fraction of the slot's volume that the plan removes, 0 to 1.
     pub share_ratio: f64,
     /// Lean and tilt, as coordinates of the search.
     at: [f64; 2],
@@ -39,11 +39,12 @@ const AROUND: [[f64; 2]; 8] =
 
 /// Search for the best direction of the tool, over all directions and both start edges.
 pub struct AxisSearch<'s, V> {
-    /// Slot from both edges.
+    /// The slot prepared for paths from its leading and from its trailing edges.
     pub prepared: &'s [PreparedSlot; 2],
     /// Cutter.
     pub cutter: &'s CupMill,
-    /// Removed fraction of the slot, by edge, room and left out parts; `None` if there is no plan.
+    /// Function that returns the removed fraction of the slot, by index of the start edges, tool direction and number of eighths of the
+    /// height left out; `None` if there is no plan.
     pub value: V,
 }
 

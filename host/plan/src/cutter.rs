@@ -16,40 +16,40 @@
 //! d(box) = |max(|p - m| - h, 0)| - rounding                                   (1)
 //! ```
 
-/// Radii and heights of a cup mill, mm; heights count from its bottom. The inner radius is below the outer one, the
-/// inserts are not wider than the ring, and the cavity is less deep than the cup is high.
+/// Dimensions of a cup mill and its holder, mm; heights are measured from its bottom. The inner radius must be below the outer one, the
+/// inserts not wider than the ring, and the cavity less deep than the cup is high.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CupMill {
-    /// R
+    /// Outer radius of the ring, R.
     pub outer_radius_mm: f64,
-    /// r
+    /// Inner radius of the ring, r.
     pub inner_radius_mm: f64,
     /// Corner radius of the inserts.
     pub insert_radius_mm: f64,
     /// Depth of the cup's cavity.
     pub cavity_depth_mm: f64,
-    /// Height from its bottom to its back.
+    /// Height of the cup from its bottom to its back.
     pub height_mm: f64,
-    /// Cylinders of the holder, from below: radius and length.
+    /// Cylinders of the holder on the cup's back, from below, each as radius and length.
     pub holder_mm: Vec<[f64; 2]>,
-    /// Teeth that cut at once, on one circle.
+    /// Number of teeth that cut at once, on one of the two circles.
     pub active_teeth: u16,
 }
 
-/// Part of the tool, for which clearances are computed.
+/// Part of a cup mill whose clearance is computed on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ToolPart {
-    /// Ring: the wall with its inserts.
+    /// Ring: the wall of the cup with its inserts.
     Ring,
-    /// Body: the closed back.
+    /// Body: the closed back of the cup.
     Body,
     /// Holder.
     Holder,
 }
 
 impl CupMill {
-    /// Distance of a point from one part, mm, by its distance from the axis and its height above the bottom; negative
-    /// inside, where only the sign is valid.
+    /// Distance, mm, of a point from one part of the tool. The point is given by its distance from the axis and its height above the
+    /// bottom. Negative inside, where only the sign is valid.
     pub fn distance_of_mm(&self, part: ToolPart, radius_mm: f64, height_mm: f64) -> f64 {
         match part {
             ToolPart::Ring => self.ring_distance_mm(radius_mm, height_mm),
@@ -58,8 +58,7 @@ impl CupMill {
         }
     }
 
-    /// Inner and outer radius of the ring at a height above its bottom, mm; `None` below it. Above the cavity the tool
-    /// is solid.
+    /// Inner and outer radius, mm, of the ring at a height above its bottom; `None` below it. Above the cavity the inner radius is 0.
     pub fn radii_mm(&self, height_mm: f64) -> Option<[f64; 2]> {
         if height_mm < 0.0 {
             return None;
@@ -71,7 +70,7 @@ impl CupMill {
         Some([inner_mm, self.outer_radius_mm - drawn_in_mm])
     }
 
-    /// Height of the ring's underside at a distance from the axis, mm; `None` beside it.
+    /// Height of the ring's underside above its bottom at a distance from the axis, mm; `None` beside the ring.
     pub fn underside_mm(&self, radius_mm: f64) -> Option<f64> {
         let rounding = self.insert_radius_mm;
         let inner_mm = self.inner_radius_mm + rounding - radius_mm;
@@ -80,7 +79,7 @@ impl CupMill {
         (beyond_mm <= rounding).then(|| rounding - libm::sqrt(rounding * rounding - beyond_mm * beyond_mm))
     }
 
-    /// Distance from the wall alone: rounded at the bottom, ended by the body at the top.
+    /// Distance, mm, of a point from the wall of the ring alone: rounded at the bottom, ended by the body at the top.
     pub fn ring_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let rounding = self.insert_radius_mm;
         let low = [self.inner_radius_mm + rounding, rounding];

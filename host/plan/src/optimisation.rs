@@ -21,7 +21,7 @@ use crate::proof::removal::{Stock, slot_share_ratio};
 use crate::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use crate::vector::Point;
 
-/// Slot to be planned, with cutter and requirements.
+/// A slot to be planned, with the cutter and the requirements, for a search of the plan that removes most.
 pub struct Problem<'p> {
     blisk: &'p Blisk,
     cutter: &'p CupMill,
@@ -31,12 +31,12 @@ pub struct Problem<'p> {
     prepared: [PreparedSlot; 2],
 }
 
-/// Plan of a slot, and the fraction of the slot that it removes.
+/// Plan of a slot, with the fraction of the slot's volume that it removes.
 #[derive(Clone, Debug)]
 pub struct ValuedPlan {
-    /// Plan.
+    /// Plan of the path through the slot.
     pub plan: SlotPlan,
-    /// Removed fraction of the slot.
+    /// Fraction of the slot's volume that the plan removes, 0 to 1.
     pub share_ratio: f64,
 }
 
@@ -52,10 +52,10 @@ const LEAST_RATIO: f64 = 0.02;
 const PROVEN_MAX: usize = 6;
 
 impl<'p> Problem<'p> {
-    /// Problem from a rotor, its slot in the part frame, a cutter, and the requirements.
+    /// Problem of a rotor, its slot (in the rotor's own frame), a cutter and the requirements.
     ///
     /// # Errors
-    /// A blade is not above the hub, there is no slot between the blades, or there would be too many levels.
+    /// A blade does not reach the hub, there is no slot between the blades, or there would be too many levels.
     pub fn new(blisk: &'p Blisk, slot: &Slot, cutter: &'p CupMill, roughing: &'p Roughing) -> Result<Self, Infeasible> {
         let hub_radius_mm = blisk.hub.profile_mm.iter().map(|place| place[1]).fold(f64::INFINITY, f64::min);
         check_levels(blisk.blank.radius_mm - hub_radius_mm, roughing.axial_depth_max_mm)?;
@@ -68,13 +68,13 @@ impl<'p> Problem<'p> {
         Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
     }
 
-    /// The problem with fixtures, as boxes that turn with the part: opposite corners, part frame.
+    /// The same problem with fixtures: boxes that turn with the rotor, each by two opposite corners in the rotor's own frame.
     #[must_use]
     pub fn with_fixture(self, fixture: &'p [[Point; 2]]) -> Self {
         Problem { fixture, ..self }
     }
 
-    /// Plan that removes most, among those that `admits` accepts.
+    /// Plan that removes most of the slot, among those that `admits` accepts; collisions are not checked.
     ///
     /// # Errors
     /// See [`Problem::ranked`].
@@ -82,18 +82,19 @@ impl<'p> Problem<'p> {
         self.ranked(admits).map(|mut ranked| ranked.swap_remove(0))
     }
 
-    /// Plans that `admits` accepts, sorted by the removed fraction, the largest first; at least one.
+    /// Plans that `admits` accepts, at least one, sorted by the fraction that they remove, the largest first. Without an accepted
+    /// plan, the one with the tool axis of the largest free width.
     ///
     /// # Errors
-    /// Reason for the roomiest axis, if there is no plan: the least missing width.
+    /// There is no plan at all; the reason is that for the tool axis with the largest free width.
     pub fn ranked(&self, admits: impl Fn(&SlotPlan) -> bool + Sync) -> Result<Vec<ValuedPlan>, Infeasible> {
         self.ranked_with(self.cutter, &admits)
     }
 
-    /// Plan with one axis over the whole depth, from the edges from which it removes more.
+    /// Plan over the whole depth with the tool axis `axis`, from the edges from which it removes more.
     ///
     /// # Errors
-    /// There is none.
+    /// There is no plan with this axis.
     pub fn along(&self, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         self.along_with(self.cutter, axis)
     }
@@ -111,7 +112,7 @@ impl<'p> Problem<'p> {
     /// `admits` rejects do not count as proven. With `axis` only the plan along this axis is tried.
     ///
     /// # Errors
-    /// There is no plan.
+    /// There is no plan at all.
     pub fn proven(
         &self,
         axis: Option<AxisChoice>,
@@ -120,10 +121,10 @@ impl<'p> Problem<'p> {
         self.proven_with(self.cutter, axis, &admits)
     }
 
-    /// Removed fraction of the slot by another cutter, along an axis or by the best plan, if its proof holds.
+    /// Fraction of the slot that another cutter removes, by its plan with the tool axis `axis` or, without it, by its best proven plan.
     ///
     /// # Errors
-    /// There is no plan, or none whose proof holds.
+    /// There is no plan, or none that is proven free of collisions.
     pub fn share_ratio(
         &self,
         cutter: &CupMill,

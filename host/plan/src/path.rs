@@ -16,16 +16,16 @@ use crate::vector::Flat;
 /// An arc that ends this little before its start has no length.
 const SWEEP_NOISE_RAD: f64 = 1e-9;
 
-/// Path of the tool through a slot, level by level.
+/// Path of a cup mill through a slot, level by level. Points are in the slot frame, whose z is the tool's axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotPath {
-    /// A, on the outer circle at the base position: the same on all levels.
+    /// Pivot A, on the outer circle at the base position: the same on all levels.
     pub exterior: Flat,
-    /// B1, on the inner circle at the base position.
+    /// Pivot B1, on the inner circle at the base position: the same on all levels.
     pub interior: Flat,
-    /// C: the tool's centre at the base position.
+    /// Centre C of the tool at the base position, in which the ring touches both blades.
     pub base: Flat,
-    /// Sense in which the centre leaves the base position.
+    /// Sense of rotation in which the centre leaves the base position.
     pub outward: Turn,
     /// Levels from the top.
     pub levels: Vec<Level>,
@@ -36,11 +36,11 @@ pub struct SlotPath {
 /// One level of a slot's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// Height, mm.
+    /// Height of the tool's bottom on this level, mm.
     pub height_mm: f64,
-    /// D: end of the turn about A.
+    /// Centre of the tool at D, the end of the turn about A.
     pub exterior_end: Flat,
-    /// E: end of the turn about B1.
+    /// Centre of the tool at E, the end of the turn about B1.
     pub interior_end: Flat,
 }
 
@@ -63,18 +63,18 @@ pub enum Purpose {
     Retract,
 }
 
-/// Piece of the path: a line or an arc.
+/// One step of the path: a line or an arc of the tool's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Purpose.
+    /// Purpose of the step.
     pub purpose: Purpose,
-    /// Level, from 0; that to which a link leads.
+    /// Index of the level; for a link, of the level to which it leads.
     pub level: usize,
-    /// Start.
+    /// Start: x and y of the tool's axis, and the height of its bottom, slot frame.
     pub from: [f64; 3],
-    /// End.
+    /// End, likewise.
     pub to: [f64; 3],
-    /// Centre and sense of an arc; `None` for a line.
+    /// Centre and sense of rotation of an arc; `None` for a line.
     pub about: Option<(Flat, Turn)>,
 }
 

@@ -17,52 +17,52 @@ use thiserror::Error;
 use crate::path::SlotPath;
 use crate::vector::{Point, Vector};
 
-/// Positions of the machine's rotary axes for a slot.
+/// Positions of the machine's rotary axes at which the spindle looks into a slot along the planned tool axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// A, the same for all slots.
+    /// Position of the tilting axis A, the same for all slots.
     pub tilt_deg: f64,
-    /// B of the first slot.
+    /// Position of the rotary table B for the first slot.
     pub index_deg: f64,
 }
 
-/// Reason why a machine cannot present a slot.
+/// Reason why a machine cannot machine a slot as planned.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlacementError {
-    /// The machine has other axes.
+    /// The machine has not the rotary axes A (tilting, about X) and B (table, about Y).
     #[error(
         "slots are indexed by a table B about Y that stands on a tilting A about X: this machine has no such table"
     )]
     Axes,
-    /// The rotary axes do not cross.
+    /// The rotary axes do not cross each other.
     #[error(
         "the machine's A and B pass each other at {apart_mm:.4} mm; the program's zero is where they cross: correct `point` in the machine file"
     )]
     NoCrossing {
-        /// Least distance of the axes.
+        /// Distance between the axes, mm.
         apart_mm: f64,
     },
-    /// A linear axis is too short.
+    /// A linear axis cannot reach a position of the path.
     #[error(
         "{axis} would move to {to_mm:.1} mm for {place}, outside its range of {} to {} mm on the machine ({beyond_mm:.1} mm too far; the spindle's \
          gauge line {tool_mm:.1} mm above the tool's bottom): choose another axis in [roughing], a lower `clearance` or another machine",
         .range_mm[0], .range_mm[1]
     )]
     Travel {
-        /// X, Y or Z.
+        /// Name of the linear axis: X, Y or Z.
         axis: char,
         /// Position outside the range.
         to_mm: f64,
         /// Distance from the range.
         beyond_mm: f64,
-        /// Range.
+        /// Travel of the axis: its lowest and highest position.
         range_mm: [f64; 2],
-        /// Length of the tool with its holder.
+        /// Length of the tool with its holder, from its bottom to the spindle's gauge line.
         tool_mm: f64,
-        /// Part of the path.
+        /// Description of the part of the path to which the position belongs.
         place: String,
     },
-    /// The range of the axes is too small.
+    /// The tilting axis A does not reach the required angle.
     #[error(
         "the tool leans by {tilt_deg:.3} degrees against the rotor's axis, beyond the machine's A: choose another axis in [roughing]"
     )]
@@ -80,7 +80,7 @@ const TRAVEL_SAMPLES: u32 = 33;
 /// Positions of the rotary axes with which `machine` turns the part by `turn` (part to slot frame).
 ///
 /// # Errors
-/// The machine cannot.
+/// The machine has other axes, they do not cross, or A does not reach the angle.
 pub fn placement(machine: &Machine, turn: &Rotation3<f64>) -> Result<Placement, PlacementError> {
     let [index, tilt] = machine.rotary();
     let is_so = (index.letter, tilt.letter) == (Letter::B, Letter::A);

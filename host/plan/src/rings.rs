@@ -8,14 +8,14 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::cup_mill::infeasibility::Infeasible;
 use crate::cutter::CupMill;
 
-/// Ring that was tried, and the result of its plan.
+/// One ring of a cup mill that was tried in a slot, with the result of its plan.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Middle between outer and inner radius, mm.
+    /// Mean of outer and inner radius, mm.
     pub middle_mm: f64,
-    /// R - r, mm.
+    /// Width of the ring: outer minus inner radius, mm.
     pub width_mm: f64,
-    /// Removed fraction of the slot, or the reason why there is no plan.
+    /// Fraction of the slot's volume that the ring removes, or the reason why there is no plan.
     pub share_ratio: Result<f64, Infeasible>,
 }
 

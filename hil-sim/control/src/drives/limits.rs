@@ -22,7 +22,7 @@ const SHARE_OF_ACCELERATION: f64 = 0.5;
 const SHARE_OF_JERK: f64 = 0.5;
 const CROSS_SHARE: f64 = 0.25;
 
-/// Limits of one axis; for a rotary axis, degrees instead of mm.
+/// Limits of one axis; for a rotary axis the fields are in degrees instead of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Greatest speed.
@@ -33,30 +33,30 @@ pub struct AxisLimits {
     pub jerk_mm_per_s3: f64,
 }
 
-/// Limits of a machine's drives, and the tolerance of corners.
+/// Limits of a machine's drives, and how far the axes may deviate at corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveLimits {
-    /// X, Y, Z, A, B, C.
+    /// Limits of X, Y, Z, A, B, C.
     pub axes: [AxisLimits; AXES],
-    /// Largest distance from a corner, mm: corners are rounded by this much.
+    /// Largest distance, mm, of the rounded path from a programmed corner.
     pub tolerance_mm: f64,
-    /// Largest distance of the rotary axes from a corner, degrees.
+    /// Largest distance, degrees, of the rotary axes from a programmed corner.
     pub tolerance_deg: f64,
 }
 
-/// Curvature of a part of a path: largest magnitudes of the first three derivatives of each axis by the path's
-/// parameter.
+/// Bounds of a path's derivatives: the largest magnitudes, on a part of the path, of the first three derivatives of each axis's
+/// position by the path length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bend {
-    /// |q'|.
+    /// First derivative, |q'|.
     pub first: [f64; AXES],
-    /// |q''|.
+    /// Second derivative, |q''|.
     pub second: [f64; AXES],
-    /// |q'''|.
+    /// Third derivative, |q'''|.
     pub third: [f64; AXES],
 }
 
-/// Limits along a part of a path, in units of its parameter and seconds.
+/// Limits of speed, acceleration and jerk along a part of a path, in units of its length (mm or degrees) and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathLimits {
     /// Greatest speed.
@@ -70,7 +70,7 @@ pub struct PathLimits {
 }
 
 impl AxisLimits {
-    /// No limit.
+    /// No limits: all infinite.
     pub const NONE: AxisLimits = AxisLimits {
         speed_mm_per_s: f64::INFINITY,
         acceleration_mm_per_s2: f64::INFINITY,
@@ -111,7 +111,7 @@ impl DriveLimits {
 }
 
 impl Bend {
-    /// Larger value of both bends, axis by axis.
+    /// Bounds that hold for both parts of a path: the larger value for each axis and derivative.
     #[must_use]
     pub fn or(&self, other: &Bend) -> Bend {
         let greater = |one: &[f64; AXES], two: &[f64; AXES]| std::array::from_fn(|axis| one[axis].max(two[axis]));

@@ -1,5 +1,5 @@
-//! Axes between the control's command and the tool: limits of speed, acceleration and jerk, and the lag of the
-//! position.
+//! Behaviour of the axes between the control's command and the tool: limits of speed, acceleration and jerk, and the lag of
+//! the actual position.
 //!
 //! [`limits`] of the axes become limits along the path; `brake` is the shortest braking to a speed under them,
 //! `profile` the fastest speed, period by period, from which the axes can still brake. [`servo`] models how the axes

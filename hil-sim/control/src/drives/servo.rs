@@ -30,25 +30,25 @@
 
 use super::limits::AXES;
 
-/// Position loop of one axis; for a rotary axis, degrees instead of mm.
+/// Position loop of one axis; for a rotary axis, in degrees instead of mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisServo {
-    /// Loop gain K, greater than 0: Fanuc's parameter 1825 has it in hundredths.
+    /// Loop gain K, larger than 0; Fanuc's parameter 1825 has it in hundredths of 1/s.
     pub gain_per_s: f64,
-    /// Feed-forward ratio f, 0 to 1: Fanuc's parameter 2092 has it in hundredths of a per cent.
+    /// Ratio of velocity feed-forward f, 0 to 1; Fanuc's parameter 2092 has it in hundredths of a per cent.
     pub feed_forward_ratio: f64,
-    /// Largest lag of an axis in position: Fanuc's parameter 1826.
+    /// Largest lag at which the axis counts as in position; Fanuc's parameter 1826.
     pub in_position_mm: f64,
 }
 
-/// Settings of the position loops of a machine.
+/// Position loops of all axes of a machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
-    /// X, Y, Z, A, B, C.
+    /// Loops of X, Y, Z, A, B, C.
     pub axes: [AxisServo; AXES],
 }
 
-/// Simulated position loops: actual positions of the axes. Keeps its state between calls.
+/// Simulated position loops, with the actual positions of the axes. Keeps its state between calls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PositionLoops {
     servo: Servo,
@@ -59,12 +59,12 @@ pub struct PositionLoops {
 }
 
 impl PositionLoops {
-    /// Loops at rest at the commanded position.
+    /// Loops with all axes at rest at the commanded position.
     pub fn new(servo: Servo, commanded: [f64; AXES]) -> Self {
         PositionLoops { servo, commanded, lag: [0.0; AXES], path_lag_mm: 0.0 }
     }
 
-    /// Simulates a period in which the command moves to `commanded` at constant speed: mm and degrees.
+    /// Simulates a period of `dt_s` in which the commanded position moves to `commanded` (mm, degrees) at constant speed.
     pub fn step(&mut self, commanded: &[f64; AXES], dt_s: f64) {
         let axes = self.servo.axes.iter().zip(commanded).zip(self.commanded.iter_mut().zip(&mut self.lag));
         for ((servo, to), (from, lag)) in axes {
@@ -73,25 +73,25 @@ impl PositionLoops {
         }
     }
 
-    /// Mean speed along the path in a period, for axes commanded to run at `feed_mm_per_s` during it and at the feeds
-    /// given before: the response of the slowest of X, Y, Z.
+    /// Mean actual speed along the path in a period, mm/s, with the command at `feed_mm_per_s` in it. The commands of earlier
+    /// periods have an effect through the lag; the loop is that of the slowest of X, Y, Z.
     pub fn follow(&mut self, feed_mm_per_s: f64, dt_s: f64) -> f64 {
         let before_mm = self.path_lag_mm;
         self.path_lag_mm = self.servo.slowest().lag_after(before_mm, feed_mm_per_s * dt_s, dt_s);
         feed_mm_per_s - (self.path_lag_mm - before_mm) / dt_s
     }
 
-    /// Positions of the axes: X, Y, Z in mm, A, B, C in degrees.
+    /// Actual positions of the axes: X, Y, Z in mm, A, B, C in degrees.
     pub fn axes(&self) -> [f64; AXES] {
         std::array::from_fn(|axis| self.commanded[axis] - self.lag[axis])
     }
 
-    /// Lag of each axis behind its command.
+    /// Lag of each axis: commanded minus actual position, mm or degrees.
     pub fn lag(&self) -> &[f64; AXES] {
         &self.lag
     }
 
-    /// Whether every axis is in position.
+    /// Whether the lag of every axis is within its in-position tolerance.
     pub fn is_in_position(&self) -> bool {
         self.servo.axes.iter().zip(&self.lag).all(|(servo, lag)| libm::fabs(*lag) <= servo.in_position_mm)
     }
@@ -112,7 +112,7 @@ impl Servo {
         Servo { axes: [axis; AXES] }
     }
 
-    /// Time after which no axis has more than `ratio` left of a sudden change of its command's speed. (4)
+    /// Time, s, after which the change of every axis's lag by a sudden change of its speed has decayed to `ratio` of the speed over K. (4)
     pub fn settling_s(&self, ratio: f64) -> f64 {
         let of_axis = |servo: &AxisServo| libm::log((1.0 - servo.feed_forward_ratio) / ratio) / servo.gain_per_s;
         self.axes.iter().map(of_axis).fold(0.0, f64::max)

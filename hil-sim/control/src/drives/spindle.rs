@@ -16,18 +16,18 @@
 //!
 //! Source: (1), (2) are assumed, as no manual gives a time law; drives signal speed arrival by (4). docs/servo.md.
 
-/// A spindle and its drive.
+/// Data of a spindle and its drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpindleDrive {
-    /// Acceleration away from rest.
+    /// Acceleration away from rest, rev/min per second.
     pub run_up_rev_per_min_s: f64,
-    /// Deceleration towards rest.
+    /// Deceleration towards rest, rev/min per second.
     pub run_down_rev_per_min_s: f64,
     /// Droop D, 0 to 1: relative loss of speed at the rated load.
     pub droop_ratio: f64,
-    /// Time t of the droop, not negative.
+    /// Time constant t with which the droop develops, not negative; 0: at once.
     pub droop_s: f64,
-    /// Tolerance b of speed arrival.
+    /// Tolerance b of speed arrival, as a fraction of the commanded speed.
     pub arrival_ratio: f64,
     /// Whether cutting feed waits for speed arrival: Fanuc's parameter 3708#0, SAR.
     pub waits_for_arrival: bool,
@@ -47,21 +47,21 @@ pub struct SpindleState {
 /// Commanded rotation: M3, M4, M5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpindleRotation {
-    /// M3.
+    /// M3, clockwise.
     Clockwise,
-    /// M4.
+    /// M4, counter-clockwise.
     CounterClockwise,
-    /// M5.
+    /// M5, stop.
     Stop,
 }
 
 impl SpindleState {
-    /// Spindle at rest, without an S.
+    /// Spindle at rest, with the commanded speed 0 and M5.
     pub fn new(drive: SpindleDrive) -> Self {
         SpindleState { drive, speed: 0.0, rotation: SpindleRotation::Stop, ramped: 0.0, lost: 0.0, load: 0.0 }
     }
 
-    /// Sets the commanded speed (S).
+    /// Sets the commanded speed (S), without sign; the rotation gives its sense.
     pub fn set_speed(&mut self, rev_per_min: f64) {
         self.speed = rev_per_min;
     }
@@ -71,24 +71,24 @@ impl SpindleState {
         self.rotation = rotation;
     }
 
-    /// Sets the cutting load, as a ratio of the rated load.
+    /// Sets the present cutting load, as a fraction of the rated load.
     pub fn set_load(&mut self, ratio: f64) {
         self.load = ratio;
     }
 
-    /// Simulates a period.
+    /// Simulates a period of `dt_s`.
     pub fn step(&mut self, dt_s: f64) {
         self.ramped = self.ramp(self.ramped, dt_s);
         let end = self.drive.droop_ratio * self.load;
         self.lost = end + (self.lost - end) * libm::exp(-dt_s / self.drive.droop_s); // (3)
     }
 
-    /// Present speed.
+    /// Actual speed; negative counter-clockwise (M4).
     pub fn rev_per_min(&self) -> f64 {
         self.ramped * (1.0 - self.lost) // (2)
     }
 
-    /// Commanded speed.
+    /// Commanded speed; negative counter-clockwise (M4), 0 at M5.
     pub fn commanded_rev_per_min(&self) -> f64 {
         match self.rotation {
             SpindleRotation::Clockwise => self.speed,
@@ -103,7 +103,7 @@ impl SpindleState {
         libm::fabs(self.rev_per_min() - commanded) <= self.drive.arrival_ratio * libm::fabs(commanded) // (4)
     }
 
-    /// Whether cutting feed waits for the spindle.
+    /// Whether cutting feed must wait: the drive has speed arrival, and the spindle has not reached its commanded speed.
     pub fn is_waited_for(&self) -> bool {
         self.drive.waits_for_arrival && !self.has_arrived()
     }

@@ -30,12 +30,12 @@ const ON_BOUNDARY_MM: f64 = 1e-9;
 /// Angle by which a position at the start of a full circle may be before it by rounding.
 const ON_START_RAD: f64 = 1e-6;
 
-/// Path of a move in its plane.
+/// Path of the tool's centre on one move, in the plane of the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlanePath {
-    /// Arc.
+    /// Arc about a centre.
     Arc {
-        /// A.
+        /// Centre of the arc, A.
         center_mm: Vector2<f64>,
         /// Radius of the path, q.
         radius_mm: f64,
@@ -48,36 +48,36 @@ pub enum PlanePath {
     },
     /// Straight line.
     Line {
-        /// Start.
+        /// Position of the start.
         start_mm: Vector2<f64>,
         /// Unit vector from start to end.
         direction: Vector2<f64>,
     },
 }
 
-/// Stock that a move cuts, as the region inside a boundary in the plane of the move.
+/// Stock that a move cuts: a region of the move's plane, described by its boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
-    /// Material sides of these lines at height 0; none is the whole plane.
+    /// Half planes of these stock lines, which the material has in common; without any line, the whole plane is material.
     Lines(Vec<StockLine>),
-    /// Material on one side of a circle and, beyond the end of an arc, of its tangent.
+    /// Material inside or outside of a circle. If `along` is given, the boundary goes on beyond the end of that arc as the tangent there.
     Circle {
         /// Centre.
         center_mm: Vector2<f64>,
         /// Radius.
         radius_mm: f64,
-        /// Whether the material lies outside the circle.
+        /// Whether the material lies outside the circle; otherwise it lies inside.
         is_hollow: bool,
-        /// Arc whose end continues as a tangent; `None` for a whole circle.
+        /// Arc at whose end the boundary changes from the circle to its tangent; `None` for the whole circle.
         along: Option<PlanePath>,
     },
-    /// Engaged arcs over the path travelled.
+    /// No region, but the engaged arcs as a function of the path travelled on the move.
     Table {
-        /// Engaged arcs.
+        /// Engaged arcs by path travelled.
         table: EngagedTable,
-        /// Circle to which they belong.
+        /// Cutting circle of the tool (outer or inner) to which these engaged arcs belong.
         edge: Edge,
-        /// Path that is travelled.
+        /// Path of the tool's centre on the move.
         path: PlanePath,
     },
 }
@@ -130,7 +130,8 @@ impl PlanePath {
 }
 
 impl Boundary {
-    /// Thickest chip of a circle that moves by `delta_mm`; `None` if it cuts nothing.
+    /// Thickest chip, mm, of a cutting circle whose centre moves from `center_mm` by `delta_mm` in the time of one tooth; `None` if it
+    /// does not cut.
     pub fn thickest_chip_mm(&self, circle: &Circle, center_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> Option<f64> {
         let forward = delta_mm.try_normalize(0.0)? * circle.advance_ratio;
         let (is_ahead, ends) = self.engaged(circle, center_mm, &forward)?;

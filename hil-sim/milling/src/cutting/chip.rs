@@ -14,17 +14,17 @@
 use arcfeed_model::stock::StockLine;
 use nalgebra::Vector2;
 
-/// A cutting circle: its radius, and the direction in which its edges advance (+1 outward, -1 inward).
+/// Cutting circle of a tool: its radius, and the radial direction in which its edges cut (+1 outward, -1 inward).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// r0.
+    /// Radius, r0.
     pub radius_mm: f64,
-    /// k: 1 for an edge that advances outward, -1 inward.
+    /// Direction factor k: 1 for edges on the outer circle, which cut outward; -1 for those on the inner circle of a ring.
     pub advance_ratio: f64,
 }
 
 impl Circle {
-    /// Chip thickness in direction `u` when the centre moves by `delta_mm`. (1)
+    /// Chip thickness, mm, in the direction `u` from the centre when the centre moves by `delta_mm` in the time of one tooth. (1)
     pub fn chip_mm(&self, u: &Vector2<f64>, delta_mm: &Vector2<f64>) -> f64 {
         let r0 = self.radius_mm;
         let across = u.perp(delta_mm);
@@ -32,7 +32,7 @@ impl Circle {
         self.advance_ratio * (u.dot(delta_mm) - sagitta)
     }
 
-    /// Directions from the centre to the points where the circle crosses the stock line; `None` if it does not.
+    /// Unit vectors from the centre to the two points where the circle crosses the stock line; `None` if it does not reach the line.
     pub fn crossings(&self, center_mm: &Vector2<f64>, stock: &StockLine) -> Option<[Vector2<f64>; 2]> {
         let normal = Vector2::from(stock.normal);
         let along_normal = stock.distance_mm([center_mm.x, center_mm.y]) / self.radius_mm;
@@ -44,8 +44,9 @@ impl Circle {
         Some([1.0, -1.0].map(|side| normal * along_normal + along_line * side))
     }
 
-    /// Chip at the contact with the stock line that a law for constant circumference feed uses: where the edge
-    /// advances, at most 90 degrees from the rotation centre; the thicker one of two.
+    /// Chip thickness, mm, at the contact that the circumference law uses: the crossing with the stock line on the side
+    /// to which the edge advances, at most 90 degrees from the direction to the rotation centre; the thicker chip if there are two.
+    /// `None` without such a crossing.
     pub fn contact_chip_mm(
         &self,
         center_mm: &Vector2<f64>,
@@ -64,8 +65,8 @@ impl Circle {
             .max_by(f64::total_cmp)
     }
 
-    /// Thickest chip anywhere on the circle inside the stock's half plane: in the direction of motion if that is
-    /// inside, else at the nearer crossing.
+    /// Thickest chip, mm, of the circle in the stock's half plane: in the direction of motion if there is material, otherwise at the
+    /// crossing with the stock line nearer to that direction. `None` if the circle does not cut.
     pub fn thickest_chip_mm(
         &self,
         center_mm: &Vector2<f64>,

@@ -1,4 +1,4 @@
-//! Chip in front of an elementary edge, from the present material.
+//! Chip in front of an elementary edge (a short piece of a cutting edge in one layer of the workpiece), from the present material.
 //!
 //! The rake face is on a line from the tool's axis through the edge. In front of it, on the rays of the layer, is the
 //! surface that earlier edges left; behind it, the surface that the edge itself has just cut. The edge stores the last
@@ -39,7 +39,7 @@ const SAME_SIDE_MIN: f64 = 0.5;
 /// Rays beyond the last one at which an edge neither meets material nor has any ahead.
 const APART_RAYS: f64 = 3.0;
 
-/// Elementary edge at a position in its layer.
+/// Elementary edge (short piece of a cutting edge) at one position in its layer of the workpiece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeElement {
     /// Position of the tool's axis.
@@ -48,26 +48,26 @@ pub struct EdgeElement {
     pub towards: Vector2<f64>,
     /// Distance from the axis to the edge.
     pub radius_mm: f64,
-    /// Outer or inner edge.
+    /// Whether the edge is on the outer or on the inner cutting circle.
     pub side: Edge,
     /// 1 if the tool turns counter-clockwise in the plane, else -1.
     pub turn_ratio: f64,
-    /// Depth of the rake face behind the edge.
+    /// Depth of the rake face behind the edge: only material that deep is removed in a step.
     pub depth_mm: f64,
-    /// Depth band of the layer that the edge cuts.
+    /// Part of the layer's height that the edge cuts.
     pub depth_band: DepthBand,
 }
 
-/// Chip in front of an elementary edge.
+/// Chip in front of an elementary edge; all zero if the edge does not cut.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrontChip {
-    /// Thickness across the edge's circle.
+    /// Chip thickness in the plane of the layer, square to the circle on which the edge moves.
     pub thickness_mm: f64,
-    /// Height of the chip, as a fraction of the layer.
+    /// Height of the top of the material in front of the edge, as a fraction of the layer's height.
     pub top_ratio: f64,
 }
 
-/// State of an elementary edge from step to step.
+/// State of an elementary edge that is kept from step to step: where it cut last, and the surface that it passed there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeHistory {
     /// Position of the last cut.
@@ -114,7 +114,7 @@ impl EdgeElement {
         self.center_mm + self.towards * self.radius_mm
     }
 
-    /// Inner end of the rake face, opposite to the edge.
+    /// Inner end of the rake face, `depth_mm` behind the edge.
     pub fn root_mm(&self) -> Vector2<f64> {
         self.edge_mm() - self.outward() * self.depth_mm
     }
@@ -128,7 +128,7 @@ impl EdgeElement {
         })
     }
 
-    /// Whether there is material on the rays around the edge or within `margin_mm` of it.
+    /// Whether there is material of the layer, as high as this edge cuts, on the rays around the edge or within `margin_mm` of it.
     pub fn is_near(&self, layer: &Layer, margin_mm: f64) -> bool {
         let axis = self.axis();
         let ends_mm = [self.edge_mm(), self.root_mm()];
@@ -271,7 +271,7 @@ impl EdgeElement {
 }
 
 impl EdgeHistory {
-    /// Chip in front of the edge, for its motion since its last cut.
+    /// Chip that the edge would cut at this position, for its motion since its last cut; nothing is removed.
     pub fn front(&mut self, element: &EdgeElement, layer: &Layer) -> FrontChip {
         if element.is_apart(layer) {
             return FrontChip::default();

@@ -28,15 +28,15 @@ use super::pose::{EdgePoses, Placed, ToolPose, element, towards};
 /// Relative difference of slice and layer heights that counts as rounding.
 const RISE_TOLERANCE_RATIO: f64 = 1e-9;
 
-/// Fraction of a layer's height. A layer with less than this below the highest evaluated place belongs to no edge; a
-/// layer with more belongs to the edges entirely, though a chip is no higher than that place: columns are cut from
-/// above.
+/// Smallest part of a layer's height that must be below the highest evaluated place of the cutter for its edges to cut in that
+/// layer. A layer with less is not cut at all. A layer with more is cut over its whole height, because columns are
+/// cut from above, but its chips are no higher than that place.
 pub const REACHED_RATIO: f64 = 0.5;
 
 /// Motion of the tip below this is rounding.
 const STILL_MM: f64 = 1e-9;
 
-/// Cutter in a workpiece of layers: which edges cut, and what they remove.
+/// Cutter in a workpiece that is divided into layers; finds which edges cut, their chips, and the material that they remove.
 #[derive(Clone, Debug)]
 pub struct EdgeEngagement {
     cutter: Cutter,
@@ -60,14 +60,14 @@ pub struct EdgeEngagement {
     tips: Tips,
 }
 
-/// Chip in front of an edge.
+/// Chip in front of one edge at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeChip {
-    /// Number of the edge.
+    /// Number of the edge: first the cutter's pieces, in their order, then the end edges tooth by tooth.
     pub edge: usize,
-    /// Piece that cuts it; for an edge on the end, the part that cuts.
+    /// Piece of the cutter that cuts the chip; for an edge on the tool's end, the part of it that cuts.
     pub piece: EdgePiece,
-    /// Cross-section of the chip.
+    /// Thickness and width of the chip.
     pub section: ChipSection,
 }
 
@@ -84,7 +84,7 @@ struct Tips {
     last: Option<(f64, f64)>,
 }
 
-/// Reason why a cutter cannot work in these layers.
+/// Reason why a cutter cannot be combined with these layers of a workpiece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeEngagementError {
     /// A piece of an edge differs in height from a layer: two pieces in one layer would cut it twice, or layers would
@@ -95,7 +95,7 @@ pub enum EdgeEngagementError {
         /// Height of a layer.
         layer_mm: f64,
     },
-    /// The rake faces have no depth.
+    /// The depth of the rake faces is not a positive number.
     Depth {
         /// Given depth.
         depth_mm: f64,
@@ -116,11 +116,11 @@ impl fmt::Display for EdgeEngagementError {
 impl std::error::Error for EdgeEngagementError {}
 
 impl EdgeEngagement {
-    /// A cutter in a workpiece. Its rake faces reach `depth_mm` behind their edges, which is more than any chip
-    /// thickness.
+    /// Combines a cutter with a workpiece. `depth_mm` is the depth of the rake faces behind their edges; it must be larger than any
+    /// chip thickness, because only material that deep is removed.
     ///
     /// # Errors
-    /// Edges not in slices as high as the layers, or rake faces without depth.
+    /// A piece of an edge is not as high as a layer, or `depth_mm` is not a positive number.
     pub fn new(cutter: Cutter, layers: Layers, depth_mm: f64) -> Result<Self, EdgeEngagementError> {
         if !(depth_mm > 0.0 && depth_mm.is_finite()) {
             return Err(EdgeEngagementError::Depth { depth_mm });
@@ -159,19 +159,19 @@ impl EdgeEngagement {
         })
     }
 
-    /// Limits the evaluated edges to this height above the tip. With one slice more, an edge is evaluated just as far
-    /// up when the tip is inside a layer.
+    /// Limits the evaluated edges to those up to `reach_mm` above the tip. The cutter should be one slice higher than that, so that the
+    /// same height is evaluated when the tip is inside a layer.
     pub fn up_to_mm(self, reach_mm: f64) -> Self {
         EdgeEngagement { reach_mm, ..self }
     }
 
-    /// Replaces the workpiece by another one, in layers of the same height.
+    /// Replaces the workpiece by another one with layers of the same height, and takes the tool out of the cut.
     pub fn replace_layers(&mut self, layers: Layers) {
         self.lift();
         self.layers = layers;
     }
 
-    /// The cutter.
+    /// Cutter with its edge pieces.
     pub fn cutter(&self) -> &Cutter {
         &self.cutter
     }
@@ -186,7 +186,7 @@ impl EdgeEngagement {
         self.histories.len() + self.ends.len()
     }
 
-    /// Positions of all edges for a tool pose, without deflection.
+    /// Positions of all edges for a pose of the tool, without deflection of the tool.
     pub fn poses(&self, pose: &ToolPose) -> EdgePoses {
         let descent = self.descent(pose);
         let placed = self.slices.iter().map(|slice| self.placed(slice.height_mm, &descent)).collect();
@@ -198,7 +198,8 @@ impl EdgeEngagement {
         EdgePoses { pose: *pose, descent, towards: directions, placed, is_apart: vec![false; self.edges()] }
     }
 
-    /// Middle of an element of the cutting edges, mm; Z counts as for the layers of the workpiece.
+    /// Middle of one edge element, mm: X and Y in the plane of the layers, Z as the height along the tool's axis from the same zero as
+    /// that of the layers. Without deflection.
     pub fn edge_mm(&self, edge: usize, at: &EdgePoses) -> Vector3<f64> {
         let (height_mm, radius_mm) = match edge.checked_sub(self.histories.len()) {
             None => (self.cutter.pieces()[edge].height_mm, self.cutter.pieces()[edge].radius_mm),
@@ -209,8 +210,8 @@ impl EdgeEngagement {
         Vector3::new(place_mm.x, place_mm.y, at.pose.tip_mm + height_mm)
     }
 
-    /// Whether an edge, displaced by `bent_mm`, has material around it or on its path there, or would have within
-    /// `margin_mm`.
+    /// Whether an edge, displaced by `bent_mm`, may have a chip: whether there is material around it, on its path since the last step, or
+    /// within `margin_mm` of both. For an edge on the tool's end: whether the tip descends.
     pub fn is_near(&self, edge: usize, at: &EdgePoses, bent_mm: Vector2<f64>, margin_mm: f64) -> bool {
         let Some(piece) = self.cutter.pieces().get(edge) else { return at.descent.lowers() };
         let Some(placed) = &at.placed[self.slice_of[edge]] else { return false };
@@ -220,8 +221,8 @@ impl EdgeEngagement {
             || element.is_near(layer, margin_mm + history.way_mm(&element) + layer.step_mm())
     }
 
-    /// Every edge that is in a layer, with the chip in front of it, and every part of an end edge that has a chip: end
-    /// edges look down. `bent` gives the displacement of an edge by its number.
+    /// Chips in front of all edges at these positions: one for every edge that is in a layer (of thickness 0 without material), and one
+    /// for every part of an end edge that has a floor below it. `bent` returns the displacement, mm, of the edge with a given number.
     pub fn chips<'a>(
         &'a mut self,
         at: &'a EdgePoses,
@@ -252,8 +253,8 @@ impl EdgeEngagement {
         side.chain((first_end..).zip(ends.iter().zip(end_edge_poses.iter())).flat_map(of_end))
     }
 
-    /// Moves the cutter to its next position, less than a quarter of a turn on. Returns the removed volume as the rays
-    /// along each axis measure it, mm3.
+    /// Moves the cutter to its next position, less than a quarter of a turn on, and removes the material that the edges sweep. Returns
+    /// the removed volume, mm3, as measured by the rays along each of the two axes of the layers.
     pub fn cut(&mut self, at: &EdgePoses, bent: impl Fn(usize) -> Vector2<f64>) -> [f64; 2] {
         let mut removed_mm3 = [0.0; 2];
         let mut add = |mm3: [f64; 2]| removed_mm3 = [0, 1].map(|axis: usize| removed_mm3[axis] + mm3[axis]);
@@ -281,7 +282,7 @@ impl EdgeEngagement {
         removed_mm3
     }
 
-    /// Whether any edge is in a layer there, or would be if it were less than `above_mm` deeper.
+    /// Whether any edge is at the height of a layer when the tip is at `tip_mm`, or up to `above_mm` deeper.
     pub fn is_in(&self, tip_mm: f64, above_mm: f64) -> bool {
         let [first, last] = [tip_mm - above_mm, tip_mm + self.reach_mm].map(|mm| self.layers.nth(mm));
         last >= 0 && self.layers.place(first.max(0)).is_some()
@@ -292,8 +293,9 @@ impl EdgeEngagement {
         self.tips.last.is_some_and(|(tip_mm, _)| pose.tip_mm < tip_mm - STILL_MM)
     }
 
-    /// Removes the material that no edge would cut when the cutter moves to `pose`. If it has not cut before, that is
-    /// all material at its position; if the tip enters another layer, the steps of a rounded corner.
+    /// Removes, without chips, the material that no edge would cut when the cutter moves to `pose`. If it has not cut before, that is
+    /// all material at its position. If the tip enters another layer, it is the material above the steps by which
+    /// slices represent a rounded corner.
     pub fn enter(&mut self, pose: &ToolPose) {
         let Some(last_mm) = self.tips.last.map(|(tip_mm, _)| tip_mm) else { return self.clear_at(pose) };
         let nth = self.layers.nth(pose.tip_mm);
@@ -312,7 +314,7 @@ impl EdgeEngagement {
         }
     }
 
-    /// Removes all material at the tool's position, without chips.
+    /// Removes all material inside the tool at this pose, without chips.
     pub fn clear_at(&mut self, pose: &ToolPose) {
         let nth = self.layers.nth(pose.tip_mm);
         for (slice, up) in self.slices.iter().zip(0..) {
@@ -322,7 +324,7 @@ impl EdgeEngagement {
         }
     }
 
-    /// Takes the tool out of the cut: clears the history of all edges.
+    /// Takes the tool out of the cut: all edges forget their last position and the surface that they passed.
     pub fn lift(&mut self) {
         self.histories.fill(Default::default());
         self.end_edge_poses.fill(None);
@@ -376,9 +378,9 @@ impl Tips {
     }
 }
 
-/// Solid of revolution swept by a cutter's edges, as slices from the tip upwards.
+/// Solid of revolution that a cutter's edges sweep, as slices from the tip upwards.
 ///
-/// Pieces of the first tooth are one above the other; those of all other teeth are at the same heights.
+/// The heights are those of the first tooth's pieces; the pieces of all other teeth must be at the same heights.
 pub fn slices(cutter: &Cutter) -> Vec<Slice> {
     let mut slices: Vec<Slice> = Vec::new();
     for piece in cutter.pieces() {

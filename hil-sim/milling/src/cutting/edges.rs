@@ -34,26 +34,26 @@ pub mod meridian;
 /// Tolerance of the sum of all pitches against a full turn.
 const TURN_TOLERANCE_RAD: f64 = 1e-9;
 
-/// A short piece of a cutting edge.
+/// Short piece of a cutting edge, which acts as a straight tool of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePiece {
-    /// Tooth of the piece, in the order in which M3 brings the teeth to a place.
+    /// Index of the tooth, in the order in which M3 (clockwise rotation) brings the teeth to a place.
     pub tooth: usize,
-    /// Height of the middle above the tip.
+    /// Height of the piece's middle above the tip.
     pub height_mm: f64,
-    /// Extent along the axis.
+    /// Extent of the piece along the tool's axis.
     pub rise_mm: f64,
     /// Distance from the spindle's axis.
     pub radius_mm: f64,
     /// Angle about the spindle's axis before it turns, counter-clockwise as seen from the holder.
     pub angle_rad: f64,
-    /// Angle between the outward normal and the direction from the holder to the tip.
+    /// Lead angle: between the outward normal and the direction from the holder to the tip; 90 degrees on a cylinder's side.
     pub lead_rad: f64,
-    /// Outer or inner edge.
+    /// Whether the edge is on the outer or on the inner cutting circle.
     pub side: Edge,
 }
 
-/// Cutting directions of an edge piece: unit vectors in the tool frame.
+/// Cutting directions of an edge piece at one time: unit vectors in the tool frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directions {
     /// Direction of motion (3).
@@ -64,22 +64,22 @@ pub struct Directions {
     pub along: Vector3<f64>,
 }
 
-/// An end mill: square, with rounded corners, or a ball.
+/// Dimensions of an end mill: square, with rounded corners, or with a ball end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndMill {
     /// Diameter of the cylinder.
     pub diameter_mm: f64,
-    /// Radius of the corner: 0 square, half of the diameter a ball.
+    /// Radius of the corner: 0 for a square end, half of the diameter for a ball end.
     pub corner_mm: f64,
     /// Number of teeth.
     pub teeth: usize,
     /// Helix angle, positive for a right-hand helix.
     pub helix_rad: f64,
-    /// Height of the edges.
+    /// Height above the tip up to which the teeth have edges.
     pub height_mm: f64,
 }
 
-/// Ring of a cup mill; its inserts alternate between the outer and the inner circle.
+/// Dimensions of the ring of a cup mill; its inserts alternate between the outer and the inner circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// Radius of the outer edges.
@@ -88,13 +88,13 @@ pub struct Ring {
     pub inner_radius_mm: f64,
     /// Radius of the inserts' corners, 0 for square ones.
     pub corner_mm: f64,
-    /// Inserts on each of the two circles. There are twice as many teeth: even ones outside, odd ones inside.
+    /// Number of inserts on each of the two circles. The ring has twice as many teeth: even ones outside, odd ones inside.
     pub active_teeth: usize,
-    /// Height of the edges.
+    /// Height above the tip up to which the inserts have edges.
     pub height_mm: f64,
 }
 
-/// Cutting edges of a tool.
+/// Cutting edges of a tool, divided into short pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cutter {
     pieces: Vec<EdgePiece>,
@@ -104,23 +104,23 @@ pub struct Cutter {
     eccentricity_mm: Vector2<f64>,
 }
 
-/// Reason why a cutter cannot be built.
+/// Reason why a cutter cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeError {
-    /// A dimension is not a number, negative, or too large for another one.
+    /// A dimension is not a number, is negative, or does not fit another one.
     Dimensions,
-    /// No teeth, or no pieces.
+    /// There are no teeth, or no pieces along an edge.
     Nothing,
-    /// The number of values differs from the number of teeth.
+    /// A list has not as many values as there are teeth.
     Count {
         /// Number of teeth.
         teeth: usize,
         /// Number of values.
         given: usize,
     },
-    /// Pitches are not positive, or do not add up to a full turn.
+    /// The angles between the teeth are not positive, or do not add up to a full turn.
     Pitch,
-    /// A piece would be on the axis or beyond it.
+    /// A changed radius would move a piece to the axis or beyond it.
     Radius {
         /// Tooth of the piece.
         tooth: usize,
@@ -128,12 +128,12 @@ pub enum EdgeError {
 }
 
 impl EdgePiece {
-    /// Width of cut when the whole piece is engaged. (1)
+    /// Width of cut when the whole piece is engaged, mm. (1)
     pub fn width_mm(&self) -> f64 {
         self.rise_mm / libm::sin(self.lead_rad)
     }
 
-    /// Whether the piece points straight down: an edge on the tool's end, whose width is that of its engaged part.
+    /// Whether the outward normal points straight down: an edge on the tool's end, whose width of cut is that of its engaged part.
     pub fn is_end(&self) -> bool {
         self.lead_rad == 0.0
     }
@@ -143,13 +143,13 @@ impl EdgePiece {
         self.angle_rad - turned_rad
     }
 
-    /// Middle of the piece when M3 has turned the spindle by `turned_rad`.
+    /// Position of the piece's middle, mm in the tool frame, when M3 has turned the spindle by `turned_rad`.
     pub fn place_mm(&self, turned_rad: f64) -> Vector3<f64> {
         let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
         Vector3::new(self.radius_mm * cos, self.radius_mm * sin, self.height_mm)
     }
 
-    /// Directions of the piece when M3 has turned the spindle by `turned_rad`.
+    /// Cutting directions of the piece when M3 has turned the spindle by `turned_rad`.
     pub fn directions(&self, turned_rad: f64) -> Directions {
         let (sin, cos) = libm::sincos(self.angle_at_rad(turned_rad));
         let (sin_lead, cos_lead) = libm::sincos(self.lead_rad);
@@ -163,10 +163,10 @@ impl EdgePiece {
 }
 
 impl Cutter {
-    /// An end mill, each tooth divided into pieces.
+    /// Edges of an end mill; each tooth is divided into pieces as `pieces` says.
     ///
     /// # Errors
-    /// Dimensions that are not those of an end mill; otherwise as for a ring.
+    /// The dimensions are not those of an end mill, or there are no teeth or pieces.
     pub fn end_mill(mill: &EndMill, pieces: Pieces) -> Result<Self, EdgeError> {
         let radius_mm = mill.diameter_mm / 2.0;
         let fits = mill.corner_mm <= radius_mm && libm::fabs(mill.helix_rad) < FRAC_PI_2;
@@ -181,10 +181,10 @@ impl Cutter {
         Cutter::new(mill.teeth, |_| &of_tooth)
     }
 
-    /// The ring of a cup mill, each insert divided into pieces.
+    /// Edges of the ring of a cup mill; each insert is divided into pieces as `pieces` says.
     ///
     /// # Errors
-    /// The corners are wider than the ring, or there is no ring.
+    /// The corners are wider than the ring, the dimensions are not those of a ring, or there are no inserts or pieces.
     pub fn ring(ring: &Ring, pieces: Pieces) -> Result<Self, EdgeError> {
         let fits = ring.inner_radius_mm + 2.0 * ring.corner_mm <= ring.outer_radius_mm;
         let of_side = |side, radius_mm| {
@@ -211,7 +211,7 @@ impl Cutter {
         Ok(Cutter { pieces, teeth_rad, eccentricity_mm: Vector2::zeros() })
     }
 
-    /// Pieces tooth by tooth, from the tip upwards.
+    /// Pieces of all edges, tooth by tooth, each tooth from the tip upwards.
     pub fn pieces(&self) -> &[EdgePiece] {
         &self.pieces
     }
@@ -221,12 +221,12 @@ impl Cutter {
         self.teeth_rad.len()
     }
 
-    /// Distance from the spindle's axis to the farthest edge.
+    /// Distance from the spindle's axis to the farthest edge piece, mm.
     pub fn reach_mm(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.radius_mm).fold(0.0, f64::max)
     }
 
-    /// Largest depth of rake faces that reach neither the axis nor the edges on the other side of a ring: half of that
+    /// Largest depth of rake faces, mm, that reach neither the tool's axis nor, on a ring, the edges on its other side: half of that
     /// distance.
     pub fn rake_max_mm(&self) -> f64 {
         let [outer_mm, inner_mm] = [Edge::Outer, Edge::Inner].map(|side| {
@@ -236,10 +236,10 @@ impl Cutter {
         (outer_mm[0] - inner_mm[1]) / 2.0
     }
 
-    /// Sets the angles between teeth: from each tooth to the next one, the last to the first.
+    /// Sets the angles between the teeth: entry n is the angle from tooth n to the next one, the last entry that back to tooth 0.
     ///
     /// # Errors
-    /// The number of angles differs from the number of teeth, or they do not add up to a full turn.
+    /// The number of angles differs from the number of teeth, or they are not positive or do not add up to a full turn.
     pub fn with_pitch(mut self, pitches_rad: &[f64]) -> Result<Self, EdgeError> {
         self.one_each(pitches_rad)?;
         let whole = libm::fabs(pitches_rad.iter().sum::<f64>() - TAU) <= TURN_TOLERANCE_RAD;
@@ -258,19 +258,19 @@ impl Cutter {
         self.change(|piece| piece.angle_rad += moved[piece.tooth])
     }
 
-    /// Changes the radii of teeth, each by its own amount.
+    /// Adds to the radii of all pieces of each tooth the entry of that tooth.
     ///
     /// # Errors
-    /// The number of amounts differs from the number of teeth, or an amount moves an edge to the axis.
+    /// The number of entries differs from the number of teeth, or an entry moves an edge to the axis or beyond it.
     pub fn with_offsets(self, offsets_mm: &[f64]) -> Result<Self, EdgeError> {
         self.one_each(offsets_mm)?;
         self.change(|piece| piece.radius_mm += offsets_mm[piece.tooth])
     }
 
-    /// Sets the offset of the tool's axis from the spindle's, in this direction before it turns.
+    /// Sets the runout: distance of the tool's axis from the spindle's, and its direction before the spindle turns.
     ///
     /// # Errors
-    /// The offset moves an edge to the spindle's axis.
+    /// The runout moves an edge to the spindle's axis.
     pub fn with_runout(mut self, eccentricity_mm: f64, direction_rad: f64) -> Result<Self, EdgeError> {
         let (sin, cos) = libm::sincos(direction_rad);
         let before_mm = self.eccentricity_mm;

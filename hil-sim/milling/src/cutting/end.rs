@@ -36,16 +36,16 @@ use super::partial_heights::DepthBand;
 /// Inverse of the rounding step of a ratio.
 const CHORD_DIGITS: f64 = 1e9;
 
-/// Cutting edge on the end of a tool, of one tooth.
+/// Cutting edge on the end of a tool, of one tooth: a radial line, square to the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndEdge {
-    /// Outer end of the edge, which points straight down.
+    /// Piece at the outer end of the edge; its normal points straight down.
     pub piece: EdgePiece,
-    /// Radius of the inner end.
+    /// Radius of the inner end of the edge; 0 if it reaches the axis.
     pub inner_mm: f64,
 }
 
-/// Position of an end edge.
+/// Position of an edge in the plane of the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePose {
     /// Position of the tool's axis.
@@ -54,14 +54,14 @@ pub struct EdgePose {
     pub towards: Vector2<f64>,
 }
 
-/// Descent of the tip in a step.
+/// Descent of the tool's tip since the tooth before; it decides what the end edges cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Descent {
-    /// Height of the tip.
+    /// Present height of the tip, in the height coordinate of the layers.
     pub tip_mm: f64,
-    /// Highest position of the tip since the tooth before.
+    /// Highest position of the tip since the tooth before: end edges cut material up to this height, side edges the material above.
     pub border_mm: f64,
-    /// Distance that side edges reach behind themselves.
+    /// Depth of the side edges' rake faces: further inside than that, all material belongs to the end edge.
     pub side_mm: f64,
 }
 
@@ -76,15 +76,15 @@ impl EdgePose {
 }
 
 impl Descent {
-    /// Whether the end edge has a floor to lower.
+    /// Whether the tip is lower than at the tooth before, so that the end edges have a floor to cut.
     pub fn lowers(&self) -> bool {
         self.border_mm > self.tip_mm
     }
 }
 
 impl EndEdge {
-    /// End edge of each tooth, from the radius of its lowest piece to the axis; on a ring, to the edges on its other
-    /// side.
+    /// End edge of each tooth of a cutter: from the radius of the tooth's lowest piece to the axis or, on a ring, to the edges on the
+    /// ring's other side.
     pub fn all(cutter: &Cutter) -> Vec<EndEdge> {
         let lowest = |tooth: usize| {
             let of_tooth = cutter.pieces().iter().filter(|piece| piece.tooth == tooth);
@@ -106,13 +106,13 @@ impl EndEdge {
         lowest.iter().map(end).filter(|end| end.inner_mm < end.piece.radius_mm).collect()
     }
 
-    /// Radius of the middle of the edge.
+    /// Radius of the middle of the edge, mm.
     pub fn middle_mm(&self) -> f64 {
         (self.inner_mm + self.piece.radius_mm) / 2.0
     }
 
-    /// Chips in front of the edge on its next step, each with the piece of the edge that cuts it, including pieces
-    /// without material; empty if the edge cannot meet material. (1)
+    /// Chips in front of the edge on its step between these two poses, each with the part of the edge that cuts it; parts without
+    /// material have a chip of thickness 0. Empty if the edge cannot meet material. (1)
     pub fn chips(&self, poses: [&EdgePose; 2], descent: &Descent, layers: &Layers) -> Vec<(EdgePiece, ChipSection)> {
         if !self.may_meet(poses, descent, layers) {
             return Vec::new();
@@ -155,8 +155,8 @@ impl EndEdge {
         rays_mm.into_iter().zip(borders_mm.windows(2).map(|pair| [pair[0], pair[1]])).collect()
     }
 
-    /// Moves the edge and removes its depth band of the swept area; returns the volume as the rays along each axis
-    /// measure it, mm3.
+    /// Moves the edge from the first pose to the second and removes the floor that it sweeps; returns the removed volume, mm3, as
+    /// measured by the rays along each of the two axes of the layers.
     pub fn cut(&self, poses: [&EdgePose; 2], descent: &Descent, layers: &mut Layers) -> [f64; 2] {
         if !self.may_meet(poses, descent, layers) {
             return [0.0; 2];

@@ -1,4 +1,4 @@
-//! Engaged part of a cutting circle, measured in the stock: for laws that use engagement per move.
+//! Engaged arcs of a cutting circle (intervals of directions with material), measured in the stock for laws that use them.
 
 use std::f64::consts::TAU;
 
@@ -10,21 +10,21 @@ use super::layer::Layer;
 /// Directions sampled for each ray that the circle passes.
 const DIRECTIONS_PER_STEP: f64 = 4.0;
 
-/// Cutting circle of a tool.
+/// Cutting circle of a tool at one position, in the plane of the layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeCircle {
     /// Position of the tool's axis.
     pub center_mm: Vector2<f64>,
-    /// Radius of the edges.
+    /// Radius of the circle on which the edges move.
     pub radius_mm: f64,
-    /// Outer or inner edge.
+    /// Whether the edges are on the outer or on the inner cutting circle.
     pub side: Edge,
 }
 
 impl EdgeCircle {
-    /// Arcs with material `ahead_mm` before the edges and higher than `above_ratio` of the layer, exact to a quarter of
-    /// the rays' distance. Angles are counter-clockwise from the first axis; each arc begins at less than a turn and
-    /// appears once.
+    /// Engaged arcs: intervals of directions, rad, in which there is material of the layer `ahead_mm` in front of the edges, higher than
+    /// `above_ratio` of the layer's height. They are exact to a quarter of the rays' distance. Angles are counter-clockwise
+    /// from the layer's first axis; each arc begins below a full turn and appears once.
     pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
         let directions = (TAU * self.radius_mm / layer.step_mm() * DIRECTIONS_PER_STEP).ceil() as usize;
         let apart_rad = TAU / directions as f64;

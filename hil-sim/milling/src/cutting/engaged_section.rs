@@ -31,14 +31,15 @@ struct EngagedEdge {
     moment_mm2: f64,
 }
 
-/// Section of a tool's end that is engaged in material, as parts of radial edges in evenly spaced directions.
+/// Engaged part of a tool's end: for evenly spaced directions, the width and the moment of a radial edge that has material below it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngagedSection {
     by_direction: Vec<EngagedEdge>,
 }
 
 impl EngagedSection {
-    /// Section by the engaged parts of an edge, `[from, to]` in mm from the axis, in each of so many directions.
+    /// Section from the engaged parts of a radial edge: `parts_mm` returns them, `[from, to]` in mm from the axis, for an angle in rad.
+    /// `directions` is the number of angles, evenly spaced over a turn.
     pub fn new(directions: usize, parts_mm: impl Fn(f64) -> Vec<[f64; 2]>) -> Self {
         let edge = |direction: usize| {
             let parts_mm = parts_mm((direction as f64 + 0.5) * TAU / directions as f64);
@@ -50,8 +51,8 @@ impl EngagedSection {
         EngagedSection { by_direction: (0..directions).map(edge).collect() }
     }
 
-    /// Section of a ring, or of a disc with the inner radius 0, for this number of edges. `is_material` says whether
-    /// there is material below a point. Each engaged part is longer by half the rays' distance at either end.
+    /// Section of a ring, or of a disc with the inner radius 0, for this number of edges. `is_material` returns whether there is
+    /// material below a point of the plane. Each engaged part is lengthened by half the rays' distance at both ends.
     pub fn of_ring(
         center_mm: Vector2<f64>,
         [inner_mm, outer_mm]: [f64; 2],
@@ -81,29 +82,29 @@ impl EngagedSection {
         })
     }
 
-    /// Engaged area. (3)
+    /// Engaged area of the tool's end, mm2. (3)
     pub fn area_mm2(&self) -> f64 {
         let moments = self.by_direction.iter().map(|edge| edge.moment_mm2);
         moments.sum::<f64>() * TAU / self.by_direction.len() as f64
     }
 
-    /// Largest engaged width of one edge.
+    /// Largest engaged width of one radial edge over a turn, mm. (1)
     pub fn width_max_mm(&self) -> f64 {
         self.by_direction.iter().map(|edge| edge.width_mm).fold(0.0, f64::max)
     }
 
-    /// Total angle of the directions with material.
+    /// Sum of the angles of all directions in which an edge has material below it, rad.
     pub fn engaged_rad(&self) -> f64 {
         let engaged = self.by_direction.iter().filter(|edge| edge.width_mm > 0.0).count();
         engaged as f64 / self.by_direction.len() as f64 * TAU
     }
 
-    /// Largest sum of the widths of this number of edges over a turn.
+    /// Largest sum, over a turn, of the engaged widths of this number of evenly spaced edges, mm.
     pub fn width_sum_max_mm(&self, edges: usize) -> f64 {
         self.sum_max(edges, |edge| edge.width_mm)
     }
 
-    /// Largest sum of the moments of this number of edges over a turn.
+    /// Largest sum, over a turn, of the moments (2) of this number of evenly spaced edges, mm2; it gives the peak torque.
     pub fn moment_sum_max_mm2(&self, edges: usize) -> f64 {
         self.sum_max(edges, |edge| edge.moment_mm2)
     }
@@ -116,7 +117,8 @@ impl EngagedSection {
     }
 }
 
-/// Whether the material of a layer at a point is higher than `above_ratio` of the layer.
+/// Whether the material of a layer at a point is higher than `above_ratio` of the layer's height, on the ray whose direction is
+/// nearer to that from `center_mm` to the point. Points beside the layer have no material.
 pub fn is_above(layer: &Layer, point_mm: Vector2<f64>, center_mm: Vector2<f64>, above_ratio: f64) -> bool {
     let arm_mm = point_mm - center_mm;
     let axis = usize::from(libm::fabs(arm_mm.y) > libm::fabs(arm_mm.x));

@@ -21,7 +21,7 @@ use nalgebra::Vector3;
 use super::edges::EdgePiece;
 use super::material::EdgeForce;
 
-/// Force and torque on the tool: sums over all edges at one time.
+/// Force and torque of the workpiece on the tool: sums over all edges at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loads {
     /// Force on the tool, in the tool frame.
@@ -31,7 +31,7 @@ pub struct Loads {
 }
 
 impl Loads {
-    /// Adds the force on a piece when M3 has turned the spindle by `turned_rad`; returns the added force.
+    /// Adds the force on an edge piece when M3 has turned the spindle by `turned_rad`; returns the added force in the tool frame. (1), (2)
     pub fn add(&mut self, piece: &EdgePiece, turned_rad: f64, force: &EdgeForce) -> Vector3<f64> {
         let to = piece.directions(turned_rad);
         let force_n = -(to.motion * force.tangential_n + to.normal * force.radial_n + to.along * force.axial_n); // (1)
@@ -40,12 +40,12 @@ impl Loads {
         force_n
     }
 
-    /// Force across the axis, which bends the tool.
+    /// Component of the force square to the tool's axis, N, which bends the tool.
     pub fn bending_n(&self) -> f64 {
         libm::hypot(self.force_n.x, self.force_n.y)
     }
 
-    /// Power of the spindle at this speed. (3)
+    /// Power of the spindle, W, at this speed. (3)
     pub fn power_w(&self, spindle_rev_per_min: f64) -> f64 {
         TAU * spindle_rev_per_min / S_PER_MIN * self.torque_n_m
     }

@@ -1,4 +1,4 @@
-//! A layer of the workpiece, square to the tool's axis, which one elementary edge of every tooth cuts.
+//! Layer of the workpiece, square to the tool's axis, in which each tooth cuts with one elementary edge.
 //!
 //! Rays in two directions pass through the centres of the same square cells. The rake face of an edge removes the strip
 //! that it sweeps in a step. The ends of the strip are computed, not sampled, so the remaining material carries every
@@ -20,7 +20,7 @@ use arcfeed_dexel::workpiece::Stock;
 /// Margin above rounding errors.
 const MARGIN_MM: f64 = 1e-6;
 
-/// Layer of a workpiece: rays along both axes of its plane, with the heights of the material on them.
+/// Layer of a workpiece: the material on rays along both axes of its plane, with its height where that is not the whole layer.
 #[derive(Clone, Debug)]
 pub struct Layer {
     lowest_mm: [f64; 2],
@@ -32,7 +32,7 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A full rectangle of square cells, at least `size_mm` large.
+    /// Layer that is a full rectangle of square cells, at least `size_mm` large.
     pub fn rectangle(lowest_mm: [f64; 2], size_mm: [f64; 2], step_mm: f64) -> Self {
         let cells = size_mm.map(|size| (size / step_mm).ceil() as usize);
         let whole = |axis: usize| {
@@ -47,7 +47,7 @@ impl Layer {
         Layer { lowest_mm, step_mm, rays, heights }
     }
 
-    /// Interior of a closed line that does not cross itself.
+    /// Layer that is the interior of a closed polygon, which must not cross itself.
     pub fn outline(corners_mm: &[Vector2<f64>], step_mm: f64) -> Self {
         let ends_mm = |axis: usize| {
             let along = corners_mm.iter().map(|corner| corner[axis]);
@@ -68,8 +68,8 @@ impl Layer {
         layer
     }
 
-    /// Layer of a stock: the cells whose middle is nearest to a height along `axis`. The plane has the two axes that
-    /// follow it.
+    /// Layer of a stock (tri-dexel model): its cells at a height along `axis` (0, 1, 2 for x, y, z); empty if the stock has none there.
+    /// The first and second axis of the layer's plane are the two that follow `axis` in cyclic order.
     pub fn of(stock: &Stock, axis: usize, height_mm: f64) -> Self {
         let lattice = stock.lattice();
         let [first, second] = Lattice::across(axis);
@@ -89,10 +89,10 @@ impl Layer {
         Layer::new([lowest_mm[first], lowest_mm[second]], lattice.step_mm(), rays)
     }
 
-    /// Section of a solid at a height along `axis`; the plane has the two axes that follow it.
+    /// Section of a solid at a height along `axis`; the first and second axis of its plane are the two that follow `axis` cyclically.
     ///
     /// # Errors
-    /// There are no such rays, or too many.
+    /// The section has no extent or `step_mm` is not positive, or there would be more than 65 536 cells along an axis.
     pub fn at(solid: &dyn Solid, axis: usize, height_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
         let [mut lowest_mm, mut highest_mm] = solid.bounds_mm();
         // One cell along the axis, so that a grid across it has one line of rays.
@@ -103,7 +103,7 @@ impl Layer {
         Ok(Layer::new(across.map(|axis| lowest_mm[axis]), step_mm, rays))
     }
 
-    /// Lowest and highest corner of the cells.
+    /// Lowest and highest corner of the layer's cells, in its plane.
     pub fn extent_mm(&self) -> [[f64; 2]; 2] {
         let highest_mm =
             [0, 1].map(|axis: usize| self.lowest_mm[axis] + self.rays[1 - axis].len() as f64 * self.step_mm);
@@ -115,22 +115,23 @@ impl Layer {
         self.step_mm
     }
 
-    /// Rays along the first axis, or the second.
+    /// Material on the rays along the first (`axis` 0) or the second axis (1) of the plane.
     pub fn rays(&self, axis: usize) -> &[Dexel] {
         &self.rays[axis]
     }
 
-    /// Coordinate of a ray across its direction.
+    /// Coordinate, across its direction, of the ray with this index; `axis` is the direction of the rays.
     pub fn place_mm(&self, axis: usize, ray: usize) -> f64 {
         self.lowest_mm[1 - axis] + (ray as f64 + 0.5) * self.step_mm
     }
 
-    /// Fractional ray index of a coordinate across the rays' direction: whole numbers are rays.
+    /// Index, as a fraction, of the ray at a coordinate across the rays' direction `axis`: whole numbers are on rays.
     pub fn index(&self, axis: usize, place_mm: f64) -> f64 {
         (place_mm - self.lowest_mm[1 - axis]) / self.step_mm - 0.5
     }
 
-    /// Area of all material as the rays along each axis measure it, mm2; lowered intervals count by their height ratio.
+    /// Area of all material, mm2, as measured by the rays along each of the two axes. Material lower than the layer counts with its
+    /// fraction of the layer's height.
     pub fn areas_mm2(&self) -> [f64; 2] {
         [0, 1].map(|axis: usize| {
             let lengths_mm =
@@ -139,21 +140,21 @@ impl Layer {
         })
     }
 
-    /// Intervals of a ray where the material is higher than `above_ratio` of the layer, in a span or beyond its
-    /// ends; empty beside the rays.
+    /// Intervals of a ray with material higher than `above_ratio` of the layer's height that overlap `span`, which may reach beyond it;
+    /// empty for an index of no ray.
     pub fn section(&self, axis: usize, ray: i64, span: &Interval, above_ratio: f64) -> Cow<'_, [Interval]> {
         let ray = usize::try_from(ray).ok().filter(|ray| *ray < self.rays[axis].len());
         let section = |ray: usize| self.heights[axis][ray].section(&self.rays[axis][ray], span, above_ratio);
         ray.map_or(Cow::Borrowed(&[]), section)
     }
 
-    /// Material of a ray and its lowered parts; `None` beside the rays.
+    /// Material of a ray, and the intervals of it that are lower than the layer; `None` for an index of no ray.
     pub fn ray(&self, axis: usize, ray: i64) -> Option<(&Dexel, &PartialHeights)> {
         let ray = usize::try_from(ray).ok()?;
         self.rays[axis].get(ray).zip(self.heights[axis].get(ray))
     }
 
-    /// Whether the material on any of these rays is higher than `above_ratio` of the layer somewhere in a span.
+    /// Whether any of these rays has, in `span`, material higher than `above_ratio` of the layer's height.
     pub fn is_met(&self, axis: usize, rays: RangeInclusive<i64>, span: &Interval, above_ratio: f64) -> bool {
         let rays = (*rays.start()).max(0)..=(*rays.end()).min(self.rays[axis].len() as i64 - 1);
         rays.into_iter().filter_map(|ray| self.ray(axis, ray)).any(|(material, heights)| {
@@ -167,7 +168,7 @@ impl Layer {
         ray.map_or(1.0, |ray| self.heights[axis][ray].mean_ratio(&self.rays[axis][ray], span))
     }
 
-    /// Height of the material at a point, as a fraction of the layer's height, on the nearest ray along an axis.
+    /// Height of the material at a point, as a fraction of the layer's height, on the nearest ray along `axis`; `None` without material.
     pub fn top_ratio(&self, point_mm: Vector2<f64>, axis: usize) -> Option<f64> {
         let ray = libm::round(self.index(axis, point_mm[1 - axis]));
         let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
@@ -175,19 +176,19 @@ impl Layer {
         self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 
-    /// Removes a convex quadrilateral; returns its area of material as the rays along each axis measure it, mm2.
+    /// Removes the material inside a convex quadrilateral; returns its area, mm2, as measured by the rays along each of the two axes.
     pub fn clear(&mut self, corners_mm: &[Vector2<f64>; 4]) -> [f64; 2] {
         self.clear_band(corners_mm, &DepthBand::ALL)
     }
 
-    /// Removes a depth band of a convex quadrilateral; returns areas as [`Layer::clear`], each part by the height
-    /// removed.
+    /// Removes the material inside a convex quadrilateral, but only in a depth band (part of the layer's height); returns areas as
+    /// [`Layer::clear`], each multiplied by the removed fraction of the layer's height.
     pub fn clear_band(&mut self, corners_mm: &[Vector2<f64>; 4], depth_band: &DepthBand) -> [f64; 2] {
         self.clear_within(corners_mm, 0.0, depth_band, |_, crossing_mm, _, _| crossing_mm)
     }
 
-    /// Removes a depth band of the area that a rake face sweeps, given by root and edge before and after. The edge
-    /// moves on a circle; its radius is negative if it cuts towards the centre. Returns areas as
+    /// Removes, in a depth band, the material that a rake face sweeps. Both arrays have the face's root and edge, before and after the
+    /// motion. The edge moves on a circle of this radius, which is negative if it cuts towards the centre. Returns areas as
     /// [`Layer::clear_band`].
     pub fn clear_strip(
         &mut self,
@@ -248,12 +249,12 @@ impl Layer {
         })
     }
 
-    /// Removes the area between two circles; a disc if the inner radius is 0.
+    /// Removes all material between two circles about a centre; inside of a disc if the inner radius is 0.
     pub fn clear_ring(&mut self, center_mm: Vector2<f64>, inner_mm: f64, outer_mm: f64) {
         self.lower_ring(center_mm, [inner_mm, outer_mm], 0.0);
     }
 
-    /// Lowers the area between two circles to a fraction of the layer's height.
+    /// Lowers the material between two circles to `foot_ratio` of the layer's height.
     pub fn lower_ring(&mut self, center_mm: Vector2<f64>, [inner_mm, outer_mm]: [f64; 2], foot_ratio: f64) {
         let depth_band = DepthBand { foot_ratio, ..DepthBand::ALL };
         for axis in [0, 1] {

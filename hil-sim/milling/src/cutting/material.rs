@@ -1,4 +1,4 @@
-//! Cutting force models: force of a material on an edge that cuts it.
+//! Cutting force models: force of a workpiece material on an edge that cuts it.
 //!
 //! For a chip of thickness h and width b, each of the three directions has its own
 //!
@@ -13,17 +13,17 @@
 //! Source: (1) O. Kienzle, 1952, as catalogues use it; (2) the linear edge model of E. Budak, Y. Altintas, E. J. A.
 //! Armarego, 1996 (recalled). Each constant names its source; docs/forces.md shows how far sources differ.
 
-/// Cross-section of the chip at an edge.
+/// Cross-section of the chip in front of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipSection {
     /// Thickness h, along the edge's normal.
     pub thickness_mm: f64,
-    /// Width b, so that h b is the section.
+    /// Width b in the plane of axis and radius, so that h b is the section.
     pub width_mm: f64,
 }
 
 impl ChipSection {
-    /// One chip in place of two adjacent ones, with their total width and total section.
+    /// One chip that replaces two adjacent ones: with their total width, and the thickness that gives their total section.
     pub fn with(&self, other: &ChipSection) -> Self {
         let width_mm = self.width_mm + other.width_mm;
         let section_mm2 = self.thickness_mm * self.width_mm + other.thickness_mm * other.width_mm;
@@ -31,18 +31,18 @@ impl ChipSection {
     }
 }
 
-/// Force of an edge in its own directions, as it acts on the tool.
+/// Force of the workpiece on an edge, as components along the edge's own directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EdgeForce {
-    /// Force against the motion of the edge.
+    /// Component against the motion of the edge.
     pub tangential_n: f64,
-    /// Force along the inward normal, away from the material.
+    /// Component along the inward normal, away from the material.
     pub radial_n: f64,
-    /// Force along the edge towards the tip: a right-hand helix pulls the tool out of its holder.
+    /// Component along the edge towards the tip; with a right-hand helix it pulls the tool out of its holder.
     pub axial_n: f64,
 }
 
-/// Kienzle's specific cutting force of one direction.
+/// Kienzle's specific cutting force for one of the directions tangential, radial, axial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kienzle {
     /// k of (1): kc1.1 for the tangential direction.
@@ -51,7 +51,7 @@ pub struct Kienzle {
     pub exponent_ratio: f64,
 }
 
-/// Linear force model of one direction: cutting and edge coefficient.
+/// Linear force model for one of the directions tangential, radial, axial: cutting and edge coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
     /// k of (2).
@@ -60,7 +60,7 @@ pub struct Linear {
     pub edge_n_per_mm: f64,
 }
 
-/// Cutting force model for the tangential, radial and axial direction.
+/// Cutting force model for the tangential, radial and axial direction, in this order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutting {
     /// Kienzle's model (1).
@@ -70,7 +70,7 @@ pub enum Cutting {
 }
 
 impl Cutting {
-    /// Force of the chip on the edge.
+    /// Force of the workpiece on an edge with this chip; zero without a chip.
     pub fn force(&self, chip: &ChipSection) -> EdgeForce {
         let (h_mm, b_mm) = (chip.thickness_mm, chip.width_mm);
         if !(h_mm > 0.0 && b_mm > 0.0) {
@@ -103,20 +103,20 @@ impl Cutting {
 }
 
 impl Kienzle {
-    /// Model from a catalogue's tangential coefficient; the other directions are fractions of it with the same
-    /// exponent.
+    /// Kienzle model from a catalogue's tangential coefficient; the radial and axial coefficients are these fractions of it, with the
+    /// same exponent.
     pub fn with_ratios(self, radial_ratio: f64, axial_ratio: f64) -> Cutting {
         let part = |ratio: f64| Kienzle { specific_mpa: self.specific_mpa * ratio, ..self };
         Cutting::Kienzle([self, part(radial_ratio), part(axial_ratio)])
     }
 }
 
-/// A material of the ISCAR catalogue.
+/// Workpiece material of the ISCAR catalogue with its specific cutting force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CatalogueMaterial {
     /// Common name.
     pub name: &'static str,
-    /// Group of VDI 3323.
+    /// Number of the material group in VDI 3323.
     pub group: u8,
     /// Coefficient of the tangential direction. Other catalogues differ by 35 % either way.
     pub tangential: Kienzle,

@@ -23,7 +23,7 @@ use nalgebra::Vector2;
 use super::boundary::{Boundary, PlanePath};
 use super::chip::Circle;
 
-/// Quantity that the meter compares with a rule's target.
+/// Quantity of a move that the chip meter measures and compares with the target of the move's cut rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChipMeasure {
     /// Chip at the contact of a ring's circle with a stock line.
@@ -34,22 +34,22 @@ pub enum ChipMeasure {
     Thickest,
 }
 
-/// Cut rule of a move, with its tool.
+/// Cut rule that applies to a move, with its tool.
 #[derive(Clone, Copy, Debug)]
 pub struct GoverningRule<'a> {
-    /// Index of the rule among the job's.
+    /// Index of the rule in the job's list of cut rules.
     pub index: usize,
     /// The rule.
     pub rule: &'a CutRule,
     /// Tool of the rule.
     pub setup: &'a ToolSetup,
-    /// Engaged arcs along the move, for a rule that expects engagement per move.
+    /// Engaged arcs along the move; `None` unless the rule expects engagement for each move.
     pub along: Option<&'a EngagedTable>,
-    /// Target of this move; `None` means that of the rule or the tool.
+    /// Target of this move alone, mm per tooth; `None` if the rule's or the tool's target applies.
     pub target: Option<MmPerTooth>,
 }
 
-/// Geometry of one move for the meter.
+/// Geometry of one move, prepared for measuring its chip or feed per tooth.
 #[derive(Clone, Debug)]
 pub struct MeasuredMove {
     axes: (usize, usize),
@@ -81,7 +81,7 @@ struct RingCut {
 }
 
 impl ChipMeasure {
-    /// Quantity of a rule; `None` if nothing is measured under it.
+    /// Quantity that is measured under a rule with this tool; `None` if nothing is measured under it.
     pub fn of(rule: &CutRule, setup: &ToolSetup) -> Option<Self> {
         match (&setup.tool, &rule.work, setup.law) {
             (Tool::CupMill(_), Work::Ring(_, stock), _) if stock.line().is_some() => Some(ChipMeasure::Contact),
@@ -94,14 +94,14 @@ impl ChipMeasure {
 }
 
 impl GoverningRule<'_> {
-    /// Target of the rule, mm per tooth.
+    /// Target that applies to the move: its own, or otherwise that of the rule or the tool, mm per tooth.
     pub fn target_mm_per_tooth(&self) -> f64 {
         f64::from(self.target.or(self.rule.feed_per_tooth).unwrap_or(self.setup.feed_per_tooth).0)
     }
 }
 
 impl MeasuredMove {
-    /// Geometry of a move; `None` if nothing can be measured on it.
+    /// Geometry of a move under its cut rule; `None` if nothing can be measured on it.
     pub fn new(segment: &Segment, governing: &GoverningRule<'_>) -> Option<Self> {
         let plane = PlaneMove::new(segment, governing.setup)?;
         let quantity = match ChipMeasure::of(governing.rule, governing.setup)? {
@@ -112,24 +112,25 @@ impl MeasuredMove {
         Some(MeasuredMove { axes: plane.axes, target_mm_per_tooth: governing.target_mm_per_tooth(), quantity })
     }
 
-    /// Target of the measured quantity.
+    /// Target of the measured quantity, mm per tooth.
     pub fn target_mm_per_tooth(&self) -> f64 {
         self.target_mm_per_tooth
     }
 
-    /// Whether the stock depends on the path travelled since the start of the move.
+    /// Whether the stock is given by the path travelled since the start of the move (engaged arcs), so that the start must be known.
     pub fn counts_from_start(&self) -> bool {
         let Quantity::Thickest(circles) = &self.quantity else { return false };
         circles.iter().any(|(_, boundary)| matches!(boundary, Boundary::Table { .. }))
     }
 
-    /// Position in the plane of the move, mm.
+    /// Position of the machine, mm, in the plane of the move.
     pub fn in_plane(&self, position: &Pose) -> Vector2<f64> {
         let (first, second) = self.axes;
         Vector2::new(position.linear[first].to_mm(), position.linear[second].to_mm())
     }
 
-    /// Measured quantity of a tooth that moves by `delta_mm`, relative to the target; `None` without a contact.
+    /// Measured quantity of a tooth during which the centre moves from `position_mm` by `delta_mm`, divided by the target; `None`
+    /// without a contact.
     pub fn ratio(&self, position_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> Option<f64> {
         let measured_mm = match &self.quantity {
             Quantity::Contact(RingCut { rotation_center_mm, cutting, line, .. }) => {
@@ -149,7 +150,8 @@ impl MeasuredMove {
         Some(measured_mm / self.target_mm_per_tooth)
     }
 
-    /// Thickest chip of a ring's outer and inner circle inside the half plane of its stock line, relative to the target.
+    /// Thickest chips of a ring's outer and inner circle in the half plane of its stock line, divided by the target; `None` for a circle
+    /// that does not cut, and on moves under another quantity than [`ChipMeasure::Contact`].
     pub fn thickest_of_ring(&self, position_mm: &Vector2<f64>, delta_mm: &Vector2<f64>) -> [Option<f64>; 2] {
         let Quantity::Contact(cut) = &self.quantity else { return [None; 2] };
         let chip_mm = |circle: Circle| circle.thickest_chip_mm(position_mm, delta_mm, &cut.line);

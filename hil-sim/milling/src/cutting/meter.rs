@@ -20,39 +20,39 @@ use nalgebra::Vector2;
 
 use super::measured_move::{GoverningRule, MeasuredMove};
 
-/// Largest deviation from the commanded feed that counts as steady.
+/// Largest relative deviation of the actual speed from the commanded feed at which a sample counts as steady.
 pub const STEADY_RATIO: f64 = 5e-3;
 
-/// Measured chip load of one move under a cut rule.
+/// Measured chip loads of one move under a cut rule, as statistics over its samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MoveChips {
-    /// Count of executed blocks, up to and including the first block of the move.
+    /// Number of the move's first block: count of executed blocks up to and including it.
     pub block: u32,
-    /// `N` of the block.
+    /// `N` number of the block; `None` without one.
     pub sequence: Option<i64>,
-    /// Index of the job's cut rule for the move.
+    /// Index of the cut rule in the job's list.
     pub rule: usize,
-    /// Measured quantity relative to the target, steady samples only.
+    /// Measured quantity divided by the target, steady samples only.
     pub contact: ChipFigures,
-    /// Measured quantity relative to the target, all samples.
+    /// Measured quantity divided by the target, all samples with a contact.
     pub any_contact: ChipFigures,
-    /// Thickest chip of a ring relative to the target, anywhere inside the half plane of its rule: outer and inner
-    /// circle.
+    /// Thickest chip of a ring's outer and inner circle anywhere inside the half plane of its rule, divided by the target; steady
+    /// samples only.
     pub thickest: [ChipFigures; 2],
-    /// Samples that are not among the steady ones.
+    /// Numbers of samples that `contact` does not include, by cause.
     pub left_out: ExcludedSamples,
 }
 
-/// Measured chip load of one tooth.
+/// Measured chip load of one tooth, over one tooth period (60 s divided by spindle speed and number of teeth).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredChip {
-    /// Measured quantity relative to the target.
+    /// Measured quantity divided by the target.
     pub chip_ratio: f64,
     /// Whether the machine ran at the commanded feed during the whole cut of the tooth.
     pub is_steady: bool,
 }
 
-/// Chip meter: measures the chip load from the machine's reports, move by move.
+/// Chip meter: measures the chip load of every move under a cut rule from the positions that the machine reports.
 #[derive(Debug)]
 pub struct ChipMeter {
     /// Teeth of the tool in the spindle.
@@ -78,7 +78,7 @@ struct Measured {
 }
 
 impl ChipMeter {
-    /// A meter for a tool at its speed.
+    /// Chip meter for a tool and the spindle speed of its setup.
     pub fn new(setup: &ToolSetup) -> Self {
         let teeth = setup.tool.active_teeth();
         ChipMeter {
@@ -98,33 +98,33 @@ impl ChipMeter {
         self.tooth_us = tooth_us(self.teeth, spindle);
     }
 
-    /// Measured chips, move by move.
+    /// Measured chip loads of all moves under a cut rule so far, in the order of execution.
     pub fn moves(&self) -> &[MoveChips] {
         &self.moves
     }
 
-    /// Chip load of the last tooth measured on the move in execution, steady or not, relative to the target.
+    /// Measured quantity divided by the target, of the last tooth measured on the present move, steady or not; `None` before the first.
     pub fn last_ratio(&self) -> Option<f64> {
         self.last_ratio
     }
 
-    /// Measured chip load of the tooth that the last report completed, if that tooth had a contact. If a report
-    /// completes several teeth, that of the last one.
+    /// Measured chip load of the tooth that the last report completed; the last such tooth if there were several. `None` if
+    /// the report completed no tooth, or that tooth had no contact.
     pub fn latest(&self) -> Option<MeasuredChip> {
         self.latest
     }
 
-    /// Target on the move in execution, if it is measured.
+    /// Target of the present move, mm per tooth; `None` if nothing is measured on it.
     pub fn target_mm_per_tooth(&self) -> Option<f64> {
         self.cut.as_ref().map(MeasuredMove::target_mm_per_tooth)
     }
 
-    /// Whether a cut rule applies to this block, the last one begun.
+    /// Whether `block` is the block begun last and a cut rule applies to it.
     pub fn is_on(&self, block: u32) -> bool {
         self.block == Some(block)
     }
 
-    /// Begins a block; `governing` is the cut rule that applies to it.
+    /// Begins a block with a new move; `governing` is the cut rule that applies to it, if any.
     pub fn begin(&mut self, block: u32, segment: &Segment, governing: Option<&GoverningRule<'_>>) {
         self.begin_block(block, segment, governing);
         let Some(governing) = governing else { return };
@@ -139,8 +139,8 @@ impl ChipMeter {
         });
     }
 
-    /// Begins a block that continues the move before, as a further piece of it. A table of engaged arcs counts from the
-    /// beginning of the whole move, so such a piece is not measured.
+    /// Begins a block that is a further piece of the move before. If engaged arcs describe its stock, they count from the beginning
+    /// of the whole move; therefore such a piece is not measured.
     pub fn continue_move(&mut self, block: u32, segment: &Segment, governing: Option<&GoverningRule<'_>>) {
         self.begin_block(block, segment, governing);
         self.cut = self.cut.take().filter(|cut| !cut.counts_from_start());
@@ -154,7 +154,8 @@ impl ChipMeter {
         self.cut = MeasuredMove::new(segment, governing);
     }
 
-    /// Counts a report as left out, because the axes are not on the move yet or the spindle stands still.
+    /// Processes a report that must not be measured, because the axes are not on the move yet or the spindle stands still: counts it, and
+    /// the unfinished teeth before it, among the samples left out.
     pub fn leave_out(&mut self, sample: &Sample) {
         self.latest = None;
         if !self.is_on(sample.block) {
@@ -166,7 +167,7 @@ impl ChipMeter {
         self.history.clear();
     }
 
-    /// Processes the machine's report.
+    /// Processes one report of the machine, and measures the teeth that it completes.
     pub fn add_sample(&mut self, sample: &Sample) {
         self.latest = None;
         if !self.tooth_us.is_finite() {

@@ -1,4 +1,4 @@
-//! Measurement of the cut: chips, edges, engagement and forces. No code here may use the feed law.
+//! Measurement of the cut: chips, edges, engagement and forces, from positions and material. No code here may use the feed laws.
 
 pub mod chip;
 

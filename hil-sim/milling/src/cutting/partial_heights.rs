@@ -1,4 +1,4 @@
-//! Remaining material along one ray of a layer, after a tool has cut it from above.
+//! Heights of the material along one ray of a layer, after a tool has cut into the layer from above.
 //!
 //! Material that no edge has lowered is as high as its layer. A tool's end that stops inside the layer leaves a column:
 //! an interval of the ray with its height, as a fraction between 0 and 1 of the layer's. The columns are stored beside
@@ -20,7 +20,7 @@ const SLIVER_MM: f64 = 1e-9;
 /// Columns that a search looks at, one after the other, before it halves the rest.
 const NEAR: usize = 6;
 
-/// Columns of a ray: its lowered intervals, in order.
+/// Columns of one ray: intervals of its material that are lower than the layer, in ascending order, with their heights.
 #[derive(Clone, Debug, Default)]
 pub struct PartialHeights {
     lowered: Vec<Column>,
@@ -35,22 +35,22 @@ struct Column {
     top_ratio: f64,
 }
 
-/// Depth band of an edge: which columns it cuts, and the height that it leaves. Heights are fractions of the layer's.
+/// Depth band: the part of a layer's height that an edge cuts. Heights are fractions of the layer's height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthBand {
-    /// Remaining height of the layer, as a fraction of its height; nothing remains if it is not above 0.
+    /// Height at which the edge passes: material below it remains; if it is 0 or negative, nothing remains.
     pub foot_ratio: f64,
-    /// Peripheral edges cut the material above this height; end edges cut the rest.
+    /// Height that divides the material between both kinds of edges: side edges cut columns higher than this, end edges the lower ones.
     pub border_ratio: f64,
-    /// Whether the edge is on the tool's end.
+    /// Whether the edge is on the tool's end; otherwise it is on its side.
     pub is_end: bool,
 }
 
 impl DepthBand {
-    /// The whole height of the layer.
+    /// Band over the whole height of the layer, of a side edge.
     pub const ALL: DepthBand = DepthBand { foot_ratio: 0.0, border_ratio: 0.0, is_end: false };
 
-    /// Cut part of a column, as a fraction of the layer's height.
+    /// Height that the edge removes from a column of the height `top_ratio`; 0 if it does not cut that column.
     pub fn cut_ratio(&self, top_ratio: f64) -> f64 {
         if self.cuts(top_ratio) { top_ratio - self.foot_ratio.max(0.0) } else { 0.0 }
     }
@@ -61,7 +61,7 @@ impl DepthBand {
 }
 
 impl PartialHeights {
-    /// Removes a depth band of a span; returns the length times the fraction of the height removed.
+    /// Removes a depth band of the material in `span`; returns the removed length times the removed fraction of the layer's height, mm.
     pub fn remove(&mut self, material: &mut Dexel, span: Interval, depth_band: &DepthBand) -> f64 {
         if depth_band.foot_ratio <= 0.0 && !self.meets(&span) {
             return if depth_band.cuts(1.0) { material.subtract(span) } else { 0.0 };
@@ -112,7 +112,7 @@ impl PartialHeights {
         Some(chip.length_mm() * depth_band.cut_ratio(1.0))
     }
 
-    /// Length of the material, each interval times its height fraction.
+    /// Length of the material, mm, each interval multiplied by its height as a fraction of the layer's.
     pub fn length_mm(&self, material: &Dexel) -> f64 {
         let missing = |column: &Column| column.on.length_mm() * (1.0 - column.top_ratio);
         match material.extent().filter(|_| !self.lowered.is_empty()) {
@@ -123,8 +123,8 @@ impl PartialHeights {
         }
     }
 
-    /// Intervals of a span where the material is higher than `above_ratio` of the layer; of lowered intervals only
-    /// those longer than rounding.
+    /// Intervals with material higher than `above_ratio` of the layer's height that overlap `span`. Lowered intervals that are as short as
+    /// rounding errors are left out.
     pub fn section<'a>(&self, material: &'a Dexel, span: &Interval, above_ratio: f64) -> Cow<'a, [Interval]> {
         if !self.meets(span) {
             return Cow::Borrowed(if above_ratio + SAME_RATIO < 1.0 { material.intervals() } else { &[] });
@@ -132,7 +132,7 @@ impl PartialHeights {
         Cow::Owned(Pieces { columns: self.columns(material, span), above_ratio, next: None }.collect())
     }
 
-    /// Mean height of the material in a span; that of the whole layer if there is none.
+    /// Mean height of the material in `span`, as a fraction of the layer's height; 1 if there is none.
     pub fn mean_ratio(&self, material: &Dexel, span: &Interval) -> f64 {
         if !self.meets(span) {
             return 1.0;
@@ -143,14 +143,14 @@ impl PartialHeights {
         if length_mm > 0.0 { sum_mm / length_mm } else { 1.0 }
     }
 
-    /// Height of the material at a coordinate.
+    /// Height of the material at a coordinate along the ray, as a fraction of the layer's height; `None` without material.
     pub fn top_ratio(&self, material: &Dexel, at_mm: f64) -> Option<f64> {
         let first = self.first_behind(at_mm);
         let column = self.lowered.get(first).filter(|column| column.on.from_mm <= at_mm);
         material.contains(at_mm).then(|| column.map_or(1.0, |column| column.top_ratio))
     }
 
-    /// Whether all material of a span is already so low that an edge removes nothing.
+    /// Whether all material in `span` is already so low that an edge with this depth band removes nothing.
     pub fn is_already_lowered(&mut self, material: &Dexel, span: &Interval, depth_band: &DepthBand) -> bool {
         let Interval { mut from_mm, to_mm } = match material {
             Dexel::One(piece) => piece.common(span),
@@ -167,7 +167,7 @@ impl PartialHeights {
         from_mm >= to_mm
     }
 
-    /// Whether a whole span is lowered to `above_ratio` of the layer, or below.
+    /// Whether the whole of `span` is one or several lowered intervals no higher than `above_ratio` of the layer's height.
     pub fn is_below(&self, span: &Interval, above_ratio: f64) -> bool {
         self.over(span).is_some_and(|column| column.top_ratio <= above_ratio + SAME_RATIO)
     }
@@ -184,8 +184,8 @@ impl PartialHeights {
         self.lowered.get(first).is_some_and(|column| column.on.from_mm < span.to_mm)
     }
 
-    /// First, or last, interval of a span where the material is higher than `above_ratio` of the layer, as in
-    /// [`PartialHeights::section`], cut off at the span's ends.
+    /// First (or last) interval in `span` with material higher than `above_ratio` of the layer's height, cut off at the ends of `span`;
+    /// `None` if there is none. Intervals as in [`PartialHeights::section`].
     pub fn end_piece(&self, material: &Dexel, span: &Interval, above_ratio: f64, is_first: bool) -> Option<Interval> {
         if !self.meets(span) {
             let mut met = material.met(span);

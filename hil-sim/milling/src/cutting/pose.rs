@@ -7,18 +7,18 @@ use super::edges::EdgePiece;
 use super::end::{Descent, EdgePose};
 use super::partial_heights::DepthBand;
 
-/// Position of the cutter.
+/// Position of the cutter in the coordinates of the workpiece's layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolPose {
-    /// Spindle axis in the plane of the layers.
+    /// Position of the spindle's axis in the plane of the layers.
     pub axis_mm: Vector2<f64>,
-    /// Height of the tip.
+    /// Height of the tool's tip, in the height coordinate of the layers.
     pub tip_mm: f64,
     /// Angle by which M3 has turned the spindle.
     pub turned_rad: f64,
 }
 
-/// Positions of all edges of a cutter, before they are bent.
+/// Positions of all edges of a cutter at one time, before deflection.
 #[derive(Clone, Debug)]
 pub struct EdgePoses {
     pub(super) pose: ToolPose,
@@ -42,7 +42,7 @@ pub(super) struct Placed {
 }
 
 impl EdgePoses {
-    /// Marks an edge as far from material: it has no chip and removes nothing.
+    /// Marks an edge, by its number, as far from material: it gets no chip and removes nothing at these positions.
     pub fn set_apart(&mut self, edge: usize) {
         self.is_apart[edge] = true;
     }

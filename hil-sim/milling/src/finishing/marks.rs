@@ -1,4 +1,4 @@
-//! Surface after a pass, compared with that of a rigid pair.
+//! Marks: surface that a flexible tool or blade leaves after a pass, compared with that of a rigid pair of both.
 //!
 //! Rays square to the chord end on the machined side, in each layer. The deviation is measured along the normal,
 //! positive for remaining material; if no material remains, it is the blade's thickness.
@@ -11,24 +11,24 @@ use arcfeed_dexel::dexel::{Dexel, Interval};
 /// Distance from an edge within which rays are left out: they may meet the edge itself.
 const EDGE_MM: f64 = 0.3;
 
-/// Point of the surface with its deviation.
+/// Point of the machined surface with its deviation from the surface that a rigid tool and blade would leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceMark {
-    /// Index of the layer, from the lowest.
+    /// Index of the layer of the workpiece, counted from the lowest.
     pub layer: usize,
-    /// Position along the side, from its middle.
+    /// Position along the side of the blade, from its middle, positive towards the trailing edge.
     pub along_mm: f64,
-    /// Deviation along the normal, outwards.
+    /// Deviation along the outward normal: positive for remaining material.
     pub deviation_mm: f64,
 }
 
-/// Deviations of the surface at all points that both passes have, layer by layer along the chord.
+/// Deviations of `flexible` from `rigid` at all points of the surface that both have, layer by layer.
 pub fn marks(side: &Side, rigid: &PassResult, flexible: &PassResult) -> Vec<SurfaceMark> {
     let layers = rigid.layers.layers().iter().zip(flexible.layers.layers()).enumerate();
     layers.flat_map(|(layer, (rigid, flexible))| of_layer(side, layer, rigid, flexible)).collect()
 }
 
-/// Root of the mean square deviation of some marks.
+/// Root mean square of the deviations of some marks, mm; 0 without marks.
 pub fn deviation_mm<'a>(marks: impl Iterator<Item = &'a SurfaceMark>) -> f64 {
     let (sum, count) =
         marks.fold((0.0, 0), |(sum, count), mark| (sum + mark.deviation_mm * mark.deviation_mm, count + 1));

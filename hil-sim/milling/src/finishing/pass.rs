@@ -41,20 +41,20 @@ const WHOLE_RATIO: f64 = 1e-9;
 /// Depth of the rake faces; chips are not thicker.
 const RAKE_MM: f64 = 1.0;
 
-/// Finishing pass of a ball-end mill along a blade: geometry and conditions.
+/// Finishing pass of a ball end mill along the side of a blade: geometry, cutting conditions and resolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishingPass {
     /// Side of the blade.
     pub side: Side,
     /// Ball end mill: its corner radius is half of its diameter.
     pub mill: EndMill,
-    /// Allowance square to the surface.
+    /// Allowance: material above the nominal surface before the pass, square to it.
     pub allowance_mm: f64,
-    /// Stepover along the axis, to the pass before.
+    /// Distance to the pass before, along the tool's axis.
     pub stepover_mm: f64,
-    /// Feed along the line of contacts.
+    /// Feed per tooth of the contact, along the side of the blade.
     pub feed_mm_per_tooth: f64,
-    /// Teeth per second.
+    /// Tooth passing frequency: teeth per second.
     pub tooth_hz: f64,
     /// Force model of the material.
     pub cutting: Cutting,
@@ -69,27 +69,27 @@ pub struct PassResolution {
     pub rise_mm: f64,
     /// Distance of the rays of a layer.
     pub ray_mm: f64,
-    /// Steps in a tooth.
+    /// Time steps from one tooth to the next.
     pub steps: usize,
 }
 
-/// Result of a finishing pass.
+/// Result of a simulated finishing pass.
 #[derive(Clone, Debug)]
 pub struct PassResult {
-    /// Remaining blade.
+    /// Material of the blade that remains.
     pub layers: Layers,
-    /// Samples, one a tooth.
+    /// Samples of tool and force, one for each tooth in order.
     pub teeth: Vec<Tooth>,
-    /// Number of steps in which force and displacement did not converge.
+    /// Number of time steps in which force and displacement did not converge.
     pub open: usize,
 }
 
-/// Tool and surface at one tooth of a finishing pass.
+/// State at the end of one tooth of a finishing pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tooth {
-    /// Position of the contact, from the middle of the line.
+    /// Position of the contact along the blade's side, from its middle.
     pub along_mm: f64,
-    /// Displacement of the tool relative to the workpiece.
+    /// Displacement of the tool relative to the workpiece, by vibration and deflection of both.
     pub displacement_mm: Vector3<f64>,
     /// Largest displacement square to the axis since the tooth before.
     pub swing_mm: f64,
@@ -97,7 +97,7 @@ pub struct Tooth {
     pub force_n: f64,
 }
 
-/// Error: the mill has no such edges, or they do not fit the layers.
+/// Error: the mill is no ball end mill with edges, or its radius is not a whole number of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MillError;
 
@@ -126,12 +126,12 @@ impl FinishingPass {
         self.clearance_mm(z_mm - self.stepover_mm).min(self.allowance_mm)
     }
 
-    /// Distance ahead of the contact at which the deepest chip begins.
+    /// Distance ahead of the contact at which the ball begins to cut the allowance, mm.
     pub fn reach_mm(&self) -> f64 {
         libm::sqrt(self.allowance_mm * (2.0 * self.radius_mm() - self.allowance_mm))
     }
 
-    /// Layers that the pass cuts.
+    /// Material of the blade around the pass, before it, as layers.
     pub fn layers(&self) -> Layers {
         let rise_mm = self.resolution.rise_mm;
         let (below, above) = (libm::ceil(self.reach_mm() / rise_mm), libm::ceil(self.stepover_mm / rise_mm));
@@ -143,7 +143,7 @@ impl FinishingPass {
         Layers::new(lowest_mm, rise_mm, (0..(below + above) as usize).map(layer).collect())
     }
 
-    /// Height of the material at the middle of a layer after the pass of a rigid pair. (2)
+    /// Material that a rigid pair of tool and blade leaves above the nominal surface at the height of a layer's middle, mm. (2)
     pub fn after_mm(&self, layers: &Layers, layer: usize) -> f64 {
         let z_mm = layers.middle_mm(layer) - self.side.height_mm();
         self.before_mm(z_mm).min(self.clearance_mm(z_mm))
@@ -172,11 +172,11 @@ impl FinishingPass {
         }
     }
 
-    /// Runs the pass from one edge of the blade to the other. The workpiece's modes come first in the list, with the
-    /// shapes of any point; a rigid workpiece has none.
+    /// Simulates the pass from one edge of the blade to the other. `modes` begins with the modes of the workpiece, whose mode shapes at any
+    /// point `workpiece` gives; for a rigid workpiece it is `None`, and `modes` has only those of the tool.
     ///
     /// # Errors
-    /// The tool is invalid.
+    /// The mill is no ball end mill with edges, or its radius is not a whole number of layers.
     pub fn run<B: Modal>(
         &self,
         modes: Vec<Mode>,
@@ -213,7 +213,7 @@ impl FinishingPass {
     }
 }
 
-/// Displacement in the direction of the blade's normal at the contact; positive away from the material.
+/// Component of a tooth's displacement, mm, along the blade's outward normal at the contact; positive away from the material.
 pub fn normal_mm(side: &Side, tooth: &Tooth) -> f64 {
     let normal: Vector2<f64> = side.contact(tooth.along_mm).normal;
     tooth.displacement_mm.xy().dot(&normal)

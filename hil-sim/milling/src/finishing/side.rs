@@ -13,7 +13,7 @@ const AHEAD_RATIO: f64 = 1e-5;
 /// Number of points for measuring the line's length.
 const POINTS: usize = 400;
 
-/// Convex side of a blade at a height.
+/// Convex side of a blade in a section at one height along its span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
     blade: Blade,
@@ -21,17 +21,17 @@ pub struct Side {
     length_mm: f64,
 }
 
-/// Contact point of the tool on the blade, with the normal there.
+/// Point at which the tool touches the blade, with the normal there, both in the plane of the section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Point in the plane.
+    /// Position of the point.
     pub point_mm: Vector2<f64>,
     /// Normal out of the material, a unit vector.
     pub normal: Vector2<f64>,
 }
 
 impl Side {
-    /// Side at this fraction of the span.
+    /// Side of a blade at this fraction of its span, from the root.
     pub fn new(blade: Blade, height_ratio: f64) -> Self {
         let mut side = Side { blade, height_ratio, length_mm: 0.0 };
         let points: Vec<Vector2<f64>> = (0..=POINTS).map(|n| side.surface_mm(n as f64 / POINTS as f64 - 0.5)).collect();
@@ -39,12 +39,12 @@ impl Side {
         side
     }
 
-    /// Length from edge to edge.
+    /// Length of the side from the leading edge to the trailing edge, mm.
     pub fn length_mm(&self) -> f64 {
         self.length_mm
     }
 
-    /// Height along the span.
+    /// Height of the section along the span, mm.
     pub fn height_mm(&self) -> f64 {
         self.height_ratio * self.blade.span_mm
     }
@@ -58,7 +58,7 @@ impl Side {
         self.at_mm(s, 0.5)
     }
 
-    /// Contact at a distance from the middle of the line.
+    /// Contact at this distance along the side from its middle; beyond the blade's edges the side continues straight.
     pub fn contact(&self, along_mm: f64) -> Contact {
         let s = along_mm / self.length_mm;
         let on = s.clamp(-0.5, 0.5);
@@ -67,12 +67,12 @@ impl Side {
         Contact { point_mm, normal: Vector2::new(-tangent.y, tangent.x) }
     }
 
-    /// Point on the blade at which the modes act.
+    /// Point of the blade, in the blade's coordinates, at which the cutting force acts on its modes.
     pub fn place_mm(&self, along_mm: f64) -> [f64; 3] {
         self.blade.point_mm([(along_mm / self.length_mm).clamp(-0.5, 0.5), 0.5, self.height_ratio])
     }
 
-    /// Outline of the section with an allowance on this side.
+    /// Closed outline of the blade's section, with an allowance on this side only.
     pub fn outline_mm(&self, allowance_mm: f64) -> Vec<Vector2<f64>> {
         let part = |n: usize| n as f64 / POINTS as f64 - 0.5;
         let raised = |n: usize| {

@@ -28,35 +28,35 @@ const SAMPLES_MAX: usize = 512;
 /// Number of tried frequencies for each one that the samples can resolve.
 const FINER: usize = 4;
 
-/// Verdict on the stability of a cut, from the tool's position once per tooth.
+/// Verdict on the stability of a cut, from the tool's position sampled once for each tooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The samples repeat every tooth.
+    /// Stable: the samples repeat with every tooth.
     Stable,
-    /// The samples repeat every turn, but not every tooth.
+    /// Stable with uneven teeth or runout: the samples repeat with every turn, but not with every tooth.
     Uneven,
-    /// The samples repeat every second tooth.
+    /// Period doubling (flip): the samples repeat with every second tooth.
     PeriodDoubling,
-    /// The samples do not repeat.
+    /// Chatter: the samples do not repeat.
     Chatter {
-        /// Distance of the strongest frequency from the nearest multiple of the tooth frequency.
+        /// Strongest frequency as it appears in the samples: its distance from the nearest multiple of the tooth frequency.
         alias_hz: f64,
     },
 }
 
-/// Conditions of sampling for chatter detection.
+/// How the tool's position is sampled, and from which change on a cut counts as unstable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Teeth per turn.
     pub teeth: usize,
-    /// Teeth per second.
+    /// Tooth passing frequency, which is also the rate of the samples.
     pub tooth_hz: f64,
-    /// Largest M that counts as zero.
+    /// Largest mean change M_k of the position that still counts as no change.
     pub floor_mm: f64,
 }
 
 impl Sampling {
-    /// Verdict for samples once a tooth, without the beginning of the cut. Too few samples to compare count as stable.
+    /// Verdict for the samples of a cut, one for each tooth, without the beginning of the cut. Too few samples count as stable.
     pub fn evaluate(&self, samples_mm: &[Vector3<f64>]) -> Verdict {
         let repeats = |lag| metric_mm(samples_mm, lag) <= self.floor_mm;
         if repeats(1) {
@@ -70,7 +70,7 @@ impl Sampling {
         }
     }
 
-    /// Frequency nearest to `natural_hz` among those that appear at `alias_hz`.
+    /// The true chatter frequency: of all frequencies that appear as `alias_hz` in the samples, the one nearest to `natural_hz`.
     pub fn chatter_hz(&self, alias_hz: f64, natural_hz: f64) -> f64 {
         let multiple = libm::round(natural_hz / self.tooth_hz);
         let around = [multiple - 1.0, multiple, multiple + 1.0].map(|k| k * self.tooth_hz);
@@ -80,14 +80,14 @@ impl Sampling {
     }
 }
 
-/// Metric M_k of the change from sample to sample, `lag` = k; 0 if there are too few samples. (1)
+/// Mean change M_k, mm, of the position over `lag` = k samples; 0 if there are too few samples. (1)
 pub fn metric_mm(samples_mm: &[Vector3<f64>], lag: usize) -> f64 {
     let later = samples_mm.get(lag..).unwrap_or(&[]);
     let sum_mm: f64 = later.iter().zip(samples_mm).map(|(after, before)| (after - before).norm()).sum();
     sum_mm / later.len().max(1) as f64
 }
 
-/// Standard deviation of samples from their mean, all directions together.
+/// Standard deviation of the positions from their mean, mm, all directions together.
 pub fn deviation_mm(samples_mm: &[Vector3<f64>]) -> f64 {
     let count = samples_mm.len().max(1) as f64;
     let mean_mm = samples_mm.iter().sum::<Vector3<f64>>() / count;

@@ -20,12 +20,12 @@ use std::fmt;
 use arcfeed_units::MM_PER_M;
 use nalgebra::Vector3;
 
-/// Vibration mode of a structure at the cut.
+/// Vibration mode of a structure (tool or workpiece), with its shape at the point where it is cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Undamped natural frequency.
     pub frequency_hz: f64,
-    /// Ratio of critical damping, below 1.
+    /// Damping as a fraction of the critical damping, from 0 to less than 1.
     pub damping_ratio: f64,
     /// Shape s: displacement at the cut per unit of q, in the frame of the forces, in 1/sqrt(kg).
     pub shape: Vector3<f64>,
@@ -54,10 +54,10 @@ pub enum ModeError {
 }
 
 impl Mode {
-    /// Mode from a modal analysis.
+    /// Mode from a modal analysis, with its mass-normalised shape.
     ///
     /// # Errors
-    /// A value is out of its range.
+    /// The frequency is not positive, the damping is not from 0 to less than 1, or the shape is not finite.
     pub fn new(frequency_hz: f64, damping_ratio: f64, shape: Vector3<f64>) -> Result<Self, ModeError> {
         if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
             return Err(ModeError::Frequency { given_hz: frequency_hz });
@@ -71,10 +71,10 @@ impl Mode {
         Ok(Mode { frequency_hz, damping_ratio, shape })
     }
 
-    /// Mode from a tap test: its stiffness along a direction of any length. (2)
+    /// Mode from a tap test: its stiffness along `direction`, which may have any length. (2)
     ///
     /// # Errors
-    /// A value is out of its range.
+    /// The frequency or the stiffness is not positive, the damping is not from 0 to less than 1, or the direction has no length.
     pub fn from_stiffness(
         frequency_hz: f64,
         damping_ratio: f64,
@@ -99,7 +99,7 @@ impl Mode {
         self.shape.dot(force_n) * MM_PER_M
     }
 
-    /// Static displacement of the structure in this mode alone.
+    /// Static displacement, mm, of the structure under this force in this mode alone.
     pub fn static_mm(&self, force_n: &Vector3<f64>) -> Vector3<f64> {
         let circular = self.circular_per_s();
         self.shape * (self.drive(force_n) / (circular * circular))

@@ -17,12 +17,12 @@
 
 use super::modal::Mode;
 
-/// Integration rule of a step.
+/// Rule by which a mode is integrated over one time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// Average acceleration. (1)
+    /// Newmark's rule with the average acceleration. (1)
     Newmark,
-    /// Exact for a force that is linear in a step. (2)
+    /// Exact solution for a force that changes linearly within the step. (2)
     Exact,
 }
 

@@ -25,12 +25,12 @@ use nalgebra::{Matrix3, Vector3};
 use super::modal::Mode;
 use super::transition::{Rule, State, Transition};
 
-/// Settings of the time steps.
+/// Settings of the time steps of a vibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepping {
     /// Integration rule of one mode over one step.
     pub rule: Rule,
-    /// Change of displacement in an iteration below which it has converged.
+    /// Largest change of the displacement in an iteration at which the step counts as converged.
     pub tolerance_mm: f64,
     /// Largest number of iterations in a step, at least one.
     pub passes_max: usize,
@@ -66,11 +66,11 @@ pub struct Places {
 /// Result of a time step of a vibrating structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VibrationStep {
-    /// Displacement at the end.
+    /// Displacement at the end of the step; with forces at several points, that at the place of the cut.
     pub displacement_mm: Vector3<f64>,
-    /// Force on the structure at the end; the sum of all points.
+    /// Force on the structure at the end of the step; the sum over all points.
     pub force_n: Vector3<f64>,
-    /// Number of evaluations of the force.
+    /// Number of evaluations of the force in the step.
     pub passes: usize,
     /// Change of the displacement in the last iteration.
     pub change_mm: f64,
@@ -90,26 +90,26 @@ impl Places {
         self.moved_mm.len()
     }
 
-    /// Displacements of the points, in the order in which they were added.
+    /// Displacements of the points, mm, in the order in which they were added.
     pub fn moved_mm(&self) -> &[Vector3<f64>] {
         &self.moved_mm
     }
 }
 
 impl Vibration {
-    /// A structure at rest, without force.
+    /// Structure with these modes, at rest and without force.
     pub fn new(modes: Vec<Mode>, stepping: Stepping) -> Self {
         let states = vec![State::default(); modes.len()];
         let drives = vec![0.0; modes.len()];
         Vibration { stepping, modes, states, transitions: Vec::new(), dt_s: 0.0, compliance: Matrix3::zeros(), drives }
     }
 
-    /// The modes.
+    /// Modes of the structure, in the order of their numbers.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }
 
-    /// Displacement of the structure.
+    /// Present displacement of the structure at the place of the cut, mm.
     pub fn displacement_mm(&self) -> Vector3<f64> {
         self.shaped(|n| self.states[n].q)
     }
@@ -119,13 +119,13 @@ impl Vibration {
         self.modes.is_empty()
     }
 
-    /// Sets the structure to rest, without force.
+    /// Brings the structure to rest, without force.
     pub fn rest(&mut self) {
         self.states.fill(State::default());
         self.drives.fill(0.0);
     }
 
-    /// Sets the mode shapes for another position of the cut or another frame. Shapes not given stay as they are.
+    /// Replaces the shapes of the first modes, for another position of the cut or another frame; the other shapes stay as they are.
     pub fn set_shapes(&mut self, shapes: &[Vector3<f64>]) {
         for (mode, shape) in self.modes.iter_mut().zip(shapes) {
             mode.shape = *shape;
@@ -133,15 +133,15 @@ impl Vibration {
         self.compliance = self.compliance_of_step();
     }
 
-    /// Adds a point with these mode shapes; missing shapes are those of the cut.
+    /// Adds to `onto` a point with these shapes of the first modes; for the other modes it has their shapes at the place of the cut.
     pub fn add_place(&self, shapes: &[Vector3<f64>], onto: &mut Places) {
         let shapes = &shapes[..shapes.len().min(self.modes.len())];
         onto.shapes.extend(shapes.iter().copied().chain(self.modes[shapes.len()..].iter().map(|mode| mode.shape)));
         onto.moved_mm.push(Vector3::zeros());
     }
 
-    /// Advances by `dt_s`. `force` returns the force on the structure at the end of the step for a displacement there;
-    /// it may be called more than once.
+    /// Advances the vibration by `dt_s`. `force` returns the force, N, on the structure at the end of the step if its displacement
+    /// there is the given one, mm; it is called several times, until both agree.
     pub fn step(&mut self, dt_s: f64, mut force: impl FnMut(&Vector3<f64>) -> Vector3<f64>) -> VibrationStep {
         self.advance_free(dt_s);
         let free_mm = self.displacement_mm();
@@ -158,8 +158,8 @@ impl Vibration {
         VibrationStep { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
     }
 
-    /// Advances by `dt_s` as [`Vibration::step`], with forces at several points: `force` returns those for
-    /// displacements there, in the order of the points. The step's displacement is still that of the cut.
+    /// Advances by `dt_s` as [`Vibration::step`], with forces at several points: `force` writes the forces into its second argument for
+    /// the displacements in the first, both in the order of the points. The step's displacement is still that of the cut.
     pub fn step_at(
         &mut self,
         dt_s: f64,

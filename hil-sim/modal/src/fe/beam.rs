@@ -20,7 +20,7 @@ use super::material::ElasticMaterial;
 use super::modal_point::ModalPoint;
 use arcfeed_units::T_PER_KG;
 
-/// Cylindrical section of a tool.
+/// Cylindrical section of a tool that is modelled as a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamSection {
     /// Length along the axis.
@@ -32,7 +32,7 @@ pub struct BeamSection {
     pub material: ElasticMaterial,
 }
 
-/// Beam model of a clamped tool.
+/// Beam model of a tool that is clamped at one end and free at the tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
     /// Sections from the clamp to the tip.
@@ -133,10 +133,10 @@ impl BeamSection {
 }
 
 impl Beam {
-    /// The `pairs` lowest pairs of bending modes.
+    /// Bending modes of the tool, `pairs` pairs (one along x, one along y) with the lowest frequencies.
     ///
     /// # Errors
-    /// The tool has fewer modes, or a section without length, diameter or mass.
+    /// The tool has fewer modes, or a section has no length, diameter or mass.
     pub fn modes(&self, pairs: usize) -> Result<BeamModes, EigenError> {
         let elements = self.elements.max(1);
         let size = 2 * elements * self.sections.len();
@@ -187,13 +187,13 @@ fn solve(k: DMatrix<f64>, m: &DMatrix<f64>, pairs: usize) -> Result<(Vec<f64>, V
 }
 
 impl BeamModes {
-    /// Natural frequencies.
+    /// Natural frequencies in Hz, the lowest first, in pairs.
     pub fn frequencies_hz(&self) -> Vec<f64> {
         self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
     }
 
-    /// Sets `modal_point` to a point of the tool. Sections stay plane, so a point off the axis also moves along it; a
-    /// point below the tip moves like the tip's section.
+    /// Sets `modal_point` to the mode shapes at a point of the tool, in the tool's frame. Sections stay plane, so a point off the axis
+    /// also moves along it; a point below the tip moves like the tip's section.
     pub fn at(&self, point_mm: [f64; 3], modal_point: &mut ModalPoint) {
         let from_clamp_mm = self.length_mm - point_mm[2];
         let element = self.spans.iter().rposition(|[from_mm, _, _]| *from_mm <= from_clamp_mm).unwrap_or(0);

@@ -17,7 +17,7 @@ use super::mesh::{TetMesh, TetMeshError, graded};
 /// Angle of camber below which the middle line is straight.
 const STRAIGHT_RAD: f64 = 1e-9;
 
-/// A blade. Pairs give the values at foot and tip, with linear change between.
+/// Blade, by its dimensions. Pairs of values are those at the foot and at the tip, with linear change between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blade {
     /// Length from foot to tip.
@@ -37,7 +37,7 @@ pub struct Blade {
 }
 
 impl Blade {
-    /// A flat plate of even thickness.
+    /// Blade that is a flat plate of constant thickness.
     pub fn plate(span_mm: f64, chord_mm: f64, thickness_mm: f64) -> Self {
         Blade {
             span_mm,
@@ -50,7 +50,7 @@ impl Blade {
         }
     }
 
-    /// The point at `s` along the chord, `n` through the thickness (both -1/2 to 1/2) and `height` (0 to 1) up the span, mm.
+    /// Point of the blade, mm, at `s` along the chord, `n` through the thickness (both -1/2 to 1/2) and `height` (0 to 1) up the span.
     pub fn point_mm(&self, [s, n, height]: [f64; 3]) -> [f64; 3] {
         let at = |[foot, tip]: [f64; 2]| foot + (tip - foot) * height;
         let (chord_mm, camber) = (at(self.chord_mm), at(self.camber_rad));
@@ -72,19 +72,18 @@ impl Blade {
         ]
     }
 
-    /// A mesh with cells along chord, thickness and span, the lattice's axes. Cells at the foot have `foot_ratio` of
-    /// the height of those at the tip, with linear change between: use less than 1 where the clamp makes the bending
-    /// change fast.
+    /// Mesh with these numbers of cells along chord, thickness and span. Cells at the foot have `foot_ratio` of the height of those at
+    /// the tip, with linear change between: use less than 1, because the bending changes fast near the clamp.
     ///
     /// # Errors
-    /// No cells along an axis, or a shape that folds cells.
+    /// An axis has no cells, or the shape folds cells.
     pub fn mesh(&self, cells: [usize; 3], foot_ratio: f64) -> Result<TetMesh, TetMeshError> {
         let part = |at: [f64; 3], axis: usize| at[axis] / cells[axis] as f64 - 0.5;
         let height = |at: f64| graded(at / cells[2] as f64, cells[2], foot_ratio);
         TetMesh::mapped(cells, |_| true, |at| self.point_mm([part(at, 0), part(at, 1), height(at[2])]))
     }
 
-    /// Nodes at the foot of such a mesh.
+    /// Indices of the nodes at the foot (the clamped end) of a blade's mesh.
     pub fn foot(mesh: &TetMesh) -> Vec<usize> {
         mesh.nodes_where(|place| place[2] == 0)
     }

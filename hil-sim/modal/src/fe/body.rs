@@ -7,19 +7,19 @@ use super::mesh::TetMesh;
 use super::sparse::Sparse;
 use super::unknowns::Unknowns;
 
-/// A mesh with the matrices of its elements.
+/// Body of one elastic material: a mesh with the stiffness and mass matrices of its elements.
 #[derive(Clone, Debug)]
 pub struct Body {
     mesh: TetMesh,
     elements: Vec<(Stiffness, Mass)>,
 }
 
-/// Natural frequencies and shapes, the lowest first.
+/// Vibration modes of a body: angular frequencies and shapes, the lowest frequency first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     /// Angular frequencies.
     pub omega_rad_per_s: Vec<f64>,
-    /// For each mode the displacements of all nodes, 1/sqrt(t), scaled to a modal mass of one.
+    /// Mode by mode, the displacements of all nodes, 1/sqrt(t), scaled to a modal mass of one.
     pub shapes: Vec<Vec<[f64; 3]>>,
 }
 
@@ -29,14 +29,14 @@ pub(super) fn omega_rad_per_s(pair: &Eigenpair) -> f64 {
 }
 
 impl Modes {
-    /// Natural frequencies.
+    /// Natural frequencies in Hz, the lowest first.
     pub fn frequencies_hz(&self) -> Vec<f64> {
         self.omega_rad_per_s.iter().map(|omega| omega / std::f64::consts::TAU).collect()
     }
 }
 
 impl Body {
-    /// A body with this mesh, of this material.
+    /// Body with this mesh, of this material.
     pub fn new(mesh: TetMesh, material: &ElasticMaterial) -> Self {
         let of = |element| {
             let nodes_mm = mesh.nodes_of_mm(element);
@@ -56,12 +56,12 @@ impl Body {
         unknowns.assemble(&self.mesh, &self.elements)
     }
 
-    /// Mass of the body.
+    /// Mass of the body in tonnes.
     pub fn mass_t(&self) -> f64 {
         self.elements.iter().map(|(_, mass)| mass.sum()).sum()
     }
 
-    /// The `count` lowest modes with some nodes clamped.
+    /// The `count` modes with the lowest frequencies, with these nodes clamped.
     ///
     /// # Errors
     /// The clamped nodes do not hold the body, or it has fewer modes.

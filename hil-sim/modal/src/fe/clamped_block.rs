@@ -7,12 +7,12 @@ use super::mesh::{TetMesh, TetMeshError, graded};
 /// Ratio of the cell length at the clamp to that at the other end: the bending changes fast at the clamp.
 const HELD_RATIO: f64 = 0.2;
 
-/// Face of a block, perpendicular to an axis.
+/// Face of a block, perpendicular to one of the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Face {
     /// 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// Whether the face is at the higher end.
+    /// Whether the face is at the higher coordinate of that axis; otherwise it is at the lower one.
     pub is_upper: bool,
 }
 
@@ -27,14 +27,14 @@ impl Face {
         }
     }
 
-    /// Nodes in this face, for a lattice with its axes along x, y and z.
+    /// Indices of the mesh's nodes in this face, for a mesh whose lattice has its axes along x, y and z.
     pub fn nodes(self, mesh: &TetMesh) -> Vec<usize> {
         let end = if self.is_upper { 2 * mesh.cells()[self.axis] } else { 0 };
         mesh.nodes_where(|place| place[self.axis] == end)
     }
 }
 
-/// Block with its clamped face.
+/// Block with its edges along the axes, clamped at one face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClampedBlock {
     /// The lowest corner.
@@ -46,10 +46,10 @@ pub struct ClampedBlock {
 }
 
 impl ClampedBlock {
-    /// A mesh with cells along the axes; those at the clamp have a fifth of the length of those at the other end.
+    /// Mesh with these numbers of cells along the axes; cells at the clamp have a fifth of the length of those at the other end.
     ///
     /// # Errors
-    /// No cells along an axis, or no length.
+    /// An axis has no cells, or the block no length.
     pub fn mesh(&self, cells: [usize; 3]) -> Result<TetMesh, TetMeshError> {
         let part = |at: f64, axis: usize| {
             let even = at / cells[axis] as f64;

@@ -28,7 +28,7 @@ use super::unknowns::{MappingRow, Unknowns, numbers};
 /// Largest difference between left and right face, as a fraction of the distance from the axis.
 const GAP_RATIO: f64 = 1e-9;
 
-/// One sector of a disk; the axis is z, the first axis of the lattice runs around.
+/// One of the equal sectors of a disk; the disk's axis is z, and the first axis of the mesh's lattice runs around it.
 #[derive(Clone, Debug)]
 pub struct Sector {
     body: Body,
@@ -37,32 +37,32 @@ pub struct Sector {
     left: Vec<Option<usize>>,
 }
 
-/// A vibration mode of a whole disk: a wave around it.
+/// Vibration mode of a whole disk: a wave around it, described by the displacements in one sector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wave {
     /// Angular frequency.
     pub omega_rad_per_s: f64,
-    /// Nodal diameters.
+    /// Number of nodal diameters: waves around the disk.
     pub diameters: usize,
     /// Real part a at the sector's nodes, 1/sqrt(t), scaled to a modal mass of one for the whole disk.
     pub real: Vec<[f64; 3]>,
-    /// Imaginary part b.
+    /// Imaginary part b at the sector's nodes, scaled like the real part.
     pub imaginary: Vec<[f64; 3]>,
 }
 
-/// Reason why a mesh is not a sector.
+/// Reason why a mesh is not a sector of a disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SectorError {
-    /// Fewer than two sectors.
+    /// A disk needs at least two sectors.
     Few,
     /// A node on the right face has no pair on the left.
     Unpaired {
-        /// The node.
+        /// Index of that node.
         node: usize,
     },
     /// A node on the right face differs from the rotated node of the left face.
     Gap {
-        /// The node on the right.
+        /// Index of the node on the right face.
         node: usize,
         /// Distance between the two.
         gap_mm: f64,
@@ -87,10 +87,10 @@ impl fmt::Display for SectorError {
 impl std::error::Error for SectorError {}
 
 impl Sector {
-    /// One of `sectors` equal sectors.
+    /// Sector with this mesh and material, one of `sectors` equal ones.
     ///
     /// # Errors
-    /// Left and right face do not match.
+    /// The left and the right face of the mesh do not match, or there are fewer than two sectors.
     pub fn new(mesh: TetMesh, sectors: usize, material: &ElasticMaterial) -> Result<Self, SectorError> {
         if sectors < 2 {
             return Err(SectorError::Few);
@@ -116,7 +116,7 @@ impl Sector {
         &self.body
     }
 
-    /// Number of sectors.
+    /// Number of sectors of the disk.
     pub fn sectors(&self) -> usize {
         self.sectors
     }
@@ -163,7 +163,8 @@ impl Sector {
         Unknowns::from_rows((0..parts).map(of_part).collect(), count)
     }
 
-    /// The `count` lowest modes of the disk with `diameters` nodal diameters. Except for 0 and N/2 they come in pairs.
+    /// The `count` modes of the disk with the lowest frequencies that have `diameters` nodal diameters. Except for 0 and N/2 diameters
+    /// they come in pairs. `clamped` are nodes of the sector.
     ///
     /// # Errors
     /// The clamped nodes do not hold the disk, or it has fewer modes.
@@ -184,8 +185,8 @@ impl Sector {
         Ok(lowest(&k, &m, count)?.into_iter().map(wave).collect())
     }
 
-    /// The `count` lowest modes of the disk, of 0 to N/2 diameters. None is missing: for every number of diameters, the
-    /// last computed mode is above them all.
+    /// The `count` modes of the disk with the lowest frequencies, of 0 to N/2 nodal diameters. None is missing, because for every number
+    /// of diameters modes are computed until the last one is above them all.
     ///
     /// # Errors
     /// The same as for [`Self::waves`].

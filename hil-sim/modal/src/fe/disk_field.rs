@@ -9,7 +9,7 @@ use super::field::{Field, settled_mm};
 use super::locate::TooFar;
 use super::modal_point::ModalPoint;
 
-/// Modes of a disk, with the search for points in it.
+/// Modes of a vibrating disk, with the search for the mode shapes at any point of it.
 #[derive(Clone, Debug)]
 pub struct DiskField {
     /// Field of one sector; its modes are a and b of each wave, alternating.
@@ -50,7 +50,7 @@ impl DiskField {
         &self.omega_rad_per_s
     }
 
-    /// Sets `modal_point` to a point of the undeformed disk and returns its distance outside, mm.
+    /// Sets `modal_point` to the mode shapes at a point of the undeformed disk; returns the point's distance outside the disk, mm.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -60,7 +60,7 @@ impl DiskField {
         found.ok_or(TooFar { point_mm })
     }
 
-    /// Largest distance of points outside the disk.
+    /// Largest distance, mm, of points outside the disk for which mode shapes are extrapolated.
     pub fn reach_mm(&self) -> f64 {
         self.sector.reach_mm()
     }
@@ -111,8 +111,8 @@ impl DiskField {
         modal_point.shapes.truncate(self.diameters.len());
     }
 
-    /// Point of the undeformed disk that is now at `now_mm`; sets `modal_point`, which may be at a point nearby or at
-    /// none.
+    /// Point of the undeformed disk whose material is now at `now_mm`, for these modal amplitudes, mm; sets `modal_point` to the mode
+    /// shapes there. The search starts at the point that `modal_point` has, if any.
     ///
     /// # Errors
     /// The point is beyond the reach.

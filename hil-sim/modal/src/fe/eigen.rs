@@ -30,7 +30,7 @@ const TOLERANCE_RATIO: f64 = 1e-10;
 /// Fraction of a vector below which it has no new component.
 const NEW_MIN_RATIO: f64 = 1e-10;
 
-/// An eigenvalue and its vector, x' M x = 1.
+/// Eigenvalue with its eigenvector x, scaled so that x' M x = 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eigenpair {
     /// lambda, the square of the angular frequency.
@@ -42,11 +42,11 @@ pub struct Eigenpair {
 /// Reason why no eigenvalues were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EigenError {
-    /// The matrix is singular: nothing holds the body.
+    /// The stiffness matrix is singular: nothing holds the body.
     Singular,
     /// More eigenvalues are requested than there are.
     TooMany {
-        /// Number of unknowns.
+        /// Number of unknowns, which is that of the eigenvalues.
         size: usize,
     },
 }
@@ -124,10 +124,10 @@ pub fn lowest(k: &Sparse, m: &Sparse, count: usize) -> Result<Vec<Eigenpair>, Ei
     }
 }
 
-/// Number of eigenvalues below a value.
+/// Number of eigenvalues below `lambda_per_s2`.
 ///
 /// # Errors
-/// The value is an eigenvalue.
+/// The given value is an eigenvalue.
 pub fn below(k: &Sparse, m: &Sparse, lambda_per_s2: f64) -> Result<usize, EigenError> {
     Ok(Factor::of(k, lambda_per_s2, m)?.negatives())
 }

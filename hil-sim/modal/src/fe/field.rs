@@ -22,7 +22,7 @@ const STILL_MM: f64 = 1e-10;
 /// Largest number of iterations of (3). With strains below 0.1 ten would suffice.
 const ROUNDS: usize = 30;
 
-/// Mesh with its modes, and a search for the mode shapes at any point.
+/// Modes of a vibrating body, with the search for the mode shapes at any point of it.
 #[derive(Clone, Debug)]
 pub struct Field {
     mesh: TetMesh,
@@ -47,8 +47,8 @@ impl Field {
         &self.omega_rad_per_s
     }
 
-    /// Sets `modal_point` to a point of the undeformed body and returns its distance outside, mm. A point near the
-    /// previous one is found fastest.
+    /// Sets `modal_point` to the mode shapes at a point of the undeformed body; returns the point's distance outside the body, mm. A
+    /// point near the previous one is found fastest.
     ///
     /// # Errors
     /// The point is beyond the reach.
@@ -78,7 +78,7 @@ impl Field {
         (0..self.omega_rad_per_s.len()).map(largest).collect()
     }
 
-    /// Largest distance of points outside the body.
+    /// Largest distance, mm, of points outside the body for which mode shapes are extrapolated.
     pub fn reach_mm(&self) -> f64 {
         self.locator.reach_mm()
     }
@@ -102,8 +102,8 @@ impl Field {
         }
     }
 
-    /// Point of the undeformed body that is now at `now_mm`; sets `modal_point`, which may be at a point nearby or at
-    /// none.
+    /// Point of the undeformed body whose material is now at `now_mm`, for these modal amplitudes, mm; sets `modal_point` to the mode
+    /// shapes there. The search starts at the point that `modal_point` has, if any.
     ///
     /// # Errors
     /// The point is beyond the reach.

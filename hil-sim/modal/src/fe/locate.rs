@@ -24,14 +24,14 @@ const BEND_SUM_MAX: f64 = 1.5;
 /// Largest number of steps of Newton's method.
 const STEPS: usize = 12;
 
-/// A point located in a mesh.
+/// Point located in a mesh: its element and the position in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocatedPoint {
-    /// Number of the element.
+    /// Index of the element.
     pub element: usize,
-    /// Position in the element, or beyond it.
+    /// Position in the element, as natural coordinates; for a point outside the body, beyond the element's border.
     pub place: NaturalCoordinates,
-    /// Distance to the body, 0 inside.
+    /// Distance of the point to the body, 0 inside.
     pub outside_mm: f64,
     /// Nearest point of the body.
     nearest_mm: Vector3<f64>,
@@ -48,7 +48,7 @@ impl LocatedPoint {
     }
 }
 
-/// Error: no element is within reach of the point.
+/// Error: the point is outside the body by more than the reach of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TooFar {
     /// Requested point.
@@ -67,7 +67,7 @@ impl std::error::Error for TooFar {}
 /// Lowest and highest corner.
 type Box3 = [Vector3<f64>; 2];
 
-/// Search for the element of a mesh at a point, by a grid of cells.
+/// Search for the element of a mesh that contains a point, by a coarse grid.
 #[derive(Clone, Debug)]
 pub struct Locator {
     boxes: Vec<Box3>,
@@ -194,7 +194,7 @@ fn from_corners_mm(corners_mm: &[[f64; 3]], point: &Vector3<f64>) -> (Vector3<f6
 }
 
 impl Locator {
-    /// Search for the points of a mesh and those up to `reach_mm` outside.
+    /// Prepares the search for points in a mesh, and for those up to `reach_mm` outside.
     pub fn new(mesh: &TetMesh, reach_mm: f64) -> Self {
         let boxes: Vec<Box3> = (0..mesh.elements().len()).map(|element| around(mesh, element)).collect();
         let planes = (0..boxes.len()).map(|element| Planes::new(&mesh.nodes_of_mm(element))).collect();

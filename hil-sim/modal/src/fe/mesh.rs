@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use super::element::jacobian;
 use super::tetrahedron::{EDGES, NODES, fourteen_points, nodes};
 
-/// Point of the lattice, in half cells from the lowest corner.
+/// Point of the mesh's lattice, in half cells along its three axes from the lowest corner.
 pub type HalfCells = [usize; 3];
 
 /// Mesh of tetrahedra with ten nodes each.
@@ -28,9 +28,9 @@ pub struct TetMesh {
 /// Reason why a mesh cannot be built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TetMeshError {
-    /// No cell is kept.
+    /// The lattice has no cells, or none is kept.
     Empty,
-    /// The function folds an element: at one of its nodes the determinant is not positive.
+    /// The mapping function folds an element: at one of its nodes the determinant is not positive.
     Folded {
         /// The element, counted from 0.
         element: usize,
@@ -178,17 +178,17 @@ impl TetMesh {
         &self.nodes_mm
     }
 
-    /// Positions of the nodes on the lattice.
+    /// Positions of the nodes on the lattice, in half cells.
     pub fn places(&self) -> &[HalfCells] {
         &self.places
     }
 
-    /// The nodes of each element, in the order of [`super::tetrahedron`].
+    /// Indices of the nodes of each element, in the order of [`super::tetrahedron`].
     pub fn elements(&self) -> &[[usize; NODES]] {
         &self.elements
     }
 
-    /// Cells of the lattice along its axes.
+    /// Numbers of cells of the lattice along its axes.
     pub fn cells(&self) -> [usize; 3] {
         self.cells
     }
@@ -198,7 +198,7 @@ impl TetMesh {
         self.elements[element].map(|node| self.nodes_mm[node])
     }
 
-    /// Lowest and highest corner of a box around the nodes.
+    /// Lowest and highest corner of a box around all nodes.
     pub fn bounds_mm(&self) -> [[f64; 3]; 2] {
         let corner = |choose: fn(f64, f64) -> f64| {
             let of = |axis: usize| self.nodes_mm.iter().map(|node| node[axis]).reduce(choose);
@@ -221,7 +221,7 @@ impl TetMesh {
         (0..self.elements.len()).map(altitude_mm).fold(0.0, f64::max)
     }
 
-    /// Volume of the elements with bent edges: the determinant is of degree 3.
+    /// Volume of the mesh, with bent edges of the elements taken into account.
     pub fn volume_mm3(&self) -> f64 {
         let of = |element| {
             let nodes_mm = self.nodes_of_mm(element);
@@ -231,7 +231,7 @@ impl TetMesh {
         (0..self.elements.len()).map(of).sum()
     }
 
-    /// Nodes whose lattice point satisfies a condition.
+    /// Indices of the nodes whose lattice points satisfy a condition.
     pub fn nodes_where(&self, wanted: impl Fn(HalfCells) -> bool) -> Vec<usize> {
         (0..self.places.len()).filter(|node| wanted(self.places[*node])).collect()
     }

@@ -12,16 +12,16 @@
 //! reduced to modes (its section 1). [`crate::dynamics`] integrates (3); F in N and X in mm give seconds, with masses
 //! in t.
 
-/// Mode shapes at a point, and its element, from which the search for the next point starts.
+/// Mode shapes at one point of a body, with the element of the point, at which the search for the next point starts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModalPoint {
-    /// phi_r(X), 1/sqrt(t).
+    /// Mode by mode, the mass-normalised shape phi_r(X) at the point, 1/sqrt(t).
     pub shapes: Vec<[f64; 3]>,
     pub(super) element: Option<usize>,
 }
 
 impl ModalPoint {
-    /// Displacement (1), mm; `amplitudes` in mm sqrt(t).
+    /// Displacement of the point, mm, for these modal amplitudes, mm sqrt(t). (1)
     pub fn displacement_mm(&self, amplitudes: &[f64]) -> [f64; 3] {
         let mut u_mm = [0.0; 3];
         for (shape, amplitude) in self.shapes.iter().zip(amplitudes) {
@@ -32,7 +32,7 @@ impl ModalPoint {
         u_mm
     }
 
-    /// Adds a force at the point to the forces on the modes, (2), N/sqrt(t).
+    /// Adds to the modal forces `onto`, N/sqrt(t), the effect of a force at the point. (2)
     pub fn add_force(&self, force_n: [f64; 3], onto: &mut [f64]) {
         for (modal, shape) in onto.iter_mut().zip(&self.shapes) {
             *modal += (0..3).map(|axis| shape[axis] * force_n[axis]).sum::<f64>(); // (2)

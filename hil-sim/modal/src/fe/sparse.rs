@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-/// A symmetric matrix: its lower triangle with the diagonal, by rows.
+/// Sparse symmetric matrix, stored as its lower triangle with the diagonal, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sparse {
     starts: Vec<usize>,
@@ -18,7 +18,7 @@ pub struct Sparse {
     values: Vec<f64>,
 }
 
-/// A pivot is zero: the matrix is singular, like the stiffness of a body without a clamp.
+/// Error: a pivot is zero, because the matrix is singular, like the stiffness of a body without a clamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
     /// Row of the pivot.
@@ -112,7 +112,7 @@ impl Factor {
     /// Factors of `a - shift_per_s2 * b`, where `b` has no entry before the first of `a` in any row.
     ///
     /// # Errors
-    /// A pivot is zero, or only rounding.
+    /// A pivot is zero within rounding.
     pub fn of(a: &Sparse, shift_per_s2: f64, b: &Sparse) -> Result<Factor, Singular> {
         let size = a.size();
         let mut factor = Factor { firsts: vec![], starts: vec![0], lower: vec![], diagonal: Vec::with_capacity(size) };
@@ -155,7 +155,7 @@ impl Factor {
         Ok(())
     }
 
-    /// Solves the equations for a right-hand side, in place.
+    /// Replaces the right-hand side `x` by the solution of the equations.
     pub fn solve(&self, x: &mut [f64]) {
         let rows = 0..self.diagonal.len();
         let of_row = |row: usize| &self.lower[self.starts[row]..self.starts[row + 1]];
@@ -171,7 +171,7 @@ impl Factor {
         }
     }
 
-    /// Number of negative eigenvalues.
+    /// Number of negative eigenvalues of the factored matrix.
     pub fn negatives(&self) -> usize {
         self.diagonal.iter().filter(|d| **d < 0.0).count()
     }

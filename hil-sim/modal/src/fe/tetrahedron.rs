@@ -11,13 +11,13 @@
 //! Source: Zienkiewicz, Taylor, Zhu, The Finite Element Method, 6th ed., chapters 4 (functions) and 5 (four points); fourteen
 //! points: Walkington, Quadrature on simplices of arbitrary dimension, 2000 (exact to degree 5, all weights positive).
 
-/// Nodes of an element.
+/// Number of nodes of an element.
 pub const NODES: usize = 10;
 
-/// Corners between which the nodes 4 to 9 are.
+/// Pairs of corners between which the nodes 4 to 9 are, in this order.
 pub const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
-/// Reference coordinates r, s, t.
+/// Reference (natural) coordinates r, s, t of a point in an element.
 pub type NaturalCoordinates = [f64; 3];
 
 /// The middle of the reference element.
@@ -26,7 +26,7 @@ pub const MIDDLE: NaturalCoordinates = [0.25; 3];
 /// Integration point, with its fraction of the reference element's volume, 1/6 in all.
 pub type Point = (NaturalCoordinates, f64);
 
-/// Barycentric coordinates L0 to L3.
+/// Barycentric coordinates L0 to L3 of a point.
 pub fn barycentric(place: NaturalCoordinates) -> [f64; 4] {
     [1.0 - place[0] - place[1] - place[2], place[0], place[1], place[2]]
 }

@@ -1,4 +1,4 @@
-//! Tool axis (BPTA; Petean, section 3.3.1).
+//! Tool axis of a cup mill along the edge of a blade (BPTA; Petean, section 3.3.1).
 //!
 //! ```text
 //! PT1        end of the pressure side's tip curve nearest the leading edge
@@ -20,14 +20,14 @@ use super::side::{edges, leading_tip, leaves_hub};
 /// Number of places along the hub on which the plane is searched.
 const SAMPLES: i32 = 64;
 
-/// Tool axis along the blade's edge (the source's line LN3), with the two points that define it; part frame.
+/// Tool axis along the blade's edge (the source's line LN3), with the two points that define it, in the rotor's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// PT1.
+    /// Upper point PT1: end of the pressure side's tip curve.
     pub tip: Point,
-    /// End of CRV1 on the hub's offset.
+    /// Lower point: end of the curve CRV1 on the hub with its allowance.
     pub foot: Point,
-    /// Direction from foot to tip, unit length.
+    /// Unit vector from the lower to the upper point.
     pub direction: Vector,
 }
 

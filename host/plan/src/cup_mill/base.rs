@@ -17,17 +17,17 @@ use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
 
-/// Base position: the ring touches both blades of the slot. Triangle of the ring's centre and both contacts, slot
-/// frame.
+/// Base position: position of the ring in which its outer circle touches one blade of the slot and its inner circle the other one.
+/// Points are in the slot frame (z along the tool's axis), seen along the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Base {
-    /// A, on the outer circle.
+    /// Contact A of the outer circle, at the pressure side.
     pub exterior: Flat,
-    /// B, on the inner circle.
+    /// Contact B of the inner circle, at the suction side.
     pub interior: Flat,
-    /// C, the tool's centre.
+    /// Centre C of the ring.
     pub centre: Flat,
-    /// alpha, the angle at A.
+    /// Angle alpha at A, between the directions to B and to C.
     pub alpha_rad: f64,
 }
 
@@ -36,7 +36,7 @@ const WITHIN_MM: f64 = 1e-6;
 /// Most exchanges of limit lines.
 const EXCHANGES_MAX: usize = 60;
 
-/// Base position of a ring of radii R, r (`radii_mm`) through `exterior` and `interior`, with `inside` in its hollow.
+/// Base position of a ring with these outer and inner radii, through the contacts `exterior` and `interior`; `inside` is in its hollow.
 ///
 /// `None` if no triangle has these sides: the limit lines are nearer than the ring is wide, or farther than it reaches.
 pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat) -> Option<Base> {
@@ -55,13 +55,13 @@ pub fn triangle(exterior: Flat, interior: Flat, radii_mm: [f64; 2], inside: Flat
     Some(Base { exterior, interior, centre, alpha_rad })
 }
 
-/// Surfaces on both sides of the ring at the base position.
+/// Surfaces between which the ring must lie at the base position.
 pub struct Limits<'p> {
-    /// Outside of it: the pressure side, or its whole blade.
+    /// Surfaces outside the ring: the pressure side, or the whole blade to which it belongs.
     pub outside: Vec<&'p Patch>,
-    /// In its hollow: the suction side, or its whole blade.
+    /// Surfaces in the ring's hollow: the suction side, or the whole blade to which it belongs.
     pub inside: Vec<&'p Patch>,
-    /// Place in the hollow.
+    /// A point in the ring's hollow, seen along the tool.
     pub hollow: Flat,
 }
 
@@ -72,10 +72,10 @@ fn least(patches: &[&Patch], f: impl Fn(&Point) -> f64 + Copy) -> Option<(f64, F
     Some((value, patch.point(u, v).xy()))
 }
 
-/// Base position of a ring between two surfaces; the search begins at the limit lines through `exterior` (PT1) and
-/// `interior` (PT3).
+/// Base position in which the ring touches the surfaces of both limits without cutting into them; the search begins with contacts at
+/// `lines`, the points PT1 and PT3 of the source.
 ///
-/// `None` if no position clears all of them.
+/// `None` if no position keeps clear of all surfaces.
 pub fn settle(limits: &Limits<'_>, cutter: &CupMill, lines: [Flat; 2]) -> Option<Base> {
     let radii_mm = [cutter.outer_radius_mm, cutter.inner_radius_mm];
     let [mut exterior, mut interior] = lines;

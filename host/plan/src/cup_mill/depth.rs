@@ -1,4 +1,4 @@
-//! Depth of the tool: the lowest level, and those above it (Petean, section 3.3.3).
+//! Depths of the tool: the lowest level of a path, and the levels above it (Petean, section 3.3.3).
 //!
 //! ```text
 //! lowest = max over the hub's offset of  z - underside(|q - C|)              (1)
@@ -14,8 +14,8 @@ use crate::vector::{Flat, Point};
 
 use super::patch::Patch;
 
-/// Lowest position of the tool's bottom at `centre` above `hub` (with allowance), mm. `None` if the ring is nowhere
-/// above it.
+/// Lowest height of the tool's bottom, mm, at which a ring with its axis at `centre` stays above `hub` (with allowance). `None` if the
+/// ring is nowhere above the hub.
 pub fn lowest_mm(cutter: &CupMill, centre: Flat, hub: &Patch) -> Option<f64> {
     let deepest = |q: &Point| {
         let radius_mm = (q.xy() - centre).norm();
@@ -24,7 +24,7 @@ pub fn lowest_mm(cutter: &CupMill, centre: Flat, hub: &Patch) -> Option<f64> {
     hub.least(deepest).map(|least| -least.value) // (1)
 }
 
-/// Highest place of the blank's `roof` under the ring at `centre`, mm. `None` if the ring is nowhere above it.
+/// Highest point, mm, of the blank's surface `roof` under a ring with its axis at `centre`. `None` if the ring is nowhere above it.
 pub fn top_mm(cutter: &CupMill, centre: Flat, roof: &Patch) -> Option<f64> {
     let under = |p: &Point| {
         let radius_mm = (p.xy() - centre).norm();
@@ -34,8 +34,8 @@ pub fn top_mm(cutter: &CupMill, centre: Flat, roof: &Patch) -> Option<f64> {
     roof.least(under).map(|least| -least.value)
 }
 
-/// Heights of the tool's bottom, from the top, for a cutting plane that goes from `top_mm` to the lowest level in steps of at most
-/// `depth_max_mm`.
+/// Heights of the tool's bottom for all levels, from the top down. The cutting plane goes from `top_mm` to the lowest level in equal
+/// steps of at most `depth_max_mm`.
 pub fn levels_mm(cutter: &CupMill, top_mm: f64, lowest_mm: f64, depth_max_mm: f64) -> Vec<f64> {
     let first_mm = top_mm - cutter.insert_radius_mm;
     let depth_mm = (first_mm - lowest_mm).max(0.0);

@@ -11,48 +11,48 @@ use super::side::OffsetSide;
 /// Most levels of a path: more are a mistake in the greatest axial depth.
 const LEVELS_MAX: f64 = 1000.0;
 
-/// Reason why a slot cannot be planned.
+/// Reason why no path of a cup mill can be planned in a slot.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Infeasible {
-    /// A blade ends above the hub.
+    /// The side of this name (pressure or suction) does not reach the hub with its allowance.
     #[error("the {0} side does not reach the hub with its allowance")]
     NoFoot(&'static str),
-    /// The tool would lie along the rotor's axis.
+    /// The tool would lie along the rotor's axis, for which there is no slot frame.
     #[error("the blade's edge lies along the rotor's axis: no tool comes in along it")]
     NoAxis,
-    /// No ring of this width passes.
+    /// A ring of this width does not pass between the blades.
     #[error("no ring of this width passes: {missing_mm:.1} mm missing {place}")]
     TooNarrow {
-        /// Missing width.
+        /// Width by which the slot is too narrow.
         missing_mm: f64,
-        /// Place.
+        /// Description of the narrowest point.
         place: String,
     },
-    /// There is room, but not at this base position.
+    /// The ring passes, but not at the base position, where it must touch both blades.
     #[error(
         "the ring passes ({room_mm:.2} mm of room on each side), but not where it touches both blades as the base position does"
     )]
     NoBase {
-        /// Room, mm.
+        /// Free width on each side of the ring, mm.
         room_mm: f64,
     },
-    /// The ring is nowhere above the hub.
+    /// The ring is nowhere above the hub at the base position.
     #[error("the ring is nowhere above the hub at the base position: its radius does not suit the slot")]
     NoFloor,
-    /// The cavity is not deep enough.
+    /// The cup's cavity is not deep enough for the blade that stands in it.
     #[error(
         "the cup is {cavity_mm:.1} mm deep, but the blade inside it reaches {needed_mm:.1} mm up from the lowest level"
     )]
     Shallow {
-        /// Depth of the cavity.
+        /// Depth of the cavity, mm.
         cavity_mm: f64,
-        /// Required depth.
+        /// Required depth, mm.
         needed_mm: f64,
     },
-    /// There is a path, but its proof does not hold.
+    /// There are plans, but none is proven free of collisions.
     #[error("the best paths collide, or leave less than the allowance: their proofs do not hold")]
     Unproven,
-    /// The straight way from blade to blade leads through the hub.
+    /// A straight line from blade tip to blade tip would lead through the hub, so there is no slot for a ring.
     #[error(
         "with {blades} blades the straight way from tip to tip leads through the hub: there is no slot for a ring; take a tool that mills pockets"
     )]
@@ -60,24 +60,24 @@ pub enum Infeasible {
         /// Number of blades.
         blades: u32,
     },
-    /// There would be too many levels.
+    /// The depth would need too many levels.
     #[error(
         "levels of {depth_max_mm} mm are too many for a depth of {depth_mm:.1} mm: `axial_depth_max` must be {least_mm:.3} mm or more"
     )]
     Levels {
-        /// Depth, mm.
+        /// Depth of the slot, mm.
         depth_mm: f64,
-        /// Greatest axial depth, mm.
+        /// Given greatest axial depth of a level, mm.
         depth_max_mm: f64,
-        /// Least value of it, mm.
+        /// Smallest axial depth of a level that is accepted for this slot, mm.
         least_mm: f64,
     },
 }
 
-/// Checks the number of levels of a depth.
+/// Checks that a depth does not need too many levels.
 ///
 /// # Errors
-/// There would be too many.
+/// There would be too many levels.
 pub fn check_levels(depth_mm: f64, depth_max_mm: f64) -> Result<(), Infeasible> {
     let least_mm = depth_mm / LEVELS_MAX;
     if depth_max_mm < least_mm { Err(Infeasible::Levels { depth_mm, depth_max_mm, least_mm }) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! Point of interior rotation, B1 (BASEPOS; Petean, section 3.3.3, Fig. 3.13).
+//! Point B1, about which the ring turns at the suction side (BASEPOS; Petean, section 3.3.3, Fig. 3.13).
 //!
 //! ```text
 //! 1  B1 lies on the inner circle at the base position
@@ -32,11 +32,11 @@ const FARTHEST_RAD: f64 = 0.3;
 /// at which the circle then meets the curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPivot {
-    /// Pivot.
+    /// Pivot B1, seen along the tool.
     pub pivot: Flat,
-    /// Place on the tip curve that the circle meets, 0 to 1.
+    /// Point of the tip curve that the circle meets after the turn, as a fraction of the curve, 0 to 1.
     pub contact: f64,
-    /// Turn until then, rad.
+    /// Turn of the ring about the pivot until then, rad.
     pub turn_rad: f64,
 }
 

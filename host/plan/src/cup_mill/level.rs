@@ -8,7 +8,7 @@ use crate::vector::{Flat, Point};
 use super::patch::Patch;
 use super::turn::{Circle, TurningTool};
 
-/// Surface at which a turn of the ring ends.
+/// Surface that ends a turn of the ring about a pivot, because the ring meets it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopSurface {
     /// Pressure side with its allowance.
@@ -21,24 +21,24 @@ pub enum StopSurface {
     Blade(i32, BladeSide),
 }
 
-/// End of a turn of the ring about a pivot.
+/// End of a turn of the ring about a pivot: where the ring meets a surface, or leaves the slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// Turn, rad.
+    /// Angle of the turn, rad.
     pub turn_rad: f64,
-    /// Centre of the tool.
+    /// Centre of the tool at the end of the turn, seen along the tool.
     pub centre: Flat,
-    /// Contact: surface, circle of the ring, and point.
+    /// Contact: surface, circle of the ring (outer or inner), and point; `None` if the ring meets nothing and leaves the slot.
     pub at: Option<(StopSurface, Circle, Point)>,
 }
 
-/// Turn that leaves the slot, rad.
+/// Angle at which a turn without a contact ends, because the ring has left the slot, rad.
 pub const TURN_MAX_RAD: f64 = 0.6;
 
 /// Excess of the turn at a sample over that between samples, rad: larger ones are not searched.
 const SLACK_RAD: f64 = 0.05;
 
-/// Finds the first of the `obstacles` that the turning ring meets. The search is fastest if the most likely obstacle
+/// Finds the first of the `obstacles` that the turning ring meets. The search is fastest if the most likely one
 /// comes first.
 pub fn stop(turning: &TurningTool<'_>, obstacles: &[(StopSurface, &Patch)]) -> Stop {
     let until = |point: &Point| turning.until(point).map_or(f64::INFINITY, |(turn_rad, _)| turn_rad);

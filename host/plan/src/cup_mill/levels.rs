@@ -12,13 +12,13 @@ use super::level::Stop;
 use super::roughing::{BaseLimits, Request};
 use super::turns::{Surroundings, Turns};
 
-/// Base position and pivots, which are the same on all levels of a slot.
+/// Level context: base position and pivots of a slot, which are the same on all levels of its path.
 pub struct LevelContext<'a> {
     /// Surroundings.
     around: &'a Surroundings,
-    /// Base position.
+    /// Base position, in which the ring touches both blades.
     pub base: Base,
-    /// B1.
+    /// Pivot B1 of the turn at the suction side.
     pub interior: InteriorPivot,
     outward: Turn,
 }
@@ -37,7 +37,7 @@ impl Surroundings {
         }
     }
 
-    /// Computes base position and pivots. `None` if no position touches both blades as required.
+    /// Computes base position and pivots for one direction of the tool. `None` if no position of the ring touches both blades as required.
     pub fn level_context(&self, request: &Request<'_>) -> Option<LevelContext<'_>> {
         let Surroundings { pressure, suction, .. } = self;
         let lines = [pressure.tip(pressure.edges[0]), suction.tip(suction.edges[1])];
@@ -52,11 +52,11 @@ impl Surroundings {
 }
 
 impl LevelContext<'_> {
-    /// Computes the ends of the turns, and the path from the highest material at `top_mm` down; the tool is lifted to
-    /// `clear_mm`.
+    /// Computes the ends of the turns on all levels, and the path from the highest material at the height `top_mm` down. Between slots the
+    /// tool is lifted to the height `clear_mm`.
     ///
     /// # Errors
-    /// The cup is not deep enough, or there are too many levels.
+    /// The cup's cavity is not deep enough for the blade in it, or there would be too many levels.
     pub fn path(
         &self,
         request: &Request<'_>,

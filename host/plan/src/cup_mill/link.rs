@@ -26,18 +26,18 @@ const ROUNDS_MAX: usize = 8;
 /// Stride through the samples: every second one in both directions is enough to find the worst place of the line.
 const STRIDE: usize = 2;
 
-/// End of the line that leads down to the next level: the place where the tool begins that level.
+/// Lower end of the line from one level to the next: the position in which the tool begins that level.
 #[derive(Clone, Copy, Debug)]
 pub struct LowerEnd {
-    /// Centre of the tool.
+    /// Centre of the tool, seen along its axis.
     pub centre: Flat,
-    /// Bottom of the tool, mm.
+    /// Height of the tool's bottom, mm.
     pub bottom_mm: f64,
-    /// Turn, rad.
+    /// Angle of the turn about the pivot at that position, rad.
     pub turn_rad: f64,
 }
 
-/// Largest turn, up to `turn_rad`, from whose end a straight line leads down to `below` without touching `walls`.
+/// Largest angle of a turn, rad, at most `turn_rad`, from whose end a straight line leads down to `below` without touching `walls`.
 pub fn shortened_rad(turning: &TurningTool<'_>, turn_rad: f64, below: &LowerEnd, walls: &[&Patch]) -> f64 {
     let arm_mm = (turning.centre - turning.pivot).norm();
     let mut turn_rad = turn_rad;

@@ -17,8 +17,8 @@ use crate::vector::{Flat, Point, Vector};
 use super::patch::Patch;
 use super::side::offset_patch;
 
-/// Largest violation of the allowance by the ring, as a fraction of it: beside the round edge of a finished blade,
-/// about which the ring turns (docs/plan.md).
+/// Largest depth by which the ring may cut into the allowance of the slot's own two blades, as a fraction of the allowance: beside the
+/// round edge of a finished blade, about which the ring turns (docs/plan.md).
 pub const NEARER_RATIO: f64 = 0.15;
 /// Distance by which the planner stays away from the limit of the proof, mm: what the proof loses to its triangles, and
 /// the planner on lines from level to level.
@@ -26,20 +26,20 @@ const PROOF_MM: f64 = 0.025;
 /// Search steps of a side.
 const STEPS: [usize; 2] = [32, 16];
 
-/// Side of a blade that the ring could touch, slot frame.
+/// Side of a blade near the slot, which the ring could touch, in the slot frame (z along the tool's axis).
 #[derive(Debug)]
 pub struct Neighbour {
     /// Blade, counted from that of the slot's pressure side by growing angle; negative before it.
     pub blade: i32,
-    /// Side.
+    /// Pressure or suction side of that blade.
     pub side: BladeSide,
-    /// The blade is one of the two at the slot.
+    /// Whether the blade is one of the two beside the slot.
     pub is_own: bool,
-    /// Whole side with its allowance, with both edges.
+    /// Surface of the side with its allowance, including both round edges.
     pub patch: Patch,
 }
 
-/// Both whole sides of the first blade, with the allowance of a blade at the slot and of another blade; part frame.
+/// Both sides of a rotor's first blade with their round edges, with the allowance as a blade beside the slot and as another blade.
 #[derive(Debug)]
 pub struct WholeBlade {
     /// As a blade at the slot, and as another one.
@@ -52,8 +52,7 @@ pub struct WholeBlade {
 }
 
 impl WholeBlade {
-    /// Blade of a rotor with its allowance, from where its sides leave the hub: `feet`, of the pressure and the suction
-    /// side.
+    /// Blade of a rotor with its allowance; `feet` are the parameters v at which its pressure and its suction side leave the hub.
     pub fn new(blisk: &Blisk, allowance_mm: f64, feet: [f64; 2]) -> Self {
         let nearer_mm = (allowance_mm * (1.0 - NEARER_RATIO) + PROOF_MM).min(allowance_mm);
         let of_blade = |allowance_mm: f64| {
@@ -69,7 +68,7 @@ impl WholeBlade {
         WholeBlade { across: blisk.facing(), blades: blisk.blades.cast_signed(), ball: (centre, radius_mm), sides }
     }
 
-    /// The blade with fewer samples.
+    /// The same blade with fewer samples of its surfaces, for comparisons of plans.
     pub fn coarse(&self, stride: usize) -> Self {
         let sides = [0, 1].map(|kind: usize| [0, 1].map(|side: usize| self.sides[kind][side].coarse(stride)));
         WholeBlade { sides, ..*self }
@@ -100,13 +99,13 @@ impl WholeBlade {
     }
 }
 
-/// Space that the ring can occupy during a path.
+/// Space that the ring can occupy during a path, by which blades out of reach are left out.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// Centre about which it moves.
+    /// Centre about which the ring moves, seen along the tool.
     pub centre: Flat,
     /// Largest distance of its axis from there, mm.
     pub travel_mm: f64,
-    /// Lowest place of its bottom, mm.
+    /// Lowest height of the tool's bottom, mm.
     pub bottom_mm: f64,
 }

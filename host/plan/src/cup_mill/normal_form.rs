@@ -25,8 +25,8 @@ use super::interior::InteriorPivot;
 use super::level::{Stop, StopSurface};
 use super::room::Room;
 
-/// Blade edges near which the ring turns: leading or trailing. The pivots are A on the pressure side's edge, and B1
-/// near the suction side's.
+/// Edges of the slot's two blades near which the ring turns, and from which the path starts. The pivots are A at the pressure side's
+/// edge, and B1 near the suction side's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartEdge {
     /// Leading edges, as in the source.
@@ -51,7 +51,7 @@ const PROBES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 pub const GRAIN_MM: f64 = 1.0 / (1 << 23) as f64;
 
 impl NormalForm {
-    /// Normal form of a rotor and its slot; rotor and slot in the normal form, rounded to `grain_mm` if given.
+    /// Normal form of a rotor and one of its slots; returns the map and both in normal form, with lengths rounded to `grain_mm` if given.
     pub fn of(blisk: &Blisk, slot: &Slot, start: StartEdge, grain_mm: Option<f64>) -> (Self, Blisk, Slot) {
         let faces = [&slot.pressure, &slot.suction];
         let points = PROBES.iter().flat_map(|u| PROBES.map(|v| faces.map(|face| face.point(*u, v).coords)));
@@ -108,12 +108,12 @@ impl NormalForm {
         Rotation3::from_matrix_unchecked(signs * normal.matrix() * self.to_normal)
     }
 
-    /// Converts a place seen along the tool from the normal form to the slot frame. (2)
+    /// Converts a point seen along the tool from the normal form to the slot frame. (2)
     pub fn place(&self, place: Flat) -> Flat {
         Flat::new(self.signs[0] * place.x, self.signs[1] * place.y)
     }
 
-    /// Converts a room from the normal form to the frames of part and slot.
+    /// Converts a free width with its centre and direction from the normal form to the frames of part and slot.
     pub fn room(&self, room: &Room) -> Room {
         Room { centre: self.place(room.centre), direction: self.direction(&room.direction), ..*room }
     }

@@ -15,7 +15,7 @@ const ONE_PLACE: f64 = 2.5;
 
 type Surface = dyn Fn(f64, f64) -> Point + Send + Sync;
 
-/// Surface over a rectangle of parameters, with samples for a search of its points.
+/// Surface over a rectangle of parameters (u, v), with samples at which a search for an extreme value begins.
 pub struct Patch {
     point: Arc<Surface>,
     ranges: [[f64; 2]; 2],
@@ -70,7 +70,7 @@ impl Patch {
         }
     }
 
-    /// Whether searches end at the best sample.
+    /// Whether searches end at the best sample, instead of refining it.
     pub fn is_coarse(&self) -> bool {
         self.is_coarse
     }
@@ -95,13 +95,13 @@ impl Patch {
         rows.flat_map(move |row| row.iter().step_by(stride))
     }
 
-    /// Minimum of a function over the points. Places where it is infinite are ignored.
+    /// Smallest value of a function over the points of the surface, and its place; points where it is infinite are ignored.
     pub fn least(&self, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         self.least_below(f64::INFINITY, f)
     }
 
-    /// Minimum of a function over the points if a sample is below `limit`, otherwise `None`: for surfaces that rarely
-    /// matter.
+    /// Smallest value of a function over the points, if one of the samples is below `limit`, otherwise `None`: fast for surfaces that
+    /// rarely matter.
     pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
         if self.is_coarse {

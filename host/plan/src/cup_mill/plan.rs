@@ -26,30 +26,30 @@ use super::turns::Surroundings;
 
 pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
 
-/// Plan of a slot for a cup mill: tool axis, positions and path.
+/// Plan of the path of a cup mill through one slot: tool axis, base position, pivots and path.
 #[derive(Clone, Debug)]
 pub struct SlotPlan {
-    /// Edges near which the ring turns.
+    /// Edges of the blades near which the ring turns.
     pub start: StartEdge,
-    /// Parts of the sides' height, of [`RAISES`], from the hub, beside which the ring does not pass.
+    /// Number of the eighths ([`RAISES`]) of the sides' height, from the hub up, beside which the ring does not pass; 0: the whole depth.
     pub raise: usize,
-    /// LN3 and its points, part frame.
+    /// Tool axis along the blade's edge (the source's line LN3), in the rotor's own frame.
     pub blade_axis: Axis,
-    /// Room along LN3.
+    /// Free width of the ring between the blades along that axis.
     pub blade_room: Room,
-    /// Room along the axis taken.
+    /// Free width of the ring between the blades along the chosen axis.
     pub room: Room,
-    /// Rotation from the part frame into the slot frame.
+    /// Rotation from the part frame (that of the rotor) into the slot frame, whose z is the chosen axis.
     pub turn: Rotation3<f64>,
-    /// Base position.
+    /// Base position, in which the ring touches both blades.
     pub base: Base,
-    /// B1.
+    /// Pivot B1 of the turn at the suction side.
     pub interior: InteriorPivot,
-    /// Ends of the turns about A and about B1, from the top.
+    /// For each level from the top: ends of the turns about A and about B1.
     pub stops: Vec<[Stop; 2]>,
     /// Highest material under the ring at the base position, mm.
     pub top_mm: f64,
-    /// Path.
+    /// Path through the slot, level by level.
     pub path: SlotPath,
 }
 
@@ -60,7 +60,7 @@ const COARSE_STRIDE: usize = 2;
 /// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
-/// Data of a slot that do not depend on cutter and tool axis; in normal form.
+/// Data of a slot that are the same for all cutters and tool axes, in normal form (turned and mirrored, see [`NormalForm`]).
 pub struct PreparedSlot {
     start: StartEdge,
     form: NormalForm,
@@ -83,20 +83,20 @@ struct Shapes {
     roof: Patch,
 }
 
-/// Plans the slot of a rotor, given in the part frame, over its whole depth and from its leading edges, as in the source.
+/// Plans the path of a ring through a slot of a rotor, in the rotor's own frame: over the whole depth and from the leading edges.
 ///
 /// # Errors
-/// The ring does not pass, or does not reach the hub.
+/// The ring does not pass between the blades, or does not reach the hub.
 pub fn plan(blisk: &Blisk, slot: &Slot, cutter: &CupMill, roughing: &Roughing) -> Result<SlotPlan, Infeasible> {
     let prepared = PreparedSlot::new(blisk, slot, roughing.allowance_mm, StartEdge::Leading, None)?;
     prepared.plan(&Request::whole(cutter, roughing)).map(|(plan, _)| prepared.restored(plan))
 }
 
 impl PreparedSlot {
-    /// Prepares a slot with its allowance. For a search, its numbers are rounded to multiples of `grain_mm`.
+    /// Prepares a slot whose surfaces keep `allowance_mm`. For a search, lengths are rounded to multiples of `grain_mm`.
     ///
     /// # Errors
-    /// A blade is not above the hub.
+    /// A blade does not reach the hub with its allowance.
     pub fn new(
         blisk: &Blisk,
         slot: &Slot,
@@ -144,7 +144,7 @@ impl PreparedSlot {
         self.coarse.sides[raise].get_or_init(|| [0, 1].map(of))
     }
 
-    /// Sides of the slot without the lowest `raise` parts of their height, for choosing directions.
+    /// Sample points of the slot's sides without the lowest `raise` eighths of their height, for choosing directions.
     pub fn walls(&self, raise: usize) -> &SidePoints {
         self.walls[raise].get_or_init(|| {
             let [pressure, suction] = self.fine_sides(raise);
@@ -152,9 +152,9 @@ impl PreparedSlot {
         })
     }
 
-    /// Plans the path of a ring through the slot, and returns with it the surroundings of the slot, in the slot's frame. Both are in the
-    /// [normal form](super::normal_form); [`restored`](Self::restored) leads back. The plan leaves the allowance given to
-    /// [`new`](Self::new).
+    /// Plans the path of a ring through the slot that leaves the allowance of [`new`](Self::new). Also returns the surfaces about
+    /// the slot, in the slot frame. Both are in the [normal form](super::normal_form); [`restored`](Self::restored) converts the plan
+    /// back to the frames of the part and the slot.
     ///
     /// # Errors
     /// The ring does not fit into the slot, or does not reach the hub.
@@ -210,7 +210,8 @@ impl PreparedSlot {
         Ok(around)
     }
 
-    /// Blade's axis, or the nearest direction, towards the roomiest one, with enough room.
+    /// First direction with enough free width on the way from the blade's axis to the direction with the most,
+    /// at worst that one; `None` if the free width of neither can be computed.
     pub fn near_blade(&self, cutter: &CupMill, raise: usize, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
         let walls = self.walls(raise);
         let blade = walls.room(cutter, &self.blade_axis.direction)?;
@@ -248,12 +249,12 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 }
 
 impl SlotPlan {
-    /// Fraction of the sides' height, from the tip, beside which the ring passes.
+    /// Fraction of the sides' height, from the tip down, beside which the ring passes.
     pub fn depth_ratio(&self) -> f64 {
         1.0 - self.raise as f64 / RAISES as f64
     }
 
-    /// Tool axis, part frame.
+    /// Chosen tool axis, in the rotor's own frame.
     pub fn tool_axis(&self) -> Vector {
         self.room.direction
     }

@@ -1,4 +1,4 @@
-//! Room of a ring in a slot over its whole depth, for a direction of the tool.
+//! Room: free width of a ring in a slot over its whole depth, for one direction of the tool.
 //!
 //! ```text
 //! room(C) = min( min |p - C| - R,  r - max |s - C| )                          (1)
@@ -21,27 +21,27 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
 
-/// Free space of a ring in a slot, for one direction of the tool: by how much the ring could be wider.
+/// Room of a ring in a slot, for one direction of the tool: the free width on each side of the ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
-    /// Value of (1) at the best centre, mm.
+    /// Width by which the ring could be wider on each side, mm; negative: the width that is missing. Value of (1) at the best centre.
     pub room_mm: f64,
-    /// Best centre, slot frame.
+    /// Centre of the ring with the most room, slot frame.
     pub centre: Flat,
-    /// Direction of the tool, part frame.
+    /// Direction of the tool's axis, in the rotor's own frame.
     pub direction: Vector,
 }
 
-/// Free space of a ring for many directions of the tool.
+/// Room of a ring for many directions of the tool.
 #[derive(Clone, Debug)]
 pub struct Rooms {
-    /// Rooms of a grid of directions.
+    /// Rooms for the directions of a grid.
     pub grid: Vec<Room>,
-    /// Largest room.
+    /// Room of the direction that has the most.
     pub roomiest: Room,
 }
 
-/// Sample points of both sides of a slot, part frame.
+/// Sample points of both sides of a slot, in the rotor's own frame.
 pub struct SidePoints {
     pressure: Vec<Point>,
     suction: Vec<Point>,
@@ -53,7 +53,7 @@ const STRIDE: usize = 4;
 pub const LEAN_MAX_RAD: f64 = 0.5;
 /// Steps of the coarse grid, to each side.
 const LEANS: i32 = 6;
-/// Step of the coarse grid, rad.
+/// Step of the grid of directions, rad.
 pub const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
 /// Centres of the coarse grid, about the slot, degrees.
 const BEARINGS_DEG: [f64; 25] = {

@@ -1,36 +1,36 @@
-//! Requirements on the plan of a slot.
+//! Requirements on the plan of a cup mill's path through a slot.
 
 use crate::cutter::CupMill;
 use crate::vector::Vector;
 
 use super::room::Room;
 
-/// Requirements on a roughing path: allowance, depth, axis, clearance.
+/// Requirements on a roughing path: allowance, depth of the levels, tool axis, clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughing {
     /// Allowance on blades and hub, mm.
     pub allowance_mm: f64,
-    /// ADC_MAX, mm.
+    /// Greatest axial depth of cut of a level (ADC_MAX), mm.
     pub axial_depth_max_mm: f64,
-    /// Place where the turn about B1 meets the suction side's tip curve, as a fraction of the curve from the start edge.
+    /// Point at which the ring, turning about B1, meets the suction side's tip curve, as a fraction of the curve from the start edge.
     pub interior_contact: f64,
-    /// Approach height above all that turns, mm.
+    /// Distance by which the tool approaches above everything that turns with the rotor, mm.
     pub clearance_mm: f64,
-    /// Choice of the tool's axis.
+    /// How the tool's axis is chosen.
     pub axis: AxisChoice,
 }
 
-/// Choice of the tool's axis.
+/// How the tool's axis is chosen for a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AxisChoice {
-    /// LN3 if the ring passes along it, otherwise the nearest direction, towards the roomiest one, along which it does.
+    /// Along the blade's edge (the source's LN3) or, if the ring does not pass there, the nearest direction in which it does.
     #[default]
     Blade,
-    /// Direction with the most room.
+    /// Direction with the largest free width.
     Roomiest,
-    /// Given direction, part frame.
+    /// Given direction, in the rotor's own frame.
     Given(Vector),
-    /// Direction with a known room for the cutter, in the slot's normal form.
+    /// Direction that a search has found, with its free width, in the slot's normal form.
     Found(Room),
 }
 
@@ -39,23 +39,23 @@ pub enum AxisChoice {
 pub enum BaseLimits {
     /// The sides of the slot, as in the source.
     Sides,
-    /// The sides, and the round edges behind them.
+    /// The whole blades: the sides, and the round edges behind them.
     WholeBlades,
 }
 
-/// Request for a plan: cutter, requirements, and what part of the depth.
+/// Request for a plan of a slot: cutter, requirements, and how deep.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'r> {
     /// Cutter.
     pub cutter: &'r CupMill,
     /// Requirements.
     pub roughing: &'r Roughing,
-    /// Limits of the base position.
+    /// Surfaces that the ring touches at the base position.
     pub limits: BaseLimits,
-    /// Parts of the sides' height, from the hub, beside which the ring does not pass; below
-    /// [`RAISES`](super::side::RAISES).
+    /// Number of the eighths of the sides' height, from the hub up, beside which the ring does not pass; below
+    /// [`RAISES`](super::side::RAISES), 0 for the whole depth.
     pub raise: usize,
-    /// Most levels, for a comparison of plans: deeper than allowed, if need be.
+    /// Greatest number of levels, for a fast comparison of plans; levels may then be deeper than allowed. `None`: no limit.
     pub levels_max: Option<u32>,
 }
 

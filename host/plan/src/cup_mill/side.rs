@@ -21,7 +21,7 @@ const EDGE_TURN_DEG: f64 = 35.0;
 const SIDE_STEPS: [usize; 2] = [48, 32];
 /// Search steps of the hub: a ring that cuts a few hundredths into it does so on a few millimetres of it.
 const HUB_STEPS: [usize; 2] = [32, 128];
-/// Number of parts of the sides' height; the ring passes beside all of them, or beside the upper ones.
+/// Number of equal parts into which the height of a slot's sides is divided; the ring passes beside all of them, or the upper ones.
 pub const RAISES: usize = 8;
 /// Number of sections on which the edges are searched.
 const SECTIONS: i32 = 8;
@@ -30,36 +30,36 @@ const WALK: i32 = 200;
 /// Halvings that exhaust the precision of a parameter.
 const HALVINGS: i32 = 50;
 
-/// Side of a blade with its allowance.
+/// Side of a blade, displaced outwards by the allowance, between its edges and above the hub.
 #[derive(Debug)]
 pub struct OffsetSide {
-    /// Offset surface between the edges, above the hub.
+    /// Surface of the side.
     pub patch: Patch,
-    /// First and last u of the side between its round edges.
+    /// First and last parameter u of the part of the side between the blade's round edges.
     pub edges: [f64; 2],
-    /// Value of v at which the side leaves the hub.
+    /// Parameter v at which the side leaves the hub.
     pub foot: f64,
 }
 
-/// Hub surface with its allowance.
+/// Hub with the allowance that is to be left on it.
 #[derive(Clone, Copy, Debug)]
 pub struct Hub<'h> {
-    /// Hub, part frame.
+    /// Surface of the hub, in the rotor's own frame.
     pub hub: &'h Revolution,
     /// Allowance on hub and blades, mm.
     pub allowance_mm: f64,
 }
 
-/// Round edge of a blade that the turning ring approaches.
+/// Round edge of a blade that the turning ring approaches, at the other end of the side than the pivot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FarEdge {
-    /// Leading edge: of a suction side.
+    /// Leading edge, of a suction side.
     Leading,
-    /// Trailing edge: of a pressure side.
+    /// Trailing edge, of a pressure side.
     Trailing,
 }
 
-/// Relevant part of a blade's side, part frame: the same for every direction of the tool.
+/// Part of a blade's side that matters for a slot, in the rotor's own frame; it is the same for every direction of the tool.
 #[derive(Debug)]
 pub struct SideRange {
     face: Face,
@@ -71,7 +71,7 @@ pub struct SideRange {
 }
 
 impl SideRange {
-    /// Part of `face` above the hub's allowance. `None` if the blade is nowhere above it.
+    /// Part of `face` above the hub with its allowance, including the round of the edge `far`. `None` if the blade does not reach that hub.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>) -> Option<Self> {
         let edges = edges(face);
         let around = match far {
@@ -82,18 +82,18 @@ impl SideRange {
         Some(SideRange { face: face.clone(), allowance_mm: above.allowance_mm, around, edges, foot })
     }
 
-    /// Value of v at which the side leaves the hub.
+    /// Parameter v at which the side leaves the hub.
     pub fn foot(&self) -> f64 {
         self.foot
     }
 
-    /// The same side without its lowest `raise` of `RAISES` parts of its height.
+    /// The same side without the lowest `raise` of the [`RAISES`] equal parts of its height.
     pub fn raised(&self, raise: usize) -> Self {
         let foot = self.foot + (1.0 - self.foot) * raise as f64 / RAISES as f64;
         SideRange { face: self.face.clone(), foot, ..*self }
     }
 
-    /// The side after the rotation `turn`.
+    /// The side with its allowance, after the rotation `turn`.
     pub fn side(&self, turn: &Rotation3<f64>) -> OffsetSide {
         let SideRange { allowance_mm, around, edges, foot, .. } = *self;
         let patch = offset_patch(self.face.turned(turn), allowance_mm, [around, [foot, 1.0]], SIDE_STEPS);
@@ -113,8 +113,8 @@ pub fn offset_patch(face: Face, allowance_mm: f64, ranges: [[f64; 2]; 2], steps:
 }
 
 impl OffsetSide {
-    /// Side of `face`, which is given in the part frame, with the hub's allowance, after the rotation `turn`. `None` if
-    /// the blade is nowhere above it.
+    /// Side of `face` (in the rotor's own frame) above the hub with its allowance, after the rotation `turn`. `None` if the blade does
+    /// not reach that hub.
     pub fn new(face: &Face, far: FarEdge, above: &Hub<'_>, turn: &Rotation3<f64>) -> Option<Self> {
         SideRange::new(face, far, above).map(|trim| trim.side(turn))
     }
@@ -124,24 +124,24 @@ impl OffsetSide {
         OffsetSide { patch: self.patch.turned(turn), ..*self }
     }
 
-    /// The side with fewer samples.
+    /// The same side with fewer samples, for comparisons of plans.
     pub fn coarse(&self, stride: usize) -> Self {
         OffsetSide { patch: self.patch.coarse(stride), ..*self }
     }
 
-    /// Point of the side between its edges, by fractions of the way from the leading to the trailing edge and from the
-    /// hub to the tip.
+    /// Point of the side between its edges: `along` is the fraction of the way from the leading to the trailing edge, `up` that from
+    /// the hub to the tip.
     pub fn at(&self, [along, up]: [f64; 2]) -> Point {
         let between = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
         self.patch.point(between(self.edges, along), between([self.foot, 1.0], up))
     }
 
-    /// Point of the tip's edge, seen along the tool.
+    /// Point of the tip's edge at the parameter u, seen along the tool.
     pub fn tip(&self, u: f64) -> Flat {
         self.patch.point(u, 1.0).xy()
     }
 
-    /// Middle of the tip's edge.
+    /// Middle of the tip's edge, seen along the tool.
     pub fn tip_middle(&self) -> Flat {
         self.tip((self.edges[0] + self.edges[1]) / 2.0)
     }
@@ -182,7 +182,7 @@ pub fn edges(face: &Face) -> [f64; 2] {
     bounds.fold([0.0, 1.0], |[first, last]: [f64; 2], [low, high]| [first.max(low), last.min(high)])
 }
 
-/// Value of v at which a side with its allowance leaves the hub with its allowance.
+/// Parameter v at which, at the parameter u, a side with its allowance leaves the hub with its allowance; `None` if it does not.
 pub fn leaves_hub(face: &Face, hub: &Revolution, allowance_mm: f64, u: f64) -> Option<f64> {
     let is_above = |v: f64| hub.height_mm(&face.offset(u, v, allowance_mm)) >= allowance_mm;
     is_above(1.0).then(|| farthest(1.0, 0.0, is_above))
@@ -213,7 +213,7 @@ fn farthest(inside: f64, end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     good
 }
 
-/// Tip point of the pressure side's leading edge (PT1), and the normal there.
+/// Point PT1 of the source, the upper end of the pressure side's leading edge, and the normal there.
 pub fn leading_tip(face: &Face, allowance_mm: f64) -> (Point, Vector) {
     let [first, _] = edges(face);
     (face.offset(first, 1.0, allowance_mm), face.normal(first, 1.0))

@@ -17,22 +17,22 @@ use arcfeed_nc::modal::Turn;
 use crate::cutter::CupMill;
 use crate::vector::{Flat, Point};
 
-/// Tool before it turns about a pivot.
+/// Tool at the beginning of a turn about a pivot.
 #[derive(Clone, Copy, Debug)]
 pub struct TurningTool<'c> {
-    /// Cutter.
+    /// Cutter, as a solid of revolution.
     pub cutter: &'c CupMill,
-    /// Centre at the beginning.
+    /// Centre of the tool at the beginning, seen along the tool.
     pub centre: Flat,
-    /// Bottom of the tool, mm.
+    /// Height of the tool's bottom, mm; it does not change in the turn.
     pub bottom_mm: f64,
-    /// Pivot.
+    /// Point about which the tool's centre turns, seen along the tool.
     pub pivot: Flat,
-    /// Sense of the turn.
+    /// Sense of rotation of the turn.
     pub turn: Turn,
 }
 
-/// Circle of the ring that meets a point.
+/// Circle of the ring (inner or outer) that meets a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Circle {
     /// Inner circle.
@@ -42,7 +42,7 @@ pub enum Circle {
 }
 
 impl TurningTool<'_> {
-    /// Turn, rad, after which the ring meets `point`; `None` if it never does or already contains it.
+    /// Angle of the turn, rad, after which the ring meets `point`; `None` if it never does or already contains the point.
     pub fn until(&self, point: &Point) -> Option<(f64, Circle)> {
         let radii = self.cutter.radii_mm(point.z - self.bottom_mm)?;
         let place = Flat::new(point.x, point.y);
@@ -52,7 +52,7 @@ impl TurningTool<'_> {
         self.circle_until(place, radius_mm, circle).map(|turn| (turn, circle))
     }
 
-    /// Centre after a turn.
+    /// Centre of the tool after a turn by this angle, seen along the tool.
     pub fn centre_after(&self, turn_rad: f64) -> Flat {
         let turn = nalgebra::Rotation2::new(turn_rad * self.sense());
         self.pivot + turn * (self.centre - self.pivot)
@@ -62,7 +62,7 @@ impl TurningTool<'_> {
         if self.turn == Turn::Ccw { 1.0 } else { -1.0 }
     }
 
-    /// Turn, rad, after which the ring's circle of `radius_mm` goes through `place`; `None` if it never does, 0 if the
+    /// Angle of the turn, rad, after which the ring's circle of `radius_mm` goes through `place`; `None` if it never does, 0 if the
     /// ring is there already.
     pub fn circle_until(&self, place: Flat, radius_mm: f64, circle: Circle) -> Option<f64> {
         let (to_place, to_centre) = (place - self.pivot, self.centre - self.pivot);

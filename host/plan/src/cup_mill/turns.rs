@@ -16,14 +16,14 @@ use super::patch::Patch;
 use super::side::OffsetSide;
 use super::turn::TurningTool;
 
-/// Surfaces around a slot with their allowance, slot frame.
+/// Surroundings: surfaces about a slot with their allowance, in the slot frame (z along the tool's axis).
 #[derive(Debug)]
 pub struct Surroundings {
-    /// Pressure side.
+    /// Pressure side of the slot.
     pub pressure: OffsetSide,
-    /// Suction side.
+    /// Suction side of the slot.
     pub suction: OffsetSide,
-    /// Upper parts of both sides, if the ring passes only beside them.
+    /// Upper parts of both sides, if the ring passes beside these only; `None` if it passes beside the whole sides.
     pub raised: Option<[OffsetSide; 2]>,
     /// Hub.
     pub hub: Patch,
@@ -31,17 +31,17 @@ pub struct Surroundings {
     pub blades: Vec<Neighbour>,
 }
 
-/// Both turns of the ring away from the base position.
+/// Both turns of the ring away from the base position: about A to one blade, and about B1 to the other.
 pub struct Turns<'a> {
-    /// Surroundings that stop the turns.
+    /// Surfaces that end the turns.
     pub around: &'a Surroundings,
     /// Cutter.
     pub cutter: &'a CupMill,
-    /// Centre at the base position.
+    /// Centre of the ring at the base position, seen along the tool.
     pub centre: Flat,
-    /// A, B1.
+    /// Pivots A and B1, seen along the tool.
     pub pivots: [Flat; 2],
-    /// Senses of both turns.
+    /// Sense of rotation of both turns, seen along the tool.
     pub outward: Turn,
 }
 
@@ -54,7 +54,7 @@ const HUB_ROUNDS: i32 = 2;
 const TOUCH_MM: f64 = 1e-4;
 
 impl Surroundings {
-    /// Pressure and suction side, shortened to the depth down to which the ring passes.
+    /// Pressure and suction side, or their upper parts if the ring passes beside these only.
     pub fn upper(&self) -> [&OffsetSide; 2] {
         self.raised.as_ref().map_or([&self.pressure, &self.suction], |[pressure, suction]| [pressure, suction])
     }
@@ -86,7 +86,7 @@ impl<'a> Turns<'a> {
         TurningTool { cutter: self.cutter, centre: self.centre, bottom_mm, pivot, turn: self.outward }
     }
 
-    /// Lowest level at which the whole path is clear of the hub.
+    /// Lowest height of the tool's bottom, mm, at which the whole path is clear of the hub; `None` if there is none.
     pub fn lowest_mm(&self) -> Option<f64> {
         let hub = &self.around.hub;
         let mut low_mm = lowest_mm(self.cutter, self.centre, hub)?;
@@ -129,8 +129,8 @@ impl<'a> Turns<'a> {
         found.value.is_finite().then_some(-found.value)
     }
 
-    /// Ends of the turns, level by level. If a turn meets nothing, the slot ends there, and the turn of the level below
-    /// is used.
+    /// Ends of both turns for each of these heights of the tool's bottom. If a turn meets nothing, the slot ends there, and the turn of
+    /// the level below is used.
     pub fn stops(&self, heights_mm: &[f64]) -> Vec<[Stop; 2]> {
         let bottom_mm = heights_mm.last().copied().unwrap_or(f64::NEG_INFINITY);
         let mut obstacles = self.around.obstacles(self.cutter, self.centre, bottom_mm);

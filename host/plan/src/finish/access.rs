@@ -19,76 +19,76 @@ const OUT_MAX_MM: f64 = 1_000.0;
 /// Largest turn of the axis between two places of a link.
 const LINK_RAD: f64 = 0.035;
 
-/// Kind of a move.
+/// Kind of a move in a finishing path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveKind {
-    /// To the first place, above the part.
+    /// Rapid move to the first position, above the part.
     Rapid,
-    /// Approach, retract, and between passes.
+    /// Approach, retract, or link between two passes.
     Link,
-    /// Cut.
+    /// Cutting move along a pass.
     Cut,
 }
 
-/// Place of the path, with the move that leads to it.
+/// Position of the mill in a finishing path, with the kind of the move that leads to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishMove {
-    /// Kind of the move to this place.
+    /// Kind of the move that leads to this position.
     pub kind: MoveKind,
-    /// Place of the mill.
+    /// Position of the mill's tip, and its axis.
     pub location: CutterLocation,
-    /// Point of a pass; `None` above the part.
+    /// Point of the pass; `None` for positions above the part.
     pub point: Option<PassPoint>,
 }
 
-/// Reason for which there is no plan.
+/// Reason why there is no plan for finishing a blade.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FinishInfeasible {
-    /// No row clears the hub.
+    /// No row of the blade keeps clear of the hub.
     #[error("the mill's end clears the hub on no row of the blade: take a smaller radius, or a smaller `safety`")]
     NoSpan,
-    /// The scallop does not fit.
+    /// No stepover gives the required scallop height.
     #[error("no stepover: `scallop` must be below the corner's radius, and hollows of the blade wider than it")]
     NoStepover,
-    /// A course has no admissible axis.
+    /// At one position along the passes no tool axis is admissible.
     #[error(
         "no tool axis is admissible at {percent:.0} % of the way round the blade: take a thinner or longer neck, a smaller `safety`, a wider range \
          `tilt_deg`, or a shorter span"
     )]
     NoAxis {
-        /// Place along the passes.
+        /// That position, in per cent of the way round the blade.
         percent: f64,
     },
-    /// The mill does not get out.
+    /// The mill cannot leave the part along its axis.
     #[error("the mill does not leave the part along its axis: its axis does not lead out of the rotor")]
     NoWayOut,
 }
 
-/// Blade with its surroundings, as a mill meets them.
+/// Blade with everything about it, as obstacles for a finishing mill.
 pub struct BladeAccess<'a> {
-    /// Mill.
+    /// Mill with neck and holder.
     pub mill: &'a FinishMill,
-    /// Requirements.
+    /// Requirements on the passes.
     pub needs: &'a FinishNeeds,
-    /// Obstacles.
+    /// Obstacles: this blade, its neighbours, hub and fixtures.
     pub bodies: &'a [FinishBody],
-    /// Unit vector out of the rotor at the blade.
+    /// Unit vector away from the rotor at the blade.
     pub outward: Vector,
-    /// Radius of the blank.
+    /// Radius of the rotor's blank.
     pub blank_radius_mm: f64,
 }
 
-/// Direction out of the rotor at a side of a blade.
+/// Unit vector away from the rotor's axis at a side of a blade.
 pub fn outward(side: &Face) -> Vector {
     let middle = side.point(0.5, 0.5);
     Vector::new(middle.x, middle.y, 0.0).try_normalize(0.0).unwrap_or_else(Vector::x)
 }
 
 impl BladeAccess<'_> {
-    /// The required tool axes, or else the smoothest course that is admissible on all of these passes.
+    /// Tool axes along the passes: the required ones or, without such, the smoothest course that is admissible on all of these passes.
     ///
     /// # Errors
-    /// No axis is admissible at one place.
+    /// At one position no tool axis is admissible.
     pub fn axes(&self, passes: &[Vec<Contact>], is_closed: bool) -> Result<AxisProgram, FinishInfeasible> {
         if let Some(program) = &self.needs.axes {
             return Ok(program.clone());
@@ -101,7 +101,7 @@ impl BladeAccess<'_> {
         search.course().map_err(|share| FinishInfeasible::NoAxis { percent: 100.0 * share })
     }
 
-    /// Passes with approaches, links and the way out; of joined passes each begins where the one before ends.
+    /// Whole path: passes with approaches, links and the way out along the mill's axis. Of joined passes, each begins where the last ends.
     ///
     /// # Errors
     /// The mill does not leave the part along its axis.
@@ -142,7 +142,7 @@ impl BladeAccess<'_> {
         }
     }
 
-    /// Place on the mill's axis from which it comes down to `location` in rapid, with all of it beyond every obstacle.
+    /// Position on the mill's axis, from which it can come down to `location` in rapid: all of the mill is beyond every obstacle.
     pub fn above_all(&self, location: &CutterLocation) -> CutterLocation {
         // Copies of a body turn about the origin, which leaves this distance.
         let corners = self.bodies.iter().flat_map(|body| body.tree.triangles()).flatten();
@@ -151,7 +151,8 @@ impl BladeAccess<'_> {
         CutterLocation { tip: location.tip + location.axis * way_mm, axis: location.axis }
     }
 
-    /// Places of a path for its proof: it begins and ends far above, as the spindle comes down to the first place and leaves the last one along its axis.
+    /// Positions of a path for its collision proof. It begins and ends far above, because the spindle comes down to the first place and
+    /// leaves the last one along the mill's axis.
     pub fn whole(&self, path: &[FinishMove]) -> Vec<CutterLocation> {
         let above = |step: Option<&FinishMove>| step.map(|step| self.above_all(&step.location));
         let places = path.iter().map(|step| step.location);

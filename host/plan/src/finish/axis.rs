@@ -17,16 +17,16 @@ use super::contact::{Contact, Orientation};
 /// Angle below which an arc is a point.
 const SAME_RAD: f64 = 1e-9;
 
-/// Key position of a pass.
+/// Station: key position of a pass with a value there, between which values are interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station<T> {
-    /// Place along the pass, from 0 to 1. (1)
+    /// Position along the pass, as a fraction of its length, 0 to 1. (1)
     pub share: f64,
     /// Orientation or axis there.
     pub value: T,
 }
 
-/// Rule for the tool axis along a pass. Stations stand in the order of their places; before the first and after the last the nearest counts.
+/// Tool axes along a pass, given at stations in the order of the pass; before the first and after the last one the nearest counts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AxisProgram {
     /// Tilt and yaw between stations; one station: fixed angles. (2)
@@ -59,7 +59,7 @@ impl AxisProgram {
     }
 }
 
-/// Place of each contact along its pass. (1)
+/// Position of each contact along its pass, as a fraction of the pass's length, 0 to 1. (1)
 pub fn shares(contacts: &[Contact], corner_mm: f64) -> Vec<f64> {
     let centre = |contact: &Contact| -> Point { contact.point + contact.normal * corner_mm };
     let mut so_far_mm = vec![0.0; contacts.len()];
@@ -70,7 +70,8 @@ pub fn shares(contacts: &[Contact], corner_mm: f64) -> Vec<f64> {
     so_far_mm.into_iter().map(|mm| if whole_mm > 0.0 { mm / whole_mm } else { 0.0 }).collect()
 }
 
-/// Unit vector on the arc between two others, at a part of its angle; opposite ones have no arc and give the first. (3)
+/// Unit vector at the fraction `part` of the angle from one unit vector to another, on the arc between them. (3)
+/// Opposite vectors have no such arc and give the first.
 pub fn along_arc(from: &Vector, to: &Vector, part: f64) -> Vector {
     let across = from.cross(to);
     let (sin, angle_rad) = (across.norm(), libm::atan2(across.norm(), from.dot(to)));

@@ -21,34 +21,34 @@ use crate::vector::{Point, Vector};
 /// Shortest component of a direction that still defines it.
 const LEAST: f64 = 1e-9;
 
-/// Contact point with its frame.
+/// Contact of a finishing mill with a surface: contact point, normal and feed direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// C
+    /// Contact point, C.
     pub point: Point,
-    /// n: unit normal, away from the material.
+    /// Unit normal n of the surface, away from the material.
     pub normal: Vector,
-    /// f: unit feed direction, square to the normal.
+    /// Unit vector f of the feed direction, square to the normal.
     pub feed: Vector,
 }
 
-/// Tilt towards the feed direction, and yaw about the normal.
+/// Orientation of the tool axis at a contact: tilt from the normal towards the feed direction, and yaw about the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Orientation {
-    /// Tilt; positive: the tool leans forward.
+    /// Angle of tilt; positive: the tool leans forward, towards the feed direction.
     pub tilt_rad: f64,
-    /// Yaw, by the right-hand rule about the normal.
+    /// Angle of yaw, by the right-hand rule about the normal.
     pub yaw_rad: f64,
 }
 
-/// Displacement of a surface along its normal at a place, with its derivatives by the surface's parameters.
+/// Displacement of a surface along its normal at one point, with its derivatives by the surface's parameters u and v.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Displacement {
-    /// D, mm.
+    /// Displacement D, positive away from the material, mm.
     pub outward_mm: f64,
-    /// D_u
+    /// Derivative of D by u, mm.
     pub by_u: f64,
-    /// D_v
+    /// Derivative of D by v, mm.
     pub by_v: f64,
 }
 
@@ -67,7 +67,8 @@ impl Contact {
         yaw * (self.normal * cos + self.feed * sin) // (1)
     }
 
-    /// Tilt and yaw that give this tool axis by (1); of the two solutions the one with a tilt of 0 or more.
+    /// Tilt and yaw, relative to this contact's normal and feed direction, that give this tool axis by (1). Of the two solutions, the
+    /// one whose tilt is 0 or positive.
     pub fn orientation(&self, axis: &Vector) -> Orientation {
         let across = self.normal.cross(&self.feed);
         let [along, beside, up] = [self.feed, across, self.normal].map(|direction| direction.dot(axis));

@@ -20,17 +20,17 @@ const GRID_DEG: f64 = 7.5;
 /// Largest angle of candidates from the direction out of the rotor.
 const CONE_DEG: f64 = 67.5;
 
-/// Search for a course.
+/// Search for the smoothest sequence of tool axes (course) round a blade that is admissible on several passes.
 pub struct CourseSearch<'a> {
-    /// Test of axes.
+    /// Test whether a tool axis is admissible at a contact.
     pub reach: &'a AxisReach<'a>,
     /// Dense contacts of the sampled passes.
     pub passes: &'a [Vec<Contact>],
-    /// Direction out of the rotor at the blade.
+    /// Unit vector away from the rotor at the blade.
     pub outward: Vector,
-    /// Least and greatest angle between the axis and a normal.
+    /// Smallest and largest angle between the tool axis and the normals of the contacts.
     pub tilt_rad: [f64; 2],
-    /// The course returns to its start.
+    /// Whether the course returns to its first axis.
     pub is_closed: bool,
 }
 
@@ -38,7 +38,7 @@ impl CourseSearch<'_> {
     /// The smoothest course.
     ///
     /// # Errors
-    /// The share of the pass at which no axis is admissible.
+    /// Position, as a fraction of the pass, at which no tool axis is admissible.
     pub fn course(&self) -> Result<AxisProgram, f64> {
         let places: Vec<f64> = (0..=STATIONS).map(|k| k as f64 / STATIONS as f64).collect();
         let open = if self.is_closed { &places[..STATIONS] } else { &places[..] };

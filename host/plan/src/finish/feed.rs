@@ -20,19 +20,19 @@ const LEAST_MM: f64 = 1e-9;
 /// Digits of F: thousandths of a millimetre per minute.
 const DIGITS: f64 = 1e3;
 
-/// Feed at the contact, with its bounds.
+/// Feed that is kept at the contact, with the bounds of the resulting feed of the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactFeed {
-    /// F_c
+    /// Feed of the contact along the surface, F_c.
     pub target_mm_per_min: f64,
-    /// k
+    /// Largest path of the cutting end per tooth, as a multiple k of the feed per tooth at the contact.
     pub max_raise_ratio: f64,
-    /// F_max
+    /// Largest feed of the tip, F_max.
     pub max_mm_per_min: f64,
 }
 
 impl ContactFeed {
-    /// F of the tip from one point to the next. (1)
+    /// Feed F of the mill's tip on the way from one point to the next, mm/min. (1)
     pub fn tip_mm_per_min(&self, mill: &FinishMill, from: &PassPoint, to: &PassPoint) -> f64 {
         let contact_mm = (to.contact.point - from.contact.point).norm();
         let tip_mm = (to.location.tip - from.location.tip).norm();

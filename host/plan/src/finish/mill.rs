@@ -17,27 +17,27 @@ use super::contact::Contact;
 /// Component of the normal across the tool axis below which both agree.
 const LEAST: f64 = 1e-9;
 
-/// Finishing mill, mm; heights count from its tip.
+/// Finishing mill with neck and holder, dimensions in mm; heights are measured from its tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishMill {
-    /// R
+    /// Radius R of the mill.
     pub radius_mm: f64,
-    /// r: radius of the corner; that of the mill for a ball end.
+    /// Radius r of the corner; equal to that of the mill for a ball end.
     pub corner_radius_mm: f64,
-    /// Height up to which it has the radius R.
+    /// Height up to which the mill has the radius R.
     pub length_mm: f64,
-    /// Cylinders behind it, from below: radius and length.
+    /// Cylinders of the neck behind the cutting part, from below, each as radius and length.
     pub neck_mm: Vec<[f64; 2]>,
-    /// Cylinders of the holder behind the neck.
+    /// Cylinders of the holder behind the neck, from below, each as radius and length.
     pub holder_mm: Vec<[f64; 2]>,
-    /// Teeth.
+    /// Number of teeth.
     pub teeth: u16,
 }
 
-/// Part of a finishing mill.
+/// Part of a finishing mill whose clearance is computed on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FinishPart {
-    /// Ball, or rounded end.
+    /// Ball end, or the rounded corner of a filleted end.
     End,
     /// Flutes above the end.
     Flutes,
@@ -47,21 +47,21 @@ pub enum FinishPart {
     Holder,
 }
 
-/// Piece of a mill, short enough for the bounds of a turning tool.
+/// Short piece of a mill, for bounds of its distance while the tool axis turns.
 #[derive(Clone, Debug)]
 pub struct MillPiece {
-    /// Part to which it belongs.
+    /// Part of the mill to which it belongs.
     pub part: FinishPart,
-    /// Shape; heights count from the pivot.
+    /// Shape of the piece; heights are measured from the pivot (point of the axis at the height of the corner's centre).
     pub section: Section,
-    /// Greatest way of its surface per radian of a turn about the pivot, mm.
+    /// Largest path of a point of its surface per radian of a turn about the pivot, mm.
     pub reach_mm: f64,
 }
 
-/// Place of the mill at a contact. Part frame.
+/// Position of the mill at a contact, in the rotor's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutterLocation {
-    /// Middle of the mill's end.
+    /// Middle of the mill's end (tip).
     pub tip: Point,
     /// Unit vector from the tip to the holder.
     pub axis: Vector,
@@ -82,17 +82,17 @@ impl FinishMill {
         location.tip + location.axis * self.corner_radius_mm
     }
 
-    /// The end is a ball.
+    /// Whether the end is a ball.
     pub fn is_ball(&self) -> bool {
         self.corner_radius_mm >= self.radius_mm
     }
 
-    /// Height of the uppermost part, mm.
+    /// Height of the upper end of the holder above the tip, mm.
     pub fn height_mm(&self) -> f64 {
         self.length_mm + self.neck_mm.iter().chain(&self.holder_mm).map(|[_, length_mm]| length_mm).sum::<f64>()
     }
 
-    /// Pieces of the mill. Those above the end grow with their distance from it.
+    /// Short pieces of the whole mill; the farther from the end, the longer they are.
     pub fn pieces(&self) -> Vec<MillPiece> {
         let corner_mm = self.corner_radius_mm;
         let end = MillPiece {

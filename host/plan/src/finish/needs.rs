@@ -5,27 +5,28 @@ use super::passes::{Course, Sampling};
 use super::reach::Margins;
 use super::rows::Spacing;
 
-/// Requirements on a plan.
+/// Requirements on a plan for finishing one blade.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishNeeds {
-    /// Distances to keep.
+    /// Distances that the mill must keep from obstacles.
     pub margins: Margins,
-    /// Distances between points.
+    /// Largest distances between the points of a pass.
     pub sampling: Sampling,
-    /// Height of the scallops between passes, mm.
+    /// Height of the scallops that remain between the passes, mm.
     pub scallop_mm: f64,
-    /// Lowest and highest row, as places between hub (0) and tip (1); the lowest row that clears the hub unless given.
+    /// Lowest and highest row of the passes, as positions between hub (0) and tip (1). If the lowest is `None`, it is the first that
+    /// clears the hub.
     pub span: [Option<f64>; 2],
-    /// Spacing of the passes.
+    /// How the spacing of the passes is computed.
     pub spacing: Spacing,
-    /// Course of the passes.
+    /// Order of the passes: a spiral, or one side only.
     pub course: Course,
-    /// Climb milling; otherwise conventional.
+    /// Whether the mill climb mills; otherwise it mills conventionally.
     pub is_climb: bool,
     /// Height above the blank at which the mill enters and leaves, mm.
     pub clearance_mm: f64,
-    /// Tool axes; `None`: the smoothest admissible course.
+    /// Tool axes along the passes; `None` for the smoothest admissible ones.
     pub axes: Option<AxisProgram>,
-    /// Least and greatest angle of that course from the normals.
+    /// Smallest and largest angle of these smoothest axes from the surface's normals.
     pub tilt_rad: [f64; 2],
 }

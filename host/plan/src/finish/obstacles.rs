@@ -8,17 +8,17 @@ use crate::proof::bodies;
 use crate::proof::spheres::Tree;
 use crate::vector::{Point, Vector};
 
-/// Largest distance of triangles from the finished blade, mm.
+/// Largest distance between the triangles of the blade to be finished and its true surface, mm.
 pub const OWN_CHORD_MM: f64 = 0.002;
 /// Largest distance of triangles from the other surfaces, mm.
 const CHORD_MM: f64 = 0.02;
 
-/// Kind of an obstacle.
+/// Kind of an obstacle for a finishing mill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FinishObstacle {
     /// The blade that is finished, as it will be.
     Blade,
-    /// The same blade as it stands before, into which end and flutes cut.
+    /// The same blade before finishing, into which only the mill's end and flutes may cut.
     Stock,
     /// The other blades.
     Neighbours,
@@ -28,16 +28,16 @@ pub enum FinishObstacle {
     Fixture,
 }
 
-/// Obstacle as triangles, part frame.
+/// Obstacle of a finishing mill as triangles, in the rotor's own frame.
 #[derive(Clone, Debug)]
 pub struct FinishBody {
     /// Kind.
     pub obstacle: FinishObstacle,
     /// Surface.
     pub tree: Tree,
-    /// Rotations of its copies.
+    /// Rotations of its copies about the rotor's axis.
     pub turns: Vec<Rotation3<f64>>,
-    /// Largest distance of the triangles from the surface.
+    /// Largest distance between the triangles and the true surface, mm.
     pub chord_mm: f64,
 }
 

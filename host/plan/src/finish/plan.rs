@@ -17,18 +17,18 @@ const SPAN_STEPS: usize = 200;
 /// Passes on which the axes of a course are examined.
 const SAMPLED: usize = 4;
 
-/// Plan of one blade.
+/// Plan for finishing one blade.
 #[derive(Clone, Debug)]
 pub struct FinishPlan {
     /// Passes in order; those of a spiral follow one another without a gap.
     pub passes: Vec<Vec<PassPoint>>,
-    /// Whole path.
+    /// Whole path: passes with approaches, links and the way out.
     pub path: Vec<FinishMove>,
-    /// Lowest and highest row.
+    /// Lowest and highest row of the passes, as positions between hub (0) and tip (1).
     pub span: [f64; 2],
 }
 
-/// Planner of one blade.
+/// Planner of the finishing passes of one blade.
 pub struct Planner<'a> {
     /// Rotor.
     pub blisk: &'a Blisk,
@@ -41,10 +41,10 @@ pub struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// Plan of the first blade.
+    /// Plan for the rotor's first blade.
     ///
     /// # Errors
-    /// There is no plan.
+    /// No tool axis, span or stepover fulfils the requirements.
     pub fn plan(&self) -> Result<FinishPlan, FinishInfeasible> {
         let span = self.span()?;
         let surface = |side: BladeSide, u: f64, v: f64| {
@@ -107,7 +107,7 @@ impl Planner<'_> {
         is_climb(contact, &outward, &-outward) == self.needs.is_climb
     }
 
-    /// The blade as the mill meets it.
+    /// The blade with everything about it, as obstacles for the mill.
     pub fn access(&self) -> BladeAccess<'_> {
         let Planner { blisk, mill, needs, bodies } = *self;
         let blank_radius_mm = blisk.blank.radius_mm;

@@ -26,24 +26,24 @@ use super::reach::{Margins, upright};
 /// Distance above the needed one at which a search ends.
 const ENOUGH_MM: f64 = 1.0;
 
-/// Least distance between a part of the mill and an obstacle over the whole path.
+/// Least distance between a part of the mill and an obstacle over the whole path, as a proven lower bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishClearance {
-    /// Part.
+    /// Part of the mill.
     pub part: FinishPart,
-    /// Obstacle.
+    /// Kind of obstacle.
     pub obstacle: FinishObstacle,
     /// Lower bound of the distance, mm; bounds that exceed the needed distance by more than a millimetre may be far below the distance.
     pub certified_mm: f64,
     /// Distance that the part must keep, mm.
     pub needed_mm: f64,
-    /// Move with that bound, from 0: from place `at` to the next.
+    /// Index of the move with that bound: from position `at` of the path to the next one.
     pub at: usize,
-    /// Point of the obstacle, part frame.
+    /// Point of the obstacle at which it occurs, in the rotor's own frame; `None` without an obstacle.
     pub place: Option<Point>,
 }
 
-/// Path of a mill with its obstacles.
+/// Mill with its obstacles, for proving that it keeps its distances on a path.
 pub struct FinishProof<'a> {
     /// Mill.
     pub mill: &'a FinishMill,
@@ -51,12 +51,12 @@ pub struct FinishProof<'a> {
     pub bodies: &'a [FinishBody],
     /// Distances to keep.
     pub margins: Margins,
-    /// delta, rad.
+    /// Angle delta by which the machine's rotary axes may turn the tool axis off the arc between two positions, rad.
     pub departure_rad: f64,
 }
 
 impl FinishClearance {
-    /// The distance is kept.
+    /// Whether the required distance is kept.
     pub fn holds(&self) -> bool {
         self.certified_mm >= self.needed_mm
     }

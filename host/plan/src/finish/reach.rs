@@ -30,16 +30,16 @@ const GAP_RATIO: f64 = 0.1;
 /// Further angle for what a machine's axes leave the path by.
 const SPARE_RAD: f64 = 5e-4;
 
-/// Distances that a mill keeps.
+/// Distances that a finishing mill must keep from obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// From all but the blade that it finishes, mm.
+    /// Distance from everything but the blade that it finishes, mm.
     pub safety_mm: f64,
     /// Depth to which its end may cut into that blade, mm.
     pub gouge_mm: f64,
 }
 
-/// Test of tool axes against obstacles.
+/// Test whether tool axes keep the mill away from obstacles.
 pub struct AxisReach<'a> {
     /// Mill.
     pub mill: &'a FinishMill,
@@ -49,12 +49,12 @@ pub struct AxisReach<'a> {
     pub bodies: &'a [FinishBody],
     /// Distances to keep.
     pub margins: Margins,
-    /// Half the angle by which the axis turns on a move of the path: the proof needs room for it.
+    /// Half the angle by which the axis turns on one move of the path, for which the proof needs additional distance.
     pub turn_rad: f64,
 }
 
 impl Margins {
-    /// Distance that a part must keep from an obstacle; `None` where it may cut.
+    /// Distance, mm, that a part of the mill must keep from an obstacle; `None` if it may cut into it.
     pub fn needed_mm(&self, part: FinishPart, obstacle: FinishObstacle) -> Option<f64> {
         match (part, obstacle) {
             (FinishPart::End | FinishPart::Flutes, FinishObstacle::Blade) => Some(-self.gouge_mm),
@@ -63,14 +63,14 @@ impl Margins {
         }
     }
 
-    /// Precision of the search for a distance.
+    /// Precision, mm, of the search for the distance from an obstacle.
     pub fn gap_mm(&self, obstacle: FinishObstacle) -> f64 {
         if obstacle == FinishObstacle::Blade { OWN_GAP_MM } else { GAP_RATIO * self.safety_mm }
     }
 }
 
 impl AxisReach<'_> {
-    /// The mill at a contact, with this axis, keeps all distances. (1)
+    /// Whether the mill at a contact, with this tool axis, keeps all distances. (1)
     pub fn is_admissible(&self, contact: &Contact, axis: Vector) -> bool {
         let location = self.mill.at(contact, axis);
         // A ball is the same about any axis. Necks and holders decide most often, and their search is the quicker one.

@@ -5,16 +5,16 @@ use crate::vector::{Point, Vector};
 use super::blisk::Revolution;
 use super::face::{Face, FaceError};
 
-/// Sections of one blade, from the hub to the tip; each side from the leading to the trailing edge. Part frame, mm.
+/// Sections of one blade, from the hub to the tip, in the rotor's own frame, mm; the points run from leading to trailing edge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sections {
-    /// Concave side.
+    /// Points of the pressure (concave) side, section by section.
     pub pressure: Vec<Vec<Point>>,
-    /// Convex side.
+    /// Points of the suction (convex) side, section by section.
     pub suction: Vec<Vec<Point>>,
 }
 
-/// Axis of rotation in the coordinates of a file.
+/// Axis of a file's coordinates about which the rotor turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RotorAxis {
     /// x
@@ -54,7 +54,7 @@ impl Sections {
         pairs.map(|(pressure, suction)| pressure - suction).sum()
     }
 
-    /// Extra length of the suction side, mm, all sections together, which comes from the camber.
+    /// Length of the suction side minus that of the pressure side, mm, summed over all sections: larger than 0 with camber.
     pub fn bulge_mm(&self) -> f64 {
         let whole_mm = |side: &[Vec<Point>]| side.iter().map(|points| length_mm(points)).sum::<f64>();
         whole_mm(&self.suction) - whole_mm(&self.pressure)

@@ -4,10 +4,10 @@ use crate::vector::{Point, Vector};
 
 use super::face::Face;
 
-/// Surface of revolution about the rotor's axis: its generatrix as a polyline, `[z, radius]`, with increasing z, mm.
+/// Surface of revolution about the rotor's axis, given by its generatrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Revolution {
-    /// Generatrix.
+    /// Generatrix as a polyline of points `[z, radius]`, mm, with increasing z.
     pub profile_mm: Vec<[f64; 2]>,
 }
 
@@ -16,11 +16,11 @@ pub struct Revolution {
 pub struct Blank {
     /// Outer radius, mm.
     pub radius_mm: f64,
-    /// Places of the faces along the rotor's axis, lower first, mm.
+    /// Positions of the two faces along the rotor's axis, the lower first, mm.
     pub faces_mm: [f64; 2],
 }
 
-/// Blisk: one blade and the number of blades. Part frame.
+/// Blisk (bladed disk in one piece): one blade, the number of blades, hub and blank, in the rotor's own frame.
 #[derive(Clone, Debug)]
 pub struct Blisk {
     /// Number of blades, evenly about the axis.
@@ -29,18 +29,18 @@ pub struct Blisk {
     pub pressure: Face,
     /// Suction side of the first blade.
     pub suction: Face,
-    /// Gas path between the blades.
+    /// Surface between the blades, on which the gas flows.
     pub hub: Revolution,
-    /// Blank.
+    /// Blank from which the blisk is milled.
     pub blank: Blank,
 }
 
-/// Both sides of a slot: the pressure side of one blade and the suction side of the next. Any frame.
+/// Slot between two blades: the pressure side of one blade and the suction side of the next, both in one frame.
 #[derive(Clone, Debug)]
 pub struct Slot {
-    /// Pressure side, u from the leading edge, v from the hub.
+    /// Pressure side of one blade; u from the leading edge, v from the hub.
     pub pressure: Face,
-    /// Suction side of the blade across the slot.
+    /// Suction side of the next blade, across the slot.
     pub suction: Face,
 }
 
@@ -95,7 +95,7 @@ impl Revolution {
         Some(best.1)
     }
 
-    /// Generatrix between two places along the axis, extended beyond its ends with their radii.
+    /// Generatrix between two positions along the axis; beyond its ends the radius stays that of the end.
     pub fn between(&self, faces_mm: [f64; 2]) -> Vec<[f64; 2]> {
         let [from, to] = faces_mm.map(|z| [z, self.radius_mm(z)]);
         let inner = self.profile_mm.iter().filter(|place| place[0] > from[0] && place[0] < to[0]);

@@ -13,21 +13,21 @@ const POINTS_MIN: usize = 5;
 /// Largest gap of a closed loop, as a multiple of its widest step.
 const GAP_STEPS: f64 = 2.0;
 
-/// Mark of a point in a file: leading or trailing edge.
+/// Mark of a point in a file, by which a closed loop is split into two sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// `le`
+    /// Leading edge, `le` in the file.
     Leading,
-    /// `te`
+    /// Trailing edge, `te` in the file.
     Trailing,
 }
 
 /// Section of a blade in a file, as a closed loop of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loop {
-    /// Points around the blade, the first one repeated at the end or not.
+    /// Points around the blade; the first one may be repeated at the end.
     pub points: Vec<Point>,
-    /// Marked points, by their index.
+    /// Marked points: index and mark.
     pub marks: Vec<(usize, Mark)>,
 }
 

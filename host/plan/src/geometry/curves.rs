@@ -25,11 +25,11 @@ const POINTS: [usize; 2] = [41, 161];
 /// Rotor as read from a set of curve files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
-    /// Inner end of the gas path.
+    /// Inner wall of the gas path.
     pub hub: Revolution,
-    /// Outer end of the gas path.
+    /// Outer wall of the gas path.
     pub shroud: Revolution,
-    /// One blade.
+    /// Sections of one blade.
     pub blade: Sections,
 }
 

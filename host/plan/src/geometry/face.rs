@@ -28,35 +28,35 @@ pub struct Face {
     outward: f64,
 }
 
-/// Point of a surface with its derivatives.
+/// Point of a surface S(u, v) with its first and second derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet {
-    /// S
+    /// Point S, mm.
     pub point: Point,
-    /// S_u
+    /// Derivative S_u.
     pub u: Vector,
-    /// S_v
+    /// Derivative S_v.
     pub v: Vector,
-    /// S_uu
+    /// Second derivative S_uu.
     pub uu: Vector,
-    /// S_uv
+    /// Second derivative S_uv.
     pub uv: Vector,
-    /// S_vv
+    /// Second derivative S_vv.
     pub vv: Vector,
 }
 
-/// Reason why sections define no surface.
+/// Reason why a blade's sections define no surface.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FaceError {
-    /// There are too few.
+    /// There are too few sections, or too few points in a section.
     #[error("a side of a blade needs two sections of four points at least, not {sections} of {points}")]
     TooFew {
-        /// Sections.
+        /// Number of sections.
         sections: usize,
-        /// Points in the shortest.
+        /// Number of points in the shortest section.
         points: usize,
     },
-    /// Their lengths differ.
+    /// The sections have different numbers of points.
     #[error("section {section} has {found} points, the first one {expected}")]
     Uneven {
         /// Section, from 1.
@@ -66,7 +66,7 @@ pub enum FaceError {
         /// Number of points of the first section.
         expected: usize,
     },
-    /// Two points coincide in all sections.
+    /// Two neighbouring points coincide in all sections; the number is that of the point.
     #[error("points {0} and {next} of the sections lie in one place", next = .0 + 1)]
     Doubled(usize),
 }
@@ -154,7 +154,7 @@ impl Face {
         lines
     }
 
-    /// The same surface after an orthogonal map, with u from its other end if `is_reversed`.
+    /// The same surface after a rotation or mirroring, with u counted from its other end if `is_reversed`.
     pub fn mapped(&self, map: &Matrix3<f64>, is_reversed: bool) -> Self {
         let mapped = |p: &Vector4<f64>| (map * p.xyz()).push(p.w);
         let rows = self.net.chunks(self.v.count());

@@ -34,28 +34,28 @@ pub enum BladeSide {
     Suction,
 }
 
-/// Flaw of a rotor for which it cannot be planned. Places on a side: `u` from the leading edge, `v` from the hub, 0
-/// to 1.
+/// Flaw for which a rotor cannot be planned. Positions on a side are `[u, v]`: u from the leading edge, v from the hub, 0 to
+/// 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flaw {
-    /// The offset crosses itself.
+    /// The surface with its allowance crosses itself, because the blade is hollow with a smaller radius than the allowance.
     Folded {
-        /// Side.
+        /// Side of the blade.
         side: BladeSide,
-        /// Place of the narrowest hollow.
+        /// Position of the narrowest hollow.
         at: [f64; 2],
         /// Radius of the hollow, mm.
         radius_mm: f64,
-        /// Offset, mm.
+        /// Allowance, mm.
         allowance_mm: f64,
     },
-    /// Blades nearer to each other than the allowance on both.
+    /// Two blades are nearer to each other than twice the allowance.
     Near {
-        /// Gap, mm.
+        /// Distance between the blades, mm.
         gap_mm: f64,
         /// Twice the allowance, mm.
         needed_mm: f64,
-        /// Place on the pressure side.
+        /// Position on the pressure side.
         at: [f64; 2],
     },
     /// The blade does not reach the hub.
@@ -85,13 +85,13 @@ pub enum Flaw {
         /// Distance by which it exceeds the blank's face, mm.
         by_mm: f64,
     },
-    /// Sections that cross: the side runs back towards the hub.
+    /// Sections cross, so that the side runs back towards the hub.
     Crossed {
         /// Side.
         side: BladeSide,
         /// Place.
         at: [f64; 2],
-        /// Distance by which it runs back, mm.
+        /// Distance by which the side runs back, mm.
         back_mm: f64,
     },
     /// The two sides of the blade cross.
@@ -154,8 +154,8 @@ impl fmt::Display for Flaw {
     }
 }
 
-/// All flaws of a rotor whose blades and hub keep an allowance of `allowance_mm`; each kind once per side, at its worst
-/// place.
+/// All flaws of a rotor whose blades and hub are to keep this allowance; each kind is reported once for each side, where it is
+/// worst.
 pub fn flaws(blisk: &Blisk, allowance_mm: f64) -> Vec<Flaw> {
     let sides = [(BladeSide::Pressure, &blisk.pressure), (BladeSide::Suction, &blisk.suction)];
     let of_sides = sides.into_iter().flat_map(|(side, face)| {

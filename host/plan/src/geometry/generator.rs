@@ -39,7 +39,7 @@ pub enum Hand {
     Left,
 }
 
-/// Numbers that define a rotor. Pairs are values at the hub and at the tip.
+/// Dimensions from which a rotor is generated. Pairs are values at the hub and at the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotor {
     /// Number of blades.
@@ -48,15 +48,15 @@ pub struct Rotor {
     pub hub_radius_mm: f64,
     /// Radius at which the blades end.
     pub tip_radius_mm: f64,
-    /// c
+    /// Chord length c.
     pub chord_mm: [f64; 2],
-    /// s, from the axis; of either sign.
+    /// Stagger angle s from the rotor's axis, of either sign.
     pub stagger_deg: [f64; 2],
-    /// theta
+    /// Camber angle theta.
     pub camber_deg: [f64; 2],
-    /// Greatest thickness over chord.
+    /// Greatest thickness as a fraction of the chord.
     pub thickness_ratio: [f64; 2],
-    /// e, the least thickness at the edges; 0 leaves the profile as it is.
+    /// Least thickness e at the edges; 0 leaves the profile as it is.
     pub edge_mm: f64,
     /// Lean of the blades towards their pressure sides.
     pub lean_deg: f64,
@@ -64,13 +64,13 @@ pub struct Rotor {
     pub hand: Hand,
 }
 
-/// Reason why the numbers define no rotor.
+/// Reason why these dimensions define no rotor.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RotorError {
-    /// There are too few blades.
+    /// There are too few blades; their given number.
     #[error("a rotor has 2 blades at least, not {0}")]
     Blades(u32),
-    /// The radii do not increase.
+    /// The tip's radius is not larger than the hub's.
     #[error("tip_radius must be greater than hub_radius, and both positive: {hub_radius_mm} mm, {tip_radius_mm} mm")]
     Radii {
         /// Radius at the hub.
@@ -78,10 +78,10 @@ pub enum RotorError {
         /// Radius at the tip.
         tip_radius_mm: f64,
     },
-    /// A number is beyond its range.
+    /// A dimension is outside of its range.
     #[error("{name} must be {range}, not {value}")]
     Range {
-        /// Name in a part file.
+        /// Name of the dimension in a part file.
         name: &'static str,
         /// Allowed range.
         range: &'static str,

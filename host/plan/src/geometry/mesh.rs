@@ -16,7 +16,7 @@ use super::face::Face;
 use super::flaws::BladeSide;
 use super::slot::Blade;
 
-/// Corners, counter-clockwise seen from outside.
+/// Three corners of a triangle, counter-clockwise as seen from outside.
 pub type Triangle = [Point; 3];
 
 /// Number of parts of (1) and (2) that share the tolerance.
@@ -34,12 +34,12 @@ const PROBES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Edges of the two sides nearer than this count as one.
 const SAME_EDGE_MM: f64 = 0.02;
 
-/// Sector of a ring about the rotor's axis.
+/// Sector of a ring about the rotor's axis, for meshes of a part of the rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sector {
-    /// Angles about the axis, increasing.
+    /// First and last angle about the axis.
     pub angles_rad: [f64; 2],
-    /// Places along the axis, increasing.
+    /// Lower and upper position along the axis.
     pub faces_mm: [f64; 2],
     /// Inner radius.
     pub inner_radius_mm: f64,

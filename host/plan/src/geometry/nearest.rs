@@ -24,16 +24,16 @@ const STEPS_MAX: usize = 200;
 /// Limit of the halvings of one step.
 const HALVINGS_MAX: usize = 40;
 
-/// Point of a surface that is nearest to a given point.
+/// Foot: point of a surface that is nearest to a given point in space.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
-    /// Parameters.
+    /// Parameters u and v of the foot.
     pub at: [f64; 2],
-    /// Point of the surface.
+    /// Position of the foot.
     pub point: Point,
-    /// Distance, not negative.
+    /// Distance between both points, mm, not negative.
     pub distance_mm: f64,
-    /// Whether it lies on the patch's border.
+    /// Whether the foot lies on the border of the surface.
     pub is_on_border: bool,
 }
 

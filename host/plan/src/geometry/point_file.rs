@@ -9,7 +9,7 @@ use crate::vector::Point;
 /// Largest number of a file.
 const NUMBER_MAX: f64 = 1e9;
 
-/// Axis and unit of a file's coordinates.
+/// Coordinates of a point file: axis of rotation and unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointFileFrame {
     /// Axis of rotation in the file's coordinates.
@@ -18,7 +18,7 @@ pub struct PointFileFrame {
     pub unit_mm: f64,
 }
 
-/// Fault of a point file, with its place.
+/// Fault in a point file, with its line and column.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{line}:{column}: {fault}")]
 pub struct ReadError {
@@ -30,22 +30,22 @@ pub struct ReadError {
     pub fault: Fault,
 }
 
-/// Fault of a point file.
+/// Kind of a fault in a file of points or sections.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Fault {
-    /// Not a finite number.
+    /// A word is not a finite number.
     #[error("`{0}` is no number")]
     NotANumber(String),
-    /// A number that no part has.
+    /// A number is larger than any part.
     #[error("`{0}` is too large for a part; check the file's units")]
     TooLarge(String),
-    /// Not the text of a STEP file.
+    /// The text is not that of a STEP file.
     #[error("this is no complete STEP file (ISO 10303-21); export it anew as AP203 or AP214")]
     NotStep,
-    /// A comma within a number.
+    /// A number has a decimal comma.
     #[error("`{0}` has a decimal comma; export numbers with a decimal point")]
     DecimalComma(String),
-    /// More or fewer values than columns.
+    /// A line has more or fewer values than the table has columns.
     #[error(
         "{found} values in a line of {columns} columns; numbers need a decimal point, a comma separates two values"
     )]
@@ -55,7 +55,7 @@ pub enum Fault {
         /// Number of columns.
         columns: usize,
     },
-    /// Fewer coordinates than three.
+    /// A line has fewer than three coordinates; their number.
     #[error("a point has three coordinates, x y z, not {0}")]
     Coordinates(usize),
     /// A column of the table is missing.
@@ -64,7 +64,7 @@ pub enum Fault {
          are known"
     )]
     Column(&'static str),
-    /// A column without a unit, or with one of another kind.
+    /// A column has no unit, or one of the wrong kind.
     #[error("`{found}` has no unit that fits; write {wanted}")]
     Unit {
         /// Name of the column.
@@ -72,16 +72,16 @@ pub enum Fault {
         /// Possible names.
         wanted: &'static str,
     },
-    /// A radius that is none.
+    /// A radius is negative; its value.
     #[error("a radius of {0}; the distance from the rotor's axis is above zero")]
     RadiusSign(f64),
-    /// A point in the place of the one before.
+    /// A point coincides with the one before.
     #[error("this point lies in the place of the one before (line {before}); delete one of them")]
     Coincident {
         /// Line of the other point.
         before: usize,
     },
-    /// The same section once more.
+    /// The same side of a section comes a second time.
     #[error(
         "section s = {span} has a second {side} side here, the first one begins in line {before}; give each section another `s`, and keep \
          the points of a side together"
@@ -94,7 +94,7 @@ pub enum Fault {
         /// Line of the first one.
         before: usize,
     },
-    /// A section with one side only.
+    /// A section has one side only.
     #[error("section s = {span} has no {missing} side ({word}); give both sides of each section")]
     OneSide {
         /// `s`
@@ -104,13 +104,13 @@ pub enum Fault {
         /// Word for it in the file.
         word: &'static str,
     },
-    /// Neither side.
+    /// The word for the side is neither that of the pressure nor that of the suction side.
     #[error("`{0}` is no side; write PS (pressure, the concave one) or SS (suction, the convex one)")]
     Side(String),
-    /// No mark of a point.
+    /// The word after a point is no mark of an edge.
     #[error("`{0}` marks nothing; a point may be marked `le` or `te`, as the leading or trailing edge")]
     Mark(String),
-    /// The same mark twice, or only one of the two.
+    /// A section has the same mark twice, or only one of both.
     #[error("section {section} has {found} points marked `{mark}`; mark one leading and one trailing edge, or none")]
     Marks {
         /// Section, counted from 1.
@@ -120,7 +120,7 @@ pub enum Fault {
         /// Number of marked points.
         found: usize,
     },
-    /// Points out of order.
+    /// The points of a side are not numbered in order from 0.
     #[error(
         "point {found} where point {expected} was to come; number the points of a side from 0, the leading edge first"
     )]
@@ -130,7 +130,7 @@ pub enum Fault {
         /// Expected number.
         expected: usize,
     },
-    /// Too few sections.
+    /// There are too few sections.
     #[error("a blade needs 2 sections at least, from the hub to the tip, on both sides alike; there are {found}")]
     Sections {
         /// Number of sections.
@@ -144,7 +144,7 @@ pub enum Fault {
         /// Least number.
         least: usize,
     },
-    /// Too few points.
+    /// A section has too few points.
     #[error("section {section} has {found} points on a side; {least} at least make a curve")]
     Points {
         /// Section, counted from 1.
@@ -154,7 +154,7 @@ pub enum Fault {
         /// Least number.
         least: usize,
     },
-    /// Not closed.
+    /// The loop of a section is not closed.
     #[error(
         "section {section} is open: {gap_mm:.3} mm from its last point to its first, over steps of {step_mm:.3} mm at most; close the loop around the blade"
     )]
@@ -166,7 +166,7 @@ pub enum Fault {
         /// Greatest step.
         step_mm: f64,
     },
-    /// Sections not in the order from the hub to the tip.
+    /// The sections do not follow each other from the hub to the tip.
     #[error(
         "section {section} lies {below_mm:.3} mm lower over the hub than the one before; sections go from the hub to the tip"
     )]
@@ -176,7 +176,7 @@ pub enum Fault {
         /// Height by which it lies below the section before.
         below_mm: f64,
     },
-    /// Radius that does not agree with the coordinates.
+    /// The stated radius of a point does not agree with its coordinates.
     #[error(
         "the file says R = {stated_mm:.3} mm here, but the point is {found_mm:.3} mm from the {axis:?} axis; give the rotor's `axis`{hint}"
     )]
@@ -190,7 +190,7 @@ pub enum Fault {
         /// Axis that would agree.
         hint: &'static str,
     },
-    /// The axis runs through the blade.
+    /// The given axis of rotation passes through the blade or close to it.
     #[error(
         "the {axis:?} axis runs through or close by section {section} (from {least_mm:.3} to {most_mm:.3} mm off it); give the rotor's `axis`"
     )]
@@ -204,7 +204,7 @@ pub enum Fault {
         /// Greatest distance.
         most_mm: f64,
     },
-    /// The curve turns back.
+    /// The curve of hub or shroud turns back along the axis of rotation.
     #[error(
         "the curve turns back along the {axis:?} axis here; give it from inlet to outlet in one sense, or give the rotor's `axis`"
     )]
@@ -212,7 +212,7 @@ pub enum Fault {
         /// Axis.
         axis: RotorAxis,
     },
-    /// The shroud is within the hub.
+    /// The shroud lies inside the hub.
     #[error(
         "the shroud lies {below_mm:.3} mm below the hub at {z_mm:.3} mm along the axis; the files may be exchanged"
     )]
@@ -222,7 +222,7 @@ pub enum Fault {
         /// Place along the axis.
         z_mm: f64,
     },
-    /// The blade is far from the hub.
+    /// The first section is far from the hub.
     #[error(
         "section 1 lies {height_mm:.3} mm off the hub; the files do not belong together, or `axis` or `units` is wrong"
     )]
@@ -230,7 +230,7 @@ pub enum Fault {
         /// Height, greater than the blade's own size.
         height_mm: f64,
     },
-    /// The names of the sides are exchanged.
+    /// The names of the sides are exchanged: the convex side must be the suction side.
     #[error(
         "the suction side is {shorter_mm:.3} mm shorter than the pressure side, all sections together: the convex side is the suction side; exchange PS and SS"
     )]

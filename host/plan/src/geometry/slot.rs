@@ -9,7 +9,7 @@ use crate::vector::Vector;
 use super::blisk::{Blisk, Slot};
 use super::face::Face;
 
-/// Both sides of one blade.
+/// Pressure and suction side of one blade of a rotor.
 #[derive(Clone, Debug)]
 pub struct Blade {
     /// Concave side.
@@ -33,7 +33,7 @@ impl Blisk {
         Blade { pressure: self.pressure.turned(&turn), suction: self.suction.turned(&turn) }
     }
 
-    /// All blades, by their angles.
+    /// All blades, in the order of their angles about the axis.
     pub fn blades(&self) -> impl Iterator<Item = Blade> + '_ {
         (0..self.blades).map(|index| self.blade(index.cast_signed()))
     }
@@ -49,7 +49,7 @@ impl Blisk {
         if places.map(around).sum::<f64>() < 0.0 { -1 } else { 1 }
     }
 
-    /// Pressure side of the first blade, and the suction side across the slot. Part frame.
+    /// Slot at the pressure side of the first blade, with the suction side of the next blade across it, in the rotor's own frame.
     pub fn slot(&self) -> Slot {
         Slot { pressure: self.pressure.clone(), suction: self.blade(self.facing()).suction }
     }

@@ -4,10 +4,10 @@ use thiserror::Error;
 
 use super::point_file::Fault;
 
-/// Fault of a surface file, which has no lines to name.
+/// Fault of a surface that another program has exported (STL or STEP).
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SolidFault {
-    /// There is nothing in it.
+    /// The file has no surface.
     #[error("there are no triangles in it")]
     Empty,
     /// The hub, or the tip, is no surface of revolution.
@@ -21,7 +21,7 @@ pub enum SolidFault {
         /// Least and greatest radius there.
         radii_mm: [f64; 2],
     },
-    /// There is no surface about the axis.
+    /// No face of the file is a surface about the rotor's axis.
     #[error("there is no surface about the rotor's axis in it; check `axis`, or give `hub_radius`")]
     NoRevolution,
     /// The blade has no tip.
@@ -33,14 +33,14 @@ pub enum SolidFault {
         /// Least and greatest share of the height.
         shares: [f64; 2],
     },
-    /// More or fewer outlines than one.
+    /// At some height the blade has no outline, or several separate ones.
     #[error(
         "{found} separate outlines at {:.1} % of the height, where one blade has one; export one blade alone, from hub to tip, without the hub", 100.0 * .share_ratio
     )]
     Outlines {
-        /// Number of outlines.
+        /// Number of separate outlines.
         found: usize,
-        /// Share of the height.
+        /// Height, as a fraction from hub (0) to tip (1).
         share_ratio: f64,
     },
     /// An outline is not closed.
@@ -50,10 +50,10 @@ pub enum SolidFault {
     Gap {
         /// Least distance of two ends.
         gap_mm: f64,
-        /// Share of the height.
+        /// Height, as a fraction from hub (0) to tip (1).
         share_ratio: f64,
     },
-    /// An outline is no section.
+    /// An outline cannot be split into the two sides of a blade.
     #[error("{0}")]
     Section(Fault),
 }

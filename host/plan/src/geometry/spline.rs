@@ -15,7 +15,7 @@ pub const DEGREE_MAX: usize = 3;
 /// Rounding steps of knots.
 const KNOT_STEPS: f64 = (1 << 30) as f64;
 
-/// Values of the functions that do not vanish at a parameter.
+/// Values of the basis functions that are not zero at a parameter; unused ones are 0.
 pub type Weights = [f64; DEGREE_MAX + 1];
 
 /// One direction of a spline surface: degree and knots, clamped at both ends.
@@ -27,7 +27,7 @@ pub struct Spline {
 
 /// Values of the basis functions that do not vanish at a parameter, with their derivatives.
 pub struct Basis<const ROWS: usize> {
-    /// Control point of the first one.
+    /// Index of the control point to which the first of these functions belongs.
     pub first: usize,
     /// Values, then first and second derivatives; 0 beyond the degree.
     pub rows: [Weights; ROWS],
@@ -45,7 +45,7 @@ impl Spline {
         Spline { degree: self.degree, knots }
     }
 
-    /// The spline with its parameter reversed.
+    /// The same spline with its parameter counted from the other end.
     pub fn reversed(&self) -> Self {
         Spline { degree: self.degree, knots: self.knots.iter().rev().map(|knot| 1.0 - knot).collect() }
     }

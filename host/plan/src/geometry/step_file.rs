@@ -19,50 +19,50 @@ use super::step_spline::Spline;
 use super::step_text::{Part, Records, Value, numbers, records, reference, references};
 use super::surface_mesh::SurfaceMesh;
 
-/// Fault of a STEP file.
+/// Reason why a STEP file cannot be read, or does not have the faces of a rotor.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum StepFault {
     /// The text is no STEP file.
     #[error(transparent)]
     Text(#[from] ReadError),
-    /// Nothing has this name or colour.
+    /// No face has this name or colour.
     #[error("no face is called `{name}`, and none has that colour; the file knows: {known}")]
     NoFace {
-        /// Name or colour in the part file.
+        /// Name or colour that the part file gives.
         name: String,
-        /// Names and colours of the file.
+        /// Names and colours in the STEP file.
         known: String,
     },
-    /// A face of a blade is no B-spline.
+    /// A face of a blade is not a B-spline surface.
     #[error(
         "face #{face} is a {found}; a blade's faces are read as B-splines: export the surfaces as NURBS, or the blade as STL"
     )]
     NotSpline {
-        /// Number of the record.
+        /// Number of the face's record in the STEP file.
         face: u64,
         /// Type of its surface.
         found: String,
     },
-    /// A face of a hub has no known generatrix.
+    /// A face of a hub is of a type from which no generatrix is read.
     #[error(
         "face #{face} of the hub is a {found}; cylinders, cones and B-splines are read: give the hub as a curve file, `hub = \"hub.curve\"`"
     )]
     HubFace {
-        /// Number of the record.
+        /// Number of the face's record in the STEP file.
         face: u64,
         /// Type of its surface.
         found: String,
     },
-    /// A record is not complete.
+    /// The record of this number is not complete.
     #[error("record #{0} is not complete; export the file anew")]
     Record(u64),
-    /// The file moves its parts.
+    /// The file is an assembly that moves its parts.
     #[error("the file is an assembly that moves its parts; export the part alone")]
     Moved,
     /// The file has several units, or none that is known.
     #[error("the file's length unit is not clear; export it in millimetres or inches")]
     Unit,
-    /// The faces are no hub.
+    /// The faces of the hub are no surface about the rotor's axis.
     #[error(transparent)]
     Hub(#[from] SolidFault),
 }

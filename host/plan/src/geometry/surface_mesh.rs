@@ -21,19 +21,19 @@ use super::point_file::PointFileFrame;
 /// Largest turn between two triangles of one smooth surface, degrees.
 const SMOOTH_DEG: f64 = 40.0;
 
-/// Surface as a mesh of triangles. Part frame, mm.
+/// Surface as a mesh of triangles with common vertices, in the rotor's own frame, mm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceMesh {
-    /// Points.
+    /// Positions of the vertices.
     pub points: Vec<Point>,
-    /// Corners by their point; all in one sense about the surface.
+    /// Triangles, each as the indices of its three vertices; all have the same sense about the surface.
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Edge of a mesh: its points, the smaller index first.
+/// Edge of a mesh: indices of its two vertices, the smaller one first.
 pub type EdgeKey = [usize; 2];
 
-/// Cubic curve in place of a straight mesh edge.
+/// Cubic curve that replaces a straight edge of a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeCurve {
     ends: [Point; 2],

@@ -25,83 +25,83 @@ use crate::vector::Point;
 const WIDTH_PLACES: u32 = 40;
 const WIDTH_DEPTHS: u32 = 8;
 
-/// Flank milling with a conventional end mill, for comparison: mill and cutting conditions.
+/// Conditions of the usual method, flank milling with a ball-end mill, with which the planned path is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlankMilling {
     /// Diameter of the ball.
     pub diameter_mm: f64,
     /// Feed along the passes.
     pub feed_mm_per_min: f64,
-    /// Largest axial depth from level to level.
+    /// Largest axial depth of cut, from level to level.
     pub axial_depth_mm: f64,
-    /// Largest distance from pass to pass.
+    /// Largest distance between neighbouring passes.
     pub stepover_mm: f64,
 }
 
-/// Size of a slot, seen along the tool.
+/// Size of a slot, as seen along the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlotSize {
-    /// Depth from the blank's rim to the hub's allowance.
+    /// Depth from the blank's rim to the hub with its allowance.
     pub depth_mm: f64,
     /// Length of the slot, from face to face.
     pub length_mm: f64,
-    /// Widths between the allowances of both blades, evenly from the rim to the hub; at each depth the narrowest place.
+    /// Widths between both blades with their allowances, at evenly spaced depths from the rim to the hub; each the narrowest there.
     pub widths_mm: Vec<f64>,
 }
 
-/// Number of levels and passes of the baseline.
+/// Numbers of levels and passes that the usual method needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Passes {
-    /// Levels (1).
+    /// Number of levels (1).
     pub levels: usize,
-    /// Passes on all of them (2).
+    /// Number of passes on all levels together (2).
     pub passes: usize,
 }
 
-/// Time of a slot in flank milling.
+/// Time to mill one slot, and the removal rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlotTime {
     /// Cutting time.
     pub cutting_min: f64,
-    /// Removed volume over it, mm3/min.
+    /// Removal rate: removed volume divided by the cutting time, mm3/min.
     pub rate_mm3_per_min: f64,
 }
 
-/// Time of the planned path.
+/// Time of the planned path in one slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedTime {
-    /// Length, mm, and time, min, of each purpose.
+    /// Length, feed and time for each purpose of the path's steps.
     pub parts: Vec<PartTime>,
     /// Total time.
     pub slot: SlotTime,
 }
 
-/// All pieces of the path with one purpose.
+/// All steps of the path that have one purpose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartTime {
-    /// Purpose.
+    /// Purpose of these steps.
     pub purpose: Purpose,
-    /// Path length of the centre, mm.
+    /// Length of the centre's path, mm.
     pub length_mm: f64,
     /// Feed, mm/min.
     pub feed_mm_per_min: f64,
-    /// Length over feed.
+    /// Time: length divided by feed, min.
     pub time_min: f64,
 }
 
-/// Reason why there is no baseline.
+/// Reason why the usual method cannot be computed for a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BaselineError {
-    /// The mill does not pass.
+    /// The mill is wider than the slot.
     #[error(
         "a ball of {diameter_mm:.2} mm does not pass the slot, {width_mm:.2} mm wide at {depth_mm:.1} mm: give [baseline] a smaller diameter"
     )]
     Narrow {
         /// Diameter of the mill.
         diameter_mm: f64,
-        /// Narrowest width of the slot.
+        /// Smallest width of the slot.
         width_mm: f64,
-        /// Depth of that place below the rim.
+        /// Depth below the rim at which it is narrowest.
         depth_mm: f64,
     },
     /// A number is not finite or not positive.
@@ -112,10 +112,10 @@ pub enum BaselineError {
 }
 
 impl FlankMilling {
-    /// Levels and passes of a slot.
+    /// Numbers of levels and passes for a slot.
     ///
     /// # Errors
-    /// The mill does not pass, or a number makes no sense.
+    /// The mill is wider than the slot, or a number is not finite or not positive.
     pub fn passes(&self, slot: &SlotSize) -> Result<Passes, BaselineError> {
         let numbers = [self.diameter_mm, self.feed_mm_per_min, self.axial_depth_mm, self.stepover_mm];
         let is_positive = |number: f64| number > 0.0 && number.is_finite();
@@ -136,7 +136,7 @@ impl FlankMilling {
         Ok(Passes { levels, passes: (0..levels).map(passes).sum() })
     }
 
-    /// Time of a slot with `volume_mm3` to be removed.
+    /// Time to mill a slot from which `volume_mm3` is to be removed.
     ///
     /// # Errors
     /// See [`FlankMilling::passes`].

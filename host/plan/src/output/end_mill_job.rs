@@ -13,27 +13,27 @@ use crate::vector::Point;
 pub struct EndMillJob<'a> {
     /// Unit of the file, and of the program.
     pub unit: LengthUnit,
-    /// Program, relative to the file.
+    /// Path of the program, relative to the job file.
     pub program: &'a str,
-    /// Tool.
+    /// Tool with its dimensions.
     pub shape: ToolShape,
-    /// T of the program.
+    /// T number of the program.
     pub tool: u32,
-    /// S of the program.
+    /// Spindle speed (S) of the program.
     pub rev_per_min: f64,
     /// Feed per tooth.
     pub feed_per_tooth_mm: f64,
     /// Largest feed of the program, mm/min.
     pub feed_max_mm_per_min: f64,
-    /// Remark about the feeds.
+    /// Remark about the feeds, written as a comment.
     pub remark: &'a str,
-    /// Law of the plunges; `None`: all feeds stay the program's own.
+    /// Plunge law with its limits; `None` if all feeds stay the program's own.
     pub law: Option<PlungeLaw<'a>>,
-    /// Distance of the simulation's dexel rays, if `stock.stl` and `finished.stl` stand beside the file.
+    /// Distance of the rays of the simulation's tri-dexel model; `None` if there are no `stock.stl` and `finished.stl` beside the file.
     pub rays_mm: Option<f64>,
-    /// Preset of the control.
+    /// Preset of the simulated control.
     pub control: &'a str,
-    /// Machine, if it is known.
+    /// Machine; `None` if it is not known.
     pub machine: Option<Machine<'a>>,
 }
 
@@ -46,34 +46,34 @@ pub struct PlungeLaw<'a> {
     pub ring: BlankRing,
 }
 
-/// Limits of the spindle and material of the workpiece.
+/// Limits that the plunge law keeps: those of the spindle, for a material of the workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeLimits {
     /// Name of the material.
     pub material: String,
-    /// Radial and axial force of a chip over the tangential one.
+    /// Radial and axial force of a chip, each divided by its tangential force.
     pub force_ratios: [f64; 2],
-    /// Largest power of the spindle, W.
+    /// Largest power of the spindle, W; `None`: not limited.
     pub power_w: Option<f64>,
-    /// Largest torque of the spindle, N m.
+    /// Largest torque of the spindle, N m; `None`: not limited.
     pub torque_n_m: Option<f64>,
 }
 
-/// BlankRing, mm.
+/// Blank as a ring about an axis, dimensions in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlankRing {
-    /// Middles of both ends.
+    /// Middles of both end faces.
     pub ends_mm: [Point; 2],
     /// Outer radius.
     pub radius_mm: f64,
-    /// Radius of its bore.
+    /// Radius of the ring's bore.
     pub bore_mm: f64,
 }
 
 /// Height of the layers in which the sections of plunges are found, mm.
 const LAYER_MM: f64 = 0.5;
 
-/// Shape of an end mill, mm.
+/// Shape of an end mill, dimensions in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolShape {
     /// Radius.
@@ -82,7 +82,7 @@ pub struct ToolShape {
     pub corner_radius_mm: f64,
     /// Height of the cutting part.
     pub height_mm: f64,
-    /// Teeth.
+    /// Number of teeth.
     pub teeth: u16,
 }
 

@@ -15,29 +15,29 @@ use crate::output::limits::{BlankFace, StockLimit};
 pub struct JobFile<'a> {
     /// Unit of the file, and of the program.
     pub unit: LengthUnit,
-    /// Program, relative to the file.
+    /// Path of the program, relative to the job file.
     pub program: &'a str,
-    /// Tool.
+    /// Cup mill with its dimensions.
     pub mill: &'a CupMill,
-    /// T of the program.
+    /// T number of the program.
     pub tool: u32,
-    /// F of its cutting moves, mm/min.
+    /// F of the program's cutting moves, mm/min.
     pub cutting_mm_per_min: f64,
-    /// S of the program.
+    /// Spindle speed (S) of the program.
     pub rev_per_min: f64,
     /// Feed per tooth that the law keeps.
     pub feed_per_tooth_mm: f64,
-    /// Stock limits, one per rule.
+    /// Stock limits: one for each cut rule.
     pub limits: &'a [StockLimit],
-    /// Law.
+    /// Feed law of the cut rules.
     pub law: Law<'a>,
-    /// Workpiece for the simulation.
+    /// Workpiece for the simulation; `None` without one.
     pub workpiece: Option<Workpiece<'a>>,
-    /// Preset of the control.
+    /// Preset of the simulated control.
     pub control: &'a str,
-    /// Settings of the control, relative to the file.
+    /// Path of a file with settings of the control, relative to the job file; `None` without one.
     pub settings: Option<&'a str>,
-    /// Machine, if it is known.
+    /// Machine; `None` if it is not known.
     pub machine: Option<Machine<'a>>,
 }
 
@@ -55,20 +55,20 @@ pub enum Law<'a> {
 /// Workpiece of a job file: meshes in millimetres, by paths relative to the job file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workpiece<'a> {
-    /// Blank.
+    /// Path of the blank's mesh.
     pub stl: &'a str,
-    /// Target shape.
+    /// Path of the target shape's mesh; `None` without one.
     pub target: Option<&'a str>,
-    /// Distance of the dexel rays.
+    /// Distance of the rays of the simulation's tri-dexel model.
     pub step_mm: f64,
 }
 
-/// Source of the machine's description in a job file.
+/// Where the job file takes the machine's description from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine<'a> {
     /// Machine file, relative to the job file.
     File(&'a str),
-    /// Preset.
+    /// Name of a built-in preset.
     Preset(&'a str),
 }
 

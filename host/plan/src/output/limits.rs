@@ -43,7 +43,7 @@ const ELSEWHERE_MAX_RATIO: f64 = 4.0;
 /// The four movements.
 const MOVEMENTS: [Purpose; 4] = [Purpose::Movement1, Purpose::Movement2, Purpose::Movement3, Purpose::Movement4];
 
-/// Face of the blank, by its place along the rotor's axis.
+/// Face of the blank, named by its position along the rotor's axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlankFace {
     /// Face with the smaller coordinate.
@@ -52,53 +52,53 @@ pub enum BlankFace {
     Upper,
 }
 
-/// Stock limit of one movement of the ring, with its circle and pivot.
+/// Stock limit (line at which the stock ends) of one movement of the ring, with the circle that cuts there and the pivot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockLimit {
     /// Number of the movement, 1 to 4, as in table 5.1.
     pub movement: usize,
-    /// Pivot of the centre.
+    /// Circle on which the ring's centre moves about the pivot.
     pub rotation: RotationCircle,
-    /// Sense of the turn.
+    /// Sense of rotation of the movement.
     pub turn: Turn,
-    /// Circle with the thickest chip.
+    /// Cutting circle (outer or inner) that cuts the thickest chip.
     pub edge: Edge,
-    /// Face at which it is thickest.
+    /// Face of the blank at which the chip is thickest.
     pub face: BlankFace,
-    /// Line of the face in a level: direction of its normal, out of the material, from x.
+    /// Line of that face in the plane of a level: direction of its normal out of the material, from the slot frame's x axis.
     pub normal_deg: f64,
-    /// Distance of the line from the origin along the normal, at height 0.
+    /// Distance of that line from the origin along the normal, at height 0.
     pub offset_mm: f64,
-    /// Growth of the distance per unit of height.
+    /// Change of that distance per unit of height.
     pub rise_ratio: f64,
-    /// Lowest and highest level on which the movement cuts.
+    /// Heights of the lowest and of the highest level on which the movement cuts.
     pub heights_mm: [f64; 2],
-    /// Angle of the contact from the pivot's direction, least and largest.
+    /// Smallest and largest angle of the contact, measured from the direction of the pivot.
     pub contact_deg: [f64; 2],
-    /// Thickest chip of the other circle, or at the other face, relative to the one at the line; above 1 it is thicker
-    /// somewhere.
+    /// Thickest chip of the other circle, or at the other face, divided by the chip at this line; above 1 another chip is the thicker
+    /// one.
     pub elsewhere_ratio: f64,
-    /// Chip at the limit relative to the target of a law with one line: below 1 where the circle meets the line a
-    /// second time, on its far side, and the law takes that contact for the thicker one. The chip is then below the
-    /// target, and the feed slow.
+    /// Chip at this line divided by the target, under a law that knows this line only. It is below 1 if the circle meets the line a
+    /// second time on its far side and the law takes that contact for the thicker one: the chip is then thinner than the target, and
+    /// the feed slow.
     pub kept_ratio: f64,
 }
 
 impl StockLimit {
-    /// A law with this one line, and a feed per tooth lower by [`StockLimit::elsewhere_ratio`], may exceed the
-    /// programmed feed.
+    /// Whether the movement gets a cut rule of the law that knows this line only: [`StockLimit::elsewhere_ratio`], by which the feed per
+    /// tooth is divided, is not too large. Otherwise the movement keeps its programmed feed.
     pub fn is_governed_by_line(&self) -> bool {
         self.elsewhere_ratio < ELSEWHERE_MAX_RATIO
     }
 }
 
-/// Reason why there are no stock limits.
+/// Reason why the stock limits of a path cannot be found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum LimitError {
-    /// The faces are square to the tool.
+    /// The blank's faces are square to the tool, so they do not bound the levels.
     #[error("the tool stands along the rotor's axis: no face of the blank bounds a level")]
     AlongRotor,
-    /// A movement meets no stock.
+    /// The movement of this number meets no face of the blank.
     #[error(
         "movement {0} meets neither face of the blank ahead of its edges: is the blank narrower than the slot's pivots?"
     )]

@@ -24,30 +24,30 @@ const ARC_STEPS_MIN: f64 = 2.0;
 /// Largest O number.
 const NUMBER_MAX: u32 = 9_999;
 
-/// Settings of the program apart from the path.
+/// Settings of the NC program apart from the path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// O number.
+    /// O number of the program.
     pub number: u32,
     /// Comments at the top.
     pub title: Vec<String>,
-    /// G20 or G21.
+    /// Unit of the program: G20 or G21.
     pub unit: LengthUnit,
-    /// T and H.
+    /// Number of the tool and of its length offset: T and H.
     pub tool: u32,
     /// Spindle speed (S).
     pub rev_per_min: f64,
-    /// M8 and M9.
+    /// Whether the coolant is switched on and off (M8, M9).
     pub coolant: bool,
-    /// A, the same for all slots.
+    /// Position of the axis A, the same for all slots.
     pub tilt_deg: f64,
-    /// B of each slot, in order.
+    /// Position of the axis B for each slot, in order.
     pub slots_deg: Vec<f64>,
-    /// Feeds.
+    /// Feeds by the purpose of a move.
     pub feeds: Feeds,
-    /// Indexing between the slots.
+    /// How the rotor is indexed from slot to slot.
     pub indexing: Indexing,
-    /// Comments such as `(LEVEL 3 MOVEMENT 1)`.
+    /// Whether comments such as `(LEVEL 3 MOVEMENT 1)` are written.
     pub labels: bool,
     /// The control prints slot and level (DPRNT). `adapt` does not accept a program with macro statements: for one that
     /// is to be adapted leave them out, and have the sender request reports (docs/dnc.md).
@@ -79,7 +79,7 @@ impl Feeds {
     }
 }
 
-/// Way in which the rotor is indexed from slot to slot.
+/// How the rotor is indexed (turned) from slot to slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indexing {
     /// The rotor turns while the tool is above it.
@@ -89,13 +89,13 @@ pub enum Indexing {
     WhileDescending,
 }
 
-/// Reason why no NC program can be written.
+/// Reason why the NC program cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum NcError {
     /// The program number is out of range.
     #[error("a program's number is between 1 and {NUMBER_MAX}, not {0}")]
     Number(u32),
-    /// There is nothing to do.
+    /// The path has no levels, or there are no slots.
     #[error("the path has no levels, or there are no slots")]
     Empty,
     /// A value is not a number, or a feed is not usable.

@@ -26,18 +26,18 @@ const SAME_MM: f64 = 1e-4;
 /// Feeds of a plunging program, mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeFeeds {
-    /// (1)
+    /// Feed F of the plunges (1).
     pub plunge_mm_per_min: f64,
-    /// Down to the material.
+    /// Feed of the approach down to the material.
     pub approach_mm_per_min: f64,
 }
 
-/// Relation of a rotary axis to an angle of the tool in the part.
+/// Linear relation between the position of a rotary axis and an angle of the tool axis in the rotor's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleRelation {
     /// Degrees of the axis per degree of the angle: 1 or -1.
     pub sign: f64,
-    /// Position of the axis for a tool axis along x of the part.
+    /// Position of the rotary axis at which that angle is 0.
     pub zero_deg: f64,
 }
 
@@ -49,20 +49,20 @@ impl AngleRelation {
     }
 }
 
-/// Settings of the program.
+/// Settings of the NC program apart from the plunges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeSetup {
-    /// O number.
+    /// O number of the program.
     pub number: u32,
     /// Comments at the top.
     pub title: Vec<String>,
-    /// G20 or G21.
+    /// Unit of the program: G20 or G21.
     pub unit: LengthUnit,
-    /// T and H.
+    /// Number of the tool and of its length offset: T and H.
     pub tool: u32,
-    /// S
+    /// Spindle speed (S).
     pub rev_per_min: f64,
-    /// M8 and M9.
+    /// Whether the coolant is switched on and off (M8, M9).
     pub coolant: bool,
     /// A, by the angle of the tool's axis from planes across the rotor's; without such plunges the same for all.
     pub tilt: AngleRelation,
@@ -74,12 +74,12 @@ pub struct PlungeSetup {
     pub feeds: PlungeFeeds,
 }
 
-/// Move of a plunge.
+/// One move of a plunge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeMove {
     /// End of the move: middle of the mill's end, in the plunge's frame.
     pub to: Point,
-    /// Feed; `None`: rapid.
+    /// Feed; `None` for rapid.
     pub feed_mm_per_min: Option<f64>,
 }
 

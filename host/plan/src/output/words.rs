@@ -15,7 +15,7 @@ const DEGREE_DECIMALS: usize = 3;
 /// Characters allowed in a comment: those of the ISO code except brackets.
 const COMMENT_MARKS: &str = " .,-+/=*:#";
 
-/// Format of lengths in the program.
+/// Format of lengths in an NC program: resolution and number of decimals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Format {
     /// Unit: inches with four decimals, millimetres with three.
@@ -23,7 +23,7 @@ pub struct Format {
 }
 
 impl Format {
-    /// Nanometres per unit of the last digit.
+    /// Length of one unit of the last decimal.
     pub fn step(self) -> Nm {
         match self.unit {
             LengthUnit::Inch => Nm(NM_PER_INCH / 10_000),
@@ -31,7 +31,7 @@ impl Format {
         }
     }
 
-    /// Digits behind the point.
+    /// Number of decimals.
     pub fn decimals(self) -> usize {
         match self.unit {
             LengthUnit::Inch => 4,
@@ -39,23 +39,23 @@ impl Format {
         }
     }
 
-    /// Length as a whole number of the last digit's units, rounded.
+    /// Length in units of the last decimal, rounded.
     pub fn steps(self, length_mm: f64) -> i64 {
         libm::round(length_mm / self.step().to_mm()) as i64
     }
 
-    /// Number with a point for a length of `steps` units of the last digit.
+    /// NC number with a decimal point, for a length of `steps` units of the last decimal.
     pub fn number(self, steps: i64) -> String {
         decimal(steps, self.decimals())
     }
 }
 
-/// Angle as a number with a point.
+/// NC number with a decimal point, for an angle in degrees.
 pub fn degrees(angle_deg: f64) -> String {
     decimal(libm::round(angle_deg * 1e3) as i64, DEGREE_DECIMALS)
 }
 
-/// Angle as a control reads it, in whole microdegrees.
+/// Angle in whole microdegrees, as a control reads the number that is written for it.
 pub fn microdegrees(angle_deg: f64) -> i64 {
     let step = MICRODEG_PER_DEG / 1_000;
     libm::round(angle_deg * 1e3) as i64 * step
@@ -72,7 +72,7 @@ fn decimal(value: i64, decimals: usize) -> String {
     format!("{sign}{}.{}", whole.trim_start_matches('0'), part.trim_end_matches('0'))
 }
 
-/// Text of a program, with the modal state of the control.
+/// Text of an NC program in the making, with the control's modal state, so that words in force are not repeated.
 #[derive(Clone, Debug)]
 pub struct Sheet {
     format: Format,
@@ -84,12 +84,12 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Empty sheet.
+    /// Empty program.
     pub fn new(format: Format) -> Self {
         Sheet { format, text: String::new(), number: 0, motion: "", feed_mode: "G94", feed: String::new() }
     }
 
-    /// Text of the sheet.
+    /// Text of the whole program.
     pub fn into_text(self) -> String {
         self.text
     }
@@ -137,7 +137,7 @@ impl Sheet {
         self.block(&format!("{codes}{words}{tail}"));
     }
 
-    /// NC word of a length.
+    /// NC word: a letter with a length of `steps` units of the last decimal.
     pub fn word(&self, letter: char, steps: i64) -> String {
         format!("{letter}{}", self.format.number(steps))
     }

@@ -15,7 +15,7 @@ use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionFamily, SectionPlane};
 
-/// Plan of a passage while its families are added. Keeps its state between calls.
+/// Plan of a passage in the making, to which families of plunge planes are added. Keeps its state between calls.
 pub struct Assembly<'a> {
     passage: &'a Passage<'a>,
     planes: Vec<PlungePlane>,
@@ -24,12 +24,12 @@ pub struct Assembly<'a> {
 }
 
 impl<'a> Assembly<'a> {
-    /// Plan without planes.
+    /// Empty plan of a passage.
     pub fn new(passage: &'a Passage<'a>) -> Self {
         Assembly { passage, planes: Vec::new(), plunges: Vec::new(), from_left: true }
     }
 
-    /// Adds planes of a family between two coordinates.
+    /// Adds the planes of a family between two of its coordinates, with their plunges.
     ///
     /// # Errors
     /// The mill does not pass, or neighbouring plunges would leave material between them.

@@ -24,7 +24,7 @@ const SAME_MM: f64 = 1e-6;
 /// A sample nearer to the line than this touches it, mm.
 const TOUCHING_MM: f64 = 0.01;
 
-/// Circles in a plane between which a passage is plunged.
+/// Radii about the rotor's axis, in a plane across it, between which a passage is plunged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circles {
     /// Radius of the blank, mm.
@@ -35,32 +35,32 @@ pub struct Circles {
     pub floor_mm: f64,
 }
 
-/// Boundary axes in a plane.
+/// Boundary axes in a plane: the axes of the plunges nearest to the left and to the right blade, with their ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Boundary {
-    /// Angle of the y axis about the rotor's axis.
+    /// Angle of the plane's y axis about the rotor's axis.
     pub middle_rad: f64,
-    /// Left and right line in the plane, of x over y; the right one mirrored.
+    /// Left and right axis as lines in the plane, x as a function of y; the right one is mirrored (-x).
     pub lines: [SupportLine; 2],
-    /// T1, T2: on the roof; x, y in the plane.
+    /// Points T1 and T2 of the axes on the roof (surface of the blank): x, y in the plane.
     pub roof: [Flat; 2],
-    /// T3, T4: on the floor.
+    /// Points T3 and T4 of the axes on the floor (hub with its allowance): x, y in the plane.
     pub floor: [Flat; 2],
-    /// Places of the walls that the lines touch nearest to the floor.
+    /// Points of the walls that the axes touch, nearest to the floor.
     pub touching: [Flat; 2],
 }
 
-/// Samples of both walls in a plane's own coordinates.
+/// Samples of both walls of a passage, in the coordinates of one plane. A wall has the required distance from its blade.
 #[derive(Clone, Debug)]
 pub struct WallSamples {
     /// Angle of the y axis about the rotor's axis.
     pub middle_rad: f64,
-    /// Left wall, x over y; right wall, -x over y.
+    /// Samples of the left wall, x over y, and of the right wall, -x over y.
     pub walls: [Vec<CurveSample>; 2],
 }
 
 impl WallSamples {
-    /// Samples of the walls at a distance from the blades. `None` if the plane passes a blade by.
+    /// Samples of the walls at `distance_mm` from the blades, in the plane at `z_mm`. `None` if the plane does not meet a blade.
     pub fn new(field: &Field, z_mm: f64, distance_mm: f64, circles: &Circles) -> Option<Self> {
         let walls = field.walls(z_mm, distance_mm, circles.floor_mm);
         let half_mm = (circles.floor_mm + circles.tip_mm) / 2.0;
@@ -75,7 +75,7 @@ impl WallSamples {
         Some(WallSamples { middle_rad, walls: samples })
     }
 
-    /// Boundary axes. `None` if a wall has no line, or a line misses a circle.
+    /// Boundary axes of these walls. `None` if no line keeps to one side of a wall, or a line does not meet a circle.
     pub fn boundary(&self, circles: &Circles, fit: Fit) -> Option<Boundary> {
         let line = |wall: &[CurveSample]| tangent_line(wall, fit).map(|line| clear_of_curve(line, wall));
         let lines = [line(&self.walls[0])?, line(&self.walls[1])?];
@@ -149,50 +149,50 @@ fn crossing(line: &SupportLine, sign: f64, radius_mm: f64) -> Option<Flat> {
 }
 
 impl Boundary {
-    /// w_roof and w_floor (2), mm.
+    /// Distances of both axes at the roof and at the floor, w_roof and w_floor (2), mm.
     pub fn widths_mm(&self) -> [f64; 2] {
         [self.roof[1].x - self.roof[0].x, self.floor[1].x - self.floor[0].x]
     }
 
-    /// Room of the narrower end, mm; negative where the tool does not pass.
+    /// Smaller distance of both axes, at roof or floor, mm; negative if the tool does not pass between the blades.
     pub fn room_mm(&self) -> f64 {
         self.widths_mm()[0].min(self.widths_mm()[1])
     }
 
-    /// Greatest gap between each line and its wall, mm: additional allowance for finishing.
+    /// Largest gap between each axis and its wall, mm: material that the plunges leave above the allowance.
     pub fn gaps_mm(&self) -> [f64; 2] {
         self.lines.map(|line| line.gap_max_mm)
     }
 
-    /// Tilts of both lines, from y towards x.
+    /// Tilts of both axes in the plane, from y towards x.
     pub fn tilts_rad(&self) -> [f64; 2] {
         [libm::atan(self.lines[0].slope), -libm::atan(self.lines[1].slope)]
     }
 
-    /// Point of the plane in the part frame.
+    /// Point of the plane at `z_mm`, in the rotor's own frame.
     pub fn to_part(&self, place: &Flat, z_mm: f64) -> Point {
         let (sin, cos) = libm::sincos(self.middle_rad);
         Point::new(place.y * cos - place.x * sin, place.y * sin + place.x * cos, z_mm)
     }
 }
 
-/// Boundary axes of a tool of a radius with an allowance in the plane at `z_mm`.
+/// Boundary axes at `distance_mm` (radius of the tool plus allowance) from the blades, in the plane at `z_mm`.
 pub fn boundary(field: &Field, z_mm: f64, distance_mm: f64, circles: &Circles, fit: Fit) -> Option<Boundary> {
     WallSamples::new(field, z_mm, distance_mm, circles)?.boundary(circles, fit)
 }
 
-/// Largest tool of a plane.
+/// Largest tool that passes in one plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LargestTool {
-    /// Place along the rotor's axis, mm.
+    /// Position of the plane along the rotor's axis, mm.
     pub z_mm: f64,
-    /// Radius, mm.
+    /// Radius of that tool, mm.
     pub radius_mm: f64,
     /// Points of both blades that it touches.
     pub touching: [Point; 2],
 }
 
-/// Greatest radius that passes in the plane at `z_mm`. `None` if the plane meets no blade or nothing passes.
+/// Largest tool that passes in the plane at `z_mm`. `None` if the plane meets no blade or no tool passes.
 pub fn largest_tool(field: &Field, z_mm: f64, allowance_mm: f64, circles: &Circles, fit: Fit) -> Option<LargestTool> {
     let at = |radius_mm: f64| boundary(field, z_mm, radius_mm + allowance_mm, circles, fit);
     let room = |radius_mm: f64| at(radius_mm).map_or(f64::NEG_INFINITY, |found| found.room_mm());

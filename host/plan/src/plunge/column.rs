@@ -17,16 +17,16 @@ use crate::vector::{Flat, Point, Vector};
 use super::mill::PlungeMill;
 use super::section::PlungeSection;
 
-/// Axis of a plunge, part frame.
+/// Column: axis of one plunge in a plane, in the rotor's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// M: near the roof.
+    /// Point M of the axis near the roof (surface of the blank).
     pub roof: Point,
-    /// N: near the floor.
+    /// Point N of the axis near the floor (hub with its allowance).
     pub floor: Point,
-    /// t: from the floor to the roof.
+    /// Unit vector t from the floor to the roof.
     pub axis: Vector,
-    /// j/m: from the left to the right boundary axis.
+    /// Position j/m between the left boundary axis (0) and the right one (1).
     pub share: f64,
 }
 

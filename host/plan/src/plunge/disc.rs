@@ -10,7 +10,7 @@ use core::f64::consts::TAU;
 
 use crate::vector::Flat;
 
-/// Disc that a plunge cuts.
+/// Disc that a plunge cuts, seen along its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// Centre.
@@ -28,7 +28,7 @@ pub fn union_mm2(discs: &[Disc]) -> f64 {
         .sum()
 }
 
-/// Area that the last disc takes beside all others, mm2.
+/// Area that the last disc adds to the union of all others, mm2.
 pub fn engaged_mm2(discs: &[Disc]) -> f64 {
     let before = discs.split_last().map_or(discs, |(_, before)| before);
     union_mm2(discs) - union_mm2(before)

@@ -15,7 +15,7 @@ use crate::vector::{Point, Vector};
 /// More than rounding of (2), mm: no piece with the nearest point is left out.
 const ROUNDING_MM: f64 = 1e-9;
 
-/// Triangles to which distances are measured, in a tree of spheres with slabs.
+/// Triangles to which the distance of points is measured, in a tree of spheres and slabs for a fast search.
 pub struct SlabTree {
     tree: Tree,
     /// Slabs of the tree's spheres, by their numbers.

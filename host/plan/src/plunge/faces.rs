@@ -31,31 +31,31 @@ const REACH_RATIO: f64 = 0.9;
 /// Planes in which the largest mill is sought.
 const LOOKS: u32 = 5;
 
-/// Face of the blank from which the mill enters.
+/// Face of the blank from which the mill enters the passage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EntryFace {
-    /// At low places along the rotor's axis.
+    /// Face at the lower end along the rotor's axis.
     Lower,
-    /// At high places.
+    /// Face at the upper end along the rotor's axis.
     Upper,
 }
 
-/// Planes of plunges from a face, by their distance from the rotor's axis.
+/// Family of planes of plunges from a face of the blank, ordered by their distance from the rotor's axis.
 pub struct FaceFamily<'p> {
     /// Passage.
     pub passage: &'p Passage<'p>,
-    /// Places between its blades.
+    /// Centre line of the passage.
     pub midway: &'p Midway,
     /// Face from which the mill comes.
     pub face: EntryFace,
-    /// Place of the mill's ends along the rotor's axis, mm.
+    /// Position along the rotor's axis to which the mill's end goes, mm.
     pub inner_mm: f64,
 }
 
-/// Stretch of the passage in which the mill passes radially; `None` if it does so nowhere.
+/// Part of the passage, along the rotor's axis, in which the mill passes radially; `None` if it does so nowhere.
 ///
 /// # Errors
-/// It does not pass in a plane between others: no face opens that.
+/// Position of a plane, between others in which it passes, in which it does not: no face opens that.
 pub fn radial_stretch(passage: &Passage<'_>, [from_mm, to_mm]: [f64; 2]) -> Result<Option<[f64; 2]>, f64> {
     let passes = |z_mm: f64| passage.boundary(z_mm).is_some_and(|found| found.room_mm() >= 0.0);
     let count = libm::ceil((to_mm - from_mm) / LOOK_MM).max(1.0) as usize;

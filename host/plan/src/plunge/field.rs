@@ -35,12 +35,12 @@ const SHEET: u32 = 40;
 /// Most steps of one search.
 const STEPS_MAX: usize = 2000;
 
-/// Blades of a rotor.
+/// Blades of a rotor, prepared for measuring distances from them and for following the walls of a passage.
 pub struct Field {
     tree: SlabTree,
     /// Points of the first blade: radius, place along the rotor's axis, angle about it.
     sheet: Vec<[f64; 3]>,
-    /// Angle from one blade to the next.
+    /// Angle from one blade to the next about the rotor's axis.
     pub pitch_rad: f64,
     /// Greatest and least distance of the blade from the rotor's axis, mm.
     pub radii_mm: [f64; 2],
@@ -48,16 +48,16 @@ pub struct Field {
     pub ends_mm: [f64; 2],
 }
 
-/// Wall of the passage in a plane: which blade, and where.
+/// One of the two walls of a passage, by its blade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WallSide {
-    /// Blade 0; the passage lies at growing angles.
+    /// Wall of blade 0; the passage lies at larger angles.
     Left,
-    /// Blade 1; the passage lies at falling angles.
+    /// Wall of blade 1; the passage lies at smaller angles.
     Right,
 }
 
-/// Place of the wall at a radius.
+/// Point of a wall in a plane across the rotor's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallPlace {
     /// Distance from the rotor's axis, mm.
@@ -89,12 +89,12 @@ impl Field {
         Field { sheet: sheet(blisk), tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
     }
 
-    /// Distance of a point from the blade of a wall, at least, and the blade's nearest point.
+    /// Distance, mm, of a point from the blade of this wall, and the blade's nearest point.
     pub fn distance(&self, side: WallSide, point: &Point) -> (f64, Point) {
         self.distance_after(side, point, None)
     }
 
-    /// The same, quicker where the nearest point of a place beside this one is known.
+    /// As [`Field::distance`], but faster if `last`, the blade's nearest point of a neighbouring point, is known.
     pub fn distance_after(&self, side: WallSide, point: &Point, last: Option<Point>) -> (f64, Point) {
         let turn = Rotation3::from_axis_angle(&Vector::z_axis(), self.turn_rad(side));
         // The nearest point is not farther than a known one; rounding must not exclude that.

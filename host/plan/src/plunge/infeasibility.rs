@@ -4,18 +4,18 @@ use thiserror::Error;
 
 use crate::vector::Point;
 
-/// Reason why there is no plan.
+/// Reason why there is no plan for plunging a passage.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlungeInfeasible {
-    /// The mill does not pass in a plane.
+    /// The mill does not pass between the blades in a plane across the rotor's axis.
     #[error("at z {z_mm:.2} mm the mill does not pass: {missing_mm:.3} mm are missing between ({}) and ({}); {}",
         place(&.touching[0]), place(&.touching[1]), remedy(*.largest_mm))]
     TooNarrow {
-        /// Plane.
+        /// Position of the plane along the rotor's axis, mm.
         z_mm: f64,
-        /// Missing width.
+        /// Width by which the passage is too narrow, mm.
         missing_mm: f64,
-        /// Points of both blades.
+        /// Points of both blades that the mill would touch.
         touching: [Point; 2],
         /// Largest diameter that passes in all planes; `None` if none does.
         largest_mm: Option<f64>,

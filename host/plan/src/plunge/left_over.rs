@@ -11,10 +11,10 @@
 use super::field::{Field, WallSide};
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
 
-/// Heights of the map.
+/// Number of heights in each row of the map.
 pub const HEIGHTS: usize = 12;
 
-/// Additional allowance beside the plunges of a plane.
+/// Material that the plunges of one plane leave on the blades above the allowance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeftOverRow {
     /// Family of the plane.
@@ -25,7 +25,7 @@ pub struct LeftOverRow {
     pub sides_mm: [[Option<f64>; HEIGHTS]; 2],
 }
 
-/// Map of a plan, one row a plane; `distance_mm` is radius and allowance.
+/// Map of the material that a plan leaves, one row for each plane; `distance_mm` is the radius of the mill plus the allowance.
 pub fn left_over(plan: &PassagePlan, field: &Field, distance_mm: f64) -> Vec<LeftOverRow> {
     let row = |(number, plane): (usize, &PlungePlane)| {
         let plunges: Vec<&Plunge> = plan.plunges.iter().filter(|plunge| plunge.plane == number).collect();

@@ -11,29 +11,29 @@
 //! (1) is over all samples, (2) over those of the objective only. g is convex and piecewise linear in B: its least value lies at the slope of an edge
 //! of the upper hull of all samples or of the lower hull of the objective's. Our own; the source has lines through four points instead.
 
-/// Sample of a curve.
+/// Sample of a curve: height over a position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveSample {
-    /// y
+    /// Position y.
     pub along_mm: f64,
-    /// h
+    /// Height h of the curve.
     pub height_mm: f64,
-    /// The gap above it counts.
+    /// Whether the gap between line and curve counts here.
     pub is_counted: bool,
 }
 
 /// Line A + B y on one side of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportLine {
-    /// A, mm.
+    /// Height A at y = 0, mm.
     pub offset_mm: f64,
-    /// B
+    /// Slope B.
     pub slope: f64,
     /// Greatest gap between the line and the counted samples, mm.
     pub gap_max_mm: f64,
 }
 
-/// Quantity that the line makes least.
+/// Quantity that is minimised to choose the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fit {
     /// Greatest gap: the most even allowance for the finishing that follows.
@@ -84,7 +84,7 @@ fn fitted(samples: &[CurveSample], slope: impl Fn(&Hulls) -> f64) -> Option<Supp
 }
 
 impl SupportLine {
-    /// Height of the line.
+    /// Height of the line at a position.
     pub fn at_mm(&self, along_mm: f64) -> f64 {
         self.offset_mm + self.slope * along_mm
     }

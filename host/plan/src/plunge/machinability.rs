@@ -19,29 +19,29 @@ use super::measure::{ChordAngles, CurveJet, CurveShape};
 /// Lines of each kind on a side.
 const LINES: [usize; 2] = [36, 16];
 
-/// Measures of one side.
+/// Measures of one side of a passage that say how difficult it is to plunge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SideMeasures {
-    /// Greatest twist of a v-line: split where it is curved most, and where it is farthest from its chord.
+    /// Greatest twist of a line from inlet to outlet: divided at the greatest curvature, and at the point farthest from its chord.
     pub twist_rad: [f64; 2],
-    /// Greatest bend of a u-line, split likewise.
+    /// Greatest bend of a line from hub to tip, divided in the same two ways.
     pub bend_rad: [f64; 2],
-    /// Greatest sag of a u-line, mm.
+    /// Greatest sag of a line from hub to tip: distance from its chord, mm.
     pub sag_mm: f64,
-    /// Depth, mm.
+    /// Depth: greatest distance from hub to tip, mm. (1)
     pub depth_mm: f64,
-    /// Lines with a point of greatest curvature, of all lines.
+    /// Number of lines that have a point of greatest curvature, and number of all lines.
     pub peaked: [usize; 2],
 }
 
-/// Widths of a passage, mm.
+/// Widths of a passage between its two blades, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Widths {
-    /// Least and greatest distance of corresponding points.
+    /// Smallest and largest distance of corresponding points of both sides.
     pub corresponding_mm: [f64; 2],
-    /// Least distance of both faces.
+    /// Smallest distance of both sides.
     pub free_mm: f64,
-    /// Point of the pressure side at the least distance.
+    /// Point of the pressure side at which that distance is smallest.
     pub narrowest: Point,
 }
 

@@ -25,7 +25,7 @@ const PEAK_RATIO: f64 = 1.2;
 /// Least distance of that place from both ends, over the curve's length.
 const INSIDE_RATIO: f64 = 0.1;
 
-/// Point of a curve with its first and second derivative.
+/// Point of a curve with the first and second derivatives by its parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveJet {
     /// Point.
@@ -36,34 +36,34 @@ pub struct CurveJet {
     pub second: Vector,
 }
 
-/// Place at which a curve is split in two chords.
+/// Point at which a curve is divided into two chords.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// Parameter.
+    /// Parameter of the curve.
     pub at: f64,
-    /// P_m
+    /// Position P_m of the point.
     pub point: Point,
 }
 
-/// Angles of two chords.
+/// Angles of the two chords of a divided curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChordAngles {
-    /// phi, phi': angles of both chords with the rotor's axis, 0 to a quarter turn.
+    /// Angles phi and phi' of the two chords with the rotor's axis, 0 to a quarter turn.
     pub to_axis_rad: [f64; 2],
-    /// psi: angle between the chords.
+    /// Angle psi between the two chords.
     pub bend_rad: f64,
 }
 
-/// Shape of a curve.
+/// Shape of a curve on a blade, as far as plunging depends on it.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveShape {
-    /// Ends.
+    /// Both ends of the curve.
     pub ends: [Point; 2],
-    /// Split at the greatest curvature, if it qualifies.
+    /// Division at the greatest curvature; `None` if it is not clearly greater than the mean, or lies at an end.
     pub by_curvature: Option<Split>,
-    /// Split at the point farthest from the chord.
+    /// Division at the point farthest from the chord.
     pub by_chord: Split,
-    /// Greatest distance from the chord's line, mm.
+    /// Greatest distance of the curve from the chord's line, mm.
     pub sag_mm: f64,
 }
 
@@ -76,7 +76,7 @@ impl ChordAngles {
         ChordAngles { to_axis_rad, bend_rad }
     }
 
-    /// Twist.
+    /// Twist: the larger angle of a chord with the rotor's axis, rad. (1)
     pub fn twist_rad(&self) -> f64 {
         self.to_axis_rad[0].max(self.to_axis_rad[1])
     }
@@ -104,7 +104,7 @@ impl CurveShape {
         CurveShape { ends, by_curvature, by_chord, sag_mm: off(&by_chord.point).norm() }
     }
 
-    /// Angles of the chords of a split.
+    /// Angles of the two chords into which this point divides the curve.
     pub fn angles(&self, split: &Split) -> ChordAngles {
         ChordAngles::new(&self.ends[0], &split.point, &self.ends[1])
     }
@@ -115,7 +115,7 @@ impl CurveShape {
         (split.point - self.ends[0]).cross(&along).norm()
     }
 
-    /// Split at the greatest curvature where there is one, otherwise the one farthest from the chord.
+    /// Division at the greatest curvature if there is one, otherwise at the point farthest from the chord.
     pub fn split(&self) -> Split {
         self.by_curvature.unwrap_or(self.by_chord)
     }

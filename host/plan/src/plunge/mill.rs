@@ -2,24 +2,24 @@
 
 use crate::proof::section::Section;
 
-/// Plunge mill, mm; heights count from its end.
+/// Plunge mill with neck and holder, dimensions in mm; heights are measured from its end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeMill {
-    /// R
+    /// Radius R of the cutting part.
     pub radius_mm: f64,
-    /// r_c: radius of the corner between end and side.
+    /// Radius r_c of the corner between end and side.
     pub corner_radius_mm: f64,
-    /// r_k: radius about the axis in which it does not cut; 0 if it cuts up to its axis.
+    /// Radius r_k of the core: the part of the end about the axis that does not cut; 0 if the mill cuts up to its axis.
     pub core_radius_mm: f64,
     /// Greatest radial width of a cut.
     pub width_max_mm: f64,
     /// Length of the part that has the radius R.
     pub length_mm: f64,
-    /// Cylinders behind it, from below: radius and length.
+    /// Cylinders of the neck behind the cutting part, from below, each as radius and length.
     pub neck_mm: Vec<[f64; 2]>,
-    /// Cylinders of the holder behind the neck.
+    /// Cylinders of the holder behind the neck, from below, each as radius and length.
     pub holder_mm: Vec<[f64; 2]>,
-    /// Teeth.
+    /// Number of teeth.
     pub teeth: u16,
 }
 
@@ -49,7 +49,7 @@ impl PlungeMill {
         }
     }
 
-    /// The part is nowhere thicker than the hole that the mill cuts.
+    /// Whether the part is nowhere thicker than the hole that the mill cuts.
     pub fn fits_hole(&self, part: MillPart) -> bool {
         let cylinders = match part {
             MillPart::Cutter => return true,
@@ -59,7 +59,7 @@ impl PlungeMill {
         cylinders.iter().all(|[radius_mm, _]| *radius_mm <= self.radius_mm)
     }
 
-    /// The neck is thinner than the hole by at least a distance all around.
+    /// Whether the neck is thinner than the hole by at least this distance all around.
     pub fn is_relieved_by(&self, distance_mm: f64) -> bool {
         !self.neck_mm.is_empty() && self.neck_mm.iter().all(|[radius_mm, _]| radius_mm + distance_mm <= self.radius_mm)
     }

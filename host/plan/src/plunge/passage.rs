@@ -14,26 +14,26 @@ const HALVINGS: u32 = 2;
 /// Share of the blade's length that is left out of them at each end: there the passage is wider.
 const MARGIN_RATIO: f64 = 0.02;
 
-/// Requirements on the plan.
+/// Requirements on the plunges of a passage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeRequirements {
     /// Allowance on blades and hub, mm.
     pub allowance_mm: f64,
-    /// Largest cusp between neighbouring plunges on the blades, mm.
+    /// Largest height of the cusps that neighbouring plunges leave on the blades, mm.
     pub cusp_mm: f64,
-    /// Choice of the boundary axes.
+    /// Quantity by which the boundary axes are chosen.
     pub fit: Fit,
-    /// Height above all that turns, mm.
+    /// Distance of the mill above everything that turns with the rotor, when it moves from plunge to plunge, mm.
     pub clearance_mm: f64,
-    /// Step off the wall before the way out, mm.
+    /// Distance by which the mill steps off the wall before it is withdrawn, mm.
     pub relief_mm: f64,
 }
 
-/// Rotor, mill and requirements.
+/// Passage between two blades of a rotor, with the mill that plunges it and the requirements.
 pub struct Passage<'p> {
     /// Rotor.
     pub blisk: &'p Blisk,
-    /// Field of its blades.
+    /// Distances from the rotor's blades.
     pub field: &'p Field,
     /// Mill.
     pub mill: &'p PlungeMill,
@@ -46,7 +46,7 @@ pub struct Passage<'p> {
 }
 
 impl Passage<'_> {
-    /// Circles of a plane.
+    /// Radii of blank, blades and floor in the plane at `z_mm`.
     pub fn circles(&self, z_mm: f64) -> Circles {
         Circles {
             roof_mm: self.blisk.blank.radius_mm,
@@ -55,7 +55,7 @@ impl Passage<'_> {
         }
     }
 
-    /// Boundary axes in a plane.
+    /// Boundary axes in the plane at `z_mm`; `None` if there are none.
     pub fn boundary(&self, z_mm: f64) -> Option<Boundary> {
         let distance_mm = self.mill.radius_mm + self.needs.allowance_mm;
         boundary(self.field, z_mm, distance_mm, &self.circles(z_mm), self.needs.fit)

@@ -6,30 +6,30 @@ use crate::vector::{Point, Vector};
 
 use super::boundary::{Boundary, LargestTool};
 
-/// Plunge.
+/// One plunge: a straight move of the mill along its axis into the passage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plunge {
-    /// Plane, from 0.
+    /// Index of the plane to which it belongs.
     pub plane: usize,
-    /// Tool axis, part frame.
+    /// Tool axis, unit vector in the rotor's own frame.
     pub axis: Vector,
-    /// Rotation from the part frame into that of the tool.
+    /// Rotation from the rotor's own frame into that of the tool, whose z is the tool axis.
     pub to_tool: Rotation3<f64>,
-    /// Middle of the mill's end at the lowest place, part frame.
+    /// Lowest position of the middle of the mill's end, in the rotor's own frame.
     pub tip: Point,
-    /// Height at which the tool turns and moves, along its axis from the rotor's axis, mm.
+    /// Height, along the tool axis from the rotor's axis, at which the mill moves from plunge to plunge, mm.
     pub clear_mm: f64,
-    /// Highest and lowest place of the blank under the mill's end, along the axis, mm.
+    /// Highest and lowest point of the blank's material over the mill's end, as heights along the tool axis, mm.
     pub roof_mm: [f64; 2],
     /// Step off the wall across the axis, towards growing angles if positive, mm.
     pub relief_mm: f64,
-    /// Lift of the flat end from the floor, mm.
+    /// Distance by which the flat end is lifted off the floor, so that it does not cut into an inclined hub, mm.
     pub lift_mm: f64,
-    /// Angle between the axis and the hub's normal.
+    /// Angle between the tool axis and the hub's normal.
     pub lean_rad: f64,
 }
 
-/// Family of planes of plunges.
+/// Family of the planes in which plunges lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlungeFamily {
     /// Across the rotor's axis; the mill comes from the blank's rim.
@@ -40,33 +40,33 @@ pub enum PlungeFamily {
     UpperFace,
 }
 
-/// Plane and its boundary.
+/// Plane of plunges with its boundary axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungePlane {
-    /// Family.
+    /// Family to which the plane belongs.
     pub family: PlungeFamily,
     /// Place of its origin along the rotor's axis, mm; 0 for planes along that axis.
     pub z_mm: f64,
     /// Distance of its origin from the rotor's axis, mm; 0 for planes across it.
     pub radius_mm: f64,
-    /// Boundary axes.
+    /// Boundary axes in the plane: those nearest to the two blades.
     pub boundary: Boundary,
-    /// Columns.
+    /// Number of columns (plunge axes) in the plane.
     pub columns: usize,
     /// Distance of neighbouring columns at the roof, mm.
     pub spacing_mm: f64,
-    /// Distance from the plane before, square to the axes, over the one allowed by the cusp, at most.
+    /// Largest distance from the plane before, square to the axes, divided by the one that the cusp height allows.
     pub step_ratio: f64,
 }
 
-/// Plan of a passage.
+/// Plan of all plunges of a passage.
 #[derive(Clone, Debug)]
 pub struct PassagePlan {
-    /// Planes in order.
+    /// Planes in the order of machining.
     pub planes: Vec<PlungePlane>,
-    /// Plunges in order.
+    /// Plunges in the order of machining.
     pub plunges: Vec<Plunge>,
-    /// Largest tool in planes along the blade.
+    /// Largest tools that would pass, in planes along the blade.
     pub largest: Vec<LargestTool>,
 }
 

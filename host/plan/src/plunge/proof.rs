@@ -25,22 +25,22 @@ const GAP_MM: f64 = 0.002;
 /// Largest loss of allowance that the proof accepts, mm: the precision of its bodies and bounds.
 const SLACK_MM: f64 = 0.01;
 
-/// Least distance between a part of the mill and an obstacle over all plunges.
+/// Clearance: least distance between a part of the mill and an obstacle over all plunges of a passage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeClearance {
     /// Part of the mill.
     pub part: MillPart,
     /// Obstacle.
     pub obstacle: Obstacle,
-    /// Lower bound of the distance, and a distance that was found, mm.
+    /// Lower bound of the distance, and a distance that occurs, mm; both negative inside the obstacle.
     pub bounds_mm: [f64; 2],
-    /// Plunge with the least lower bound, from 0.
+    /// Index of the plunge with the smallest lower bound.
     pub plunge: usize,
-    /// Place in that plunge's frame.
+    /// Where that distance occurs, in the frame of that plunge; `None` without an obstacle.
     pub place: Option<Place>,
 }
 
-/// Results about all plunges of a passage.
+/// Collision proof of all plunges of a passage: clearances of every part of the mill from every obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlungeProof {
     /// Clearances by part and obstacle.
@@ -50,7 +50,7 @@ pub struct PlungeProof {
 }
 
 impl PlungeProof {
-    /// Clearances for which a fault is not excluded: a collision, or a cut into the allowance.
+    /// Clearances for which a collision, or a cut into the allowance, is not excluded.
     pub fn open(&self) -> impl Iterator<Item = &PlungeClearance> {
         self.clearances.iter().filter(|found| found.bounds_mm[0] <= self.needed_mm(found))
     }
@@ -61,7 +61,7 @@ impl PlungeProof {
         if found.part == MillPart::Cutter && keeps_allowance { self.allowance_mm - SLACK_MM } else { 0.0 }
     }
 
-    /// Nothing is touched, and the allowance is kept.
+    /// Whether it is proven that nothing is touched and the allowance is kept.
     pub fn holds(&self) -> bool {
         !self.clearances.is_empty() && self.open().next().is_none()
     }

@@ -25,7 +25,7 @@ const SAMPLES: [usize; 2] = [24, 8];
 /// Share of the allowed step that is used: the steps are interpolated.
 const USED_RATIO: f64 = 0.98;
 
-/// Planes of a family between two places.
+/// Planes of one family between two of its coordinates, as far apart as the cusps allow.
 pub struct Rows<'r> {
     /// Passage.
     pub passage: &'r Passage<'r>,
@@ -35,14 +35,14 @@ pub struct Rows<'r> {
     pub range_mm: [f64; 2],
 }
 
-/// Plane of plunges.
+/// One plane of plunges with its distance from the plane before.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     /// Plane and its boundary axes.
     pub section: PlungeSection,
-    /// Distance from the plane before, square to the axes, at most, mm.
+    /// Largest distance from the plane before, square to the axes, mm.
     pub distance_mm: f64,
-    /// That distance over the one allowed by the cusp, at most.
+    /// That distance divided by the one that the cusp height allows, the largest value.
     pub step_ratio: f64,
 }
 

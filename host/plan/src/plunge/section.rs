@@ -32,46 +32,46 @@ const PRECISION_MM: f64 = 1e-5;
 /// Pieces of the middle surface in both directions.
 const PIECES: u32 = 40;
 
-/// Plane of plunges (1), part frame.
+/// Plane in which plunges lie, with its axes (1), in the rotor's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionPlane {
-    /// c
+    /// Origin c.
     pub origin: Point,
-    /// e
+    /// Unit vector e across the direction of plunging, towards growing angles about the rotor's axis.
     pub across: Vector,
-    /// n
+    /// Unit vector n against the direction of plunging.
     pub up: Vector,
 }
 
-/// Plane with its boundary axes.
+/// Plane of plunges with the boundary axes in it: the axes nearest to the two blades.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlungeSection {
     /// Plane.
     pub plane: SectionPlane,
-    /// Boundary axes in its coordinates.
+    /// Boundary axes, in the plane's coordinates.
     pub boundary: Boundary,
 }
 
-/// Planes of one family, by a coordinate along the passage.
+/// Family of planes of plunges, each given by a coordinate along the passage.
 pub trait SectionFamily: Sync {
-    /// Plane at a coordinate, mm.
+    /// Plane with its boundary axes at this coordinate, mm.
     ///
     /// # Errors
-    /// It has no boundary axes.
+    /// The plane has no boundary axes.
     fn at(&self, at_mm: f64) -> Result<PlungeSection, PlungeInfeasible>;
 
-    /// Refusal of a plane in which the mill does not pass.
+    /// Error for a plane in which the mill does not pass between the blades.
     fn too_narrow(&self, section: &PlungeSection) -> PlungeInfeasible;
 }
 
-/// Places along n, mm.
+/// Heights in a plane of plunges along its vector n, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionHeights {
-    /// T3 and T4.
+    /// Height of the boundary axes' lower ends T3 and T4.
     pub floor_mm: f64,
-    /// Up to here the gap beside the wall counts.
+    /// Height up to which the gap between an axis and its wall counts.
     pub edge_mm: f64,
-    /// T1 and T2.
+    /// Height of the boundary axes' upper ends T1 and T2.
     pub roof_mm: f64,
 }
 

@@ -14,7 +14,7 @@ use super::search::{Place, Search};
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Body that the tool must not touch.
+/// Kind of a body that the tool must not touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Obstacle {
     /// All finished blades; copies are numbered by increasing angle about the rotor's axis.
@@ -27,37 +27,37 @@ pub enum Obstacle {
     Blank,
 }
 
-/// Obstacle as triangles, with its copies.
+/// Body that the tool must not touch, as triangles, with its copies about the rotor's axis.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Kind of obstacle.
     pub obstacle: Obstacle,
-    /// Surface in its own frame.
+    /// Triangles of the body in its own frame.
     pub tree: Tree,
     /// Rotations of its copies into the slot frame.
     pub turns: Vec<Rotation3<f64>>,
-    /// Largest distance of the triangles from the surface.
+    /// Largest distance between the triangles and the true surface, mm.
     pub chord_mm: f64,
 }
 
-/// Clearance between a part of the tool and an obstacle.
+/// Least distance between one part of the tool and one obstacle over the whole path, as proven bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clearance {
-    /// Part of the tool.
+    /// Part of the tool: ring, body or holder.
     pub part: ToolPart,
-    /// Obstacle.
+    /// Kind of obstacle.
     pub obstacle: Obstacle,
     /// Lower bound of the distance, and the distance at the place, mm. A negative value is the depth of a point of the
     /// obstacle's surface inside the part. Infinite if there is no obstacle.
     pub bounds_mm: [f64; 2],
-    /// Place of the least distance; steps count as in [`SlotPath::steps`](crate::path::SlotPath::steps).
+    /// Where the distance occurs; steps count as in [`SlotPath::steps`](crate::path::SlotPath::steps). `None` without an obstacle.
     pub place: Option<Place>,
     /// Number of pieces of path and obstacle that the search has bounded.
     pub pieces: usize,
 }
 
 impl Clearance {
-    /// The clearance that remains if the obstacle is larger by an allowance, mm.
+    /// Bounds of the distance, mm, if the obstacle is larger by an allowance on all sides.
     pub fn beyond_mm(&self, allowance_mm: f64) -> [f64; 2] {
         self.bounds_mm.map(|bound_mm| bound_mm - allowance_mm)
     }

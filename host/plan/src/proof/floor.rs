@@ -12,7 +12,7 @@ use crate::vector::{Flat, Point};
 
 use super::motion::{Arc, Motion};
 
-/// Floor that the ring leaves: lowest height of its underside over each place.
+/// Floor that the ring of a cup mill leaves: the lowest height of its underside over each point, seen along the tool.
 pub struct Floor {
     /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],
@@ -49,7 +49,7 @@ impl Pass {
 }
 
 impl Floor {
-    /// Floor that a path leaves.
+    /// Floor that a ring leaves on this path.
     pub fn new(tool: &CupMill, steps: &[Step]) -> Self {
         let rounding_mm = tool.insert_radius_mm;
         Floor {
@@ -59,7 +59,7 @@ impl Floor {
         }
     }
 
-    /// Lowest height of the ring over a place, mm, slot frame; infinite where the ring never comes.
+    /// Lowest height of the ring over a point, mm, in the slot frame; infinite if the ring never comes there.
     pub fn at_mm(&self, place: &Flat) -> f64 {
         self.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
     }
@@ -78,7 +78,7 @@ impl Floor {
         floors_mm
     }
 
-    /// First level of the path that removes a point.
+    /// First level of the path at which the ring removes a point; `None` if it never does.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
         let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
         self.passes.iter().find(takes).map(|pass| pass.level)

@@ -8,7 +8,7 @@ use crate::vector::{Flat, Point, Vector};
 /// An arc whose ends are nearer than this has no length: rounding.
 const SAME_MM: f64 = 1e-9;
 
-/// Line or arc of the path of the tool's bottom centre, slot frame.
+/// One step of the path as a curve: line or arc of the middle of the tool's bottom, in the slot frame (z along the tool's axis).
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// Length, mm.
@@ -19,27 +19,27 @@ pub struct Motion {
     arc: Option<Arc>,
 }
 
-/// Arc of a motion, at constant height.
+/// Horizontal arc of a motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Arc {
     /// Centre.
     pub centre: Flat,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Direction of the start from the centre, from x towards y.
+    /// Angle of the start as seen from the centre, from x towards y.
     pub start_rad: f64,
-    /// Sweep, positive from x towards y.
+    /// Angle from start to end, positive from x towards y.
     pub sweep_rad: f64,
 }
 
-/// Position and direction of motion of the tool at a place of its path.
+/// Position of the tool on its path, with direction and curvature of the path there.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
-    /// Middle of the tool's bottom.
+    /// Position of the middle of the tool's bottom.
     pub place: Point,
-    /// Direction of motion.
+    /// Unit vector along the motion.
     pub tangent: Vector,
-    /// Curvature towards the centre of the arc, one over the radius long, 1/mm.
+    /// Curvature vector: towards the centre of the arc, with the length 1/radius, 1/mm; zero on a line.
     pub curvature: Vector,
 }
 
@@ -83,7 +83,7 @@ impl Motion {
         self.arc.as_ref()
     }
 
-    /// Pose of the tool after a length of the path.
+    /// Position of the tool after this length of the motion.
     pub fn at(&self, way_mm: f64) -> Pose {
         let Some(arc) = &self.arc else {
             let place = self.from + self.direction * way_mm;

@@ -14,16 +14,16 @@ use super::search::Search;
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Thickness of the remaining material over a surface, mm, in rows; negative where the ring has cut into it.
+/// Map of the material that remains on a surface: its thickness, mm, in rows; negative where the ring has cut into the surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// Number of values per row: along the chord, from the leading edge.
+    /// Number of values in a row; a row runs along the chord, from the leading edge.
     pub columns: usize,
-    /// Rows from the hub to the tip; on the hub from the pressure side to the suction side.
+    /// Values row by row, from the hub to the tip; on the hub from the pressure side to the suction side.
     pub values_mm: Vec<f64>,
 }
 
-/// Remaining material in a slot beyond the allowance.
+/// Material that remains on the surfaces of a slot beyond the allowance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemainingMaterial {
     /// Material on the pressure side.
@@ -34,17 +34,17 @@ pub struct RemainingMaterial {
     pub hub: Map,
 }
 
-/// Ring of the tool on its path.
+/// Ring of a cup mill on its path, for measuring the material that it leaves.
 pub struct Ring<'r> {
-    /// Ring.
+    /// Ring as pieces with an exact distance.
     pub sections: &'r [Section],
-    /// Path.
+    /// Path of the ring, step by step.
     pub motions: &'r [Motion],
-    /// Tolerance of distances.
+    /// Largest error of a distance, mm.
     pub gap_mm: f64,
 }
 
-/// Surfaces of a slot with their allowance.
+/// Surfaces about a slot that keep their allowance: both sides and the hub.
 pub struct SlotWalls<'w> {
     /// Pressure and suction side between the blades' round edges, from the hub's allowance up; slot frame.
     sides: [OffsetSide; 2],
@@ -63,13 +63,13 @@ impl Map {
         self.values_mm.len() / self.columns.max(1)
     }
 
-    /// Least and greatest value.
+    /// Smallest and largest thickness, mm.
     pub fn range_mm(&self) -> [f64; 2] {
         let over = |start: f64, choose: fn(f64, f64) -> f64| self.values_mm.iter().copied().fold(start, choose);
         [over(f64::INFINITY, f64::min), over(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Mean value.
+    /// Mean thickness, mm.
     pub fn mean_mm(&self) -> f64 {
         self.values_mm.iter().sum::<f64>() / self.values_mm.len() as f64
     }
@@ -83,7 +83,7 @@ impl Ring<'_> {
         RemainingMaterial { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
     }
 
-    /// Least distance of one point from the ring, mm.
+    /// Smallest distance of a point from the ring along the whole path, mm.
     pub fn nearest_mm(&self, point: Point) -> f64 {
         let tree = Tree::new(vec![[point; 3]]);
         let turns = [Rotation3::identity()];

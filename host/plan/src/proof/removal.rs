@@ -18,20 +18,20 @@ use super::remaining::SlotWalls;
 /// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
-/// Volumes that a path removes, mm3.
+/// Volumes that a path of a cup mill removes, level by level, mm3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemovedVolumes {
     /// Volume removed by each level, from the top.
     pub by_level_mm3: Vec<f64>,
-    /// Error of their sum: the difference to a grid of twice the size.
+    /// Estimated error of their sum: the difference to a grid of cells of twice the size.
     pub error_mm3: f64,
-    /// Volume between the offset surfaces of the slot.
+    /// Volume of the slot, between its surfaces with their allowance.
     pub slot_mm3: f64,
-    /// Part of that volume removed by each level.
+    /// Volume removed from the slot by each level, from the top.
     pub slot_by_level_mm3: Vec<f64>,
 }
 
-/// Blank in the slot frame, for columns along the tool.
+/// Blank as seen by the tool, for columns of material along the tool's axis.
 pub struct Stock<'s> {
     /// Blank.
     pub blank: &'s Blank,
@@ -40,17 +40,17 @@ pub struct Stock<'s> {
 }
 
 impl RemovedVolumes {
-    /// Volume that all levels remove.
+    /// Volume that all levels remove together, mm3.
     pub fn total_mm3(&self) -> f64 {
         self.by_level_mm3.iter().sum()
     }
 
-    /// Removed fraction of the slot, 0 to 1.
+    /// Fraction of the slot's volume that all levels remove, 0 to 1.
     pub fn share_ratio(&self) -> f64 {
         self.slot_removed_mm3() / self.slot_mm3
     }
 
-    /// Volume removed from the slot by all levels.
+    /// Volume that all levels remove from the slot, mm3.
     pub fn slot_removed_mm3(&self) -> f64 {
         self.slot_by_level_mm3.iter().sum()
     }
@@ -85,7 +85,7 @@ impl RemovedVolumes {
     }
 }
 
-/// Volumes that a path removes in `levels` levels, over cells of `cell_mm`.
+/// Volumes that a path of `levels` levels removes, computed with cells of `cell_mm`; `floor` is what the path leaves.
 pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) -> RemovedVolumes {
     let by_level_mm3 = stock.cut_mm3(floor, levels, cell_mm);
     let coarse_mm3: f64 = stock.cut_mm3(floor, levels, 2.0 * cell_mm).iter().sum();
@@ -95,7 +95,7 @@ pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWall
     removed
 }
 
-/// Removed fraction of the slot alone, 0 to 1, over cells of `cell_mm`.
+/// Only the fraction of the slot's volume that the path removes, 0 to 1, as in [`removed`].
 pub fn slot_share_ratio(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) -> f64 {
     let (by_level_mm3, slot_by_level_mm3) = (Vec::new(), vec![0.0; levels]);
     let mut removed = RemovedVolumes { by_level_mm3, error_mm3: 0.0, slot_mm3: 0.0, slot_by_level_mm3 };
@@ -104,7 +104,7 @@ pub fn slot_share_ratio(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: 
 }
 
 impl Stock<'_> {
-    /// Interval of the blank's material in a column, lower end first; empty if the first is not below the second.
+    /// Lower and upper end of the blank's material along the tool's axis over a point; empty if the first is not below the second.
     pub fn column_mm(&self, place: &Flat) -> [f64; 2] {
         let back = self.to_slot.inverse();
         let (origin, up) = (back * Point::new(place.x, place.y, 0.0), back * Vector::z());

@@ -36,29 +36,29 @@ pub struct Search<'s> {
     pub turns: &'s [Rotation3<f64>],
 }
 
-/// Place of a least distance: on the path and on the body.
+/// Where the least distance occurs: point of the path and point of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Step of the path, from 0.
+    /// Index of the step of the path.
     pub step: usize,
-    /// Length along the step, mm.
+    /// Length travelled on the step, mm.
     pub way_mm: f64,
-    /// Middle of the tool's bottom.
+    /// Position of the middle of the tool's bottom.
     pub tool: Point,
     /// Point of the body.
     pub point: Point,
-    /// Copy of the body, from 0.
+    /// Index of the copy of the body.
     pub copy: usize,
 }
 
-/// Result of a search for the least distance.
+/// Result of a search for the least distance between a tool on its path and a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeastDistance {
-    /// Lower bound of the distance, and a distance that was found, mm; infinite if there is no body.
+    /// Lower bound of the distance, and a distance that occurs, mm; infinite if there is no body.
     pub bounds_mm: [f64; 2],
-    /// Place of the distance that was found.
+    /// Where that distance occurs; `None` if there is no body.
     pub place: Option<Place>,
-    /// Number of bounded pieces.
+    /// Number of pieces of path and body that the search has bounded.
     pub pieces: usize,
 }
 

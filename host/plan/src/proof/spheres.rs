@@ -6,23 +6,23 @@
 use crate::geometry::mesh::Triangle;
 use crate::vector::Point;
 
-/// Sphere about more than one triangle.
+/// Bounding sphere about two or more triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
     /// Centre.
     pub centre: Point,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Halves.
+    /// Both halves of its triangles, each a sphere or a single triangle.
     pub halves: [Branch; 2],
 }
 
 /// Node of the tree: a sphere about several triangles, or a single triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
-    /// Triangle, by its number.
+    /// Single triangle, by its index.
     Triangle(usize),
-    /// Sphere, by its number.
+    /// Sphere, by its index.
     Sphere(usize),
 }
 
@@ -35,7 +35,7 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Tree whose halves have about the same number of triangles.
+    /// Tree of these triangles; both halves of a sphere have about the same number of them.
     pub fn new(triangles: Vec<Triangle>) -> Self {
         let mut order: Vec<usize> = (0..triangles.len()).collect();
         let mut tree = Tree { triangles, spheres: Vec::new(), root: None };
@@ -43,12 +43,12 @@ impl Tree {
         tree
     }
 
-    /// Root that contains all triangles; `None` if there are none.
+    /// Top of the tree, which contains all triangles; `None` without triangles.
     pub fn root(&self) -> Option<Branch> {
         self.root
     }
 
-    /// Sphere by its number.
+    /// Sphere with this index.
     pub fn sphere(&self, number: usize) -> &Sphere {
         &self.spheres[number]
     }

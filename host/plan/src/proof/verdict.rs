@@ -1,4 +1,4 @@
-//! Proof of one slot's path.
+//! Collision proof of the path through one slot, with remaining and removed material.
 
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -18,32 +18,32 @@ use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
 
-/// Case to be proven: the tool's path through a slot, and the surroundings.
+/// Path of a cup mill through a slot, with everything that its collision proof needs.
 pub struct ProofCase<'c> {
     /// Finished part and its blank.
     pub blisk: &'c Blisk,
     /// Tool with its holder.
     pub tool: &'c CupMill,
-    /// Path, slot frame.
+    /// Path, in the slot frame (z along the tool's axis).
     pub path: &'c SlotPath,
     /// Rotation from the part frame to the slot frame.
     pub to_slot: Rotation3<f64>,
     /// Allowance on blades and hub.
     pub allowance_mm: f64,
-    /// Fixtures as boxes that turn with the part: opposite corners, part frame.
+    /// Fixtures: boxes that turn with the rotor, each by two opposite corners in the rotor's own frame.
     pub fixture: &'c [[Point; 2]],
 }
 
-/// Resolution of a proof.
+/// Resolution of a collision proof: a finer one takes longer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProofResolution {
-    /// Largest distance of triangles from the surfaces.
+    /// Largest distance of the obstacles' triangles from the true surfaces.
     pub chord_mm: f64,
-    /// Largest difference between the bounds of a distance, in addition to that.
+    /// Largest difference between the lower and the upper bound of a distance, in addition to that.
     pub gap_mm: f64,
-    /// Rows and columns of the maps.
+    /// Numbers of rows and columns of the maps of remaining material.
     pub grid: [usize; 2],
-    /// Cell size of the volumes.
+    /// Cell size by which volumes are computed.
     pub cell_mm: f64,
 }
 
@@ -54,9 +54,9 @@ pub struct Proof {
     pub clearances: Vec<Clearance>,
     /// Height of the lifted tool above all that turns while the part is indexed, mm; infinite if there is no path.
     pub indexing_mm: f64,
-    /// Material that the ring leaves on the walls.
+    /// Material that the ring leaves on both sides of the slot and on the hub.
     pub left: RemainingMaterial,
-    /// Material that the ring removes.
+    /// Volumes that the ring removes.
     pub removed: RemovedVolumes,
 }
 

@@ -1,4 +1,4 @@
-//! Places at equal arcs along a curve.
+//! Points at equal distances along a curve, measured by arc length.
 //!
 //! ```text
 //! L = integral of |r'(t)| dt         Gauss's rule of five points on equal panels        (1)
@@ -17,7 +17,7 @@ const MIDDLE_WEIGHT: f64 = 128.0 / 225.0;
 const PAIRS: [[f64; 2]; 2] =
     [[0.538_469_310_105_683_1, 0.478_628_670_499_366_47], [0.906_179_845_938_664, 0.236_926_885_056_189_1]];
 
-/// Curve with its length from its beginning.
+/// Curve with its arc length, measured from its beginning.
 pub struct ArcLength<F> {
     range: [f64; 2],
     /// Lengths up to the ends of the panels, from 0.
@@ -37,12 +37,12 @@ impl<F: Fn(f64) -> f64> ArcLength<F> {
         curve
     }
 
-    /// Whole length.
+    /// Length of the whole curve, mm.
     pub fn length_mm(&self) -> f64 {
         self.lengths_mm[PANELS]
     }
 
-    /// Parameter at a length from the beginning.
+    /// Parameter of the curve at an arc length from its beginning.
     pub fn at(&self, length_mm: f64) -> f64 {
         let panel = self.lengths_mm.partition_point(|end| *end <= length_mm).clamp(1, PANELS) - 1;
         let (from, to) = (self.place(panel), self.place(panel + 1));
@@ -63,7 +63,7 @@ impl<F: Fn(f64) -> f64> ArcLength<F> {
         at
     }
 
-    /// `count` parameters at equal arcs, both ends included.
+    /// `count` parameters at equal distances along the curve, both ends included.
     pub fn equal_arcs(&self, count: usize) -> Vec<f64> {
         let last = count.max(2) - 1;
         let place = |i: usize| self.at(self.length_mm() * i as f64 / last as f64);

@@ -39,10 +39,10 @@ pub struct NominalBlade<'f> {
     blades: u32,
 }
 
-/// Reason why points are not those of the blade.
+/// Reason why measured points cannot be those of the blade to be repaired.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum CloudFault {
-    /// They have another unit.
+    /// The points fit if they are read in another unit.
     #[error(
         "the points lie {off_mm:.1} mm off the blade, but fit as {unit}: set `units` in [measured] to that of the points"
     )]
@@ -52,7 +52,7 @@ pub enum CloudFault {
         /// Unit that fits.
         unit: &'static str,
     },
-    /// They are mirrored.
+    /// The points fit if they are mirrored.
     #[error(
         "the points lie {off_mm:.1} mm off the blade, but their mirror image in {axis} fits: the points or the part's `hand` are mirrored"
     )]
@@ -62,7 +62,7 @@ pub enum CloudFault {
         /// Axis that is mirrored.
         axis: &'static str,
     },
-    /// They belong to another blade.
+    /// The points fit another blade of the rotor.
     #[error(
         "the points lie {off_mm:.1} mm off this blade, but fit blade {blade}: set `blade` in [nominal] to {blade}, or measure this one"
     )]
@@ -72,7 +72,7 @@ pub enum CloudFault {
         /// Number of the blade that fits.
         blade: u32,
     },
-    /// Nothing fits.
+    /// The points fit neither in another unit, nor mirrored, nor another blade.
     #[error(
         "the points lie {off_mm:.1} mm off the blade (median), and neither other units, nor a mirror image, nor another blade fit: give them in the part's frame, z along the rotor's axis"
     )]
@@ -80,7 +80,7 @@ pub enum CloudFault {
         /// Median distance.
         off_mm: f64,
     },
-    /// None lies on the side to be repaired.
+    /// Too few points lie on the side that is to be repaired.
     #[error(
         "{found} of {points} points lie on the {side} side, and 100 at least are needed: measure that side, or set `side` in [nominal]"
     )]
@@ -94,7 +94,7 @@ pub enum CloudFault {
     },
 }
 
-/// Sides of a blade of a rotor, counted from 1: pressure, suction.
+/// Pressure and suction side of the blade with this number, from 1, in the rotor's own frame.
 pub fn sides(blisk: &Blisk, blade: u32) -> [Face; 2] {
     let angle_rad = f64::from(blade.saturating_sub(1)) * blisk.pitch_rad();
     let turn = Rotation3::from_axis_angle(&Vector::z_axis(), angle_rad);
@@ -120,7 +120,7 @@ impl<'f> NominalBlade<'f> {
         }
     }
 
-    /// Nearest point of the blade and the hub, and its normal.
+    /// Nearest point of blade and hub to a measured point, with the outward normal there.
     pub fn foot(&self, point: &Point) -> NominalFoot {
         let (_, foot, on) = self.nearest_side(point);
         let hub_mm = self.hub.height_mm(point);

@@ -15,32 +15,32 @@
 //! v - f, so that neither D(u1, 0) = D_max nor D(u, 1) of their own conditions holds, and a step stands along c_b. (1) to (5) are continuous with kinks
 //! along c1 and c_b; (6) with q' = 0 at both ends, and (7), are ours.
 
-/// Course of the allowance across the transition.
+/// How the allowance changes across the transition, the strip between old surface and repair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BlendShape {
-    /// As published: kinks at both ends.
+    /// Linearly, as published; with kinks at both ends.
     Linear,
-    /// Without kinks.
+    /// By a cubic, without kinks.
     #[default]
     Cubic,
-    /// With continuous curvature.
+    /// By a polynomial of degree 5, with continuous curvature.
     Quintic,
 }
 
-/// Regions and allowances of a repair that reaches from the leading edge at u2 to the trailing edge at u3.
+/// Allowance that finishing leaves, for a repair whose border c_b reaches from the leading edge at u2 to the trailing edge at u3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishAllowance {
-    /// u1: where the transition begins.
+    /// Parameter u1 (from root to tip) at which the transition begins.
     pub from_u: f64,
-    /// u2: least u of c_b, at v = 0.
+    /// Least u of the border, u2, at the leading edge (v = 0).
     pub leading_u: f64,
-    /// u3: greatest u of c_b, at v = 1.
+    /// Greatest u of the border, u3, at the trailing edge (v = 1).
     pub trailing_u: f64,
-    /// D_max: deviation of the old blade.
+    /// Allowance D_max where the transition begins: deviation of the old blade from the nominal surface.
     pub old_mm: f64,
-    /// D_min: allowance that the repair keeps.
+    /// Allowance D_min that stays in the repaired region.
     pub least_mm: f64,
-    /// Course across the transition.
+    /// How the allowance changes across the transition.
     pub shape: BlendShape,
 }
 
@@ -66,7 +66,7 @@ impl BlendShape {
 }
 
 impl FinishAllowance {
-    /// Allowance left at a place; `border_v` is f(u), which counts between u2 and u3 only.
+    /// Allowance, mm, that finishing leaves at a point; `border_v` is f(u), used between u2 and u3 only.
     pub fn left_mm(&self, [u, v]: [f64; 2], border_v: f64) -> f64 {
         let share = (self.linear_mm([u, v], border_v) - self.least_mm) / (self.old_mm - self.least_mm);
         // Equal allowances leave nothing to blend.

@@ -17,7 +17,7 @@ const PIECES: usize = 400;
 /// Halvings that exhaust a parameter.
 const HALVINGS: usize = 60;
 
-/// Monotone curve through places with increasing v.
+/// Border of the repaired region as a monotone curve u = g(v), through points with increasing v.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotoneBorder {
     /// v and u of the places.
@@ -26,7 +26,7 @@ pub struct MonotoneBorder {
 }
 
 impl MonotoneBorder {
-    /// Curve through places `[v, u]`; `None` if there are fewer than two, or they are not monotone.
+    /// Curve through points `[v, u]`; `None` if there are fewer than two, or they are not monotone.
     pub fn new(places: Vec<[f64; 2]>) -> Option<Self> {
         let steps: Vec<[f64; 2]> =
             places.windows(2).map(|pair| [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]]).collect();
@@ -53,7 +53,7 @@ impl MonotoneBorder {
         Some(MonotoneBorder { slopes: slopes.collect(), places })
     }
 
-    /// g(v); beyond the ends that of the end.
+    /// u = g(v); beyond the ends, the value at the end.
     pub fn u_at(&self, v: f64) -> f64 {
         let last = self.places.len() - 2;
         let k = self.places.partition_point(|place| place[0] <= v).saturating_sub(1).min(last);

@@ -16,34 +16,34 @@ const SLACK_MM: f64 = 1e-10;
 /// Places of the first program, and places added at a time.
 const ADDED: usize = 64;
 
-/// Place of the nominal surface with its allowance.
+/// Point of the nominal surface, with the allowance that is measured there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AllowancePlace {
-    /// q
+    /// Position q of the point.
     pub point: Point,
-    /// n, away from the material.
+    /// Unit normal n, away from the material.
     pub normal: Vector,
-    /// D
+    /// Measured allowance D.
     pub allowance_mm: f64,
 }
 
-/// Largest motion that the datums allow.
+/// Largest motion of the part that the tolerances of its datums allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DatumTolerance {
-    /// t_m, along each axis.
+    /// Largest shift t_m along each axis.
     pub shift_mm: f64,
-    /// w_m, about each axis.
+    /// Largest rotation w_m about each axis.
     pub turn_rad: f64,
 }
 
-/// Solution of (1).
+/// Motion of the part, within the tolerances of its datums, after which the least allowance is greatest. (1)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EvenMotion {
-    /// omega
+    /// Rotation vector omega.
     pub omega_rad: Vector,
-    /// t
+    /// Shift t.
     pub shift_mm: Vector,
-    /// tau
+    /// Least allowance tau after the motion.
     pub least_mm: f64,
 }
 
@@ -65,7 +65,7 @@ pub fn most_even(places: &[AllowancePlace], centre: &Point, tolerance: &DatumTol
 }
 
 impl EvenMotion {
-    /// Allowance of a place after the motion, to first order.
+    /// Allowance, mm, of a point after the motion, to first order in it.
     pub fn allowance_mm(&self, place: &AllowancePlace, centre: &Point) -> f64 {
         let moved = self.shift_mm + self.omega_rad.cross(&(place.point - centre));
         place.allowance_mm + place.normal.dot(&moved)

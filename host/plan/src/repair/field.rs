@@ -14,25 +14,25 @@ use crate::geometry::nearest::nearest;
 use crate::geometry::surface::{SpanwiseFace, Surface};
 use crate::vector::{Point, Vector};
 
-/// Place of the nominal surface with its allowance.
+/// Node: point of the nominal surface with its measured allowance.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldNode {
-    /// Parameters.
+    /// Parameters u and v of the point.
     pub at: [f64; 2],
-    /// Q
+    /// Position Q of the point.
     pub point: Point,
-    /// n_Q
+    /// Outward unit normal n_Q.
     pub normal: Vector,
-    /// D_n; `None` in a hole of the measurement.
+    /// Allowance D_n along the normal; `None` in a hole of the measurement.
     pub along_mm: Option<f64>,
-    /// D_p, with the sign of D_n; `None` in a hole.
+    /// Distance D_p of the nearest measured point, with the sign of D_n; `None` in a hole of the measurement.
     pub nearest_mm: Option<f64>,
 }
 
-/// Allowance on a lattice: rows of constant u, from the root to the tip, all with the same number of places.
+/// Measured allowance on a lattice of nodes: rows of constant u, from the root to the tip, all with the same number of nodes.
 #[derive(Clone, Debug)]
 pub struct AllowanceField {
-    /// Rows.
+    /// Rows of nodes.
     pub rows: Vec<Vec<FieldNode>>,
 }
 

@@ -23,40 +23,40 @@ const STEP_LEAST_MM: f64 = 0.05;
 /// Most points of all passes of one kind.
 const POINTS_MAX: usize = 2_000_000;
 
-/// Contact point of a ball.
+/// Contact point of a ball mill on a repaired blade.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairContact {
-    /// Parameters of its nominal point.
+    /// Parameters u and v of the nominal point below it.
     pub at: [f64; 2],
-    /// C
+    /// Contact point C.
     pub point: Point,
-    /// n_C, away from the material.
+    /// Outward unit normal n_C of the surface that is left.
     pub normal: Vector,
-    /// D that is left.
+    /// Allowance D that is left above the nominal surface.
     pub left_mm: f64,
 }
 
-/// Ball and its errors.
+/// Ball mill, and the errors that its passes may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassSettings {
-    /// r
+    /// Radius r of the ball.
     pub ball_mm: f64,
-    /// Cusp height between passes.
+    /// Largest height of the cusps between passes.
     pub cusp_mm: f64,
-    /// Chord error along a pass.
+    /// Largest chord error between points of a pass.
     pub chord_mm: f64,
-    /// Greatest distance of points along a pass.
+    /// Largest distance between points of a pass.
     pub step_mm: f64,
 }
 
-/// Lines u = const with the number of points on each.
+/// Passes as lines of constant u, with the number of points on each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassLines {
-    /// Parameters of the lines.
+    /// Parameters u of the lines.
     pub us: Vec<f64>,
-    /// Points of each.
+    /// Number of points on each line.
     pub points: usize,
-    /// Least and greatest distance of neighbouring lines.
+    /// Smallest and largest distance of neighbouring lines.
     pub steps_mm: [f64; 2],
     settings: PassSettings,
 }

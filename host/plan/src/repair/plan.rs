@@ -15,30 +15,30 @@ use crate::vector::Point;
 /// Steepest slope of the blended allowance.
 const SLOPE_MAX: f64 = 1.0 / 20.0;
 
-/// Requirements of a repair.
+/// Requirements on the milling of a repaired side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairSettings {
-    /// Regions and what finishing leaves.
+    /// How regions are found, and what finishing leaves in them.
     pub regions: RegionSettings,
-    /// Finishing passes.
+    /// Ball mill, and the errors that the finishing passes may have.
     pub passes: PassSettings,
-    /// Distance of the lattice's places.
+    /// Largest distance between the nodes at which the allowance is measured.
     pub spacing_mm: f64,
-    /// Farthest distance from a measured point that is no hole; `None`: three mean spacings of the points.
+    /// Distance from the nearest measured point above which a place counts as a hole; `None`: three mean spacings of the points.
     pub hole_mm: Option<f64>,
-    /// D_r: what roughing leaves.
+    /// Allowance D_r that roughing leaves.
     pub rough_mm: f64,
-    /// a_p: depth of a rough layer.
+    /// Depth a_p of a layer in roughing.
     pub depth_mm: f64,
 }
 
-/// Reason why a repair is not planned.
+/// Reason why a repair cannot be planned.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RepairInfeasible {
-    /// The points define no surface.
+    /// The measured points define no surface.
     #[error("the measured points define no surface: {0}")]
     Surface(#[from] FaceError),
-    /// Nothing stands above the old surface.
+    /// No place stands above the old surface by more than the threshold, so nothing is to be repaired.
     #[error(
         "no place stands more than {threshold_mm:.3} mm above the rest: nothing is repaired on this side; measure the weld, or reduce `threshold`"
     )]
@@ -46,7 +46,7 @@ pub enum RepairInfeasible {
         /// Threshold.
         threshold_mm: f64,
     },
-    /// A place of the finish region was not measured.
+    /// A part of the surface to be finished was not measured.
     #[error(
         "{holes} of {places} places to be finished lie in holes of the measurement, first about ({}): measure there, or raise `hole` above {hole_mm:.2} mm", place(.point)
     )]
@@ -60,7 +60,7 @@ pub enum RepairInfeasible {
         /// Farthest distance that is no hole.
         hole_mm: f64,
     },
-    /// There is not enough material.
+    /// There is less material than finishing is to leave.
     #[error(
         "material is missing: {missing_mm:.3} mm at ({}), where {measured_mm:.3} mm stand and {planned_mm:.3} mm are to be left; weld more on there, reduce `least`, or allow the blade to be moved by `[datum] shift`", place(.point)
     )]
@@ -74,12 +74,12 @@ pub enum RepairInfeasible {
         /// Planned allowance.
         planned_mm: f64,
     },
-    /// The transition is too narrow.
+    /// The transition from the old surface is too steep, because it is too narrow.
     #[error(
         "the transition is too steep: 1 in {run:.1}, and 1 in 20 is allowed; make `width` {needed_mm:.2} mm at least"
     )]
     Steep {
-        /// Width over height of the steepest place.
+        /// Width of the transition divided by its height, where it is steepest.
         run: f64,
         /// Width that is enough.
         needed_mm: f64,
@@ -113,7 +113,7 @@ pub struct RepairPlan {
     pub finish: Vec<Vec<RepairContact>>,
     /// Rough layers, from the highest: their heights and the runs of contact points.
     pub layers: Vec<(f64, Vec<Vec<RepairContact>>)>,
-    /// Volumes that finishing and roughing take together: repaired region, transition.
+    /// Volumes that roughing and finishing remove together, mm3: in the repaired region, and in the transition.
     pub removed_mm3: [f64; 2],
 }
 
@@ -121,7 +121,7 @@ fn place(point: &Point) -> String {
     format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
 }
 
-/// Plans one side from the heights measured on it.
+/// Plans the milling of one side from the heights that were measured on it.
 ///
 /// # Errors
 /// Describes why there is no plan, with the place and the amount.
@@ -162,13 +162,13 @@ pub fn plan<S: Surface + Sync>(
 }
 
 impl RepairPlan {
-    /// Allowance that finishing leaves at a place, also where it takes nothing: there that of the old blade.
+    /// Allowance, mm, that finishing leaves at a point; where it removes nothing, the deviation of the old blade.
     pub fn left_mm(&self, at: [f64; 2], point: &Point) -> f64 {
         let is_repaired = nearest_region(&self.field, &self.regions, at, point) == Region::Repaired;
         self.regions.left_mm(at, point, is_repaired)
     }
 
-    /// Allowance that stands at a place before; in a hole of the measurement that of the old blade.
+    /// Allowance, mm, before the milling at a point; in a hole of the measurement, the deviation of the old blade.
     pub fn standing_mm(&self, at: [f64; 2]) -> f64 {
         self.heights.height_mm(at).unwrap_or(self.regions.allowance.old_mm)
     }

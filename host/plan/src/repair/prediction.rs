@@ -18,7 +18,7 @@ use super::passes::RepairContact;
 use super::plan::RepairPlan;
 use crate::vector::{Point, Vector};
 
-/// Allowance that is left at each node of the lattice; `None` where nothing was measured. (1)
+/// Allowance, mm, that is left at each node of the lattice, row by row; `None` where nothing was measured. (1)
 pub fn predicted_mm(plan: &RepairPlan, ball_mm: f64) -> Vec<Vec<Option<f64>>> {
     let centre = |at: &RepairContact| at.point + at.normal * ball_mm;
     let entry = |centre: Point| GeomWithData::new([centre.x, centre.y, centre.z], centre);

@@ -19,57 +19,57 @@ use crate::vector::Point;
 /// Crossings on either side of one over which c_b is smoothed.
 const SMOOTHED: usize = 4;
 
-/// Settings of the regions.
+/// Settings by which a measured side is divided into regions, and what finishing leaves there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionSettings {
-    /// d0: deviation above the old surface from which on a place is repaired.
+    /// Deviation d0 above the old surface from which on a place belongs to the repaired region.
     pub threshold_mm: f64,
-    /// w: width of the transition.
+    /// Width w of the transition around the repaired region.
     pub width_mm: f64,
-    /// D_min: allowance that the repair keeps.
+    /// Allowance D_min that stays in the repaired region.
     pub least_mm: f64,
-    /// Course across the transition.
+    /// How the allowance changes across the transition.
     pub shape: BlendShape,
 }
 
-/// Region of a place.
+/// Region to which a point of a repaired blade belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Region {
     /// S1: the old surface, which stays.
     Norm,
-    /// S2
+    /// S2: the strip around the repaired region, in which finishing leaves less and less of the old deviation.
     Transition,
-    /// S3
+    /// S3: the weld, which is milled down to the least allowance.
     Repaired,
 }
 
-/// Border of the repaired region.
+/// Border c_b of the repaired region.
 #[derive(Clone, Debug)]
 pub enum RepairBorder {
-    /// From edge to edge; with v from the trailing edge if `is_mirrored`.
+    /// Curve from edge to edge, of u as a function of v; with v counted from the trailing edge if `is_mirrored`.
     Rising {
-        /// c_b
+        /// The border as a function.
         curve: MonotoneBorder,
-        /// Whether it falls from the leading to the trailing edge.
+        /// Whether the border falls from the leading to the trailing edge.
         is_mirrored: bool,
     },
-    /// Any other, as pieces of lines.
+    /// Any other border, as straight pieces with both ends.
     Pieces(Vec<[Point; 2]>),
 }
 
-/// Regions of a field, and what finishing leaves.
+/// Regions of a measured side, and what finishing leaves on them.
 #[derive(Clone, Debug)]
 pub struct RepairRegions {
-    /// Region of each node, row by row.
+    /// Region of each node of the measured lattice, row by row.
     pub regions: Vec<Vec<Region>>,
-    /// c_b
+    /// Border c_b of the repaired region.
     pub border: RepairBorder,
-    /// Planned allowance.
+    /// Allowance that finishing is to leave.
     pub allowance: FinishAllowance,
     width_mm: f64,
 }
 
-/// Regions of a measured field; `None` if nothing is repaired.
+/// Regions of a measured side; `None` if no place is to be repaired.
 pub fn regions(surface: &impl Surface, field: &AllowanceField, settings: &RegionSettings) -> Option<RepairRegions> {
     let old_mm = old_deviation_mm(field, settings.threshold_mm);
     let limit_mm = old_mm + settings.threshold_mm;
@@ -283,7 +283,7 @@ fn distance_mm(pieces: &[[Point; 2]], point: &Point) -> f64 {
 }
 
 impl RepairRegions {
-    /// Allowance that finishing leaves at a place; `is_repaired` counts where the border is no function.
+    /// Allowance, mm, that finishing leaves at a point; `is_repaired` (the point is in S3) is used only if the border is no function.
     pub fn left_mm(&self, at: [f64; 2], point: &Point, is_repaired: bool) -> f64 {
         match &self.border {
             RepairBorder::Rising { curve, is_mirrored } => {
@@ -297,7 +297,7 @@ impl RepairRegions {
         }
     }
 
-    /// Planned allowance of each node; `None` in the norm region, which stays.
+    /// Planned allowance of each node, mm, row by row; `None` in the norm region, which stays.
     pub fn planned_mm(&self, field: &AllowanceField) -> Vec<Vec<Option<f64>>> {
         let node = |(node, region): (&FieldNode, &Region)| match region {
             Region::Norm => None,

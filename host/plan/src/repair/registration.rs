@@ -32,48 +32,48 @@ const MEDIAN_RATIO: f64 = 1.4826;
 /// Least sigma of (2): points without noise keep their weights.
 const SIGMA_MIN_MM: f64 = 1e-6;
 
-/// Names of the unknowns, in their order.
+/// Names of the six unknowns of a motion, in their order: rotations about and shifts along x, y, z.
 pub const DIRECTIONS: [&str; 6] = ["omega_x", "omega_y", "omega_z", "x", "y", "z"];
 
-/// Settings of a registration.
+/// Settings of a registration of measured points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegistrationSettings {
-    /// Point about which angles turn.
+    /// Point about which the rotations turn.
     pub centre: Point,
-    /// Which of [`DIRECTIONS`] the points determine; the others are held.
+    /// Which of [`DIRECTIONS`] are found from the points; the others are held at 0.
     pub free: [bool; 6],
-    /// Whether points far off lose their weight (2).
+    /// Whether points far from the nominal part lose their weight (2).
     pub is_robust: bool,
     /// Uncertainty of a measured point: least s of (3) where free directions are judged.
     pub uncertainty_mm: f64,
 }
 
-/// Nearest point of the nominal part and its outward normal.
+/// Point of the nominal part that is nearest to a measured point, with the outward normal there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NominalFoot {
-    /// Point.
+    /// Position of the point.
     pub point: Point,
     /// Unit normal, away from the material.
     pub normal: Vector,
 }
 
-/// Motion from the measured points to the nominal part.
+/// Rigid motion that moves measured points onto the nominal part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidMotion {
-    /// Point about which it turns.
+    /// Point about which the rotation turns.
     pub centre: Point,
     /// Rotation vector, rad.
     pub omega_rad: Vector,
-    /// Shift.
+    /// Shift after the rotation.
     pub shift_mm: Vector,
 }
 
-/// Result of a registration.
+/// Result of a registration: motion, remaining distances and certainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Registration {
-    /// Motion.
+    /// Motion that moves the points onto the nominal part.
     pub motion: RigidMotion,
-    /// Root of the weighted mean square of the distances left.
+    /// Root of the weighted mean square of the remaining distances.
     pub rms_mm: f64,
     /// s of (3): standard deviation of a point.
     pub deviation_mm: f64,
@@ -81,11 +81,11 @@ pub struct Registration {
     pub shares: [f64; 6],
     /// Least over greatest singular value of J, with angles at an arm of 40 mm; 1 if nothing is free.
     pub condition: f64,
-    /// Points that have lost their weight.
+    /// Number of points that have lost their weight.
     pub outliers: usize,
 }
 
-/// Reason for which points are not laid on the nominal part.
+/// Reason why points cannot be registered on the nominal part.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RegistrationError {
     /// There are too few points.
@@ -96,7 +96,7 @@ pub enum RegistrationError {
         /// Free directions.
         free: usize,
     },
-    /// A free direction is not determined.
+    /// The points do not determine a free direction well enough.
     #[error(
         "the points do not determine `{direction}`: its standard deviation is {deviation_mm:.3} mm{}, and {limit_mm} mm are allowed; measure both edges and the hub as well, or hold `{direction}` at the datum by leaving it out of `free`",
         if .direction.starts_with("omega") { " at 40 mm from the centre" } else { "" }, limit_mm = DEVIATION_MAX_MM
@@ -107,12 +107,12 @@ pub enum RegistrationError {
         /// Standard deviation; of an angle at the arm.
         deviation_mm: f64,
     },
-    /// The steps do not come to rest.
+    /// The iteration does not converge.
     #[error(
         "the points do not settle on the nominal part: the last step was {step_mm:.4} mm; check units and frame of the points"
     )]
     Restless {
-        /// Last step.
+        /// Length of the last step.
         step_mm: f64,
     },
 }

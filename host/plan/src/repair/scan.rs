@@ -30,7 +30,7 @@ const AMPLIFICATION_MAX: f64 = 2.0;
 /// Farther than this many mean spacings from every point is a hole: at the border of an evenly random cloud two occur by chance.
 const HOLE_SPACINGS: f64 = 3.0;
 
-/// Nominal surface with seeds for nearest points.
+/// Nominal surface, prepared for finding the nearest point to a measured one.
 pub struct NominalSurface<S> {
     surface: S,
     seeds: RTree<GeomWithData<[f64; 3], [f64; 2]>>,
@@ -39,16 +39,16 @@ pub struct NominalSurface<S> {
     area_mm2: f64,
 }
 
-/// Measured point over the nominal surface.
+/// Height of a measured point above the nominal surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeightSample {
-    /// Parameters of its nominal point.
+    /// Parameters u and v of the nearest nominal point.
     pub at: [f64; 2],
-    /// D of (1).
+    /// Height D of (1), positive outside.
     pub height_mm: f64,
 }
 
-/// Heights as a function of the nominal parameters.
+/// Measured height above the nominal surface as a function of its parameters.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     samples: RTree<GeomWithData<[f64; 2], f64>>,
@@ -57,7 +57,7 @@ pub struct HeightField {
 }
 
 impl<S: Surface> NominalSurface<S> {
-    /// Surface with its seeds.
+    /// Prepares a surface for finding nearest points.
     pub fn new(surface: S) -> Self {
         let [us, vs] = surface.ranges();
         let place =
@@ -88,7 +88,7 @@ impl<S: Surface> NominalSurface<S> {
         self.lengths_mm
     }
 
-    /// Nearest point of the surface.
+    /// Nearest point of the surface, with its parameters.
     pub fn foot(&self, point: &Point) -> Foot {
         let seed = self.seeds.nearest_neighbor([point.x, point.y, point.z]).map_or([0.5; 2], |found| found.data);
         nearest(&self.surface, point, seed)
@@ -135,7 +135,7 @@ impl HeightField {
         self.hole_mm
     }
 
-    /// Height at a place; `None` in a hole.
+    /// Measured height, mm, at the parameters `at`; `None` in a hole of the measurement.
     pub fn height_mm(&self, at: [f64; 2]) -> Option<f64> {
         let place = scaled(at, self.lengths_mm);
         let mut near = self.samples.nearest_neighbor_iter_with_distance_2(place).take(NEIGHBOURS).peekable();

@@ -20,12 +20,12 @@ pub const LEFT_CHORD_MM: f64 = 0.002 + 0.003;
 /// The same of the blade as it stands: its measured surface is not known better.
 pub const STOCK_CHORD_MM: f64 = 0.02;
 
-/// The blade as it stands.
+/// Triangles of the blade with this number before the repair is milled, with its measured surface on the side to be repaired.
 pub fn standing_blade(blisk: &Blisk, number: u32, side: BladeSide, plan: &RepairPlan) -> Vec<Triangle> {
     solid(blisk, number, side, |at, _| plan.standing_mm(at))
 }
 
-/// The blade as it will be.
+/// Triangles of the blade with this number after finishing, with what finishing leaves on the repaired side.
 pub fn left_blade(blisk: &Blisk, number: u32, side: BladeSide, plan: &RepairPlan) -> Vec<Triangle> {
     solid(blisk, number, side, |at, point| plan.left_mm(at, point))
 }

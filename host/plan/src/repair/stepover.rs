@@ -9,23 +9,23 @@
 //! convex surface. The step (1) is constant along one cross line, not from line to line, as Feng et al. imply. A chord of the ball's centre gouges a
 //! convex surface by the tolerance, and leaves it on a hollow one. (2) is ours; s from the cusp height is that of `plunge::step`.
 
-/// Passes over a patch.
+/// Number and distances of passes over a patch of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassSpacing {
-    /// J
+    /// Number of passes, J.
     pub passes: usize,
-    /// Step on the shortest cross line.
+    /// Distance of neighbouring passes on the shortest cross line.
     pub least_mm: f64,
-    /// Step on the longest one.
+    /// Distance of neighbouring passes on the longest cross line.
     pub greatest_mm: f64,
 }
 
-/// Distances of neighbouring contact points.
+/// Distance of neighbouring contact points along a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactChord {
-    /// Between the ball's centres.
+    /// Distance between the positions of the ball's centre.
     pub centres_mm: f64,
-    /// Along the surface.
+    /// Distance along the surface.
     pub surface_mm: f64,
 }
 

@@ -15,13 +15,13 @@ const WHOLE_RATIO: f64 = 1e-9;
 /// Number of slices above which the slice height is taken for a mistake.
 const SLICES_MAX: f64 = 1e5;
 
-/// Division of a cutting edge into pieces: by number along the edge, or by slices of the height.
+/// How a cutting edge is divided into pieces: by length along the edge, or by height along the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pieces {
     /// About this many pieces of equal length along the edge.
     Along(usize),
-    /// Slices of equal height along the axis, from the tip upwards until the edge is covered: for the layers of a
-    /// workpiece.
+    /// Slices of equal height along the axis, from the tip upwards until the edge is covered. Cutters in the layers of a workpiece
+    /// need slices as high as the layers.
     Slices {
         /// Height of each slice.
         rise_mm: f64,
