@@ -1,4 +1,4 @@
-//! Programs with macro statements or calls: what a command says about their blocks as executed, and what it runs.
+//! Programs with macro statements or calls: checks, and the program to run in their place.
 
 use std::path::Path;
 
@@ -37,8 +37,7 @@ pub fn check_expanded(path: &Path, places: Option<&ExecutedPlaces>) -> Result<()
 /// Adapted program for a control's memory: the program's own macros with the feeds written into them or, where that
 /// is impossible, the blocks as executed.
 ///
-/// # Errors
-/// See [`check_expanded`].
+/// See [`check_expanded`]; no program can be made.
 pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Result<WrittenProgram, Failure> {
     let Some(places) = &program.places else { return Ok(adapted.into()) };
     let source = Source {
