@@ -25,7 +25,7 @@ const DESCENTS: usize = 40;
 /// Halvings of a cell to the place where a law's demand begins or ends: f32 resolves a place to 24 bits of its move.
 const HALVINGS: usize = 16;
 
-/// Answer of a law at a point.
+/// Result of a law at one point of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
     /// The law demands this path of the tool centre per tooth (with the contact point at which the chip has its target).

@@ -132,7 +132,7 @@ impl<'a> MoveRule<'a> {
 pub struct PlanError {
     /// Line of the program's file, counted from 1; 0 for a line that arcfeed added.
     pub source: usize,
-    /// Reason.
+    /// Reason why the move cannot be sent.
     pub why: MoveFault,
 }
 
@@ -148,12 +148,12 @@ pub enum MoveFault {
 }
 
 impl BoardPlan {
-    /// Plans the moves of a transmission to a control in its power-on state. `known` has the engagement map, the
-    /// scopes of the rules, and the places of the program of which the transmission is made.
-    /// `bounds` are the bounds beside the text, by line of the program's file: the transmission has other F words.
-    /// The first move that cannot be sent to a board, with the reason.
+    /// Plans the messages for the moves of a transmission to a control in its power-on state. `known` has the
+    /// engagement map, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
+    /// limits that the text does not show, by line of the program's file.
+    ///
     /// # Errors
-    /// Describes the first move that cannot be sent to a board.
+    /// The first move that cannot be sent to a board, with the reason.
     pub fn new(
         sending: &Transmission,
         power_on: &PowerOn,

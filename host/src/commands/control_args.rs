@@ -29,11 +29,11 @@ pub struct ControlArgs {
 
 /// Control with which a program is read: kind, settings, offsets and unit.
 pub struct ControlReading {
-    /// Control.
+    /// Kind of the control.
     pub control: ControlKind,
-    /// Settings.
+    /// Settings of the control (dialect, options).
     pub settings: Settings,
-    /// Offsets.
+    /// Offsets stored in the control.
     pub tables: Tables,
     /// Unit at power-on that the options, the job or the settings file state; `None` if none of them does.
     pub unit: Option<LengthUnit>,
