@@ -59,6 +59,7 @@ impl CornerLine<'_> {
     /// Writes both blocks: the first with the feed `governed` of its law, or with the programmed one, the second with that of
     /// the `corner`. `rewriter` knows the F in force on the control; it does not change if the line stays whole.
     ///
+    /// # Errors
     /// The reason why the line stays one block.
     pub fn write(&self, (governed, corner): (Option<Nm>, Nm), rewriter: &mut FeedRewriter) -> Result<TwoBlocks, Whole> {
         let meaning = self.line.meaning.as_ref().ok_or(Whole::Words)?;

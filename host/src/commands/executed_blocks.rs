@@ -37,7 +37,8 @@ pub fn check_expanded(path: &Path, places: Option<&ExecutedPlaces>) -> Result<()
 /// Adapted program for a control's memory: the program's own macros with the feeds written into them or, where that
 /// is impossible, the blocks as executed.
 ///
-/// See [`check_expanded`]; no program can be made.
+/// # Errors
+/// See [`check_expanded`].
 pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Result<WrittenProgram, Failure> {
     let Some(places) = &program.places else { return Ok(adapted.into()) };
     let source = Source {
