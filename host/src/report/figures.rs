@@ -1,4 +1,5 @@
-//! Figures of a run. Field names are the JSON keys of docs/json.md; lengths in the job's unit, given by `unit`.
+//! Results of a run as data. Field names are the JSON keys of docs/json.md; lengths are in the job's unit, which `unit`
+//! names.
 
 use std::fmt;
 
@@ -12,36 +13,36 @@ use super::material::MaterialFigures;
 use super::spindle::SpindleFigures;
 use crate::dnc::reports::Reports;
 
-/// Report of a run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
+/// Results of a run of `stream`, `simulate` or `serve`. Fields that do not apply are `None` (null).
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct RunReport {
     /// Unit of lengths: `in` or `mm`.
     pub unit: &'static str,
-    /// Blocks whose line end was sent.
+    /// Number of blocks whose line end was sent.
     pub blocks_sent: Option<usize>,
-    /// Blocks the control executed.
+    /// Number of blocks that the control has executed.
     pub blocks_executed: Option<usize>,
     /// Alarms that stopped the control.
     pub alarms: Vec<AlarmFigures>,
-    /// Lines that the program had the control print.
+    /// Lines that the program has printed by DPRNT and the like.
     pub print_output: Vec<String>,
-    /// Messages of the program and its alarms to the operator, and the places of alarms in called programs.
+    /// Messages of the program to the operator, and texts of alarms; for an alarm in a called program also its place.
     pub messages: Vec<String>,
-    /// Time from the first move to the program's end.
+    /// Time from the first move to the end of the program, s.
     pub cycle_time_s: Option<f64>,
-    /// Time of the original program.
+    /// The same time for the original program, s.
     pub baseline_cycle_time_s: Option<f64>,
-    /// Measured chip load of all tools.
+    /// Measured chip load of all tools together.
     pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
     pub baseline_chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of each tool of the job.
     pub tools: Vec<ToolFigures>,
-    /// Values of the override on the arcs that a cut rule matches.
+    /// Smallest and largest override on the moves that a cut rule selects.
     pub r#override: Option<OverrideFigures>,
-    /// Override and chip load for each cut rule.
+    /// Override and chip load of each cut rule's moves.
     pub movements: Vec<MovementFigures>,
-    /// Blocks that an axis of the machine kept from their programmed feed.
+    /// Blocks that an axis of the machine kept below their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,
     /// Material removed from the workpiece, if the job has one.
     pub material: Option<MaterialFigures>,
@@ -49,26 +50,26 @@ pub struct RunReport {
     pub loads: Option<LoadsFigures>,
     /// Load of the spindle, if the job describes edges or the material of its workpiece.
     pub spindle: Option<SpindleFigures>,
-    /// Serial line.
+    /// Statistics of the serial line.
     pub link: Option<LinkFigures>,
-    /// Position reports of the control, if the job requests them.
+    /// Numbers of the control's position reports, if the job requests them.
     pub reports: Option<ReportFigures>,
-    /// State left to the operator by a restart in the middle of the program.
+    /// What the operator has to restore after a restart in the middle of the program.
     pub restart: Option<RestartFigures>,
-    /// Simulated time over wall time.
+    /// Simulated time divided by wall time.
     pub real_time_factor: Option<f64>,
-    /// Largest distance of the positions of governed moves from their programmed path.
+    /// Largest distance of the measured positions of governed moves from the programmed path.
     pub path_error: Option<f64>,
 }
 
 /// Restart: functions given before its block, which the control does not send again, and the state before the block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RestartFigures {
-    /// Last T.
+    /// Last T word before the block of the restart.
     pub t: Option<i64>,
-    /// Last S.
+    /// Last S word before the block of the restart.
     pub s: Option<i64>,
-    /// M codes in the order given, the last 35.
+    /// M codes before the block of the restart, in order; the last 35.
     pub m: Vec<i64>,
     /// Feed in force, per minute or per revolution.
     pub feed: Option<f64>,
@@ -79,11 +80,11 @@ pub struct RestartFigures {
 /// Alarm that stopped the control, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmFigures {
-    /// Line of the program as sent.
+    /// Line of the program as sent, counted from 1.
     pub line: u32,
     /// Column, if it is known.
     pub column: Option<u16>,
-    /// PS number, if it is one of the control's alarms.
+    /// Number of the alarm (PS); `None` for a stop without one.
     pub alarm: Option<u16>,
     /// Description.
     pub message: String,
@@ -114,15 +115,15 @@ impl fmt::Display for AlarmFigures {
 /// Block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisLimitFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
     /// Limiting axis.
     pub axis: &'static str,
-    /// Feed at the first request.
+    /// Feed that the block demanded when the limit was first reached.
     pub demanded_feed: f64,
-    /// Allowed feed.
+    /// Feed that the axis permitted.
     pub allowed_feed: f64,
     /// Unit of both feeds.
     pub unit: &'static str,
@@ -139,7 +140,7 @@ impl fmt::Display for AxisLimitFigures {
     }
 }
 
-/// Least and largest override, and the number of its changes.
+/// Smallest and largest override on some moves, and the number of changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OverrideFigures {
     /// Least, %.
@@ -151,7 +152,7 @@ pub struct OverrideFigures {
 }
 
 impl OverrideFigures {
-    /// Figures of several arcs together.
+    /// Results of several groups of moves together.
     pub fn join(self, other: Self) -> Self {
         OverrideFigures {
             min: self.min.min(other.min),
@@ -161,7 +162,7 @@ impl OverrideFigures {
     }
 }
 
-/// Figures of all arcs that one cut rule matches.
+/// Results for all moves that one cut rule selects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovementFigures {
     /// Rule, counted from 1 in the order of the job file.
