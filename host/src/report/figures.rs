@@ -173,74 +173,77 @@ pub struct MovementFigures {
     pub rotation: Option<&'static str>,
     /// `cw` or `ccw`; null for lines.
     pub direction: Option<&'static str>,
-    /// `outer` or `inner` for a ring, `inside`, `outside` or `slot` for an end mill.
+    /// Side on which the tool cuts: `outer` or `inner` for a ring; `inside`, `outside` or `slot` for an end mill.
     pub side: &'static str,
-    /// Measured quantity: `contact`, `contour` or `thickest-chip`; null if the rule's moves cannot be measured.
+    /// Measured quantity: `contact`, `contour` or `thickest-chip`; `None` (null) if the rule's moves cannot be
+    /// measured.
     pub measure: Option<&'static str>,
-    /// Moves executed.
+    /// Number of executed moves.
     pub arcs: usize,
     /// Measured chip load.
     pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
     pub baseline_chip_load: Option<ChipLoadFigures>,
-    /// Thickest chip anywhere on the outer and on the inner circle inside the rule's half plane, over the target.
+    /// Thickest chip at any place of the outer and of the inner cutting circle, in the material behind the rule's stock
+    /// line, divided by the target.
     pub thickest_ratio: [Option<f64>; 2],
-    /// Values of the override.
+    /// Smallest and largest override on these moves.
     pub r#override: Option<OverrideFigures>,
-    /// Changes of the override on each arc, in order of execution.
+    /// Number of changes of the override on each arc, in order of execution.
     pub changes_per_arc: Vec<u32>,
 }
 
-/// Position reports of the control (`[dnc] report_every`).
+/// Numbers of the control's position reports (`[dnc] report_every`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ReportFigures {
-    /// Requested reports.
+    /// Number of requested reports.
     pub requested: usize,
-    /// Received reports that agree with the program.
+    /// Number of received reports that agree with the program.
     pub confirmed: usize,
-    /// Line of the program's file up to which the control has read, by the last of them.
+    /// Line of the program's file up to which the control has read, by its latest report; `None` before the first.
     pub line: Option<usize>,
 }
 
 impl ReportFigures {
-    /// Figures of the received reports; `None` if none was requested.
+    /// Numbers for these reports; `None` if none was requested.
     pub fn of(reports: &Reports) -> Option<Self> {
         let (requested, confirmed) = reports.counts();
         (requested > 0).then(|| ReportFigures { requested, confirmed, line: reports.read_up_to() })
     }
 }
 
-/// Figures of the serial line during a run.
+/// Statistics of the serial line during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkFigures {
-    /// Characters that went over it.
+    /// Number of characters sent over the line.
     pub bytes: u64,
-    /// Time it was busy over the time of the run.
+    /// Fraction of the run's time in which the line was busy.
     pub utilization: f64,
-    /// Times the control sent DC3.
+    /// Number of DC3 that the control sent.
     pub xoff_count: u32,
-    /// Most characters after a DC3, if arcfeed is the receiving end.
+    /// Largest number of characters that arrived after one DC3, if arcfeed is the receiving end.
     pub max_bytes_after_xoff: Option<u32>,
-    /// Time in which the control had nothing to execute, if arcfeed simulates the control.
+    /// Total time in which the control had nothing to execute because the line was too slow, ms, if arcfeed simulates
+    /// the control.
     pub starved_ms: Option<u64>,
-    /// Repeated transmissions; always 0 on a plain DNC line.
+    /// Number of repeated transmissions; always 0 on a plain DNC line.
     pub retries: u32,
-    /// Damaged characters from the other end, if the port reports them.
+    /// Damaged characters from the other end; `None` if the port does not report them.
     pub line_errors: Option<LineErrorFigures>,
 }
 
-/// Damaged characters, counted by the operating system since the port was opened.
+/// Numbers of damaged characters, counted by the operating system since the port was opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LineErrorFigures {
-    /// Characters without stop bits.
+    /// Characters whose stop bit was missing.
     pub frame: u32,
-    /// Characters lost in the UART.
+    /// Characters lost in the UART, because the driver did not read them in time.
     pub overrun: u32,
     /// Characters with wrong parity.
     pub parity: u32,
-    /// Breaks.
+    /// Break conditions received.
     pub r#break: u32,
-    /// Characters lost in the driver.
+    /// Characters lost in the driver, because its buffer was full.
     pub buffer_overrun: u32,
 }
 
