@@ -131,7 +131,7 @@ pub struct ToolTable {
     pub outer_radius: Option<Spanned<Quantity>>,
     /// Cup mill: radius of the inner cutting circle.
     pub inner_radius: Option<Spanned<Quantity>>,
-    /// Cup mill: number of teeth on each circle that cuts.
+    /// Cup mill: number of teeth that cut on one circle.
     pub active_teeth: Option<Spanned<u16>>,
     /// End mill: diameter.
     pub diameter: Option<Spanned<Quantity>>,
