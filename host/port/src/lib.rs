@@ -85,7 +85,7 @@ pub trait Port {
         Ok(0)
     }
 
-    /// Waits for bytes or another event on the port, until the time `deadline` (since the port was opened) at the latest.
+    /// Waits until the time `deadline` (since the port was opened); a simulated port returns earlier if its control sends.
     fn wait(&mut self, deadline: Micros);
 
     /// Counts of damaged characters received since the port was opened; `None` if the port does not report them.

@@ -129,7 +129,7 @@ impl<'p> BoardLine<'p> {
         self.link.send(message.kind(), &payload[..len])
     }
 
-    /// Waits until bytes arrive or the link must be served again.
+    /// Waits until the link must be served again.
     pub fn wait(&mut self) {
         let now = self.port.now();
         let latest = now.after(TURN_MAX);

@@ -187,7 +187,7 @@ impl PathReport<'_> {
     }
 }
 
-/// Cutting end of the tool (ball of this radius, or flat), if a repair is requested; otherwise `None`.
+/// Cutting end of the tool if a repair is requested: a ball of this radius, or without a radius any other end. Otherwise `None`.
 pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
     let ball = ball_radius.map(|radius_mm| ToolEnd::Ball { radius_mm });
     repair.then(|| ball.unwrap_or(ToolEnd::Other))

@@ -70,7 +70,7 @@ pub enum FindingKind {
     Singularity {
         /// Interval of the path with that movement.
         found: Singularity,
-        /// A repair was requested, but was not possible here.
+        /// A repair was requested; the outcome is in `found`.
         asked: bool,
     },
     /// The axes cannot follow the programmed feed on this move.
