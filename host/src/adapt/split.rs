@@ -1,4 +1,4 @@
-//! Division of one block into several, each with its own F (mode `rewrite-only`): for an arc, a plunge, or a line along one axis.
+//! Division of one block into several, each with its own F (mode `rewrite-only`): for an arc or a plunge.
 //!
 //! The text of the pieces is read back as the control will read it: each piece must be a line, or an arc of the same sense
 //! about the same centre, each must begin at the end of the one before, and the last must end at the programmed point. A move that does not

@@ -102,7 +102,7 @@ pub struct CaseQuantity {
     pub symbol: &'static str,
     /// Value, in the unit of its dimension.
     pub value: f64,
-    /// Dimension.
+    /// Dimension, which gives the unit of the value.
     pub dimension: Dimension,
     /// File and number of the equation that gives it; empty for an input.
     pub equation: &'static str,

@@ -47,15 +47,15 @@ enum AssertedFigure {
 
 /// Data of a run on which assertions are judged.
 pub struct Evidence<'a> {
-    /// Figures of the run.
+    /// Results of the run.
     pub report: &'a RunReport,
-    /// Moves of the run.
+    /// Moves of the run, with feed and chip load over time.
     pub log: &'a MoveLog,
-    /// Measured chips, move by move.
+    /// Measured chips of each move.
     pub chips: &'a [MoveChips],
-    /// Load of the spindle, if the job describes it.
+    /// Power and torque of the spindle; `None` if the job describes neither edges nor material.
     pub spindle: Option<&'a SpindleLoad>,
-    /// Line of the program for a count of executed blocks.
+    /// Gives the line of the program for the number of an executed block; `None` if it has none.
     pub line_of: &'a dyn Fn(u32) -> Option<usize>,
     /// Name of the program for messages.
     pub program: String,

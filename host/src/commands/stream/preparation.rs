@@ -35,9 +35,13 @@ const WAIT_MIN_S: f64 = 0.001;
 
 /// Program that is checked and ready to be sent.
 pub struct PreparedProgram {
+    /// Job file.
     pub file: JobFile,
+    /// Program of the job, before adaptation.
     pub program: Program,
+    /// Transmission of the whole adapted program.
     pub whole: Transmission,
+    /// Rules by which text becomes the characters on the line.
     pub wire: Wire,
     /// First record of the journal, with the fingerprints of the whole program.
     pub start: Start,

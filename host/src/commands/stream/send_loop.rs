@@ -46,15 +46,20 @@ impl End {
 
 /// Services that run beside a sender: journal, display, report check and board.
 pub struct SendServices<'p> {
+    /// Journal of the transmission.
     pub logbook: Logbook,
+    /// Display of the progress.
     pub live: LiveDisplay,
+    /// Check of the control's position reports.
     pub echo: ReportMonitor,
+    /// Feed board that takes part, or none.
     pub board_session: BoardSession<'p>,
 }
 
 /// Check of the control's position reports, if the job requests them.
 #[derive(Default)]
 pub struct ReportMonitor {
+    /// Expected and received position reports.
     pub reports: Reports,
     /// Largest number of blocks that the control reads ahead.
     pub read_ahead: usize,

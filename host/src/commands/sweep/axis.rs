@@ -40,16 +40,16 @@ pub enum Values {
     Listed(Vec<Literal>),
     /// Whole numbers, both ends included.
     Whole {
-        /// Smallest.
+        /// Smallest value.
         from: i64,
-        /// Largest.
+        /// Largest value.
         to: i64,
     },
     /// Real numbers from `from` to `to`: `steps` numbers at equal distances, both ends included, or random ones below `to`.
     Real {
-        /// Smallest.
+        /// Smallest value.
         from: f64,
-        /// Largest.
+        /// Largest value; random values stay below it.
         to: f64,
         /// Number of values; of no use for random ones.
         steps: u64,
