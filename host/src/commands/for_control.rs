@@ -27,7 +27,7 @@ pub fn prepared_path(output: &Path) -> PathBuf {
     name.into()
 }
 
-/// What sets the feed on LinuxCNC for this job: the component, or F words alone.
+/// Source of the feed on LinuxCNC for this job: the component, or F words alone.
 pub fn feed_source(file: &JobFile) -> FeedSource {
     match file.job.policy {
         FeedPolicy::RewriteOnly(_) => FeedSource::Words,

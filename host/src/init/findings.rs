@@ -16,7 +16,7 @@ const SMALLER_MIN_MM: f64 = 0.01;
 pub struct Findings<'a> {
     /// Path of the program, as it is written in the job file.
     pub program: &'a str,
-    /// What the program shows: unit, speeds, tools, arcs.
+    /// Survey of the program: unit, speeds, tools, arcs.
     pub survey: &'a Survey,
     /// Arcs of the program, grouped by tool, plane, direction and radius.
     pub groups: &'a [Group],

@@ -25,7 +25,7 @@ const MIB: usize = 1 << 20;
 pub struct Workpiece {
     /// Shape before the cut (stock).
     pub blank: Blank,
-    /// Where that shape comes from if no job file describes it; `None` if one does.
+    /// Source of that shape if no job file describes it; `None` if one does.
     pub assumed: Option<AssumedStock>,
     /// Shape of the finished part, if the job names it.
     pub target: Option<StlFile>,
@@ -48,7 +48,7 @@ pub struct Workpiece {
 /// Block that is assumed as the stock of a program without a job file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AssumedStock {
-    /// Where its size comes from.
+    /// Source of the size.
     #[serde(flatten)]
     pub source: StockSource,
     /// Lowest X, Y and Z.
@@ -57,7 +57,7 @@ pub struct AssumedStock {
     pub to: [f64; 3],
 }
 
-/// Where the size of an assumed stock comes from.
+/// Source of the size of an assumed stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "source", rename_all = "lowercase")]
 pub enum StockSource {

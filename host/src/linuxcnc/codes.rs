@@ -2,7 +2,7 @@
 //!
 //! Source: LinuxCNC's documents on G codes and M codes; every rule is confirmed by its `rs274` in `tests/program/linuxcnc.rs`.
 
-/// What sets the feed while LinuxCNC runs the program.
+/// Source of the feed while LinuxCNC runs the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedSource {
     /// Only the F words of the program.

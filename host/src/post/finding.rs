@@ -22,7 +22,7 @@ const SHOWN: f64 = 1e-3;
 pub struct Finding {
     /// Line of the CL data or the program, counted from 1.
     pub line: usize,
-    /// What was found.
+    /// Kind of the error or warning.
     pub what: FindingKind,
 }
 

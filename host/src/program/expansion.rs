@@ -83,7 +83,7 @@ pub struct Expansion<'a> {
     pub keeps_moves: bool,
     /// Limits of the run.
     pub bounds: RunBounds,
-    /// What is done when the program reads a value that only the real control has.
+    /// Treatment of values that only the real control has, when the program reads one.
     pub outside: OutsideValues,
 }
 

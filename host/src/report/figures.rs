@@ -54,7 +54,7 @@ pub struct RunReport {
     pub link: Option<LinkFigures>,
     /// Numbers of the control's position reports, if the job requests them.
     pub reports: Option<ReportFigures>,
-    /// What the operator has to restore after a restart in the middle of the program.
+    /// State that the operator has to restore after a restart in the middle of the program.
     pub restart: Option<RestartFigures>,
     /// Simulated time divided by wall time.
     pub real_time_factor: Option<f64>,

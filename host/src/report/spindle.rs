@@ -11,7 +11,7 @@ const SHOWN: usize = 5;
 /// Load of the spindle in a run, against its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleFigures {
-    /// How the load was found: `cutting` (simulated forces) or `estimate` (removal rate times specific cutting force).
+    /// Origin of the load: `cutting` (simulated forces) or `estimate` (removal rate times specific cutting force).
     pub source: &'static str,
     /// Specific cutting force that the estimate uses where the job's own target applies, N/mm2; `None` with simulated
     /// forces.

@@ -120,7 +120,7 @@ pub struct Hwgrep {
 pub struct UrlError {
     /// Part of the URL that is wrong.
     pub part: String,
-    /// What is wrong, and what to write instead.
+    /// Fault, and what to write instead.
     pub message: String,
 }
 

@@ -17,7 +17,7 @@ pub enum ProgramStart {
     Begun,
 }
 
-/// What is done with a received character.
+/// Handling of a received character: passed on, dropped, or a reason to disconnect the client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ByteHandling {
     /// It is passed to the control.

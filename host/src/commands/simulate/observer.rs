@@ -161,7 +161,7 @@ pub fn write_tables<const N: usize>(
     runs.try_for_each(|((observer, files), locator)| observer.write_tables(files, Some(locator)))
 }
 
-/// How a run ended, and when.
+/// End of a run: whether it was reached, and when.
 pub struct ObservedEnd {
     /// Whether the run reached its end, or why not.
     pub result: Result<(), Failure>,

@@ -23,7 +23,7 @@ use crate::dnc::transmission::Transmission;
 /// Word that a person types to arm the board.
 pub const ARM: &str = "arm";
 
-/// Where a person arms the board.
+/// Place where a person arms the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arming {
     /// At the board's button, or by typing `arm` here.

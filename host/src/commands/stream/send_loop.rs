@@ -20,7 +20,7 @@ use crate::screen::view::Command;
 /// Longest sleep of the loop: largest delay until it sees an XOFF or a Ctrl-C.
 const LOOP_MAX: Micros = Micros::from_ms(20);
 
-/// How the sending has ended.
+/// End of the sending, with its cause.
 pub enum End {
     /// All characters have been sent and, as far as the port knows, executed.
     Complete,
