@@ -5,6 +5,7 @@
 //! Telnet ------------> Settings ------------> Controls -------------> Open
 //!    |                    |                      |
 //!    +--------------------+----------------------+--> NegotiationError: refused, or not answered in time
+//! ```
 //! Settings go out together, controls one by one, because their answers have the same code. The order is pyserial's.
 //! The server's received data are not purged: the control may have sent DC1 already, and sends it once.
 
