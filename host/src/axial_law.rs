@@ -1,4 +1,4 @@
-//! Feed of a move that descends along the tool's axis, or at an angle to it.
+//! Plunge law: feed of a move that descends along the tool's axis, or at an angle to it.
 //!
 //! On the end of a tool a chip is as thick as the path per edge, whatever the engaged width. Torque and power do depend on
 //! the width: with the force per width f(h) of a chip h thick, the path per tooth s, z teeth on each side and Z on the
@@ -54,37 +54,37 @@ const HALVINGS: usize = 48;
 /// Reduction of the table's values, which are stored as f32.
 const F32_RATIO: f64 = 1.0 - 1e-6;
 
-/// Numbers of cutting edges that pass a point in one turn.
+/// Numbers of cutting edges that pass a point in one turn of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges {
-    /// z: on a side of the tool.
+    /// z: number of edges on each side (cutting circle) of the tool.
     pub side: f64,
-    /// Z: on its end.
+    /// Z: number of edges on the end of the tool.
     pub end: f64,
 }
 
 impl Edges {
-    /// Numbers of edges of a tool. On a ring, the inserts of both circles reach across its end.
+    /// Numbers for this tool. On a cup mill the inserts of both circles reach across the end, so both count there.
     pub fn of(tool: &Tool) -> Self {
         let side = f64::from(tool.active_teeth());
         Edges { side, end: if matches!(tool, Tool::CupMill(_)) { 2.0 * side } else { side } }
     }
 }
 
-/// Angle of a move from the plane across the tool's axis.
+/// Angle between a move and the plane square to the tool's axis, by its sine and cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inclination {
-    /// S: sine.
+    /// S: sine of the angle; 1 for a plunge.
     pub sine_ratio: f64,
-    /// C: cosine.
+    /// C: cosine of the angle; 0 for a plunge.
     pub cosine_ratio: f64,
 }
 
 impl Inclination {
-    /// A move along the axis.
+    /// Move along the tool's axis.
     pub const PLUNGE: Inclination = Inclination { sine_ratio: 1.0, cosine_ratio: 0.0 };
 
-    /// Angle with this sine.
+    /// Inclination with this sine, from 0 to 1.
     pub fn of_sine(sine_ratio: f64) -> Self {
         Inclination { sine_ratio, cosine_ratio: libm::sqrt((1.0 - sine_ratio * sine_ratio).max(0.0)) }
     }
@@ -93,26 +93,26 @@ impl Inclination {
 /// Plunge law for one tool at one spindle speed: limits of the feed along the tool's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialLaw {
-    /// a: thickest chip.
+    /// a: target chip thickness, the largest path per tooth, mm.
     pub feed_per_tooth_mm: f64,
-    /// Edges of the tool.
+    /// Numbers of edges that pass in one turn.
     pub edges: Edges,
-    /// Diameter of the tool.
+    /// Outer diameter of the tool, mm.
     pub diameter_mm: f64,
-    /// Tangential force of the material.
+    /// Tangential cutting force of the material per width of cut, as a function of the chip thickness.
     pub force: TangentialForce,
-    /// Largest torque of the spindle at the speed, N m: the lower of its own and that of its power.
+    /// Largest torque at the tool's speed, N m: the lower one of the spindle's torque limit and its power divided by the angular speed.
     pub torque_max_n_m: f64,
 }
 
-/// Largest torque at a spindle speed, N m: by the torque and the power of the spindle; infinite without limits.
+/// Largest torque at a spindle speed, N m, by the spindle's limits of torque and power; infinite without limits.
 pub fn torque_max_n_m(torque_n_m: Option<f64>, power_w: Option<f64>, rev_per_min: f64) -> f64 {
     let by_power = power_w.map_or(f64::INFINITY, |power_w| power_w / (TAU * rev_per_min / S_PER_MIN));
     by_power.min(torque_n_m.unwrap_or(f64::INFINITY))
 }
 
 impl AxialLaw {
-    /// Largest torque of a turn, for a path per tooth in a section. (2)
+    /// Largest torque within a turn, N m, for a path of the tool per tooth in a section of tool and material (left side of (2)).
     pub fn torque_n_m(&self, path_mm: f64, section: &MappedSection, inclination: Inclination) -> f64 {
         let Inclination { sine_ratio: sine, cosine_ratio: cosine } = inclination;
         let Edges { side: side_edges, end: end_edges } = self.edges;
@@ -125,7 +125,7 @@ impl AxialLaw {
         (end + side) / MM_PER_M
     }
 
-    /// Largest path per tooth up to `most_mm` that keeps the torque; `None` if no feed does.
+    /// Largest path per tooth, at most `most_mm`, with which the torque stays within its limit, mm; `None` if no feed does.
     pub fn path_mm(&self, most_mm: f64, section: &MappedSection, inclination: Inclination) -> Option<f64> {
         let is_kept = |path_mm: f64| self.torque_n_m(path_mm, section, inclination) <= self.torque_max_n_m;
         if is_kept(most_mm) {
@@ -139,8 +139,8 @@ impl AxialLaw {
         (low_mm > 0.0).then_some(low_mm)
     }
 
-    /// Paths per tooth along a move of this length, by its sections; `is_plunge` if it runs along the axis. `None` if no
-    /// feed keeps the torque somewhere, or nothing is known of the move.
+    /// Table of the permitted path per tooth along a move of this length, from its sections. `sine` is that of the inclination;
+    /// `is_plunge` means that the move runs along the axis. `None` if somewhere no feed keeps the torque, or the move has no sections.
     pub fn table(&self, moved: &MappedDescent, length_mm: f64, (sine, is_plunge): (f64, bool)) -> Option<Table> {
         let sections = &moved.sections[..];
         let inclination = Inclination::of_sine(sine);

@@ -1,4 +1,4 @@
-//! Wall time. In a page (`wasm32`) the system has no clock: the page lends its own.
+//! Wall time. In a web page (`wasm32`) the system has no clock; there the page provides one.
 
 #[cfg(not(target_family = "wasm"))]
 pub use std::time::Instant;
@@ -13,17 +13,17 @@ mod of_page {
 
     static CLOCK: OnceLock<fn() -> f64> = OnceLock::new();
 
-    /// Lends a clock, in ms from any beginning; without one no time passes.
+    /// Sets the function by which the page gives the time, in ms from any origin; without it time stands still.
     pub fn set(clock: fn() -> f64) {
         let _is_set_once = CLOCK.set(clock);
     }
 
-    /// Instant of the page's clock.
+    /// Point in time of the page's clock.
     #[derive(Clone, Copy, Debug)]
     pub struct Instant(f64);
 
     impl Instant {
-        /// This instant.
+        /// The present time.
         pub fn now() -> Self {
             Instant(CLOCK.get().map_or(0.0, |clock| clock()))
         }

@@ -1,4 +1,4 @@
-//! All writes to stdout and stderr. A message that cannot be written never ends the program.
+//! All output to stdout and stderr. A message that cannot be written never ends the program.
 //!
 //! A caller that runs a command as a function passes a [`Capture`], which receives the lines in place of both streams, and
 //! through which the caller follows the command and stops it. It belongs to the thread that runs the command.
@@ -35,18 +35,18 @@ pub enum Progress {
     /// Nothing to report yet.
     #[default]
     None,
-    /// Simulated run.
+    /// A simulated run is under way.
     Run {
-        /// Blocks executed.
+        /// Number of blocks executed so far.
         blocks: usize,
         /// Machine time, s.
         time_s: f64,
     },
-    /// Campaign, or one shard of it.
+    /// A campaign, or one shard of it, is under way.
     Campaign {
-        /// Runs that are over.
+        /// Number of runs that have ended.
         done: u64,
-        /// Runs in all.
+        /// Number of runs in all.
         runs: u64,
     },
 }
@@ -69,23 +69,23 @@ impl Capture {
         }
     }
 
-    /// Tables so far, which this empties.
+    /// Returns the tables received so far and removes them.
     pub fn take_tables(&self) -> Vec<MemoryTable> {
         let take = |tables: &Mutex<Vec<_>>| std::mem::take(&mut *tables.lock().unwrap_or_else(PoisonError::into_inner));
         self.tables.as_ref().map(take).unwrap_or_default()
     }
 
-    /// Lines for stdout so far, which this empties.
+    /// Returns the text for stdout received so far and removes it.
     pub fn take_printed(&self) -> String {
         std::mem::take(&mut *self.printed.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Lines for stderr so far, which this empties.
+    /// Returns the lines for stderr received so far and removes them.
     pub fn take_notes(&self) -> Vec<String> {
         std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Progress of the command.
+    /// Latest progress of the command.
     pub fn progress(&self) -> Progress {
         *self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -101,13 +101,13 @@ impl Capture {
         self.is_stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the command is to stop.
+    /// Whether the caller has asked the command to stop.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped.load(Ordering::Relaxed)
     }
 }
 
-/// The capture of this thread, for another thread that does a part of its command.
+/// Capture of this thread, to be given to another thread that does a part of its command; `None` if output is printed.
 pub fn capture() -> Option<Arc<Capture>> {
     CAPTURE.with_borrow(Clone::clone)
 }

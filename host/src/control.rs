@@ -103,7 +103,7 @@ pub enum Convention {
     Calculator,
 }
 
-/// Reference of I, J, K on a control with G90.1 and G91.1.
+/// Point from which I, J, K are counted, on a control with G90.1 and G91.1.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CenterConvention {
@@ -113,7 +113,7 @@ pub enum CenterConvention {
     Absolute,
 }
 
-/// Conventions that a job or an option sets in place of those of the settings file.
+/// Conventions of the control that a job or an option states; they replace those of the settings file. `None`: not stated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Conventions {
     /// Meaning of numbers without a decimal point.
@@ -173,15 +173,15 @@ struct Axes {
 /// Settings and offset tables of a control, as loaded from a preset and a file.
 #[derive(Debug)]
 pub struct LoadedSettings {
-    /// Settings.
+    /// Settings of the control (dialect, options).
     pub settings: Settings,
-    /// Offsets.
+    /// Offsets stored in the control: work offsets, tool lengths and radii, reference points.
     pub tables: Tables,
-    /// The file states the unit at power-on.
+    /// The settings file states the unit at power-on.
     pub states_unit: bool,
 }
 
-/// Settings and tables of a preset, changed by the file if there is one.
+/// Settings and offsets of a preset, with the changes of the settings file if there is one.
 ///
 /// # Errors
 /// Describes the fault in the file.

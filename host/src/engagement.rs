@@ -27,7 +27,7 @@ use sections::{DescentTables, MappedDescents};
 /// Remedy for nearly every fault.
 const AGAIN: &str = "make the map anew with `arcfeed engage`";
 
-/// Moves of a program with their engaged arcs, in order.
+/// Engagement map: the moves of a program with the engaged arcs of the tool along each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EngagementMap {
     /// Moves in the order of execution.
@@ -36,20 +36,20 @@ pub struct EngagementMap {
     pub descents: MappedDescents,
 }
 
-/// Move of an engagement map, with its engaged arcs.
+/// Move of an engagement map, with the engaged arcs along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedMove {
     /// Line of the program, counted from 1.
     pub line: usize,
-    /// N of its block.
+    /// N number of the move's block; `None` without one.
     pub sequence: Option<i64>,
-    /// [`key`] of the move.
+    /// Hash of the path by which the move is found ([`key`]).
     pub key: u64,
-    /// Engaged arcs of both circles; `None` if they are unknown.
+    /// Engaged arcs of the outer and the inner cutting circle along the move; `None` if they are unknown.
     pub table: Option<EngagedTable>,
 }
 
-/// Finds the moves of a program in a map, in the order of execution. Keeps its state between calls.
+/// Finds the moves of a program in an engagement map, in the order of execution. It keeps its place in the map.
 #[derive(Clone, Debug)]
 pub struct Lookup<'m> {
     ahead: &'m [MappedMove],
@@ -73,14 +73,14 @@ struct MoveTable {
     engaged: Option<Spanned<Vec<[f64; 5]>>>,
 }
 
-/// Hash of a move's path, independent of its feed and N.
+/// Hash of a move's path; feed and N number have no influence on it.
 pub fn key(segment: &Segment) -> u64 {
     let ends = [segment.start, segment.end];
     let rotary = ends.iter().flat_map(|end| end.rotary.map(|MicroDeg(microdeg)| microdeg));
     key_of(linear(segment).into_iter().chain(rotary))
 }
 
-/// Hash of a move's path, independent of the position of the rotary axes too.
+/// Hash of a move's path; feed, N number and the positions of the rotary axes have no influence on it.
 pub fn key_at_any_position(segment: &Segment) -> u64 {
     key_of(linear(segment).into_iter())
 }
@@ -111,7 +111,7 @@ impl EngagementMap {
     /// computed.
     ///
     /// # Errors
-    /// The file is no map, or a map of something else.
+    /// The file is not an engagement map, or its input was different.
     pub fn read(path: &Path, made_of: u64) -> Result<Self, FileError> {
         let text = files::read_to_string(path).map_err(|source| match source.kind() {
             std::io::ErrorKind::NotFound => FileError::Content {
@@ -141,7 +141,7 @@ impl EngagementMap {
         Ok(EngagementMap { moves: moves.collect::<Result<_, _>>()?, descents })
     }
 
-    /// Text of the map's file; `made_of` is the fingerprint of the input from which the map was computed.
+    /// Text of the map's file. `made_of` is the fingerprint of the input from which the map was computed.
     pub fn text(&self, made_of: u64) -> String {
         let mut text = format!(
             "# Where the tool's circles are engaged along each move, by `arcfeed engage`: path, mm; outer circle from, to, inner circle from, to, degrees\n\
@@ -164,15 +164,15 @@ impl EngagementMap {
         text
     }
 
-    /// Lookup that begins at the first move.
+    /// Lookup that starts at the first move of the map.
     pub fn lookup(&self) -> Lookup<'_> {
         Lookup { ahead: &self.moves }
     }
 }
 
 impl<'m> Lookup<'m> {
-    /// Engaged arcs of a move: those of the next entry with the same path. An entry whose move never comes does not
-    /// hide later ones.
+    /// Engaged arcs of the program's next move: those of the next entry of the map with the same path; `None` if there
+    /// is none. Entries before it, whose moves did not come, are skipped.
     pub fn next(&mut self, segment: &Segment) -> Option<&'m EngagedTable> {
         let key = key(segment);
         let at = self.ahead.iter().position(|moved| moved.key == key)?;

@@ -77,48 +77,48 @@ const LENGTH_MAX_MM: f64 = 1e5;
 const POSITIVE_MIN: f64 = 1e-6;
 const POSITIVE_MAX: f64 = 1e6;
 
-/// A job file, checked.
+/// Content of a job file, checked.
 #[derive(Clone, Debug)]
 pub struct JobFile {
-    /// Input of the controller and the planner.
+    /// Tools, laws, cut rules and limits, as controller and planner take them.
     pub job: Job,
-    /// NC program that the job names.
+    /// Path of the NC program that the job names.
     pub program: PathBuf,
-    /// Control that the program runs on.
+    /// Kind of control on which the program runs.
     pub control: ControlKind,
-    /// File with the settings of that control.
+    /// Path of the file with the settings of that control; `None`: standard settings.
     pub settings: Option<PathBuf>,
     /// Folder of subprograms that are not in the program's file.
     pub library: Option<PathBuf>,
-    /// Conventions of the control that the job sets itself.
+    /// Conventions of the control that the job itself states.
     pub conventions: Conventions,
-    /// Settings of the control; in effect at power-on.
+    /// Settings of the control after power-on.
     pub nc: Settings,
     /// Work offsets, tool lengths and reference points of the control.
     pub tables: Tables,
     /// Five-axis machine, if the job names one.
     pub machine: Option<MachineFile>,
-    /// File of that machine; `None` for a preset.
+    /// Path of the machine's file; `None` for a preset or without a machine.
     pub machine_path: Option<PathBuf>,
-    /// Engagement map that the cut rules name.
+    /// Path of the engagement map that the cut rules name; `None` if they name none.
     pub map_file: Option<PathBuf>,
-    /// Content of that map, once read.
+    /// Content of that map; `None` until it has been read.
     pub map: Option<EngagementMap>,
-    /// Workpiece, if the job describes one.
+    /// Workpiece; `None` if the job does not describe one.
     pub workpiece: Option<Workpiece>,
-    /// Cutting edges and forces, if the job describes them.
+    /// Cutting edges, forces and modes; `None` if the job does not describe them.
     pub cutting: Option<Cutting>,
-    /// The law for descending moves, if the job has one.
+    /// Settings of the plunge law, for descending moves; `None` if the job does not use it.
     pub plunge: Option<Plunge>,
-    /// Limits of the spindle.
+    /// Largest power and torque of the spindle.
     pub spindle: SpindleLimits,
-    /// The DNC line.
+    /// Settings of the serial line to the control.
     pub serial: SerialSettings,
-    /// Settings of the transmission on the line.
+    /// Settings of the transmission (DNC) on that line.
     pub dnc: DncSettings,
-    /// Line and column of each cut rule in the file.
+    /// Line and column of each cut rule in the job file, counted from 1.
     pub rule_places: Vec<[usize; 2]>,
-    /// Scope of each cut rule.
+    /// Part of the program to which each cut rule applies, in the order of the rules.
     pub rule_scopes: Vec<RuleScope>,
 }
 
@@ -141,7 +141,7 @@ impl JobFile {
         JobFile::load_with(path, &[])
     }
 
-    /// Reads and checks a job file with values in place of its own.
+    /// Reads and checks a job file in which `values` replace its own values.
     ///
     /// # Errors
     /// See [`FileError`].
@@ -226,7 +226,7 @@ impl JobFile {
         ))
     }
 
-    /// All files that a run of the job reads; `path` is the job file itself.
+    /// Paths of all files that a run of the job reads; `path` is that of the job file itself.
     pub fn inputs(&self, path: &Path) -> Vec<PathBuf> {
         let mut files = vec![path.to_owned(), self.program.clone()];
         files.extend([&self.settings, &self.machine_path, &self.map_file].into_iter().flatten().cloned());

@@ -1,4 +1,4 @@
-//! Values in place of those of a job file, or of its machine's file, by their dotted keys.
+//! Values given on the command line that replace those of a job file, or of its machine's file, by keys with dots.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,7 +21,7 @@ pub struct KeyValue {
 }
 
 impl KeyValue {
-    /// Key with a value in TOML, on one line.
+    /// Key with dots and its value in TOML, on one line.
     pub const fn new(key: String, value: String) -> Self {
         KeyValue { key, value }
     }
@@ -52,7 +52,7 @@ impl fmt::Display for KeyValue {
     }
 }
 
-/// The values of a machine's file, without their first part, and those of the job.
+/// Separates values into those of the machine's file, whose keys lose their first part, and those of the job.
 pub fn divide(values: &[KeyValue]) -> [Vec<KeyValue>; 2] {
     let (mut machine, mut job) = (Vec::new(), Vec::new());
     for value in values {
@@ -64,10 +64,10 @@ pub fn divide(values: &[KeyValue]) -> [Vec<KeyValue>; 2] {
     [machine, job]
 }
 
-/// The text of a file with these values in it.
+/// Text of a file in which these values replace its own or are added.
 ///
 /// # Errors
-/// Says which key cannot have a value.
+/// The key that cannot have a value, with the reason.
 pub fn with_values(text: &str, values: &[KeyValue]) -> Result<String, String> {
     let mut text = text.to_owned();
     for value in values {

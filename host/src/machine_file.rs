@@ -54,17 +54,17 @@ use drives::{DriveError, DriveValues, Drives, Loops, SpindleRamps, Tolerance};
 /// Five-axis machine as described by a file or a preset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineFile {
-    /// Name in the file.
+    /// Name that the file states.
     pub name: String,
-    /// Kinematic chain.
+    /// Kinematic chain: rotary axes, ranges and resolutions of all axes.
     pub machine: Machine,
-    /// Drives, if the file describes them.
+    /// Limits of the drives (speed, acceleration, jerk); `None` if the file does not have them.
     pub drives: Option<Drives>,
-    /// Position loops, if the file describes them.
+    /// Position control loops of the axes; `None` if the file does not describe them.
     pub servo: Option<Loops>,
-    /// Drive of the spindle, if the file describes it.
+    /// Acceleration and deceleration of the spindle; `None` if the file does not describe them.
     pub spindle: Option<SpindleRamps>,
-    /// Least and largest spindle speed, rev/min, if the file has them.
+    /// Lowest and highest spindle speed, rev/min; `None` if the file does not have them.
     pub spindle_range_rev_per_min: Option<[f64; 2]>,
 }
 
@@ -138,7 +138,7 @@ impl MachineFile {
         Self::load_with(path, &[])
     }
 
-    /// Reads and checks a file with values in place of its own.
+    /// Reads and checks a file in which `values` replace its own values.
     ///
     /// # Errors
     /// As [`MachineFile::load`].

@@ -1,8 +1,8 @@
-//! Ports of [`arcfeed_port`], in which files of spies are checked as all [outputs](crate::output) are.
+//! Ports of [`arcfeed_port`]; files of `spy://` wrappers are checked like all [outputs](crate::output).
 
 pub use arcfeed_port::*;
 
-/// Opens ports.
+/// Opening of ports whose spy files are checked.
 pub mod open {
     use arcfeed_port::settings::SerialSettings;
     use arcfeed_port::url::PortUrl;
@@ -10,15 +10,16 @@ pub mod open {
 
     use crate::output::create;
 
-    /// Opens the port and adds the URL's wrappers.
+    /// Opens the port of a URL, with the wrappers that the URL names (`spy://`, `fault://`).
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// The port cannot be opened.
     pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
         arcfeed_port::open::open_with(url, settings, create)
     }
 
-    /// Adds the wrappers of a URL to a port, the outermost last.
+    /// Puts the wrappers of a URL around an open port: the innermost first, so that the outermost one of the URL is
+    /// outermost here.
     ///
     /// # Errors
     /// The file of a spy cannot be created.

@@ -77,26 +77,27 @@ pub use tool_comment::{CommentedKind, ToolComment};
 pub use tool_notes::{ToolNote, ToolNotes};
 pub use unit_survey::AssumedUnit;
 
-/// Program, read as a whole, with its faults.
+/// NC program, read as a whole, with the errors and warnings found.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// Path of the file.
     pub path: PathBuf,
-    /// Lines in order.
+    /// Lines of the program, in order.
     pub lines: Vec<ProgramLine>,
-    /// Diagnostics, in order of place.
+    /// Errors and warnings, in the order of their places.
     pub diagnostics: Vec<Diagnostic>,
-    /// Counts of the moves.
+    /// Numbers of the moves by kind.
     pub moves: MoveCounts,
-    /// First line with a macro statement or a call, counted from 1, if there is one.
+    /// First line with a macro statement or a call, counted from 1; `None` without one.
     pub macro_line: Option<usize>,
     /// State of the control before the first line.
     pub control: Reader,
-    /// Number of executions of each called program, by O number, if the program was run.
+    /// Number of executions of each called program, by O number; empty unless the program was run.
     pub executions: BTreeMap<u32, u32>,
-    /// Places of the lines in the file, if they are its blocks as executed.
+    /// For a program given as its executed blocks: place of each block in the program's file. `None` if the lines are
+    /// those of the file.
     pub places: Option<Arc<ExecutedPlaces>>,
-    /// Path of a run, for a program with macro statements.
+    /// Summary of the executed path, for a program with macro statements that was run.
     pub run_summary: Option<PathSummary>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
@@ -109,17 +110,17 @@ pub struct ProgramLine {
     pub text: Vec<u8>,
     /// Line end as found (see [`arcfeed_nc::text::RawLine`]).
     pub ending: Vec<u8>,
-    /// Meaning; `None` if a control would stop here.
+    /// Meaning of the line; `None` if a control would stop here with an alarm.
     pub meaning: Option<InterpretedLine>,
-    /// Origin of the workpiece on the path: that of the work coordinate system in force, shifted by G92.
+    /// Origin of the workpiece in path coordinates: that of the work offset in force, shifted by G92.
     pub origin: Pose,
-    /// Tool length offset in Z, in machine coordinates.
+    /// Tool length offset in Z, in machine coordinates; 0 without one.
     pub tool_length: Nm,
     /// G43.4: the coordinates are those of the tool tip in the part, and the machine's axes follow.
     pub follows_tip: bool,
     /// Tool and spindle, as commanded up to this line.
     pub machining: Machining,
-    /// Effect of the line with the block-delete switches on, if it differs from that with them off.
+    /// Effect of the line with the block-delete switches the other way; `None` if they change nothing.
     pub skipping: Option<BlockDeleteEffect>,
 }
 
@@ -131,7 +132,8 @@ impl ProgramLine {
         self.machining = reader.modal().machining();
     }
 
-    /// Move of the line, relative to the workpiece's origin; `None` for blocks that make several.
+    /// Move of the line, relative to the workpiece's origin; `None` for a line without a move, and for blocks that make
+    /// several moves.
     pub fn segment(&self) -> Option<Segment> {
         let segment = self.meaning.as_ref()?.segment?;
         Some(segment.shifted(Pose::ORIGIN.minus(self.origin)))
@@ -154,7 +156,7 @@ impl ProgramLine {
         self.meaning.as_ref().is_some_and(|meaning| meaning.step.corner.is_some())
     }
 
-    /// The control counts the line as a block: anything but `%` and an empty line.
+    /// Whether the control counts the line as a block: anything but `%` and an empty line.
     pub fn is_block(&self) -> bool {
         let is_mark = self.meaning.as_ref().is_some_and(|meaning| meaning.parsed.line == LineKind::ProgramMark);
         !self.text.is_empty() && !is_mark
@@ -190,7 +192,8 @@ impl Program {
         program
     }
 
-    /// Diagnostic for a first block that a control on a line would skip as the label.
+    /// Warning if the program's first line is a block, which a control that reads from a line would skip as a label;
+    /// otherwise `None`.
     pub fn missing_label(&self) -> Option<Diagnostic> {
         self.lines.first()?.missing_label()
     }
@@ -211,7 +214,7 @@ impl Program {
         }
     }
 
-    /// The program's bytes.
+    /// Bytes of the whole program.
     pub fn bytes(&self) -> Vec<u8> {
         self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
     }

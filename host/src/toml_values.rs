@@ -3,7 +3,8 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Largest size of a number. All lengths, feeds, counts and coefficients lie far below; integers in nanometres hold it.
+/// Largest absolute value of a number in a file. All real lengths, feeds, counts and coefficients lie far below;
+/// lengths in nanometres still fit into the integers.
 pub const NUMBER_MAX: f64 = 1e9;
 
 /// Longest value that a message repeats, in bytes.

@@ -12,7 +12,7 @@ pub const FORCE: &[(&str, f64)] = &[("N", 1.0), ("kN", 1e3)];
 /// Units of time: the name and its seconds.
 pub const TIME: &[(&str, f64)] = &[("s", 1.0), ("min", 60.0)];
 
-/// Reads a number that is followed by one of these units; returns its value in the base unit.
+/// Value in the base unit of a text that is a number followed by one of these units; `None` if it is not.
 pub fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
     let text = text.trim();
     let value = |(unit, factor): &(&str, f64)| {

@@ -1,4 +1,4 @@
-//! Characters from the control that the operating system has counted as damaged: monitoring and immediate warning.
+//! Warnings of damaged characters from the control: watches the operating system's counters of a serial port.
 
 use arcfeed_line_errors::Counts;
 use arcfeed_units::Micros;
@@ -6,7 +6,7 @@ use arcfeed_units::Micros;
 /// Time between two looks at the counters.
 const PERIOD: Micros = Micros::from_ms(200);
 
-/// Watch on the system's counts of damaged characters, for warnings.
+/// Watch on the system's counters of damaged characters: produces a warning as soon as one of them has risen.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DamageMonitor {
     seen: Counts,
@@ -14,7 +14,8 @@ pub struct DamageMonitor {
 }
 
 impl DamageMonitor {
-    /// Checks the counters once per period; warns if characters were damaged since the last check.
+    /// Checks the counters at most every 200 ms: calls `count` and returns a warning if characters were damaged since
+    /// the check before. `None` if the next check is not due, if nothing was damaged, and if `count` knows no counters.
     pub fn check(&mut self, now: Micros, count: impl FnOnce() -> Option<Counts>) -> Option<String> {
         if now < self.due {
             return None;
@@ -33,7 +34,8 @@ impl DamageMonitor {
     }
 }
 
-/// Text that lists the kinds of damage with their numbers.
+/// Text that lists the kinds of damage with their numbers, for instance "3 with wrong parity, 1 breaks"; "none" if all
+/// counts are 0.
 pub fn in_words(counts: &Counts) -> String {
     let Counts { frame, overrun, parity, breaks, buffer_overrun } = *counts;
     let kinds = [

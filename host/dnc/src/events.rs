@@ -1,8 +1,9 @@
-//! Log messages for the changes since the last check.
+//! Log messages of a transmission: everything that has changed since the messages were last requested.
 
 use super::sender::{Sender, State};
 
-/// Detector of changes in a transmission, as messages for a person; state: the last check.
+/// Source of log messages about a transmission (signals of the control, blocks sent and executed, alarm, end). It keeps
+/// what it has already reported, so that each change is reported once.
 #[derive(Debug)]
 pub struct Events {
     /// Lines that a control counts as blocks.
@@ -16,7 +17,7 @@ pub struct Events {
 }
 
 impl Events {
-    /// Begins with the sender's present state.
+    /// Starts with the sender's present state: only later changes are reported.
     pub fn new(sender: &Sender) -> Self {
         Events {
             blocks: sender.transmission().block_lines(),
@@ -29,8 +30,8 @@ impl Events {
         }
     }
 
-    /// Messages for the changes since the last check; the control has started `executed` blocks and has this alarm, if
-    /// it reports so.
+    /// Messages for all changes since the last call. `executed` is the number of blocks that the control has started,
+    /// `alarm` its alarm; both are `None` if the control does not report them.
     pub fn messages(&mut self, sender: &Sender, executed: Option<usize>, alarm: Option<&str>) -> Vec<String> {
         let mut new = Vec::new();
         self.signals(sender, &mut new);

@@ -1,24 +1,25 @@
-//! Functions that the M, S and T words before a block have left on: spindle, coolant, tool.
+//! Functions that the M, S and T words before a block have left on (spindle, coolant, tool), for a restart in the
+//! middle of a program.
 
 use arcfeed_nc::block::Block;
 
-/// Spindle and coolant functions in force at a place of a program.
+/// Spindle, coolant and tool functions that the blocks read so far have left in force.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Functions {
-    /// M3, M4 or M5.
+    /// 3, 4 or 5 for the last M3, M4 or M5 (M19 counts as M5); `None` before the first of them.
     pub spindle: Option<i64>,
-    /// M7 and M8.
+    /// Whether M7 and M8 are on, in this order.
     pub coolant: [bool; 2],
-    /// Last T word.
+    /// Number of the last T word, the tool that the next M6 loads; `None` before the first.
     pub prepared: Option<i64>,
-    /// Tool that M6 has loaded.
+    /// Number of the tool that the last M6 has loaded; `None` before the first M6 or if no T word stood before it.
     pub tool: Option<i64>,
-    /// M codes of the machine's builder, each once, in order; their effect is unknown.
+    /// Other M codes, which only the machine's builder defines, each once, in order; their effect is unknown here.
     pub others: Vec<i64>,
 }
 
 impl Functions {
-    /// Applies the words of a block.
+    /// Updates the functions by the M and T words of the next block.
     pub fn take(&mut self, block: &Block) {
         let of = |letter: u8| block.words.iter().filter(move |word| word.letter == letter);
         self.prepared = of(b'T').next_back().map(|word| word.number.scaled(1)).or(self.prepared);
@@ -37,7 +38,8 @@ impl Functions {
         }
     }
 
-    /// Words that switch spindle and coolant on again, with this speed.
+    /// Blocks that switch spindle and coolant on again, one function each; `speed` is the S word, if the program has
+    /// given one.
     pub fn words(&self, speed: Option<i64>) -> Vec<String> {
         let mut blocks = Vec::new();
         let speed = speed.map(|speed| format!("S{speed}")).unwrap_or_default();

@@ -6,11 +6,11 @@
 //! 91c44e7a 2 executed blocks=7 stopped=0
 //! e81290bb 3 end sent=214 reason=aborted
 //! ```
-//! The CRC-32 at the start is that of the rest of the line; the record's number follows. `out` is on disk (fsync)
-//! before a character behind its `sent` leaves: after a crash, between `sent` and `until` characters of the last such
-//! record are out. A record torn off at the end had no effect yet and is dropped; damage anywhere else is rejected.
-//! Offsets and blocks are those of the transmission. `from` and `restart_bytes` of a resumed one lead back to the program's
-//! (`from` characters and `blocks` of it are left out, `restart_bytes` characters and `restart_blocks` blocks of them are sent first).
+//! The eight hexadecimal digits at the start are the CRC-32 of the rest of the line; the record's number follows. `out` is on disk (fsync)
+//! before a character behind its `sent` leaves: after a crash, between `sent` and `until` characters of the last such record are out. A
+//! record torn off at the end had no effect yet and is dropped; damage anywhere else is rejected. Offsets and blocks are those of the
+//! transmission. `from` and `restart_bytes` of a resumed one lead back to the program's (`from` characters and `blocks` of it are left
+//! out, `restart_bytes` characters and `restart_blocks` blocks of them are sent first).
 
 use std::fmt::Write;
 
@@ -21,49 +21,49 @@ const NAME: &str = "arcfeed-journal 2";
 /// First words of a journal of any release.
 const ANY_NAME: &str = "0 arcfeed-journal ";
 
-/// First record of a journal: the input of the transmission.
+/// First record of a journal: the transmission to which the journal belongs. A fingerprint is a 64-bit hash.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
     /// Fingerprint of the program's file.
     pub program: u64,
-    /// Fingerprint of the job's data about program and control, its settings file included.
+    /// Fingerprint of the job's data about program and control, those of its settings file included.
     pub job: u64,
-    /// Fingerprint of the whole program as it is sent.
+    /// Fingerprint of the whole program, in the form in which it is sent over the line.
     pub sent: u64,
-    /// Characters of the transmission.
+    /// Number of characters of the transmission.
     pub bytes: usize,
-    /// Characters of the program that are left out at its start.
+    /// Number of characters at the program's start that this transmission leaves out: 0 unless it is a restart.
     pub from: usize,
-    /// Blocks among them.
+    /// Number of blocks that it leaves out there.
     pub blocks: usize,
-    /// Characters that arcfeed puts before the rest.
+    /// Number of characters that arcfeed sends before the rest of the program, to restore the control's state: 0 unless this is a restart.
     pub restart_bytes: usize,
-    /// Blocks among them.
+    /// Number of blocks among the characters in `restart_bytes`.
     pub restart_blocks: usize,
 }
 
-/// Record of a journal after the first.
+/// Record of a journal after the first. Characters and blocks are counted from the start of the transmission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Record {
-    /// Characters are out; no more than `until` will be out before the next record.
+    /// The sender has sent `sent` characters, and will not go beyond `until` before it writes the next record.
     Out {
-        /// Characters out.
+        /// Number of characters sent.
         sent: usize,
-        /// Limit before the next record.
+        /// Largest number of characters that may be sent before the next record.
         until: usize,
     },
     /// The control has started this many blocks, and continues with those that it has unless it has stopped.
     Executed {
-        /// Blocks of the transmission.
+        /// Number of blocks of the transmission that the control has started.
         blocks: usize,
-        /// The control is in alarm or feed hold, with its axes at rest.
+        /// The control is in alarm or feed hold, with its axes at rest: it starts no further block.
         stopped: bool,
     },
-    /// The sender ended.
+    /// The transmission ended: complete, aborted or failed.
     End {
-        /// Characters out.
+        /// Number of characters sent.
         sent: usize,
-        /// Reason.
+        /// Reason for the end.
         reason: EndReason,
     },
 }
@@ -124,7 +124,7 @@ impl EndReason {
     }
 }
 
-/// First line of a journal.
+/// Text of a journal's first line, with its line end.
 pub fn first_line(start: &Start) -> String {
     let Start { program, job, sent, bytes, from, blocks, restart_bytes, restart_blocks } = start;
     seal(&format!(
@@ -133,7 +133,7 @@ pub fn first_line(start: &Start) -> String {
     ))
 }
 
-/// Text of a record; `number` counts from 1.
+/// Text of a record's line, with its line end; `number` counts the records after the first, from 1.
 pub fn line(number: u32, record: &Record) -> String {
     seal(&match record {
         Record::Out { sent, until } => format!("{number} out sent={sent} until={until}"),
@@ -150,16 +150,16 @@ fn seal(text: &str) -> String {
     line
 }
 
-/// Whether a file begins as a journal of any version, or is empty.
+/// Whether the file is empty, or its first line is that of a journal of any arcfeed release, with a correct CRC.
 pub fn is_journal(bytes: &[u8]) -> bool {
     let first = bytes.split_inclusive(|byte| *byte == b'\n').next();
     first.is_none_or(|line| open(line).is_some_and(|text| text.starts_with(ANY_NAME)))
 }
 
-/// Reads a journal.
+/// Reads a journal and returns how far the transmission came.
 ///
 /// # Errors
-/// The journal contains nothing reliable.
+/// The file does not begin as a journal, another release wrote it, or a record before the last is damaged or missing.
 pub fn read(bytes: &[u8]) -> Result<History, JournalError> {
     let mut lines = bytes.split_inclusive(|byte| *byte == b'\n');
     let first = lines.next().and_then(open).ok_or(JournalError::NoStart)?;

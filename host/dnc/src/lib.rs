@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 //!
-//! DNC sender without I/O: the characters, their times, and the records for a restart.
+//! DNC sender without I/O: the characters to send, the times at which they may go out, and the records for a restart.
 //!
 //! ```text
 //!            DC1                 DC3                            hold, resume: from Sending and Stopped and back

@@ -1,17 +1,18 @@
-//! Characters that the sender has handed out and the line has not accepted yet, and one turn of the loop around both.
+//! Buffer for characters that the sender has handed out and the line has not accepted yet, with one pass of the loop
+//! that serves both.
 
 use arcfeed_port::{Port, PortError};
 use arcfeed_units::Micros;
 
 use super::sender::{CHUNK, Sender, State};
 
-/// Failure of the line: it is gone, or accepts no characters.
+/// Failure of the line: the port is gone, or it accepts no characters.
 #[derive(Debug, thiserror::Error)]
 pub enum LineError {
-    /// The line is gone.
+    /// Reading from or writing to the port failed, for instance because an adapter was unplugged.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// The line has accepted nothing for this long.
+    /// The line has accepted no character for this time, which is the configured limit.
     #[error(
         "the line has taken no characters for {} s: check cable and flow control, or raise write_timeout in [serial]",
         .0.to_s()
@@ -19,7 +20,8 @@ pub enum LineError {
     Stuck(Micros),
 }
 
-/// Buffer of at most one chunk between sender and line.
+/// Buffer between sender and line, for characters that the line has not accepted yet: at most one chunk (ten
+/// characters).
 #[derive(Debug)]
 pub struct Outbox {
     held: [u8; CHUNK],
@@ -30,16 +32,17 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// Empty buffer.
+    /// Empty buffer. `timeout` is the longest time for which the line may accept nothing; `None`: no limit.
     pub fn new(timeout: Option<Micros>) -> Self {
         Outbox { held: [0; CHUNK], len: 0, timeout, stuck_since: None }
     }
 
-    /// One turn: passes received characters to the sender, and the sender's characters to the line. Returns true if all
-    /// characters have arrived, as far as the line's rate shows.
+    /// One pass of the send loop, without waiting: passes received characters to the sender, and the sender's
+    /// characters to the line. Returns true once all characters have arrived at the control, which is computed from the
+    /// line's rate.
     ///
     /// # Errors
-    /// The line is gone, or has accepted nothing for too long.
+    /// The port is gone, or has accepted nothing for the time-out.
     pub fn turn(&mut self, port: &mut dyn Port, sender: &mut Sender) -> Result<bool, LineError> {
         let mut incoming = [0; 64];
         loop {
@@ -75,12 +78,12 @@ impl Outbox {
         }
     }
 
-    /// Number of characters handed out that the line has not accepted.
+    /// Number of characters that the sender has handed out and the line has not accepted.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether the line has accepted all characters.
+    /// Whether the line has accepted all characters that the sender has handed out.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

@@ -1,4 +1,5 @@
-//! Times at which characters may go out, so that no more than the control accepts are on their way when it sends DC3.
+//! Times at which characters may go out: when the control sends DC3, no more characters may be on their way than it
+//! still accepts.
 //!
 //! Handed out at h, character i has arrived at the control at `a_i = max(a_(i-1), h_i) + c`, c being the time of a
 //! character. A sender that sees a DC3 at most r after the control has decided on it keeps within w characters if
@@ -12,7 +13,7 @@
 
 use arcfeed_units::{Micros, US_PER_MS, US_PER_S};
 
-/// Characters that a control accepts after DC3 (B-63503EN p. 62).
+/// Number of characters that a control still accepts after it has sent DC3 (B-63503EN p. 62).
 pub const AFTER_DC3_MAX: usize = 10;
 /// Least characters handed out ahead of the line.
 const AHEAD_MIN: u64 = 4;
@@ -20,7 +21,8 @@ const AHEAD_MIN: u64 = 4;
 const LATE: Micros = Micros(US_PER_MS);
 const NS_PER_US: u64 = 1_000;
 
-/// Pacing of a line, so that at most ten characters arrive after a DC3; state: arrival times of the last characters.
+/// Pacing of a serial line: limits how far the sender runs ahead, so that at most ten characters arrive after a DC3. It
+/// keeps the arrival times of the last ten characters.
 #[derive(Clone, Debug)]
 pub struct Pace {
     char_ns: u64,
@@ -31,8 +33,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Pace of a line of this rate, on which the sender stops at most `reaction` after a DC3 arrives; `None` without
-    /// XON/XOFF.
+    /// Pace of a line with this rate, in bits per second. `reaction` is the longest time from the arrival of a DC3
+    /// until the sender stops; `None` for a line without XON/XOFF.
     pub fn new(bits_per_char: u32, baudrate: u32, reaction: Option<Micros>) -> Self {
         let char_ns = (u64::from(bits_per_char) * US_PER_S * NS_PER_US).div_ceil(u64::from(baudrate).max(1));
         let late = (LATE.0 * NS_PER_US).div_ceil(char_ns) + 1;
@@ -44,7 +46,7 @@ impl Pace {
         }
     }
 
-    /// Number of characters that may go out now.
+    /// Number of characters that may be handed to the line at the time `now`, at most ten.
     pub fn room(&self, now: Micros) -> usize {
         let now = now.0.saturating_mul(NS_PER_US);
         let by_reaction = self.arrivals.iter().take_while(|arrival| **arrival + self.reaction_ns <= now).count();
@@ -53,7 +55,7 @@ impl Pace {
         by_reaction.min(by_line)
     }
 
-    /// Records that `len` characters go out now.
+    /// Records that `len` characters are handed to the line at the time `now`.
     pub fn take(&mut self, now: Micros, len: usize) {
         for _ in 0..len {
             let [.., last] = self.arrivals;
@@ -62,24 +64,25 @@ impl Pace {
         }
     }
 
-    /// Time at which the next character may go out.
+    /// Earliest time at which the next character may be handed to the line.
     pub fn free_at(&self) -> Micros {
         let by_reaction = self.arrivals[0] + self.reaction_ns;
         Micros(by_reaction.max(self.arrivals[AFTER_DC3_MAX - self.ahead]).div_ceil(NS_PER_US))
     }
 
-    /// Latest time at which the last character has arrived.
+    /// Latest time at which the last character handed out has arrived at the control.
     pub fn empty_at(&self) -> Micros {
         let [.., last] = self.arrivals;
         Micros((last + self.reaction_ns).div_ceil(NS_PER_US))
     }
 
-    /// Largest number of characters handed out ahead of the line.
+    /// Largest number of characters that may be handed out before the line can have transmitted them, from 4 to 10.
     pub fn ahead(&self) -> usize {
         self.ahead
     }
 
-    /// Fraction of the line's rate that the pace allows: `w c / (r + c)`, 1 at most.
+    /// Fraction of the line's rate that the pace permits, at most 1: `w c / (r + c)`, with w = 10 characters, the time
+    /// c of a character and the reaction time r.
     pub fn share(&self) -> f64 {
         let window = AFTER_DC3_MAX as f64 * self.char_ns as f64;
         (window / (self.reaction_ns + self.char_ns) as f64).min(1.0)

@@ -1,4 +1,4 @@
-//! Comparison of a program from a control's memory with the transmission.
+//! Comparison of a program that a control sends back from its memory (punches) with the program that was sent to it.
 //!
 //! Changes that a control may make when it stores a program are ignored: blanks outside comments, empty blocks, CR,
 //! NUL, the text before the first `%` line and behind the last, `:` or `O`, and leading zeros of the program's number.
@@ -7,10 +7,10 @@ use super::transmission::Transmission;
 
 const LF: u8 = b'\n';
 const DC4: u8 = 0x14;
-/// Replacement for a character that the code does not have.
+/// Byte that stands in the text for a received character which the control's code does not have.
 pub const DAMAGED: u8 = 0xFF;
 
-/// Program that a control sends back from its memory, in ASCII.
+/// Program that a control sends back from its memory, collected as it arrives and decoded into ASCII.
 #[derive(Clone, Debug)]
 pub struct ReadBack {
     decode: [u8; 256],
@@ -21,18 +21,19 @@ pub struct ReadBack {
 /// First difference between the program read back and the program sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// Line of the program's file; of the block before, if the control has more blocks.
+    /// Line of the program's file, counted from 1; if the control has more blocks than were sent, the line of the last
+    /// block sent.
     pub line: usize,
     /// Column in the line as it was sent, counted from 1.
     pub column: usize,
-    /// Text sent, unless only the control has more.
+    /// Text of the block as it was sent; `None` if the control has more blocks than were sent.
     pub sent: Option<String>,
-    /// Text received, unless the control's program ends before.
+    /// Text of the block as it was received; `None` if the control's program ends before it.
     pub received: Option<String>,
 }
 
 impl ReadBack {
-    /// No text yet, from a control whose code is given by `encode`.
+    /// Empty text. `encode` gives the control's code for an ASCII character; it is inverted here.
     pub fn new(encode: fn(u8) -> Option<u8>) -> Self {
         let mut decode = [DAMAGED; 256];
         for byte in 0..0x80_u8 {
@@ -43,7 +44,7 @@ impl ReadBack {
         ReadBack { decode, text: Vec::new(), is_over: false }
     }
 
-    /// Appends received characters; returns true once the program's end is there.
+    /// Appends received characters; returns true once the program's end (`%` or DC4) has arrived.
     pub fn take(&mut self, frames: &[u8]) -> bool {
         for frame in frames {
             // DC1 to DC4 may come with their parity bit or without, whatever the code.
@@ -64,12 +65,12 @@ impl ReadBack {
         self.is_over
     }
 
-    /// Whether a block has come.
+    /// Whether at least one block has been received.
     pub fn has_begun(&self) -> bool {
         self.blocks().next().is_some()
     }
 
-    /// Received text, without DC1 to DC4, CR and NUL.
+    /// Text received so far in ASCII, without DC1 to DC4, CR and NUL.
     pub fn text(&self) -> &[u8] {
         &self.text
     }
@@ -80,10 +81,10 @@ impl ReadBack {
         lines.filter(|line| !line.starts_with(b"%") && !bare(line).is_empty())
     }
 
-    /// Compares the text with what was sent: number of equal blocks, or the first difference.
+    /// Compares the received program with the one sent; returns the number of blocks, which are then all equal.
     ///
     /// # Errors
-    /// The first difference.
+    /// The first block that differs, is missing, or was never sent.
     pub fn compare(&self, sent: &Transmission) -> Result<usize, Box<Difference>> {
         let is_code = |index: &usize| sent.is_block(*index) && !bare(line_of(sent, *index)).is_empty();
         let mut wanted = (1..sent.lines().len()).filter(is_code);

@@ -1,7 +1,8 @@
-//! Position reports of the control, if the job requests them: `[dnc] report_every`, custom macro B.
+//! Position reports that the control prints during a transmission, if the job requests them (`[dnc] report_every`;
+//! needs custom macro B).
 //!
-//! Three lines of ours follow every so many blocks of the *transmission* (never of the program's file); for a block of
-//! line 53:
+//! arcfeed inserts three lines after every so many blocks of the *transmission* (never of the program's file). For a
+//! block of line 53 they are:
 //!
 //! ```text
 //! POPEN
@@ -9,13 +10,14 @@
 //! PCLOS
 //! ```
 //! and the control prints `ARCFEED L53X   12.500Y   -1.000Z    5.000F 1000.000` (blanks or none, as its parameters
-//! say): the end of the block before in the program's coordinates, and the last F. Both are known from the program. A
-//! difference shows that the control does not execute what was sent.
+//! say): the position at the end of the preceding block in the program's coordinates, and the last F. Both are known
+//! from the program. A difference shows that the control does not execute what was sent.
 //!
 //! A control executes macro statements when it *reads* them, not when the blocks before are done (Series 15i-MA,
-//! B-63324EN p. 674; the simulated one too). A report says: read up to here. At least those blocks are executed that
-//! lie further back than the look-ahead of the control. No report is inserted where #5001 differs from the program's
-//! position: under G41, G42, cycles, polar coordinates, scaling, rotation, tilted planes, G43.4.
+//! B-63324EN p. 674; the simulated one too). A report therefore says only that the control has read up to this place.
+//! At least those blocks are executed that lie further back than the look-ahead of the control. No report is inserted
+//! where #5001 differs from the program's position: under G41, G42, cycles, polar coordinates, scaling, rotation,
+//! tilted planes, G43.4.
 
 use arcfeed_nc::modal::{Modal, ProgramStop};
 use arcfeed_units::LengthUnit;
@@ -23,7 +25,7 @@ use arcfeed_units::LengthUnit;
 use super::restored_state::PowerOn;
 use super::transmission::{Transmission, TransmissionFault, Wire};
 
-/// Start of each report.
+/// Text with which each report begins.
 pub const NAME: &str = "ARCFEED";
 /// Numbers from here on do not fit the columns.
 const VALUE_MAX: f64 = 99_999.0;
@@ -44,16 +46,18 @@ struct Expected {
     tolerance: f64,
 }
 
-/// Finding about a position report of the control.
+/// Something wrong with a position report of the control.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReportFinding {
-    /// The control does not execute the program that was sent.
+    /// A report has a wrong line, position or feed: the control does not execute the program that was sent. With the
+    /// message.
     Differs(String),
-    /// A report is missing or cannot be read: the blocks before it are unconfirmed.
+    /// A report is missing or cannot be read, so the blocks before it are unconfirmed. With the message.
     Doubtful(String),
 }
 
-/// Position reports that a control prints during a transmission (`[dnc] report_every`): expected and received ones.
+/// Position reports that a control prints during a transmission: those that are expected, and a comparison with those
+/// that arrive.
 #[derive(Clone, Debug, Default)]
 pub struct Reports {
     expected: Vec<Expected>,
@@ -66,10 +70,11 @@ pub struct Reports {
 }
 
 impl Reports {
-    /// Inserts reports behind every `every`th block, and one before the program's end.
+    /// Inserts a report after every `every`th block, and one before the program's end, where the control's #5001 to
+    /// #5003 are comparable. Returns the transmission with the reports, and the reports to expect.
     ///
     /// # Errors
-    /// The control's code lacks a character.
+    /// The control's code lacks a character that a report needs.
     pub fn insert_into(
         sent: &Transmission,
         every: usize,
@@ -124,8 +129,8 @@ impl Reports {
         self.expected.push(Expected { line, index, values, tolerance });
     }
 
-    /// Reports of a restarted transmission: it begins with `own_lines` added lines and continues at line `from` of
-    /// this one. Earlier reports are no longer expected.
+    /// Reports of a restarted transmission, which begins with `own_lines` lines of arcfeed and continues with the line
+    /// of index `from` of the present transmission. Reports before that line are no longer expected.
     #[must_use]
     pub fn resumed(mut self, from: usize, own_lines: usize) -> Self {
         self.expected.retain(|expected| expected.index >= from);
@@ -135,7 +140,8 @@ impl Reports {
         self
     }
 
-    /// Reads text that the control has printed.
+    /// Reads characters that the control has printed; returns a finding for each report that is wrong, missing or
+    /// unreadable.
     pub fn read_printed(&mut self, bytes: &[u8]) -> Vec<ReportFinding> {
         let mut remarks = Vec::new();
         for byte in bytes.iter().map(|byte| byte & 0x7F) {
@@ -188,28 +194,29 @@ impl Reports {
         })
     }
 
-    /// Numbers of requested reports, and of those that have arrived as expected.
+    /// Number of reports inserted in the transmission, and number of those that have arrived with the expected values.
     pub fn counts(&self) -> (usize, usize) {
         (self.expected.len(), self.heard)
     }
 
-    /// Line of the program's file up to which the control has read, by its own report.
+    /// Line of the program's file up to which the control has read, by its latest report; `None` before the first.
     pub fn read_up_to(&self) -> Option<usize> {
         self.last.map(|(line, _)| line)
     }
 
-    /// Line of the next expected report.
+    /// Line of the program's file after which the next expected report stands; `None` if no more are expected.
     pub fn awaited(&self) -> Option<usize> {
         self.expected.get(self.next).map(|expected| expected.line)
     }
 
-    /// Least number of blocks that the control must have started, if it reads at most `read_ahead` blocks ahead.
+    /// Number of blocks that the control must have started at least, by its latest report, if it reads at most
+    /// `read_ahead` blocks ahead. `None` if that says nothing: no report yet, or none before the look-ahead.
     pub fn taken_up(&self, sent: &Transmission, read_ahead: usize) -> Option<usize> {
         let (_, index) = self.last?;
         Some(sent.blocks_before(index + 1).saturating_sub(read_ahead)).filter(|blocks| *blocks > 0)
     }
 
-    /// Text other than reports that the control has printed.
+    /// Text that the control has printed and that is no report (of the program's own DPRNT, for instance).
     pub fn printed(&self) -> Vec<u8> {
         [self.printed.as_slice(), self.line.as_slice()].concat()
     }

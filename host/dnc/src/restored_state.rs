@@ -1,4 +1,5 @@
-//! State of the control before a block, and the blocks that bring a control into that state.
+//! State of the control before a block, and the blocks that bring a control into that state, for a restart in the
+//! middle of a program.
 //!
 //! Our own interpreter finds the state by reading up to the block. The blocks go first to a clearance plane, then over
 //! the block's start, wait there at M0, and only then go down at a feed. The same interpreter reads them back, from
@@ -19,31 +20,32 @@ use super::transmission::Transmission;
 const DOWN_MAX: Nm = Nm(500_000_000);
 const DOWN_DEFAULT: Nm = Nm(100_000_000);
 
-/// State of a control before it has read anything.
+/// State of a control after power-on, before it has read anything.
 #[derive(Clone, Debug)]
 pub struct PowerOn {
-    /// Settings of the control.
+    /// Settings of the control (dialect, units, options).
     pub settings: Settings,
-    /// Offsets of the control.
+    /// Offsets stored in the control: work offsets, tool lengths and radii.
     pub tables: Tables,
 }
 
 impl PowerOn {
-    /// Reader for this control, with all functions of the dialect.
+    /// Interpreter for this control in that state, with all functions of the dialect.
     pub fn reader(&self) -> Reader {
         let settings = Settings { scope: Scope::Everything, reading: Reading::Lenient, ..self.settings };
         Reader::with(settings, self.tables)
     }
 }
 
-/// State of the control before a block: all that a restart must restore.
+/// State of the control before a block, as the interpreter finds it: all that a restart must restore.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateBefore {
-    /// The control's modal state.
+    /// The control's modal state: modes, position, feed, coordinate systems.
     pub modal: Modal,
-    /// Functions that M, S and T words have left on.
+    /// Spindle, coolant and tool functions that the M, S and T words have left on.
     pub functions: Functions,
-    /// Highest Z of the program that a rapid has led to, in the coordinates in force now.
+    /// Highest Z to which a rapid has led before the block, in the program's coordinates that are in force there;
+    /// `None` if there was no rapid since those coordinates were set.
     pub clearance: Option<Nm>,
     /// Rotary axes that the program has named.
     rotary: [bool; 3],
@@ -52,10 +54,11 @@ pub struct StateBefore {
 }
 
 impl StateBefore {
-    /// State before the line with this index.
+    /// State before the line with this index in the transmission, found by reading all lines before it.
     ///
     /// # Errors
-    /// Describes why no blocks can bring a control there.
+    /// A line before it cannot be read or ends the program, or a state is in force that blocks cannot restore (such as
+    /// G41, G16, scaling, G92); with the reason.
     pub fn line(sent: &Transmission, index: usize, control: &PowerOn) -> Result<Self, String> {
         let mut reader = control.reader();
         let mut before = StateBefore {
@@ -126,10 +129,12 @@ impl StateBefore {
         }
     }
 
-    /// Blocks that bring a control from power-on to this state; `clearance` is in the program's coordinates.
+    /// Text of the blocks that bring a control from power-on to this state, before line `source` of the file.
+    /// `clearance` is the Z of the clearance plane in the program's coordinates; `None`: the highest Z of a rapid so
+    /// far.
     ///
     /// # Errors
-    /// No blocks lead there.
+    /// No blocks lead to this state; with the reason.
     pub fn blocks(&self, source: usize, clearance: Option<Nm>, control: &PowerOn) -> Result<String, String> {
         let start = self.start();
         let [_, _, z] = start.linear;

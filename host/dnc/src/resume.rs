@@ -1,4 +1,5 @@
-//! Restart of a program in its middle: the line, the blocks before it, and the cuts that are repeated or left out.
+//! Restart of a program in its middle: at which line, with which blocks before it, and which cuts are repeated or left
+//! out.
 //!
 //! *Sent* is not *executed*: between the two lie the control's buffer and its look-ahead, with which a control
 //! continues when its sender is gone. Unless the control reported its progress and had stopped then, only a person at
@@ -12,59 +13,65 @@ use super::journal::History;
 use super::restored_state::{PowerOn, StateBefore};
 use super::transmission::Transmission;
 
-/// Restart, to be shown before anything moves. Lines are those of the program's file.
+/// Plan of a restart, shown to the operator before anything moves. Lines are those of the program's file, counted from
+/// 1.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RestartPlan {
-    /// First line of the restart.
+    /// Line of the program at which the restart begins.
     pub line: usize,
-    /// Lines between which the last sent character lies.
+    /// First and last line in which the last character sent before the break can lie.
     pub sent: [usize; 2],
-    /// Line whose block was under way at the control's last report.
+    /// Line of the block that was under way at the control's last report; `None` without a report.
     pub executed: Option<usize>,
-    /// The control had stopped then: no later block was started.
+    /// The control had stopped at that report, therefore it has started no later block.
     pub stopped: bool,
-    /// Blocks sent before that line.
+    /// Blocks that arcfeed sends before the line of the restart, to restore the control's state.
     pub blocks: Vec<String>,
-    /// Cutting blocks that were executed and come again.
+    /// Cutting blocks that the control has executed and that are cut again.
     pub repeated: CutRange,
-    /// Cutting blocks that come again and may have been executed.
+    /// Cutting blocks that are cut again and that the control may have executed before.
     pub possibly_repeated: CutRange,
-    /// Cutting blocks that were never executed and do not come.
+    /// Cutting blocks that the control has certainly not executed and that the restart leaves out.
     pub skipped: CutRange,
-    /// Cutting blocks that do not come and may not have been executed.
+    /// Cutting blocks that the restart leaves out and that the control may not have executed.
     pub possibly_skipped: CutRange,
-    /// Tool that must be in the spindle.
+    /// Number of the tool that must be in the spindle; `None` if the part before has no M6 with a T.
     pub tool: Option<i64>,
-    /// M codes of the machine's builder in the part before: the operator has to restore their effect.
+    /// M codes defined by the machine's builder in the part before the restart; the operator has to restore their
+    /// effect.
     pub other_m: Vec<i64>,
-    /// Index of the line in the transmission.
+    /// Index in the transmission of the line at which the restart begins.
     #[serde(skip)]
     pub index: usize,
 }
 
-/// Range of cutting blocks, by their lines.
+/// Cutting blocks between two places of a program: their number, and their first and last line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CutRange {
-    /// Number of blocks.
+    /// Number of cutting blocks.
     pub count: usize,
-    /// First and last line.
+    /// First and last line with a cutting block, in the program's file; `None` if there is none.
     pub lines: Option<[usize; 2]>,
 }
 
-/// Request for a restart.
+/// Request for a restart, by the operator.
 #[derive(Clone, Copy, Debug)]
 pub struct RestartRequest {
-    /// Line of the program's file; `None`: the block that was under way.
+    /// Line of the program's file at which to restart; `None`: at the block that was under way, if the control's report
+    /// shows which.
     pub line: Option<usize>,
-    /// Clearance in the program's coordinates.
+    /// Z of the clearance plane, over which the tool approaches, in the program's coordinates; `None`: the highest Z to
+    /// which a rapid has led.
     pub clearance: Option<Nm>,
 }
 
 impl RestartPlan {
-    /// Plans a restart.
+    /// Plans a restart of the transmission `sent`; `history` is the journal of the interrupted one, `control` the state
+    /// after power-on.
     ///
     /// # Errors
-    /// Describes why there is none.
+    /// It is unknown how far the control came and no line is given, the line does not exist, or the state before it
+    /// cannot be restored; with the reason.
     pub fn new(
         sent: &Transmission,
         history: &History,
@@ -118,7 +125,7 @@ impl RestartPlan {
         })
     }
 
-    /// Text of the blocks that are sent before the rest of the program.
+    /// Text of the blocks that are sent before the rest of the program, one per line.
     pub fn preamble(&self) -> String {
         self.blocks.iter().map(|block| format!("{block}\n")).collect()
     }

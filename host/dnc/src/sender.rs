@@ -1,4 +1,4 @@
-//! State machine that hands out characters; drawn in [`super`].
+//! State machine that hands out the characters of a program under XON/XOFF; see the diagram in [`super`].
 //!
 //! A control sends only DC1 and DC3: a character damaged on the way to it is not noticed here, and a DC1 after a reset
 //! looks like any other. A transmission that ends early ends at the end of a block if the control allows it: half a
@@ -16,7 +16,7 @@ const DC2: u8 = 0x12;
 const DC3: u8 = 0x13;
 const DC4: u8 = 0x14;
 const PARITY: u8 = 0x80;
-/// Most characters handed out at once.
+/// Largest number of characters that the sender hands out at once.
 pub const CHUNK: usize = AFTER_DC3_MAX;
 /// A DC1 this close behind noise counts once the line has been quiet for this long: it may be part of the noise.
 const SETTLE: Micros = Micros::from_ms(50);
@@ -25,18 +25,18 @@ const ABORT_MAX: Micros = Micros::from_ms(2_000);
 /// Most characters of the control's text that are kept.
 const HEARD_MAX: usize = 4_096;
 
-/// Settings of the line that matter to a sender.
+/// Settings of the serial line that the sender needs.
 #[derive(Clone, Debug)]
 pub struct LineUse {
-    /// Times at which characters may go out.
+    /// Pace: the times at which characters may go out.
     pub pace: Pace,
-    /// The control sends DC1 and DC3.
+    /// The control sends DC1 (XON) and DC3 (XOFF); without it the sender starts at once and never stops.
     pub xonxoff: bool,
-    /// Received characters have a parity bit (eight bits, none of them checked).
+    /// Characters from the control have a parity bit that the port does not check: they arrive as eight bits.
     pub eight_bits: bool,
-    /// Longest time until the control asks for the program.
+    /// Longest wait for the control's first DC1; `None`: no limit.
     pub start_timeout: Option<Micros>,
-    /// Longest time of a DC3.
+    /// Longest wait for DC1 after a DC3; `None`: no limit.
     pub xoff_timeout: Option<Micros>,
 }
 
@@ -59,12 +59,12 @@ pub struct Sender {
     counters: Counters,
 }
 
-/// Recipient that must have its part of the program before the sender continues.
+/// Recipient that must have its part of the program before the sender goes on (see [`Sender::permit`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gate {
-    /// The journal on disk.
+    /// The journal on disk, which records how far characters may have been sent.
     Journal,
-    /// The feed board.
+    /// The feed board, which needs the segments of the blocks before the control executes them.
     Board,
 }
 
@@ -84,47 +84,48 @@ enum Intent {
     Abort { since: Micros },
 }
 
-/// State of the sender.
+/// State of the sender, drawn in the crate's documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// The control has not asked yet.
+    /// The control has not sent its first DC1 yet.
     Waiting,
-    /// The control accepts characters.
+    /// The control accepts characters (last signal DC1).
     Sending,
-    /// The control accepts none.
+    /// The control has stopped the sender (last signal DC3).
     Stopped,
-    /// The sender is held.
+    /// The user has paused the sender with [`Sender::hold`].
     Held,
-    /// All characters are out.
+    /// All characters have been handed out.
     Sent,
-    /// Aborted.
+    /// Aborted by the user with [`Sender::abort`].
     Cut,
-    /// Given up.
+    /// Ended because the control's signal did not come in time.
     Failed(FailureReason),
 }
 
 /// Reason why a transmission failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureReason {
-    /// No DC1 in this time.
+    /// The control has not sent its first DC1 within this time.
     NoStart(Micros),
-    /// No DC1 after DC3 in this time.
+    /// The control has not sent DC1 within this time after its DC3.
     NoXon(Micros),
 }
 
-/// Events on the line, as the sender saw them.
+/// Numbers of signals and characters received from the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Number of times that the control stopped the sender.
+    /// Number of DC3 that stopped the sender.
     pub xoff_count: u32,
-    /// DC1 while sending: a DC3 was lost before it, or the control was started anew.
+    /// Number of DC1 that arrived while sending: a DC3 was lost before it, or the control was started anew.
     pub repeated_xon: u32,
-    /// Characters from the control without a meaning here.
+    /// Number of characters without a meaning to the sender, such as printed text or noise; DC2 and DC4 are not
+    /// counted.
     pub ignored: u32,
 }
 
 impl Sender {
-    /// Sender without gates, which may send everything at once (see [`Sender::permit`]).
+    /// Sender that waits for no gate (see [`Sender::permit`]).
     pub fn new(transmission: Transmission, line: LineUse) -> Self {
         Sender {
             flow: if line.xonxoff { Flow::Silent } else { Flow::Go },
@@ -142,7 +143,7 @@ impl Sender {
         }
     }
 
-    /// Reads characters of the control.
+    /// Processes characters received from the control at the time `now`.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             self.on_byte(now, byte);
@@ -187,7 +188,8 @@ impl Sender {
         (self.flow, self.since) = (flow, now);
     }
 
-    /// Writes the next characters to send into `out`; returns their number.
+    /// Writes the characters that may go out at the time `now` into `out` and counts them as sent; returns their
+    /// number, which is 0 if none may.
     pub fn poll_transmit(&mut self, now: Micros, out: &mut [u8; CHUNK]) -> usize {
         self.start_if_asked(now);
         self.check_timeouts(now);
@@ -227,7 +229,8 @@ impl Sender {
         };
     }
 
-    /// Time of the sender's next action, unless the control sends something before.
+    /// Time at which [`Sender::poll_transmit`] must be called next, unless the control sends something before; `None`
+    /// if there is nothing to do until then.
     pub fn poll_at(&self) -> Option<Micros> {
         if self.over.is_some() {
             return None;
@@ -256,7 +259,7 @@ impl Sender {
         }
     }
 
-    /// Ends after the current block, or within it if the control accepts nothing more for two seconds.
+    /// Ends the transmission after the current block, or within it if the control accepts nothing more for two seconds.
     pub fn abort(&mut self, now: Micros) {
         if !matches!(self.intent, Intent::Abort { .. }) {
             self.intent = Intent::Abort { since: now };
@@ -264,12 +267,12 @@ impl Sender {
         self.check_timeouts(now);
     }
 
-    /// Sends nothing from this offset on until the same gate permits more.
+    /// Sends only characters before the offset `until` in the transmission, until the same gate permits more.
     pub fn permit(&mut self, gate: Gate, until: usize) {
         self.permitted[gate as usize] = until;
     }
 
-    /// Whether the sender waits for a gate.
+    /// Whether the sender has sent everything that this gate permits and waits for more.
     pub fn wants_permit(&self, gate: Gate) -> bool {
         self.over.is_none() && self.sent >= self.permitted[gate as usize]
     }
@@ -279,7 +282,7 @@ impl Sender {
         journal.min(board)
     }
 
-    /// State of the sender.
+    /// Present state of the sender.
     pub fn state(&self) -> State {
         match (self.over, self.intent, self.flow) {
             (Some(over), ..) => over,
@@ -290,7 +293,7 @@ impl Sender {
         }
     }
 
-    /// Whether the control accepts characters, by its last DC1 or DC3; `None` before its first DC1.
+    /// Whether the control accepts characters, by its last DC1 (true) or DC3 (false); `None` before its first DC1.
     pub fn is_taken(&self) -> Option<bool> {
         match self.flow {
             Flow::Silent => None,
@@ -299,27 +302,27 @@ impl Sender {
         }
     }
 
-    /// Characters sent, and in all.
+    /// Number of characters sent so far, and in all.
     pub fn progress(&self) -> (usize, usize) {
         (self.sent, self.transmission.frames().len())
     }
 
-    /// The text being sent.
+    /// The transmission that is being sent.
     pub fn transmission(&self) -> &Transmission {
         &self.transmission
     }
 
-    /// Index of the line of the next character.
+    /// Index in the transmission of the line of the next character to send.
     pub fn line(&self) -> usize {
         self.transmission.line_at(self.sent)
     }
 
-    /// Blocks whose line end went out, `%` and empty lines not counted.
+    /// Number of blocks sent with their line end; `%` and empty lines do not count.
     pub fn blocks_sent(&self) -> usize {
         self.transmission.blocks_before(self.line())
     }
 
-    /// Part already sent of a block that is not complete yet.
+    /// Characters already sent of a block that is not complete yet; `None` at the end of a block.
     pub fn half_block(&self) -> Option<&[u8]> {
         let half = &self.transmission.text()[self.transmission.start_of(self.line())..self.sent];
         (!half.is_empty()).then_some(half)
@@ -333,22 +336,25 @@ impl Sender {
         if self.is_within_block() { self.transmission.start_of(self.line() + 1) } else { self.sent }
     }
 
-    /// Text that the control has printed since the last call: DC2, text, DC4.
+    /// Characters that the control has sent since the last call, without DC1 and DC3 and without the eighth bit: text
+    /// that it prints, between DC2 and DC4. At most 4096 are kept between two calls.
     pub fn take_printed(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.heard)
     }
 
-    /// Events on the line.
+    /// Numbers of signals and characters received so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
 
-    /// Time at which the last character has arrived: a port closed before that is alarm PS0086 at the control.
+    /// Time at which the last character sent has arrived at the control. A port closed before that raises alarm PS0086
+    /// there.
     pub fn arrived_at(&self) -> Micros {
         self.line.pace.empty_at()
     }
 
-    /// Fraction of the line's rate at which the control's ten characters are kept.
+    /// Fraction of the line's rate that can be used, at most 1, if no more than ten characters may arrive after a DC3
+    /// (see [`Pace::share`]).
     pub fn share(&self) -> f64 {
         self.line.pace.share()
     }

@@ -1,46 +1,46 @@
-//! Prediction of waits for the line: blocks that are executed faster than their successors arrive.
+//! Prediction of the waits of a control that executes blocks faster than the serial line delivers the next ones.
 //!
 //! Block i arrives one character time per character after the one before, but not before the control's buffer has room.
 //! It begins when it has arrived and the block before is done. A control brakes for the end of the last block it has: a
 //! block whose successor has not arrived when it begins ends at rest, and takes longer for that.
 
-/// Length and execution time of a block, for the prediction of waits of the control for the serial line.
+/// Length and execution time of a block: the input of [`predict`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockLoad {
-    /// Characters, including the end of block.
+    /// Number of characters on the line, including the end of block.
     pub characters: usize,
-    /// Execution time in the midst of other blocks, s.
+    /// Execution time if the axes do not stop at the block's start and end, s.
     pub time_s: f64,
-    /// Execution time from rest to rest, s.
+    /// Execution time if the axes start and end at rest, s.
     pub alone_s: f64,
 }
 
 impl BlockLoad {
-    /// Load of a move with this length, speed and acceleration: `s/v`, and from rest to rest `s/v + v/a` or, where v
-    /// is not reached, `2 sqrt(s/a)`.
+    /// Load of a move with this length, speed and acceleration: `s/v` in passing, `s/v + v/a` from rest to rest or,
+    /// where v is not reached, `2 sqrt(s/a)`.
     pub fn of_move(characters: usize, way_mm: f64, speed_mm_per_s: f64, acceleration_mm_per_s2: f64) -> Self {
         let (s, v, a) = (way_mm, speed_mm_per_s, acceleration_mm_per_s2);
         let alone_s = if s * a < v * v { 2.0 * libm::sqrt(s / a) } else { s / v + v / a };
         BlockLoad { characters, time_s: s / v, alone_s }
     }
 
-    /// Load of a dwell or of a block without motion.
+    /// Load of a dwell or of a block without motion, which takes `time_s` in either case.
     pub fn of_time(characters: usize, time_s: f64) -> Self {
         BlockLoad { characters, time_s, alone_s: time_s }
     }
 }
 
-/// Interval of blocks before each of which the control waits.
+/// Successive blocks before each of which the control waits for the serial line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wait {
-    /// Indices of the first and the last block.
+    /// Indices of the first and the last of these blocks in the list given to [`predict`].
     pub blocks: [usize; 2],
-    /// Total waiting time, s.
+    /// Sum of the waits, s.
     pub time_s: f64,
 }
 
-/// Predicts the waits at a line of `chars_per_s`, for a buffer of `buffer` characters. The time before the first block
-/// with an execution time is no wait.
+/// Predicts the waits of a control with a buffer of `buffer` characters at a line of `chars_per_s` characters per
+/// second. The wait before the first block that takes time does not count.
 pub fn predict(loads: &[BlockLoad], chars_per_s: f64, buffer: usize) -> Vec<Wait> {
     let (mut waits, mut begun): (Vec<Wait>, Vec<f64>) = (Vec::new(), Vec::with_capacity(loads.len()));
     let (mut arrived, mut free, mut has_moved) = (0.0_f64, 0.0_f64, false);

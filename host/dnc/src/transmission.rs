@@ -1,5 +1,4 @@
-//! Text that goes over the line: the program in the control's code, checked completely before the first character
-//! leaves.
+//! Text that goes over the line to the control: the program in the control's code, checked completely before the first character leaves.
 
 use std::fmt;
 
@@ -14,18 +13,18 @@ const END_MARK: u8 = 0x1a;
 /// Starts of the lines of a report; programs with macro statements of their own are not sent.
 const REPORT: [&str; 3] = ["POPEN", "PCLOS", "DPRNT["];
 
-/// Conversion of program text into the characters on the line.
+/// Rules by which program text becomes the characters on the line.
 #[derive(Clone, Copy, Debug)]
 pub struct Wire {
-    /// Character in the control's code; `None` if the code does not have it.
+    /// Gives the control's code for an ASCII character; `None` if the code does not have it.
     pub encode: fn(u8) -> Option<u8>,
-    /// Characters in comments that the control's code does not have become capitals or blanks instead of faults.
+    /// Characters in comments that the control's code lacks are replaced by capitals or blanks; otherwise they are faults.
     pub filters: bool,
-    /// Blocks are filled up to an even number of characters, for a control with its TV check on.
+    /// A blank is added to blocks with an odd number of characters, for a control with its TV check on.
     pub tv_check: bool,
 }
 
-/// Program as it is sent over the line, complete or from some line on.
+/// Program as it is sent over the line, complete or from some line on (restart), with the line of the file for each line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Transmission {
     text: Vec<u8>,
@@ -34,30 +33,30 @@ pub struct Transmission {
     changes: Changes,
 }
 
-/// Differences between the text sent and the program's file, each kind with its first line, counted from 1.
+/// Differences between the text that is sent and the program's file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// Lines with small letters in code, sent as capitals.
+    /// Lines whose code has small letters; sent as capitals.
     pub capitals: Change,
-    /// Comments with characters that the code lacks, sent as capitals or blanks.
+    /// Lines whose comments have characters that the control's code lacks; sent as capitals or blanks.
     pub comments: Change,
-    /// Marks that are not sent: of an editor before the program, `;` of a screen behind blocks, the end mark of DOS.
+    /// Lines with marks that are not sent: the byte order mark at the start, `;` after a block, the end mark of DOS.
     pub left_out: Change,
-    /// A `%` is sent before the first block.
+    /// A `%` line is sent before the program, because its first line is a block, which the control would skip as a label.
     pub has_mark: bool,
 }
 
-/// Number of lines with one kind of change, and the first of them.
+/// Number of lines with one kind of change, and the first of these lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Change {
-    /// Number of lines.
+    /// Number of lines; 0 if there is no such change.
     pub lines: usize,
-    /// First line.
+    /// First such line of the program's file, counted from 1.
     pub first: usize,
 }
 
 impl Changes {
-    /// Every change in words.
+    /// One sentence for each kind of change that occurs.
     pub fn in_words(&self) -> Vec<String> {
         let mark =
             self.has_mark.then(|| "% is sent before the first block, which the control would skip otherwise".into());
@@ -85,16 +84,16 @@ impl Change {
     }
 }
 
-/// Line of a transmission, with its line in the program's file.
+/// Line of a transmission: where it ends, and the line of the program's file from which it comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SentLine {
-    /// Offset of the end in the text and in the frames, its end of block included.
+    /// Offset in characters of the line's end in the transmission, after its end of block.
     pub end: usize,
-    /// Line of the program's file that it comes from, counted from 1; 0 for a line of ours.
+    /// Line of the program's file from which it comes, counted from 1; 0 for a line that arcfeed has added.
     pub source: usize,
 }
 
-/// Reason why a program is not sent.
+/// Place in a program because of which it cannot be sent, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TransmissionFault {
     /// Line of the program's file, counted from 1.
@@ -112,10 +111,10 @@ impl fmt::Display for TransmissionFault {
 }
 
 impl Transmission {
-    /// Text of a program; `source` gives the line of the file for the character at an offset.
+    /// Transmission of a whole program; `source` gives the line of the file for the character at an offset in `text`.
     ///
     /// # Errors
-    /// Describes every fault for which a control would not get the program, or would get another one.
+    /// Lists every fault because of which the control would not get the program, or would get a different one.
     pub fn new(text: &[u8], source: impl Fn(usize) -> usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { text: Vec::with_capacity(text.len() + 3), ..Transmission::default() };
         let (mut refusals, mut at) = (Vec::new(), 0);
@@ -132,10 +131,11 @@ impl Transmission {
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
 
-    /// Transmission of our own blocks, then of this program from the line with index `from` on.
+    /// Transmission for a restart: the lines of `preamble`, which arcfeed has written, then this transmission from the line with index
+    /// `from` on.
     ///
     /// # Errors
-    /// The control's code lacks a character of ours.
+    /// The control's code lacks a character of `preamble`.
     pub fn resumed(&self, preamble: &str, from: usize, wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { changes: self.changes, ..Transmission::default() };
         let mut refusals = Vec::new();
@@ -152,11 +152,11 @@ impl Transmission {
         Ok(sent)
     }
 
-    /// This transmission with lines of ours added behind some of its own: index and text, in order. An added line
-    /// counts as part of the line before it.
+    /// This transmission with lines inserted: each item of `added` is the index of the line after which its text is inserted, in ascending
+    /// order. Inserted lines count as parts of the line before them.
     ///
     /// # Errors
-    /// The control's code lacks a character of ours.
+    /// The control's code lacks a character of an inserted line.
     pub fn with_lines(&self, added: &[(usize, String)], wire: &Wire) -> Result<Self, Vec<TransmissionFault>> {
         let mut sent = Transmission { changes: self.changes, ..Transmission::default() };
         let (mut refusals, mut added) = (Vec::new(), added.iter().peekable());
@@ -172,7 +172,7 @@ impl Transmission {
         if refusals.is_empty() { Ok(sent) } else { Err(refusals) }
     }
 
-    /// Whether the line belongs to a report of the control, which the interpreter of plain blocks cannot read.
+    /// Whether the line with this index belongs to an inserted position report, which the interpreter of plain blocks cannot read.
     pub fn is_of_report(&self, index: usize) -> bool {
         let text = self.line_text(index).unwrap_or_default();
         REPORT.iter().any(|begin| text.starts_with(begin.as_bytes()))
@@ -261,37 +261,37 @@ impl Transmission {
         (!(0..self.lines.len()).any(|index| ends(&index))).then_some(refusal)
     }
 
-    /// Lines that are sent otherwise than written.
+    /// Differences between this text and the program's file.
     pub fn changes(&self) -> &Changes {
         &self.changes
     }
 
-    /// The text, character for character that of [`Transmission::frames`].
+    /// Text that is sent, in ASCII; character by character the same as [`Transmission::frames`].
     pub fn text(&self) -> &[u8] {
         &self.text
     }
 
-    /// The characters that go over the line.
+    /// Characters that go over the line, in the control's code.
     pub fn frames(&self) -> &[u8] {
         &self.frames
     }
 
-    /// Lines of the transmission.
+    /// Lines of the transmission, in order.
     pub fn lines(&self) -> &[SentLine] {
         &self.lines
     }
 
-    /// Offset of the start of a line; the end for the line behind the last.
+    /// Offset of the first character of the line with this index; the end of the text for the index after the last line.
     pub fn start_of(&self, index: usize) -> usize {
         index.checked_sub(1).and_then(|before| self.lines.get(before)).map_or(0, |before| before.end)
     }
 
-    /// Index of the line of the character at an offset.
+    /// Index of the line that contains the character at this offset.
     pub fn line_at(&self, offset: usize) -> usize {
         self.lines.partition_point(|line| line.end <= offset)
     }
 
-    /// Line with its end.
+    /// Text of the line with this index, with its line end; `None` if there is no such line.
     pub fn line_text(&self, index: usize) -> Option<&[u8]> {
         let line = self.lines.get(index)?;
         self.text.get(self.start_of(index)..line.end)
@@ -303,17 +303,18 @@ impl Transmission {
         !text.is_empty() && !text.starts_with(b"%")
     }
 
-    /// Number of blocks among the lines before the one with this index.
+    /// Number of blocks among the lines before the line with this index.
     pub fn blocks_before(&self, index: usize) -> usize {
         (0..index.min(self.lines.len())).filter(|line| self.is_block(*line)).count()
     }
 
-    /// Indices of the lines that a control executes as blocks, in order.
+    /// Indices of the lines that the control executes as blocks, in order; the first line is never among them.
     pub fn block_lines(&self) -> Vec<usize> {
         (1..self.lines.len()).filter(|line| self.is_block(*line)).collect()
     }
 
-    /// Index of the line of the `count`th block, counted from 1; a control never sees the first line.
+    /// Index of the line of the `count`th block, counted from 1; `None` if there are fewer. The first line does not count, because the
+    /// control skips it as a label.
     pub fn line_of_block(&self, count: usize) -> Option<usize> {
         (1..self.lines.len()).filter(|line| self.is_block(*line)).nth(count.checked_sub(1)?)
     }

@@ -2,34 +2,34 @@
 //!
 //! Counts of damaged characters at a serial port, from the operating system: Linux, `TIOCGICOUNT` (tty_ioctl(4)).
 //!
-//! The counters are the driver's, since it was loaded, of all received characters; a pseudo-terminal has none, nor have
-//! some drivers of adapters. The call is `unsafe` and no safe crate offers it, so it has a crate of its own: the only
-//! place in the host with `unsafe` code.
+//! The driver counts the damaged characters of all it has received since it was loaded. A pseudo-terminal has no such counters, nor have
+//! some drivers of adapters. The call is `unsafe` and no safe crate offers it, so it has a crate of its own: the only place in the host
+//! with `unsafe` code.
 
-/// Port of this operating system, opened natively.
+/// Serial port as the operating system opens it (Unix).
 #[cfg(unix)]
 pub type NativePort = serialport::TTYPort;
-/// Port of this operating system, opened natively.
+/// Serial port as the operating system opens it (Windows).
 #[cfg(windows)]
 pub type NativePort = serialport::COMPort;
 
-/// Counts of damaged and lost characters.
+/// Numbers of damaged and lost characters at a serial port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Characters without stop bits.
+    /// Characters whose stop bit was missing (framing errors).
     pub frame: u32,
-    /// Characters lost in the UART, which were not read in time.
+    /// Characters lost in the UART, because the driver did not read them in time.
     pub overrun: u32,
     /// Characters with wrong parity.
     pub parity: u32,
-    /// Breaks.
+    /// Break conditions received.
     pub breaks: u32,
-    /// Characters lost in the driver, whose buffer was full.
+    /// Characters lost in the driver, because its buffer was full.
     pub buffer_overrun: u32,
 }
 
 impl Counts {
-    /// Counts since `before`; the counters wrap.
+    /// Counts since the earlier reading `before`. The counters overflow, which is taken into account.
     #[must_use]
     pub fn since(&self, before: &Counts) -> Counts {
         Counts {
@@ -47,7 +47,7 @@ impl Counts {
     }
 }
 
-/// Present counters; `None` if the driver or the system has none.
+/// Present counters of the port; `None` if its driver has none or the system does not answer.
 #[cfg(target_os = "linux")]
 pub fn counts(port: &NativePort) -> Option<Counts> {
     use std::os::fd::{AsRawFd, BorrowedFd};
@@ -74,7 +74,7 @@ pub fn counts(port: &NativePort) -> Option<Counts> {
     Some(Counts { frame, overrun, parity, breaks, buffer_overrun })
 }
 
-/// Always `None`: this system has no counters.
+/// Always `None`: this operating system has no such counters.
 #[cfg(all(any(unix, windows), not(target_os = "linux")))]
 pub fn counts(_port: &NativePort) -> Option<Counts> {
     None

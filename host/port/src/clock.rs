@@ -1,4 +1,4 @@
-//! Wall time: time since a port was opened, and time of day.
+//! Wall time: a clock that starts when a port is opened, and the time of day.
 
 use std::time::{Duration, Instant, SystemTime};
 
@@ -10,7 +10,7 @@ const DAYS_PER_ERA: u64 = 146_097;
 /// Days from 0000-03-01 to 1970-01-01.
 const DAYS_TO_EPOCH: u64 = 719_468;
 
-/// Clock that starts at zero when it is created.
+/// Wall clock (monotonic) that is zero when it is created.
 #[derive(Clone, Copy, Debug)]
 pub struct WallClock {
     since: Instant,
@@ -18,22 +18,22 @@ pub struct WallClock {
 }
 
 impl WallClock {
-    /// Clock whose zero is now.
+    /// Clock whose zero is the present moment.
     pub fn start() -> Self {
         WallClock { since: Instant::now(), started: SystemTime::now() }
     }
 
-    /// Time since the start.
+    /// Time since the clock's start.
     pub fn now(&self) -> Micros {
         Micros(u64::try_from(self.since.elapsed().as_micros()).unwrap_or(u64::MAX))
     }
 
-    /// Date and time of the start.
+    /// Date and time of the clock's start.
     pub fn started(&self) -> SystemTime {
         self.started
     }
 
-    /// Sleeps until the deadline.
+    /// Sleeps until `deadline`, which counts from the clock's start; returns at once if that has passed.
     pub fn wait(&self, deadline: Micros) {
         std::thread::sleep(Duration::from_micros(deadline.since(self.now()).0));
     }

@@ -1,4 +1,4 @@
-//! `fault://`: any port, with its data corrupted from a seed.
+//! `fault://`: wrapper of any port that corrupts its data by random faults, repeatable from a seed.
 //!
 //! Each direction has a random generator of its own and draws byte by byte: the fault of a byte depends on the seed and
 //! on the bytes before it, not on the time nor on how many are read or written at once. Only short writes depend on the
@@ -21,7 +21,7 @@ const BURST: (u64, u64) = (2, 16);
 /// Most bytes passed on at once.
 const AT_ONCE: usize = 64;
 
-/// Port that loses and corrupts characters on purpose, for tests of a sender.
+/// Port that loses, corrupts, doubles and delays bytes on purpose, for tests of a sender.
 pub struct Fault<'p> {
     inner: Box<dyn Port + 'p>,
     plan: FaultPlan,
@@ -102,7 +102,7 @@ impl Lane {
 }
 
 impl<'p> Fault<'p> {
-    /// Corrupts the data of a port according to a plan.
+    /// Wraps a port so that its data are corrupted according to a plan.
     pub fn new(inner: Box<dyn Port + 'p>, plan: &FaultPlan) -> Self {
         let mut seeds = Random(plan.seed);
         let mut part = || Random(seeds.next());

@@ -44,22 +44,23 @@ use std::time::SystemTime;
 use arcfeed_line_errors::Counts;
 use arcfeed_units::Micros;
 
-/// Report of the machine behind a port; empty over a plain DNC line.
+/// State of the machine behind a port, where the port can report it; all `None` over a plain DNC line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Machine {
-    /// The override in effect, %.
+    /// Feed override in effect, %.
     pub override_percent: Option<u8>,
-    /// Chip thickness of the last tooth over its target.
+    /// Thickest chip of the last tooth divided by its target.
     pub chip_ratio: Option<f64>,
-    /// Cause of a stop, in words.
+    /// Alarm or other cause for which the machine has stopped, in words.
     pub alarm: Option<String>,
-    /// X, Y, Z of the tool's tip in the workpiece's coordinates.
+    /// X, Y, Z of the tool's tip in the workpiece's coordinates, mm.
     pub position_mm: Option<[f64; 3]>,
-    /// Feed along the path.
+    /// Feed along the path at present, mm/min.
     pub feed_mm_per_min: Option<f64>,
 }
 
-/// Byte line to a control: a serial port, a socket, or a simulated one.
+/// Byte line to a control: a serial port, a socket, or a simulated one. The port also has the clock for everything that is timed on the
+/// line.
 pub trait Port {
     /// Time since the port was opened.
     fn now(&self) -> Micros;
@@ -67,37 +68,37 @@ pub trait Port {
     /// Reads the bytes that have arrived; returns 0 if there are none.
     ///
     /// # Errors
-    /// The line is gone.
+    /// The port can no longer be used, for instance because an adapter was unplugged or a connection closed.
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError>;
 
     /// Writes bytes to the line; returns the number accepted, 0 if the line accepts none now.
     ///
     /// # Errors
-    /// The line is gone.
+    /// The port can no longer be used.
     fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError>;
 
     /// Number of accepted bytes that have not left yet, as far as the port can know.
     ///
     /// # Errors
-    /// The line is gone.
+    /// The port can no longer be used.
     fn out_waiting(&mut self) -> Result<usize, PortError> {
         Ok(0)
     }
 
-    /// Waits, until `deadline` at the latest.
+    /// Waits until the time `deadline` (since the port was opened); a simulated port returns earlier if its control sends.
     fn wait(&mut self, deadline: Micros);
 
-    /// Damaged characters from the other end since the port was opened, if the port reports them.
+    /// Counts of damaged characters received since the port was opened; `None` if the port does not report them.
     fn line_errors(&self) -> Option<Counts> {
         None
     }
 
-    /// Date and time at which the port was opened, if its time is wall time.
+    /// Date and time at which the port was opened; `None` if the port has simulated time.
     fn opened(&self) -> Option<SystemTime> {
         None
     }
 
-    /// The control is done with the program; `None` if the port cannot know.
+    /// Whether the control has executed the program to its end; `None` if the port cannot know.
     fn control_is_done(&self) -> Option<bool> {
         None
     }
@@ -107,12 +108,13 @@ pub trait Port {
         None
     }
 
-    /// Report of the machine, if the port can know.
+    /// State of the machine behind the port; fields that the port cannot know are `None`.
     fn machine(&self) -> Machine {
         Machine::default()
     }
 
-    /// Requests feed hold, if the port can; returns true if the axes rest.
+    /// Requests feed hold from the machine, if the port has one; returns true once the axes are at rest. Ports without a machine return
+    /// false.
     fn feed_hold(&mut self) -> bool {
         false
     }
@@ -165,18 +167,18 @@ impl<P: Port> Port for Rc<RefCell<P>> {
     }
 }
 
-/// Failure of a port, with a message for a person.
+/// Failure of a port: its name, and a message that says the cause in words.
 #[derive(Debug, thiserror::Error)]
 #[error("{name}: {source}")]
 pub struct PortError {
-    /// Name of the port.
+    /// Name of the port, as in its URL.
     pub name: String,
-    /// Cause.
+    /// Error of the operating system, or one made from a message of arcfeed.
     pub source: std::io::Error,
 }
 
 impl PortError {
-    /// Failure with a message that names the remedy.
+    /// Failure of the port `name` with the given message, which names the cause and the remedy.
     pub fn in_words(name: &str, message: impl Into<String>) -> Self {
         PortError { name: name.to_owned(), source: std::io::Error::other(message.into()) }
     }

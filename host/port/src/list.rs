@@ -15,30 +15,31 @@ pub use linux::below;
 /// pyserial's text for an unknown value.
 const UNKNOWN: &str = "n/a";
 
-/// Port and its properties, with pyserial's names.
+/// Serial port of this computer with its properties, named as in pyserial's `ListPortInfo`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct PortInfo {
-    /// Device to open.
+    /// Name by which the port is opened, such as `/dev/ttyUSB0` or `COM3`.
     pub device: String,
-    /// Last part of the device's path.
+    /// Last part of the device's path, such as `ttyUSB0`.
     pub name: String,
-    /// Description for people.
+    /// Description for people, such as the name of the USB adapter; `n/a` without one.
     pub description: String,
-    /// Identification for programs.
+    /// Identification text for programs (USB numbers, serial number, location), which `hwgrep://` searches; `n/a`
+    /// without one.
     pub hwid: String,
-    /// USB: vendor of the chip.
+    /// USB vendor number (VID); `None` for other ports.
     pub vid: Option<u16>,
-    /// USB: product number of the chip.
+    /// USB product number (PID); `None` for other ports.
     pub pid: Option<u16>,
-    /// USB: serial number.
+    /// USB serial number, if the adapter has one.
     pub serial_number: Option<String>,
-    /// USB: location on the bus.
+    /// Place on the USB, such as `1-1.2`.
     pub location: Option<String>,
-    /// USB: manufacturer of the adapter.
+    /// Name of the adapter's manufacturer.
     pub manufacturer: Option<String>,
-    /// USB: product name.
+    /// Name of the product.
     pub product: Option<String>,
-    /// USB: interface of the device.
+    /// Name of the USB interface to which the port belongs, of devices with several.
     pub interface: Option<String>,
 }
 
@@ -79,13 +80,15 @@ impl PortInfo {
     }
 }
 
-/// The ports of the system, in natural order; with the links to them if requested.
+/// Serial ports of this computer, in natural order (`ttyUSB2` before `ttyUSB10`). With `with_links`, symbolic links to
+/// the ports are listed, too.
 #[cfg(target_os = "linux")]
 pub fn ports(with_links: bool) -> Vec<PortInfo> {
     below(std::path::Path::new("/"), with_links)
 }
 
-/// The ports of the system, in natural order; only Linux has links to ports.
+/// Serial ports of this computer, in natural order (`COM2` before `COM10`). Links to ports exist on Linux only,
+/// therefore the argument is ignored.
 #[cfg(not(target_os = "linux"))]
 pub fn ports(_with_links: bool) -> Vec<PortInfo> {
     let found = serialport::available_ports().unwrap_or_default();
@@ -101,17 +104,19 @@ pub fn ports(_with_links: bool) -> Vec<PortInfo> {
     }))
 }
 
-/// Ports whose name, description or hardware id matches the expression, ignoring case.
+/// Those of `ports` whose device name, description or hardware id contains a match of the regular expression, ignoring
+/// case.
 ///
 /// # Errors
-/// The text is no regular expression, or this build does not support them.
+/// The text is not a regular expression, or this build has none.
 pub fn grep(ports: Vec<PortInfo>, regexp: &str) -> Result<Vec<PortInfo>, String> {
     let pattern = Pattern::new(regexp)?;
     let matches = |port: &PortInfo| [&port.device, &port.description, &port.hwid].iter().any(|x| pattern.matches(x));
     Ok(ports.into_iter().filter(matches).collect())
 }
 
-/// The device that `hwgrep://` selects; `can_be_opened` is called only if needed.
+/// Device name of the port that a `hwgrep://` URL selects among `ports`; `None` if there are too few matches.
+/// `can_be_opened` is called only with the option `skip_busy`.
 pub fn find(ports: &[PortInfo], wanted: &Hwgrep, can_be_opened: impl Fn(&str) -> bool) -> Option<String> {
     let found = grep(ports.to_vec(), &wanted.regexp).unwrap_or_default();
     let mut devices = found.into_iter().map(|port| port.device);

@@ -1,22 +1,22 @@
-//! Messages of `?logging=LEVEL`, on stderr in the form of Python's `logging`.
+//! Diagnostic messages of ports with the URL option `logging=LEVEL`: on stderr, in the form of Python's `logging`.
 
 use std::fmt::Arguments;
 use std::io::{Write, stderr};
 
-/// Level of a message.
+/// Severity of a message, in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// Every step.
+    /// Every single step.
     Debug,
-    /// Result of a negotiation.
+    /// Result of a negotiation with a server.
     Info,
-    /// Unexpected event.
+    /// Unexpected event after which the port continues.
     Warning,
-    /// Failure.
+    /// Failure of the port.
     Error,
 }
 
-/// Log that prints messages from a level on.
+/// Log of one kind of port: prints the messages from a chosen level on.
 #[derive(Clone, Copy, Debug)]
 pub struct Log {
     name: &'static str,
@@ -24,7 +24,7 @@ pub struct Log {
 }
 
 impl Level {
-    /// Level by pyserial's name.
+    /// Level with this name in pyserial's URLs (`debug`, `info`, `warning`, `error`); `None` for any other text.
     pub fn named(name: &str) -> Option<Level> {
         Some(match name {
             "debug" => Level::Debug,
@@ -37,12 +37,12 @@ impl Level {
 }
 
 impl Log {
-    /// Log with the messages of `name`; none without a level.
+    /// Log whose messages begin with `name`. It prints those of level `from` and above, or nothing if that is `None`.
     pub fn new(name: &'static str, from: Option<Level>) -> Self {
         Log { name, from }
     }
 
-    /// Prints a message if its level is high enough.
+    /// Prints the message if its level is at or above that of the log.
     pub fn say(&self, level: Level, message: Arguments<'_>) {
         if self.from.is_some_and(|from| level >= from) {
             note(format_args!("{}:arcfeed.{}:{message}", format!("{level:?}").to_uppercase(), self.name));

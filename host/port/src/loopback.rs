@@ -1,4 +1,4 @@
-//! `loop://`: written bytes are read again, in order, without a line between.
+//! `loop://`: a queue in memory; bytes written to the port can be read from it again, in order.
 
 use std::collections::VecDeque;
 use std::time::SystemTime;
@@ -9,7 +9,7 @@ use super::clock::WallClock;
 use super::log::{Level, Log};
 use super::{Port, PortError};
 
-/// Capacity in bytes, that of pyserial.
+/// Capacity of the queue in bytes, the same as pyserial's.
 pub const CAPACITY: usize = 4_096;
 
 /// Port that receives what it sends (`loop://`).
@@ -20,7 +20,7 @@ pub struct Loopback {
 }
 
 impl Loopback {
-    /// Port with an empty queue.
+    /// Port with an empty queue. `logging` is the level from which messages are printed; `None`: no messages.
     pub fn open(logging: Option<Level>) -> Self {
         Log::new("loop", logging).say(Level::Debug, format_args!("enabled logging"));
         Loopback { held: VecDeque::with_capacity(CAPACITY), clock: WallClock::start() }

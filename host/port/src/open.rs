@@ -1,4 +1,4 @@
-//! Opens the port of a URL.
+//! Opening of the port that a URL describes.
 
 use std::fs::File;
 
@@ -14,18 +14,20 @@ use super::url::{Base, PortUrl, Wrapper};
 use super::{Port, PortError};
 use crate::settings::SerialSettings;
 
-/// Opens the port and adds the URL's wrappers. An existing file of a spy is overwritten.
+/// Opens the port of a URL, with the wrappers that the URL names (`spy://`, `fault://`). An existing file of a spy is
+/// overwritten.
 ///
 /// # Errors
-/// It cannot be opened. `sim:` is no port of this machine and is made elsewhere.
+/// The port cannot be opened. `sim:` and `linuxcnc:` are no byte lines of this computer: this function always fails for
+/// them.
 pub fn open(url: &PortUrl, settings: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
     open_with(url, settings, |path| File::create(path))
 }
 
-/// Opens the port as [`open`] does, with files of spies created by `create`.
+/// Opens the port as [`open`] does, but creates the files of `spy://` wrappers by calling `create`.
 ///
 /// # Errors
-/// As [`open`].
+/// Same as [`open`].
 pub fn open_with(url: &PortUrl, settings: &SerialSettings, create: CreateFile) -> Result<Box<dyn Port>, PortError> {
     let port: Box<dyn Port> = match &url.base {
         Base::Sim => {
@@ -62,7 +64,8 @@ fn native(name: &str, _: &SerialSettings) -> Result<Box<dyn Port>, PortError> {
     Err(PortError::in_words(name, "this system has no serial ports"))
 }
 
-/// Adds the wrappers of a URL to a port, the outermost last.
+/// Puts the wrappers of a URL around an open port: the innermost first, so that the outermost one of the URL is
+/// outermost here.
 ///
 /// # Errors
 /// The file of a spy cannot be created.

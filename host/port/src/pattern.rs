@@ -1,4 +1,4 @@
-//! Regular expressions of `ports` and `hwgrep://`.
+//! Regular expressions for `arcfeed ports` and `hwgrep://`; a stand-in if this build has none.
 
 /// Regular expression that ignores case.
 #[cfg(feature = "hwgrep")]
@@ -10,26 +10,26 @@ impl Pattern {
     /// Parses an expression.
     ///
     /// # Errors
-    /// The text is no regular expression.
+    /// The text is not a regular expression.
     pub fn new(text: &str) -> Result<Self, String> {
         let regex = regex::RegexBuilder::new(text).case_insensitive(true).build();
         regex.map(Pattern).map_err(|error| format!("no regular expression: {}", error.to_string().replace('\n', " ")))
     }
 
-    /// Some part of the text matches.
+    /// Whether some part of the text matches, ignoring case.
     pub fn matches(&self, text: &str) -> bool {
         self.0.is_match(text)
     }
 }
 
-/// Stand-in for a build without regular expressions.
+/// Stand-in in a build without regular expressions: has no values, because [`Pattern::new`] always fails.
 #[cfg(not(feature = "hwgrep"))]
 #[derive(Clone, Debug)]
 pub enum Pattern {}
 
 #[cfg(not(feature = "hwgrep"))]
 impl Pattern {
-    /// Always fails.
+    /// Always fails with a message that names the missing feature.
     ///
     /// # Errors
     /// Always.
@@ -39,7 +39,7 @@ impl Pattern {
             .to_owned())
     }
 
-    /// Matches nothing.
+    /// Never called, because there is no value.
     pub fn matches(&self, _text: &str) -> bool {
         match *self {}
     }

@@ -1,4 +1,4 @@
-//! Native serial port, by its name: raw bytes, the operating system's XON/XOFF off, its RTS/CTS as requested.
+//! Native serial port of this computer: raw bytes, without the operating system's XON/XOFF, with RTS/CTS if requested.
 
 use std::io::{ErrorKind, Read, Write};
 use std::time::{Duration, SystemTime};
@@ -14,7 +14,7 @@ use crate::settings::{Parity, SerialSettings};
 /// Longest time that one write may wait for room: the caller has other work.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(20);
 
-/// Open serial port.
+/// Serial port of this computer, opened.
 pub struct Serial {
     name: String,
     port: NativePort,
@@ -24,10 +24,10 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Opens a port.
+    /// Opens the port with this device name (`/dev/ttyUSB0`, `COM3`).
     ///
     /// # Errors
-    /// It does not exist, or another program has it.
+    /// There is no such port, another program uses it, or it refuses a setting.
     pub fn open(name: &str, settings: &SerialSettings) -> Result<Self, PortError> {
         let builder = serialport::new(name, settings.baudrate)
             .data_bits(match settings.bytesize {

@@ -7,20 +7,20 @@ use arcfeed_units::Micros;
 pub struct SerialSettings {
     /// Bits per second.
     pub baudrate: u32,
-    /// Data bits.
+    /// Number of data bits per character.
     pub bytesize: u8,
     /// Parity.
     pub parity: Parity,
-    /// Stop bits.
+    /// Number of stop bits per character.
     pub stopbits: u8,
-    /// XON/XOFF, handled by the sender itself.
+    /// The control sends XON/XOFF; the sender follows them itself, never the operating system.
     pub xonxoff: bool,
-    /// RTS/CTS, handled by the driver or by the server at the other end of `rfc2217://`.
+    /// RTS/CTS flow control, done by the driver or by the server at the other end of `rfc2217://`.
     pub rtscts: bool,
-    /// Longest time in which the line may accept no character; the default is that of
+    /// Longest time for which the line may accept no character; `None`: the default of
     /// [`SerialSettings::write_timeout`].
     pub write_timeout: Option<Micros>,
-    /// No other program may open the port.
+    /// The port is locked, so that no other program can open it.
     pub exclusive: bool,
 }
 
@@ -36,18 +36,19 @@ pub enum Parity {
 }
 
 impl SerialSettings {
-    /// Bits on the line per character.
+    /// Number of bits on the line per character: start bit, data bits, parity bit and stop bits.
     pub fn bits_per_char(&self) -> u32 {
         1 + u32::from(self.bytesize) + u32::from(self.parity != Parity::None) + u32::from(self.stopbits)
     }
 
-    /// Whether characters have eight bits and no parity bit, so that the sender can make their code itself.
+    /// Whether characters have eight data bits and no parity bit. Then the sender itself can produce the control's
+    /// character code, with its parity.
     pub fn is_bare(&self) -> bool {
         self.bytesize == 8 && self.parity == Parity::None
     }
 
-    /// Longest time in which the line may accept no character: unlimited with RTS/CTS, by which the control may stop
-    /// it. Otherwise only the sender can stop the line, so that one that accepts nothing is broken.
+    /// Longest time for which the line may accept no character: unlimited with RTS/CTS, because the control may stop
+    /// the line with them. Otherwise only the sender can stop the line, so that one that accepts nothing is broken.
     pub fn write_timeout(&self) -> Option<Micros> {
         self.write_timeout.or((!self.rtscts).then_some(Micros::from_ms(5_000)))
     }

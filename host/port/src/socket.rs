@@ -1,4 +1,4 @@
-//! `socket://`: plain bytes over TCP. The server sets its serial line itself.
+//! `socket://`: plain bytes over TCP to a port server, which sets its serial line itself.
 
 use std::time::SystemTime;
 
@@ -17,10 +17,10 @@ pub struct Socket {
 }
 
 impl Socket {
-    /// Connects to the server.
+    /// Connects to the server. `logging` is the level from which messages are printed; `None`: no messages.
     ///
     /// # Errors
-    /// No server listens there.
+    /// No server answers at this address.
     pub fn open(address: &Address, logging: Option<Level>) -> Result<Self, PortError> {
         let name = format!("socket://{}:{}", address.host, address.port);
         let tcp = Tcp::connect(address, &name)?;

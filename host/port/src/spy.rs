@@ -4,7 +4,8 @@
 //! 000003.001 TX   0000  48 45 4C 4C 4F                                    HELLO
 //! 000003.102 RX   0000  48 45 4C 4C 4F                                    HELLO
 //! ```
-//! Seconds since the port was opened, on the port's own clock; offset within one read or write.
+//! Columns: seconds since the port was opened, on the port's own clock; direction; offset within one read or write;
+//! bytes; text.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -23,10 +24,10 @@ const ROW: usize = 16;
 const RX_COLOR: &[u8] = b"\x1b[32m";
 const TX_COLOR: &[u8] = b"\x1b[31m";
 
-/// Function that creates the file of a spy.
+/// Function that creates a file for a spy's record.
 pub type CreateFile = fn(&Path) -> std::io::Result<File>;
 
-/// Port with a record of its traffic.
+/// Port that records its traffic in a file or on stderr, and passes it on unchanged.
 pub struct Spy<'p> {
     inner: Box<dyn Port + 'p>,
     options: SpyOptions,
@@ -35,7 +36,7 @@ pub struct Spy<'p> {
 }
 
 impl<'p> Spy<'p> {
-    /// Records the traffic of a port.
+    /// Wraps a port so that its traffic is recorded; `create` creates the file, if the options name one.
     ///
     /// # Errors
     /// The file cannot be created.

@@ -20,7 +20,7 @@ pub struct Tcp {
 }
 
 impl Tcp {
-    /// Connects; `name` is used in messages.
+    /// Connects to a server; error messages call the port `name`. Fails if no server answers there.
     pub fn connect(address: &Address, name: &str) -> Result<Self, PortError> {
         let failed = |source: std::io::Error| PortError { name: name.to_owned(), source };
         let mut last = std::io::Error::new(ErrorKind::NotFound, "the host has no address");
@@ -36,7 +36,7 @@ impl Tcp {
         Err(failed(last))
     }
 
-    /// Reads the bytes that have arrived.
+    /// Reads the bytes that have arrived; returns their number, 0 if there are none. Fails if the connection is lost.
     pub fn read(&mut self, buffer: &mut [u8]) -> Result<usize, PortError> {
         match self.stream.read(buffer) {
             Ok(0) if !buffer.is_empty() => Err(PortError::in_words(&self.name, "the server closed the connection")),
@@ -46,7 +46,7 @@ impl Tcp {
         }
     }
 
-    /// Writes as many bytes as there is room for.
+    /// Writes as many bytes as the system accepts at once; returns their number. Fails if the connection is lost.
     pub fn write(&mut self, bytes: &[u8]) -> Result<usize, PortError> {
         match self.stream.write(bytes) {
             Ok(len) => Ok(len),

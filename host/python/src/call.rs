@@ -85,7 +85,7 @@ fn wait(
     py.detach(move || receiver.recv_timeout(longest))
 }
 
-/// Exception of the package for a failure.
+/// Python exception of the package that corresponds to a failure of a command.
 pub fn exception(py: Python<'_>, failure: Failure) -> PyErr {
     let made = || py.import("arcfeed._errors")?.call_method1("exception", kind_and_message(failure));
     made().map_or_else(|error| error, PyErr::from_value)

@@ -1,4 +1,4 @@
-//! `Law`: the feed law of a move at many positions.
+//! `Law`: Python class for the feed law of one move, evaluated at many positions at once.
 
 use std::path::PathBuf;
 

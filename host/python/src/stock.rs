@@ -1,4 +1,4 @@
-//! `Stock` and `Tool`: a workpiece of dexels, and what cuts it.
+//! Python classes `Stock` (a workpiece of dexels) and `Tool` (the body that cuts it).
 
 use std::path::PathBuf;
 

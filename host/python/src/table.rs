@@ -1,4 +1,4 @@
-//! `Table`: a table of a run in memory, handed over through the Arrow C data interface.
+//! Python class `Table`: a table of a simulated run in memory, passed to other libraries through the Arrow C data interface.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl Table {
 }
 
 impl Table {
-    /// Table with the columns' own memory.
+    /// Table for Python that takes over the memory of these columns; fails if they do not fit together.
     pub fn new(table: MemoryTable) -> PyResult<Self> {
         let metadata = HashMap::from([(METADATA_KEY.to_owned(), table.metadata)]);
         let columns = table.columns.into_iter().map(|column| {

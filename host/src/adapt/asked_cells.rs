@@ -1,4 +1,5 @@
-//! In which cells of a move a law is asked: in all of them, or in those that decide about the least and the largest demand.
+//! Choice of the cells of a move in which a feed law is evaluated: all of them, or only those that decide about the smallest and the
+//! largest demand.
 //!
 //! Between two turning points that a law states, the demand lies between the demands there. So the cell of each
 //! turning point, of each knot and of each end of the move is enough, with one more on either side: the bound of a cell is
@@ -13,7 +14,7 @@ use arcfeed_law::{FeedLaw, SegmentLaw};
 use super::places::MovePlaces;
 use super::turning_points;
 
-/// Cells that a move is divided into; a law is asked at their ends.
+/// Number of equal cells into which a move is divided; a law is evaluated at their ends.
 pub const CELLS: usize = 256;
 
 /// Sweep of an arc, radians, below which f32 has too few directions in a cell to tell a demand that rises from its own rounding.
@@ -31,8 +32,8 @@ impl AskedCells {
         AskedCells::from_run(0..CELLS)
     }
 
-    /// The cells that contain the least and the largest demand, with the law's knots as paths from the start of the
-    /// move, mm.
+    /// The cells that contain the smallest and the largest demand of the law on the move. `knots_mm` are the places of the law's knots, as
+    /// paths from the start of the move, mm. All cells if the law's turning points are not known.
     pub fn deciding(law: &SegmentLaw, places: &MovePlaces, knots_mm: &[f64]) -> Self {
         if law.is_uniform() {
             return AskedCells::from_run(0..1);
@@ -72,12 +73,12 @@ impl AskedCells {
         AskedCells { runs: once(run).collect() }
     }
 
-    /// The cells, as ranges of neighbouring cells.
+    /// The chosen cells, as ranges of neighbouring cells in ascending order.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }
 
-    /// Number of cells.
+    /// Number of chosen cells.
     pub fn count(&self) -> usize {
         self.runs.iter().map(ExactSizeIterator::len).sum()
     }

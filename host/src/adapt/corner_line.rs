@@ -32,26 +32,26 @@ const LEAST_MM: f64 = 0.01;
 /// Straight move that ends in a chamfer or rounded corner (`,C`, `,R`), with its surroundings.
 #[derive(Debug)]
 pub struct CornerLine<'a> {
-    /// Line of the move.
+    /// Program line of the move.
     pub line: &'a ProgramLine,
-    /// Move between the points of the corners.
+    /// Straight move as programmed, between the points where the contour would have its sharp corners.
     pub programmed: Segment,
-    /// Move between the ends of the inserted corners.
+    /// Straight move that remains between the ends of the chamfers or rounded corners at its two ends.
     pub cut_off: Segment,
-    /// The modes after its G words.
+    /// Modes in force after the G words of the line.
     pub modes: Modes,
-    /// The control before it.
+    /// State of the control before the line.
     pub before: &'a Reader,
-    /// Shortest part.
+    /// Shortest permitted length of each of the two blocks, mm.
     pub least_mm: f64,
 }
 
-/// A line written as two blocks.
+/// Straight move with a corner at its end, written as two blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoBlocks {
-    /// Texts, without line ends.
+    /// Texts of the two blocks, without line ends.
     pub texts: Vec<Vec<u8>>,
-    /// End of the first block, as a fraction of the line that is cut off.
+    /// End of the first block, as a fraction (0 to 1) of the straight move that remains between the corners.
     pub until_ratio: f64,
 }
 
@@ -60,7 +60,7 @@ impl CornerLine<'_> {
     /// the `corner`. `rewriter` knows the F in force on the control; it does not change if the line stays whole.
     ///
     /// # Errors
-    /// Why it stays whole.
+    /// The reason why the line stays one block.
     pub fn write(&self, (governed, corner): (Option<Nm>, Nm), rewriter: &mut FeedRewriter) -> Result<TwoBlocks, Whole> {
         let meaning = self.line.meaning.as_ref().ok_or(Whole::Words)?;
         let plane = meaning.step.motion.as_ref().ok_or(Whole::Words)?.plane;
@@ -127,7 +127,8 @@ impl CornerLine<'_> {
     }
 }
 
-/// Whether the law of a rule evaluates each move by itself, so that it also governs moves beside corners.
+/// Whether the law of this cut rule (index in the job) evaluates each move by itself, so that it can also govern moves next to chamfers
+/// and rounded corners.
 pub fn governs_corners(job: &Job, rule: usize) -> bool {
     job.rules.get(rule).is_some_and(|rule| {
         let setup = job.tool_of(rule);

@@ -1,4 +1,5 @@
-//! Moves that descend along the tool's axis under the plunge law: which they are, and the table of the law for each.
+//! Moves that descend along the tool's axis or at an angle to it, under the plunge law: which moves these are, and the table of permitted
+//! feeds for each.
 
 use arcfeed_law::table::Table;
 use arcfeed_model::governed::Descent;
@@ -13,7 +14,8 @@ use crate::engagement::EngagementMap;
 use crate::engagement::sections::{DescentLookup, MappedDescent, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
 
-/// Reader of the descending moves of a program, each with the plunge law and its sections. Keeps its state between calls.
+/// Finds the descending moves of a program, in its order, and pairs each with the plunge law and with its sections in the engagement map.
+/// It keeps its place in the map between calls.
 #[derive(Clone, Debug)]
 pub struct Descents<'a> {
     law: Law,
@@ -27,25 +29,26 @@ struct Law {
     force: TangentialForce,
 }
 
-/// A descending move with its sections.
+/// A descending move, the plunge law that governs it, and the sections of tool and material along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Descending<'a> {
     law: Law,
-    /// `None` if the map has no sections of the move.
+    /// Sections of the move; `None` if the engagement map has none of it.
     pub mapped: Option<&'a MappedDescent>,
     length_mm: f64,
     descent: Descent,
 }
 
 impl<'a> Descents<'a> {
-    /// Reader before the first move; `None` without `[plunge]` in the job, or without a map.
+    /// State before the first move. `None` if the job has no `[plunge]` or there is no map.
     pub fn of(plunge: Option<(Plunge, SpindleLimits)>, map: Option<&'a EngagementMap>) -> Option<Self> {
         let ((plunge, limits), map) = plunge.zip(map)?;
         let law = Law { plunge, limits, force: map.descents.force };
         Some(Descents { law, lookup: map.descents.lookup() })
     }
 
-    /// The next move, if it descends into material and no cut rule governs it.
+    /// The descending move for the next segment of the program. `None` if the segment is not one: it does not descend into material, is a
+    /// ramp and the job does not govern ramps, or a cut rule governs it (`matched`).
     pub fn next<R>(&mut self, segment: &Segment, matched: &Result<R, PlanReason>) -> Option<Descending<'a>> {
         let is_free = matches!(matched, Err(PlanReason::NoRule | PlanReason::Axial));
         let descent = Descent::of(segment, ToolAxis::Z).filter(|_| is_free)?;
@@ -62,7 +65,8 @@ impl<'a> Descents<'a> {
 }
 
 impl Descending<'_> {
-    /// Path per tooth along the move at a spindle speed; `None` if no feed keeps the limits.
+    /// Table of the permitted path of the tool centre per tooth along the move, at this spindle speed. `None` if no feed keeps the
+    /// spindle's torque and power, or the map has no sections of the move.
     pub fn table(&self, setup: &ToolSetup, spindle: RevPerMin) -> Option<Table> {
         let Law { plunge, limits, force } = self.law;
         let radius = match &setup.tool {

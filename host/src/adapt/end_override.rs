@@ -1,4 +1,4 @@
-//! Largest override at the end of each move: the one with which the next move can begin.
+//! Largest override allowed at the end of each move, so that the override can be low enough when the next move begins.
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 use arcfeed_firmware::ramp::FeedOverride;
@@ -10,8 +10,8 @@ use arcfeed_nc::segment::Segment;
 use super::planned_block::PlannedBlock;
 use crate::program::Program;
 
-/// Sets the largest override at the end of each block: that with which the next move can begin. Before the moves of
-/// canned cycles and at the end of the program, it is 100 % at most.
+/// Sets the largest override at the end of each block: the one with which the next move can begin. Before the moves of
+/// canned cycles and at the end of the program it is at most 100 %.
 pub fn set_ends(blocks: &mut [PlannedBlock], program: &Program, job: &Job) {
     let programmed = FeedOverride::PROGRAMMED.percent;
     let mut behind: Option<(usize, u8)> = None;

@@ -1,10 +1,11 @@
-//! Place of a line's F word, also of one whose value is an expression.
+//! Place in a line's text where an F word is written, also where the present F has an expression as its value.
 
 use arcfeed_nc_macro::code::MacroCode;
 
 use super::rewrite::Edit;
 
-/// Edit that puts an F word into a line: in place of its last F word, or else behind its last word.
+/// Edit that writes the F word `word` into a line: in place of the line's last F word, or after its last word if it has
+/// none.
 pub fn put_feed(text: &[u8], word: &str) -> Edit {
     let bytes = code_of(text);
     let end = bytes.last().map_or(text.len(), |(_, offset)| offset + 1);

@@ -1,4 +1,5 @@
-//! Input of the plan beside program and job: from the job's files, and from a plan before whose feeds leaked.
+//! Input of the feed plan in addition to program and job: data from the files of the job, and lines that must keep
+//! their feed.
 
 use std::collections::BTreeSet;
 
@@ -12,25 +13,27 @@ use crate::program::ExecutedPlaces;
 /// Governed blocks that may keep their feed because it would leak, one by one.
 const LEAKS_MAX: usize = 64;
 
-/// Input of the feed plan besides program and job: machine, engagement map, plunge law, scopes of rules.
+/// Input of the feed plan in addition to program and job. Parts that are `None` are not known or not used.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known<'a> {
-    /// The machine: laws also govern straight moves under G43.4, within what all of its axes can follow.
+    /// Machine kinematics and axis limits; with them, laws also govern straight moves under G43.4, within what all axes
+    /// can follow.
     pub machine: Option<&'a Machine>,
-    /// Engaged arcs of the tool's circles, for rules that expect engagement per move.
+    /// Engagement map: the engaged arcs of the tool on each move, for cut rules that expect engagement per move.
     pub map: Option<&'a EngagementMap>,
-    /// Accelerations of X, Y and Z.
+    /// Accelerations of X, Y and Z, mm/s2; `None`: not given.
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
-    /// The plunge law, with the limits of the spindle.
+    /// Plunge law of the job, with the spindle's limits of torque and power.
     pub plunge: Option<(Plunge, SpindleLimits)>,
-    /// Scopes of the cut rules.
+    /// Part of the program to which each cut rule applies, in the order of the rules.
     pub scopes: &'a [RuleScope],
-    /// Places of the lines in the program's file, if they are its blocks as executed.
+    /// For a program given as its executed blocks: place of each block in the program's file. `None` if the blocks are
+    /// the lines of the file.
     pub places: Option<&'a ExecutedPlaces>,
 }
 
 impl<'a> Known<'a> {
-    /// All further input that the files of a job give.
+    /// All of this that the files of a job contain.
     pub fn of(file: &'a JobFile) -> Self {
         let drives = file.machine.as_ref().and_then(|named| named.drives.as_ref());
         Known {
@@ -45,7 +48,8 @@ impl<'a> Known<'a> {
     }
 }
 
-/// Lines that keep their programmed feed, because another feed would stay in force for other lines.
+/// Lines that keep their programmed feed: a feed set by a law would stay in force (F is modal) for a later line that
+/// needs another one.
 #[derive(Clone, Debug, Default)]
 pub struct KeptLines {
     one_by_one: BTreeSet<usize>,
@@ -54,12 +58,13 @@ pub struct KeptLines {
 }
 
 impl KeptLines {
-    /// Whether this line keeps its feed.
+    /// Whether the line with this number keeps its feed.
     pub fn contains(&self, line: usize) -> bool {
         self.all_from.is_some_and(|first| line >= first) || self.one_by_one.contains(&line)
     }
 
-    /// Adds the line from which a feed would leak, if there is one.
+    /// These lines, and `line`, whose feed would stay in force too long. If there are too many, or the line is `None`,
+    /// all lines from the first of them on keep their feed.
     pub fn with(mut self, line: Option<usize>) -> Self {
         match line {
             Some(line) if self.one_by_one.len() < LEAKS_MAX => drop(self.one_by_one.insert(line)),

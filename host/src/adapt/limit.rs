@@ -1,7 +1,7 @@
 //! The fastest feed that machine and control can follow on a block.
 //!
-//! Under G43.4 X, Y and Z are the tip's in the part, and the machine's own axes follow from its kinematics; without them, and on
-//! all other moves, every axis covers what the program says.
+//! Under G43.4, X, Y and Z are the coordinates of the tool's tip in the part, and the machine's own axes follow from its kinematics;
+//! without them, and on all other moves, every axis covers what the program says.
 
 use arcfeed_kinematics::forward::Setup;
 use arcfeed_kinematics::machine::Machine;
@@ -15,14 +15,14 @@ use arcfeed_units::{MmPerMin, Nm};
 use crate::post::walk::rotary_deg;
 use crate::program::ProgramLine;
 
-/// Fastest feed that the machine and the control allow on a move, and the cause.
+/// Fastest feed that the machine's axes, the control or the job allow on a move, and which of these limits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveLimit {
-    /// Along the path, as its F counts.
+    /// Fastest feed along the path, as F counts it, mm/min.
     pub feed_mm_per_min: f64,
-    /// Cause of the limit.
+    /// Cause of the limit: an axis, the control's clamp on arcs, or the job's ceiling.
     pub by: LimitedBy,
-    /// Limiting axis, if it is an axis: `X` to `Z`, `A` to `C`.
+    /// Letter of the axis that limits the feed (X to Z, A to C); `None` for other causes.
     pub axis: Option<char>,
 }
 
@@ -41,7 +41,7 @@ impl MoveLimit {
 }
 
 impl MoveLimit {
-    /// The lower one of a limit, if there is one, and the job's ceiling.
+    /// The lower one of `limit` (`None`: no limit) and the job's ceiling; `None` if the ceiling is infinite and there is no other limit.
     pub fn under(limit: Option<Self>, ceiling_mm_per_min: f64) -> Option<Self> {
         let ceiling = MoveLimit { feed_mm_per_min: ceiling_mm_per_min, by: LimitedBy::Ceiling, axis: None };
         let is_lower = ceiling_mm_per_min < limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min);
@@ -55,14 +55,14 @@ impl From<MoveLimit> for FeedLimit {
     }
 }
 
-/// Whether a line is a straight cutting move under G43.4.
+/// Whether a line is a straight move under G43.4 (tool centre point control).
 pub fn is_tip_line(line: &ProgramLine) -> bool {
     let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
     line.follows_tip && segment.is_some_and(|segment| segment.path == Path::Line)
 }
 
-/// The largest sine of the angle between a move under G43.4 and the plane across the tool's axis, at either end; `None` for
-/// other moves.
+/// Larger one of the sines, at the start and at the end of a straight move under G43.4, of the angle between its path and the plane square
+/// to the tool's axis. `None` for other moves.
 pub fn tip_axial_sine(line: &ProgramLine, machine: &Machine) -> Option<f64> {
     let segment = line.meaning.as_ref()?.segment.filter(|_| is_tip_line(line))?;
     let ends = [segment.start, segment.end];

@@ -1,4 +1,4 @@
-//! The plan of a program that is not kept in memory.
+//! Feed plan of a program that is too long to be kept in memory.
 
 use arcfeed_model::job::Job;
 use arcfeed_nc::text::Lines;
@@ -20,8 +20,8 @@ pub struct LinePlan<'a> {
 }
 
 impl<'a> LinePlan<'a> {
-    /// Plan of a program without errors; `may_leak` says whether a feed could stay in force for a line that needs
-    /// another one.
+    /// Plan for a program without errors. `may_leak` says whether a feed set by a law could stay in force for a later
+    /// line that needs another feed; then the program is read several times.
     pub fn new(source: &'a Source, may_leak: bool, job: &'a Job, known: Known<'a>) -> Self {
         let known = Known { places: source.places.as_deref(), ..known };
         let line_end = Lines::new(&source.bytes).next().map_or(&b""[..], |line| line.ending);
@@ -35,7 +35,7 @@ impl<'a> LinePlan<'a> {
         plan
     }
 
-    /// Passes every line to `each`, as it is and as it is sent.
+    /// Calls `each` for every line of the program, with the line as programmed and as it is sent.
     ///
     /// # Errors
     /// None, as long as [`may_leak`](super::rewrite::may_leak) knows every line into which a feed can leak.

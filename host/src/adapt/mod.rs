@@ -1,5 +1,5 @@
-//! From a program and a job to the feeds to send: which law governs which block, what it wants, and the F words that
-//! make 100 % safe, or that do without an override.
+//! Adaptation: from a program and a job to the feeds that are sent. It decides which law governs which block, evaluates
+//! the law, and writes F words with which the override of 100 % is safe, or with which no override is needed.
 
 pub mod places;
 
@@ -63,23 +63,23 @@ use rewrite::Leak;
 pub use writer::PlannedLine;
 use writer::Writer;
 
-/// Adapted program: the planned blocks, and the text that is sent.
+/// Adapted program: the plan of every block with a move, and the text that is sent.
 #[derive(Clone, Debug)]
 pub struct Adapted {
     /// Every block with a move, in order.
     pub blocks: Vec<PlannedBlock>,
-    /// The program to send.
+    /// Text of the program with the adapted F words.
     pub text: Vec<u8>,
-    /// End of each program line in the adapted text.
+    /// Offset in `text` at which each line of the original program ends.
     pub line_ends: Vec<usize>,
 }
 
-/// Plans the feeds of a program without errors.
+/// Plans the feeds of a program that has no errors, by the job alone.
 pub fn adapt(program: &Program, job: &Job) -> Adapted {
     adapt_with(program, job, Known::default())
 }
 
-/// Plans the feeds of a program without errors, with machine and engagement map.
+/// Plans the feeds of a program that has no errors, with further input such as machine and engagement map.
 pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
     let known = Known { places: program.places.as_deref(), ..known };
     let mut kept = KeptLines::default();

@@ -1,29 +1,29 @@
-//! The modes that words are written in, followed from line to line.
+//! Modal states that decide how the words of a line are written and read.
 
 use arcfeed_units::LengthUnit;
 
 use crate::program::ProgramLine;
 
-/// Modal states that determine how words must be written: unit, absolute or incremental, feed mode.
+/// Modal states that determine how words must be written: unit, absolute or incremental positions, kind of feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modes {
-    /// G20, G21.
+    /// Unit of lengths: G20 (inch) or G21 (mm).
     pub unit: LengthUnit,
-    /// G90.
+    /// Positions are absolute (G90); otherwise incremental (G91).
     pub absolute: bool,
-    /// G94.
+    /// F is a feed per minute (G94).
     pub per_minute: bool,
-    /// G63: the feed is a thread's.
+    /// Tapping mode (G63) is in force: the feed belongs to a thread and must not be changed.
     pub taps: bool,
 }
 
 impl Modes {
-    /// Modes at power-on.
+    /// Modes after power-on, with this unit.
     pub const fn at_power_on(unit: LengthUnit) -> Self {
         Modes { unit, absolute: true, per_minute: true, taps: false }
     }
 
-    /// Modes after the G words of a line.
+    /// Modes in force after the G words of the line.
     #[must_use]
     pub fn after(self, line: &ProgramLine) -> Self {
         let Some(meaning) = &line.meaning else { return self };

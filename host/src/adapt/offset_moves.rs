@@ -26,59 +26,59 @@ use arcfeed_units::Nm;
 use super::reason::PlanReason;
 use crate::program::{CornerMove, CornerMoves};
 
-/// Path of the tool centre for the move of a line.
+/// Path of the tool centre for the move of one line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CenterPath {
-    /// Not one along a contour, or not known.
+    /// The line has no move along a compensated contour, or its path is not known.
     #[default]
     None,
-    /// The D in force has no radius.
+    /// The line is under G41 or G42, and the D in force has no radius.
     NoRadius,
-    /// Known.
+    /// Move of the tool centre along a contour under G41 or G42.
     Known(Box<OffsetMove>),
-    /// Beside a chamfer or rounded corner, without G41 and G42.
+    /// Move next to a chamfer or rounded corner, without G41 and G42.
     Corner(Box<CornerMove>),
 }
 
-/// Move of the tool centre beside a contour, under cutter compensation.
+/// Move of the tool centre along a contour, under cutter compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetMove {
-    /// The move, in the coordinates of the path.
+    /// Move of the tool centre, in workpiece coordinates.
     pub segment: Segment,
-    /// Conditions of its law.
+    /// Conditions for the law that the segment does not contain.
     pub place: ContourPlace,
-    /// Chamfer or rounded corner behind it, with the feed of the same block.
+    /// Chamfer or rounded corner after the move, which has the F of the same block; `None` without one.
     pub inserted: Option<InsertedMove>,
-    /// The move as programmed, up to its corners.
+    /// Move along the contour as programmed, up to the inserted corners.
     pub programmed: Segment,
 }
 
 /// Chamfer or rounded corner of a contour, as a move of the tool centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsertedMove {
-    /// The move, in the coordinates of the path.
+    /// Move of the tool centre along the corner, in workpiece coordinates.
     pub segment: Segment,
-    /// Conditions of its law.
+    /// Conditions for the law that the segment does not contain.
     pub place: ContourPlace,
 }
 
 /// Conditions of a move under cutter compensation that its segment does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourPlace {
-    /// Side of the contour on which the tool runs, on an arc.
+    /// For an arc: whether the tool runs inside or outside it; `None` for a line.
     pub side: Option<ContourSide>,
-    /// Moves around a corner precede it, with its feed.
+    /// The control inserts moves around a corner before this move, with the same F.
     pub has_corner: bool,
-    /// Radius of the D in force.
+    /// Radius stored for the D in force.
     pub radius: Nm,
-    /// Meaning of that radius.
+    /// Whether that radius is the tool's radius, or only its wear (the program then contains the radius).
     pub of_program: CompensationType,
-    /// Feed on the move over F: below one where the control itself reduces the feed of an inside arc.
+    /// Feed on the move divided by F: below 1 where the control itself reduces the feed of an inside arc.
     pub feed_ratio: f64,
 }
 
 impl OffsetMove {
-    /// Part of the programmed line that is parallel to the path of the tool centre.
+    /// Part of the programmed line that is parallel to the path of the tool centre: both ends projected on the line.
     pub fn beside_contour(&self) -> Segment {
         let [from, to] = [self.programmed.start, self.programmed.end].map(|pose| pose.linear.map(Nm::to_mm));
         let along: [f64; 3] = std::array::from_fn(|axis| to[axis] - from[axis]);
@@ -94,8 +94,8 @@ impl OffsetMove {
 }
 
 impl ContourPlace {
-    /// Whether the radius of D belongs to this tool: it is the tool's radius within a quarter, or a wear of at most a
-    /// quarter of it. Otherwise D is that of another tool, or the radius has the other meaning.
+    /// Whether the radius of D belongs to this tool: it is the tool's radius within a quarter, or a wear of at most a quarter of it.
+    /// Otherwise D probably is that of another tool, or the radius has the other meaning.
     pub fn fits(&self, tool_radius: Nm) -> bool {
         let expected = match self.of_program {
             CompensationType::Control => tool_radius.0,
@@ -104,7 +104,7 @@ impl ContourPlace {
         4 * (self.radius.0.abs() - expected).abs() <= tool_radius.0
     }
 
-    /// Reason why the law of a rule does not govern this move although its path is known.
+    /// Reason why the law of the cut rule with the index `rule` does not govern this move although its path is known; `None` if it does.
     pub fn fault(&self, job: &Job, rule: usize) -> Option<PlanReason> {
         let rule = job.rules.get(rule)?;
         let setup = job.tool_of(rule);
@@ -183,7 +183,7 @@ impl<'a> OffsetMoves<'a> {
         }
     }
 
-    /// The path of the tool centre for the move of the next line.
+    /// Path of the tool centre for the move of the next line; called once for each line, in order.
     pub fn take(&mut self) -> CenterPath {
         let is_open = |moves: &Self| {
             moves.corners.holds(moves.taken)

@@ -1,31 +1,31 @@
 //! Division of an arc into pieces of one feed each, for a control without an override input.
 //!
-//! Each cell of the arc may be run with the largest of the feeds
+//! Each cell of the arc may be run with the largest feed of the series
 //!
 //! ```text
 //! F(k) = least * (1 + step)^k,    k = 0, 1, 2, ...     (1)
 //! ```
 //!
-//! that no demand in it undercuts. Neighbours of the same feed are one piece. Then pieces are joined, at the lower of the two
-//! feeds, wherever one of them is too short, F would rise by less than the hysteresis, or there are too many: each time
-//! the two whose joining costs least time. Joining only ever lowers a feed: no chip gets thicker.
+//! that is not above any demand in the cell. Neighbouring cells with the same feed are one piece. Then pieces are joined, at the lower of
+//! the two feeds, wherever one of them is too short, F would rise by less than the hysteresis, or there are too many: each time the two
+//! whose joining costs least time. Joining only ever lowers a feed, therefore no chip gets thicker.
 
 use arcfeed_model::job::PieceSettings;
 use arcfeed_units::PERCENT;
 
 use super::profile::Profile;
 
-/// Part of a move with one feed.
+/// Part of an arc or line that is run with one feed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// End of the piece, as a fraction (0 to 1) of the move; 1 for the last one.
     pub until_ratio: f64,
-    /// A path per tooth that no demand on it undercuts, mm.
+    /// Path of the tool centre per tooth, mm, which is not above the law's demand anywhere on the piece.
     pub path_mm_per_tooth: f64,
 }
 
-/// Divides a move of `length_mm` into pieces; the law must have been evaluated in all of its cells. `most_ratio` is
-/// the largest allowed feed over the least one. `None` if the law has no finite demand.
+/// Divides a move of `length_mm` into pieces. `profile` is the law's demand, evaluated in all cells of the move; `most_ratio` is the
+/// largest permitted ratio of a piece's feed to the smallest one. `None` if the law has no finite demand.
 pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ratio: f64) -> Option<Vec<Piece>> {
     let least = profile.least()?;
     let step = 1.0 + f64::from(settings.step_percent) / f64::from(PERCENT);
@@ -49,7 +49,7 @@ pub fn plan(profile: &Profile, length_mm: f64, settings: &PieceSettings, most_ra
     Some(pieces)
 }
 
-/// Joins the piece with the index `before` with the one behind it.
+/// Joins the piece with the index `before` with the next one, at the lower of both feeds.
 pub fn join(pieces: &mut Vec<Piece>, before: usize) {
     let first = pieces.remove(before);
     pieces[before].path_mm_per_tooth = pieces[before].path_mm_per_tooth.min(first.path_mm_per_tooth);
@@ -111,7 +111,7 @@ impl Limits {
     }
 }
 
-/// Start of a piece, as a fraction of the move.
+/// Start of the piece with this index, as a fraction (0 to 1) of the move.
 pub fn start(pieces: &[Piece], index: usize) -> f64 {
     index.checked_sub(1).map_or(0.0, |before| pieces[before].until_ratio)
 }

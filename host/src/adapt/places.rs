@@ -1,4 +1,5 @@
-//! Places of the tool along a move, for laws. Constants of the move are computed once.
+//! Positions of the tool along a move, in the form in which feed laws take them. Constants of the move are computed
+//! once.
 
 use arcfeed_law::Place;
 use arcfeed_nc::segment::{Arc, ArcAngles, Segment};
@@ -24,7 +25,7 @@ enum Shape {
 }
 
 impl MovePlaces {
-    /// Places along a move.
+    /// Positions along a move, line or arc.
     pub fn of(segment: &Segment) -> Self {
         let shape = match segment.arc() {
             Some(arc) => return MovePlaces::on_arc(arc),
@@ -39,26 +40,26 @@ impl MovePlaces {
         MovePlaces { feed_length_mm: segment.feed_length_mm(), shape }
     }
 
-    /// Places along an arc.
+    /// Positions along an arc.
     pub fn on_arc(arc: &Arc) -> Self {
         let (angles, turn, radius_mm) = (arc.angles(), f32::from(arc.turn.sign()), arc.radius_mm() as f32);
         MovePlaces { feed_length_mm: arc.length_mm(), shape: Shape::Arc { angles, turn, radius_mm } }
     }
 
-    /// Length along which F counts, mm.
+    /// Length of the path along which the feed F is measured, mm.
     pub fn feed_length_mm(&self) -> f64 {
         self.feed_length_mm
     }
 
-    /// Distance of two places that f32 can just tell apart, over the length of the move.
+    /// Smallest distance of two positions that single precision can tell apart, as a fraction of the move.
     pub fn resolution_ratio(&self) -> f64 {
         // Components of a direction up to 1, and paths up to the length, have 24 bits.
         let turned_rad = self.turn().map_or(1.0, |[_, _, turned_rad]| libm::fabs(turned_rad));
         f64::from(f32::EPSILON) / turned_rad.min(1.0)
     }
 
-    /// Sense of an arc (+1 counter-clockwise, -1 clockwise), its start angle and its sweep, radians; `None` for a
-    /// line.
+    /// For an arc: direction (+1 counter-clockwise, -1 clockwise), start angle and angle of rotation (sweep), rad;
+    /// `None` for a line.
     pub fn turn(&self) -> Option<[f64; 3]> {
         match &self.shape {
             Shape::Arc { angles, turn, .. } => {
@@ -68,7 +69,7 @@ impl MovePlaces {
         }
     }
 
-    /// Positions at the borders of the cells from `first` to `last`, if the move is divided into `cells` equal cells.
+    /// Positions at the cell borders with the numbers `first` to `last`, for a move divided into `cells` equal cells.
     pub fn evenly(&self, [first, last]: [usize; 2], cells: usize) -> impl Iterator<Item = Place> {
         let ratio = move |border: usize| border as f64 / cells as f64;
         let (mut direction, step) = match &self.shape {
@@ -82,7 +83,7 @@ impl MovePlaces {
         })
     }
 
-    /// Position at `ratio` (0 to 1) of the move.
+    /// Position at the fraction `ratio` (0 to 1) of the move.
     pub fn at(&self, ratio: f64) -> Place {
         let direction = match &self.shape {
             Shape::Arc { angles, .. } => angles.direction_at(ratio),

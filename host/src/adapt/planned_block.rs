@@ -1,4 +1,4 @@
-//! A block with a move: what a law wants along it, the feed it is sent with, and why.
+//! Plan of one block with a move: the feed that a law demands along it, the feed that is sent, and the reason for that feed.
 
 use std::borrow::Cow;
 
@@ -33,64 +33,66 @@ const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a 
 pub struct PlannedBlock {
     /// Line in the program, counted from 1.
     pub line: usize,
-    /// Move of the block: beside a chamfer or rounded corner, where a law looks at it, without the part that the corner takes
-    /// away; along a contour under G41 or G42 that of the tool centre, if it is known.
+    /// Move for which the feed is planned. Next to a chamfer or rounded corner that a law evaluates, it lacks the part that the corner
+    /// takes away; under G41 or G42 it is the move of the tool centre, if that is known.
     pub segment: Segment,
-    /// Conditions of its law there.
+    /// Conditions under G41 or G42 that the segment does not contain; `None` without a compensated contour.
     pub contour: Option<ContourPlace>,
     /// Whether its move is shorter than programmed, because of a chamfer or rounded corner at one of its ends.
     pub is_cut_off: bool,
-    /// Part of the programmed move along which it runs, where it ends beside chamfers, rounded corners or those of a contour.
+    /// The part of the programmed move that remains between chamfers, rounded corners or the corners of a compensated contour; `None` if
+    /// no corner shortens it.
     pub cut_off: Option<Segment>,
-    /// Chamfer or rounded corner behind it, which has the feed of the same block.
+    /// Chamfer or rounded corner after the move, planned by itself; it has the F of the same block.
     pub inserted: Option<Box<PlannedBlock>>,
-    /// Index of the cut rule that fits it.
+    /// Index of the cut rule that selects the block; `None` if there is none.
     pub rule: Option<usize>,
-    /// Whether the plunge law is to govern it; it has no cut rule then.
+    /// The plunge law is to govern the block; then no cut rule does.
     pub is_descent: bool,
-    /// Engaged arcs of the tool's circles along it, if its rule expects engagement per move.
+    /// Engaged arcs of the tool along the move, if its rule expects engagement per move and the map has the move.
     pub along: Option<EngagedTable>,
-    /// Demand of the law along it.
+    /// Range of the law's demand along the move; `None` if no law governs it.
     pub demand: Option<DemandRange>,
-    /// The feed it is sent with, per minute; the least where it is sent in pieces.
+    /// Feed per minute with which the block is sent; for a move in pieces the smallest of their feeds. `None`: the programmed F stays.
     pub sent: Option<Nm>,
-    /// Feed of the move by itself, per minute, where a chamfer or rounded corner behind it has another.
+    /// Feed per minute that the move would have without the chamfer or rounded corner after it; `None` without such a corner.
     pub own_feed: Option<Nm>,
     /// Reason for this feed.
     pub reason: PlanReason,
-    /// Pieces of the move, if the law governs it without an override.
+    /// Pieces with feeds of their own, if the move is divided (mode `rewrite-only`); otherwise empty.
     pub pieces: Vec<SentPiece>,
-    /// Reason to send it whole although the law asks for pieces.
+    /// Reason why the move is sent as one block although its law would have it divided.
     pub whole: Option<Whole>,
-    /// Chip error that remains with its pieces.
+    /// Error of the chip that remains with the feeds of the pieces.
     pub chip_error: Option<ChipError>,
-    /// F words in its text as sent.
+    /// Number of F words in the block's text as sent.
     pub f_words: usize,
-    /// Reason why no law can evaluate the move by itself.
+    /// Function of the control (G43.4, G95 and the like) because of which no law can evaluate the move by itself.
     pub under: Option<NotModelled>,
-    /// The fastest feed that machine, control and, where a law governs it, the job's ceiling allow; nothing for rapids.
+    /// Fastest feed that the machine and the control allow and, for a governed move, the job's ceiling; `None` for rapids and without a
+    /// limit.
     pub limit: Option<MoveLimit>,
-    /// Commanded spindle speed where a law governs it.
+    /// Commanded spindle speed, for a governed move.
     pub spindle: Option<RevPerMin>,
-    /// Teeth that pass in a minute, at that speed.
+    /// Number of teeth that pass in a minute at that speed.
     pub teeth_per_min: Option<f64>,
-    /// Largest override at its end, %.
+    /// Largest override allowed at the end of the move, %, so that the next move can begin.
     pub end_percent: u8,
 }
 
-/// Law of a block.
+/// Law that governs a block, with the rule and the move to which it applies.
 #[derive(Clone, Debug)]
 pub struct BlockLaw<'j> {
-    /// Cut rule of the block, with the target of the move if the target follows the program.
+    /// Cut rule of the block; if the tool's target is the programmed feed, with the target of this move.
     pub rule: Cow<'j, CutRule>,
     /// The move for which the law is evaluated.
     pub segment: Segment,
-    /// The law.
+    /// Feed law of this move.
     pub law: SegmentLaw,
 }
 
 impl PlannedBlock {
-    /// A move with its programmed feed, before a rule is looked up.
+    /// Plan of a move that keeps its programmed feed; nothing has been decided about it yet.
     pub fn new(line: usize, segment: Segment) -> Self {
         let mut block = PlannedBlock {
             line,
@@ -120,14 +122,14 @@ impl PlannedBlock {
         block
     }
 
-    /// Cut rule of the block; under G41 and G42 with the side on which the tool runs there.
+    /// Cut rule of the block; under G41 and G42 with the side of the contour on which the tool runs there. `None` without a rule.
     pub fn cut_rule<'j>(&self, job: &'j Job) -> Option<Cow<'j, CutRule>> {
         let rule = job.rules.get(self.rule?)?;
         let side = self.contour.and_then(|place| place.side);
         Some(side.map_or(Cow::Borrowed(rule), |side| Cow::Owned(rule.on_side(side))))
     }
 
-    /// Law of the block at a speed of the teeth, if a cut rule matches it.
+    /// Law of the block if `teeth_per_min` teeth pass in a minute; `None` if no cut rule selects the block.
     pub fn law<'j>(&self, job: &'j Job, teeth_per_min: f64) -> Option<BlockLaw<'j>> {
         let rule = self.cut_rule(job)?;
         let segment = self.law_segment(&rule);
@@ -149,14 +151,14 @@ impl PlannedBlock {
         if has_corner && is_outside { Segment { path: Path::Line, ..self.segment } } else { self.segment }
     }
 
-    /// Feed that a law has set on the move, or on the corner behind it.
+    /// Feed per minute that a law has set on the move or on the corner after it; `None` if the programmed feed stays.
     pub fn governed_feed(&self) -> Option<Nm> {
         let is_governed = self.demand.is_some() || self.reason == PlanReason::Corner;
         self.sent.filter(|_| is_governed)
     }
 
-    /// Adds the chamfer or rounded corner that the control inserts behind the move. Both share one F: the lower of
-    /// both feeds.
+    /// Adds the chamfer or rounded corner that the control inserts after the move. Move and corner have one F, therefore both get the
+    /// lower of their feeds.
     pub fn insert(&mut self, mut inserted: PlannedBlock) {
         let least = [self.sent, inserted.sent].into_iter().flatten().min();
         if least < self.sent {
@@ -182,7 +184,7 @@ impl PlannedBlock {
         }
     }
 
-    /// Programmed feed, per minute.
+    /// Programmed feed per minute; `None` under G93 (inverse time) or before the first F.
     pub fn programmed(&self) -> Option<Nm> {
         match self.segment.feed {
             Feed::PerMinute(feed) => Some(feed),
@@ -190,13 +192,14 @@ impl PlannedBlock {
         }
     }
 
-    /// Target feed per tooth of its move, for a tool whose target is the programmed feed.
+    /// Target feed per tooth of the move, for a tool whose target is the programmed feed; `None` for other tools, or without feed or
+    /// speed.
     pub fn target(&self, job: &Job) -> Option<MmPerTooth> {
         let setup = self.rule.and_then(|rule| job.rules.get(rule)).map(|rule| job.tool_of(rule))?;
         setup.target_of(self.programmed()?, self.spindle?).filter(|_| setup.follows_program)
     }
 
-    /// Fastest feed that machine and control allow; infinite if nothing limits the move.
+    /// Fastest feed that machine, control and job allow, mm/min; infinite if nothing limits the move.
     pub fn limit_mm_per_min(&self) -> f64 {
         self.limit.map_or(f64::INFINITY, |limit| limit.feed_mm_per_min)
     }
@@ -244,8 +247,8 @@ impl PlannedBlock {
 /// Raise of a target that is the programmed F: the law counts in f32, and a factor of one must not round F down.
 const F32_MARGIN: f64 = 3e-7;
 
-/// Sets the feed of a descending move, with its reason, by the table of the plunge law. Returns the law's answers in
-/// all cells.
+/// Sets feed and reason of a descending move by `table`, the plunge law's permitted path per tooth. Returns the law's demand in all cells;
+/// `None` if the law has no demand.
 pub fn govern_descent(
     block: &mut PlannedBlock,
     table: &Table,
@@ -259,8 +262,8 @@ pub fn govern_descent(
     plan_feed(block, &profile, job, (spindle, teeth_per_min, unit)).map(|_| profile)
 }
 
-/// Evaluates the law of the block's rule along its move, and sets the block's feed and reason. Returns the answers in
-/// all cells if the move may be divided into pieces.
+/// Evaluates the law of the block's rule along its move and sets the block's feed and reason. Returns the demand in all cells if the mode
+/// may divide the move into pieces; otherwise, and without a demand, `None`.
 pub fn govern(block: &mut PlannedBlock, job: &Job, spindle: RevPerMin, unit: LengthUnit) -> Option<Profile> {
     let setup = job.tool_of(job.rules.get(block.rule?)?);
     let teeth_per_min = f64::from(spindle.0) * f64::from(setup.tool.active_teeth());

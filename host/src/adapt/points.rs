@@ -1,5 +1,5 @@
-//! Points of division of a move that NC words give exactly. A line is divided only if it runs along one axis: then each
-//! point of the grid on that axis lies on it.
+//! End points for the pieces of a divided move, which NC words can give exactly. A line is divided only if it runs along one axis: then
+//! each point of the control's grid on that axis lies on the line.
 //!
 //! A control knows positions in its least increment (0.001 mm, 0.0001 in): rounded to it, a point may lie 1.8 um off the
 //! arc. But the place of a division matters little, so it is moved on along the arc, into the faster of the two pieces (the
@@ -28,25 +28,25 @@ const TRIES: usize = 512;
 /// Widest piece of an arc given by R, radians: near half a turn R says little about where the centre is.
 const BY_RADIUS_MAX_RAD: f64 = 2.0;
 
-/// Grid of the positions that NC words can express.
+/// Grid of the positions that NC words can express in the program's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// Least increment, nm.
+    /// Distance of neighbouring grid points: the control's least increment, nm.
     pub step_nm: i64,
-    /// Origin of the increments: zero, or under G91 the start of the move.
+    /// Point from which increments are counted: zero, or under G91 the start of the move.
     pub origin: [Nm; 3],
 }
 
-/// A piece of a move with its end point.
+/// Piece of a divided move, with its end point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Feed of the piece, and its end on the arc.
+    /// Feed of the piece, and its end as a fraction of the move.
     pub piece: Piece,
-    /// End point.
+    /// End point, on the control's grid.
     pub end: Pose,
 }
 
-/// Axis along which a line runs; `None` if it runs along several.
+/// Index (0 X, 1 Y, 2 Z) of the axis along which a line runs; `None` for an arc or if it runs along several axes.
 pub fn axis_of(segment: &Segment) -> Option<usize> {
     let moves = |axis: &usize| segment.start.linear[*axis] != segment.end.linear[*axis];
     let mut axes = (0..3).filter(moves);
@@ -87,7 +87,7 @@ struct Found {
     off_nm: f64,
 }
 
-/// Division of an arc into pieces whose end points NC words can express.
+/// Finder of end points on an arc that NC words can express.
 #[derive(Clone, Copy, Debug)]
 pub struct Divider<'a> {
     segment: &'a Segment,
@@ -97,18 +97,18 @@ pub struct Divider<'a> {
 }
 
 impl<'a> Divider<'a> {
-    /// Division of an arc into pieces of at least `least_mm`.
+    /// Finder for this arc; each piece will be at least `least_mm` long.
     pub fn new(segment: &'a Segment, arc: &'a Arc, grid: Grid, least_mm: f64) -> Self {
         Divider { segment, arc, grid, least_mm }
     }
 
-    /// Length by which a piece must exceed the shortest length, mm, so that both of its ends can be moved a little.
+    /// Length, mm, by which a piece must exceed the shortest length so that both of its ends can be moved to the grid.
     pub fn allowance_mm(&self) -> f64 {
         0.5 * self.window_mm()
     }
 
-    /// Finds end points for the pieces; two pieces without a point between them are joined. `None` if a piece of an
-    /// arc given by R stays too long for R.
+    /// Finds an end point for each piece; two pieces without a suitable point between them are joined. `None` if a piece of an arc given
+    /// by R would be too long: near half a turn, R does not determine the centre well enough.
     pub fn divide(&self, mut pieces: Vec<Piece>, by_radius: bool) -> Option<Vec<Part>> {
         if by_radius {
             pieces = self.narrowed(&pieces);

@@ -1,4 +1,4 @@
-//! Demand of a law along a move: its values at evenly spaced points, and between them a lower bound.
+//! Demand of a feed law along a move: its values at evenly spaced points, and a lower bound in each cell between them.
 
 use std::cell::Cell;
 use std::iter::once;
@@ -25,23 +25,24 @@ const DESCENTS: usize = 40;
 /// Halvings of a cell to the place where a law's demand begins or ends: f32 resolves a place to 24 bits of its move.
 const HALVINGS: usize = 16;
 
-/// Answer of a law at a point.
+/// Result of a law at one point of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// A path of the centre per tooth and a contact.
+    /// The law demands this path of the tool centre per tooth (with the contact point at which the chip has its target).
     Demand(FeedDemand),
-    /// No feed is too high there.
+    /// The law permits any feed there.
     Anything,
-    /// The law has no demand there.
+    /// The law has no demand there: it does not apply, so the move runs with the feed that was sent.
     Nothing,
 }
 
-/// Answers of a law along a move, in the cells in which it was evaluated.
+/// Results of a law along a move, at the ends and knots of the cells in which it was evaluated.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// At the ends of the cells and at knots, in order; places counted in cells from the start.
+    /// Results at the ends of the cells and at the law's knots, in order; each with its place, in cells from the start of the move.
     pub answers: Vec<(f64, Answer)>,
-    /// Path per tooth that no point of the cell undercuts, mm; infinite where no feed is too high.
+    /// For each cell: path of the tool centre per tooth that is not above the demand at any point of the cell, mm; infinite where any feed
+    /// is permitted.
     pub bounds: Vec<f64>,
     /// For each cell: `true` if the law has a demand, or allows any feed, at both ends of the cell.
     pub covered: Vec<bool>,
@@ -75,8 +76,8 @@ struct Quarters {
 type Point = (f64, f64);
 
 impl Profile {
-    /// Evaluates the law in these cells and at its knots, which are paths from the start of the move, mm, in rising
-    /// order. A uniform law is evaluated once, for one cell that is the whole move.
+    /// Evaluates the law in `cells` and at its knots `knots_mm`, which are paths from the start of the move, mm, in ascending order. A law
+    /// that is the same everywhere is evaluated once, for one cell that is the whole move.
     pub fn ask(law: &impl FeedLaw, places: &MovePlaces, knots_mm: &[f64], cells: &AskedCells) -> Self {
         let asked = Asked { law, places, step: places.resolution_ratio() * CELLS as f64, left: Cell::new(HALVED_MAX) };
         if law.is_uniform() {
@@ -139,13 +140,13 @@ impl Profile {
         }
     }
 
-    /// Whether one answer is valid for the whole move.
+    /// Whether one result holds for the whole move.
     pub fn is_uniform(&self) -> bool {
         self.bounds.len() == 1
     }
 
-    /// Demanded path per tooth at `ratio` of the move, linear between two answers; `None` if one of them is no finite
-    /// demand.
+    /// Demanded path of the tool centre per tooth at the fraction `ratio` (0 to 1) of the move, mm, interpolated between two results;
+    /// `None` if one of them is not a finite demand.
     pub fn demand_at(&self, ratio: f64) -> Option<f64> {
         let point = ratio * CELLS as f64;
         let after = self.answers.partition_point(|(at, _)| *at < point);
@@ -160,7 +161,7 @@ impl Profile {
         Some(demand).filter(|demand| demand.is_finite())
     }
 
-    /// Lower bound of the demanded path per tooth on the whole move; `None` if the law has no finite demand.
+    /// Path of the tool centre per tooth that is not above the demand anywhere on the move, mm; `None` if the law has no finite demand.
     pub fn least(&self) -> Option<f64> {
         self.bounds.iter().copied().reduce(f64::min).filter(|least| least.is_finite())
     }

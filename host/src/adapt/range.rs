@@ -1,28 +1,29 @@
-//! Demands of a law along a whole move: their range, and a feed that no point of the arc undercuts.
+//! Range of a law's demand along a whole move, and a feed that is not above the demand anywhere on it.
 
 use arcfeed_law::FeedDemand;
 
 use super::profile::{Answer, Profile};
 
-/// The demands of a law along a move.
+/// Range of the feeds that a law demands along a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DemandRange {
-    /// Least wanted feed at the points asked.
+    /// Smallest demanded feed of the tool centre among the evaluated points, mm/min.
     pub feed_min_mm_per_min: f64,
-    /// Largest.
+    /// Largest demanded feed among the evaluated points, mm/min.
     pub feed_max_mm_per_min: f64,
-    /// A feed not above any demand, between the points either.
+    /// Feed that is not above the demand at any point of the move, also between the evaluated points, mm/min.
     pub safe_mm_per_min: f64,
-    /// Least and largest feed per tooth at the centre.
+    /// Smallest and largest demanded feed per tooth of the tool centre, mm.
     pub ipt_mm_per_tooth: [f64; 2],
-    /// Contact angle at the first and the last point with a demand.
+    /// Contact angle at the first and at the last point with a demand, degrees.
     pub contact_deg: [f64; 2],
-    /// Whether the law has a demand everywhere on the move.
+    /// The law has a demand, or permits any feed, at every evaluated point of the move.
     pub covers_all: bool,
 }
 
 impl DemandRange {
-    /// Range of a law's answers; `None` without a finite demand among them.
+    /// Range of the results in `profile`, for `teeth_per_min` teeth that pass in a minute; `None` if none of them is a
+    /// finite demand.
     pub fn of(profile: &Profile, teeth_per_min: f64) -> Option<Self> {
         let demands = || {
             profile.answers.iter().filter_map(|(_, answer)| match answer {

@@ -1,61 +1,64 @@
-//! Why each block has the feed that it has.
+//! Reasons why a block has the feed with which it is sent.
 
 /// Reason for the feed with which a block is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlanReason {
-    /// The law governs it.
+    /// The law governs the block, and nothing else limits the feed.
     Law,
-    /// The law governs it; on part of it it has no demand, there the block runs at 100 %.
+    /// The law governs the block; where it has no demand, the block runs with the override at 100 %.
     LawInPart,
-    /// The law governs it, at the least feed that it allows: its floor, not the radius, decides.
+    /// The law governs the block, and demands its lowest feed (the floor of the contour law) rather than the one that the radius would
+    /// give.
     LawFloor,
-    /// The law governs it, but the override ends below what it wants.
+    /// The law governs the block, but its demand is above what the largest override gives.
     Ceiling,
-    /// The law governs it, but the override ends above what it wants: the chip exceeds its target.
+    /// The law governs the block, but its demand is below what the smallest override gives: there the chip is thicker than its target.
     Floor,
-    /// The law governs it, but an axis cannot follow it everywhere.
+    /// The law governs the block, but a machine axis cannot follow its demand everywhere.
     Axis,
-    /// The law governs it, but the control clamps the feed on an arc of this radius.
+    /// The law governs the block, but the control limits the feed on an arc of this radius.
     ArcClamp,
-    /// The law governs it, but the job's fastest feed, or its largest raise of the programmed one, is lower.
+    /// The law governs the block, but the job's largest feed, or its largest factor on the programmed feed, is below the demand.
     FeedCeiling,
-    /// The law governs it, and the control itself reduces its F there (parameter 1710).
+    /// The law governs the block. The control itself reduces F on this inside arc (parameter 1710), therefore F is correspondingly higher.
     ControlReduces,
-    /// The chamfer or rounded corner at its end has this feed, the least that both may have.
+    /// The chamfer or rounded corner after the move needs a lower feed, and one F holds for both.
     Corner,
-    /// A cut rule matches it, but it moves along the tool's axis: a plunge, ramp, helix or roll-in.
+    /// A cut rule selects the block, but it moves along the tool's axis (plunge, ramp, helix, roll-in), where the rule's law does not
+    /// apply.
     Axial,
-    /// A cut rule matches it, but another tool than the job's is in the spindle.
+    /// A cut rule selects the block, but a tool without values in the job is in the spindle.
     OtherTool,
-    /// A cut rule matches it, but the spindle is off, or its speed is stated nowhere.
+    /// A cut rule selects the block, but the spindle is off or its speed is not known.
     Spindle,
-    /// A cut rule matches it, but its move or its feed depends on the block-delete switches.
+    /// A cut rule selects the block, but its move or its feed depends on the block-delete switches.
     BlockDelete,
-    /// A cut rule matches it, but its F would stay in force for a block that must have another one.
+    /// A cut rule selects the block, but its new F would stay in force for a later block that needs another one.
     FeedLeak,
-    /// A cut rule matches it, but a rotary axis turns with it.
+    /// A cut rule selects the block, but a rotary axis moves with it, so that F is not the feed along the path.
     Rotary,
-    /// A cut rule matches it, but it is shorter than the way to brake to the feed that the law demands.
+    /// The contour law would slow the block down, but the block is shorter than the braking distance of the axes.
     Short,
-    /// A cut rule matches it, but no block before it has stated where the tool is.
+    /// A cut rule selects the block, but no block before it has stated where the tool is.
     StartUnknown,
-    /// A cut rule matches it, but the D in force under G41 or G42 has no radius.
+    /// A cut rule selects the block, but the D in force under G41 or G42 has no radius.
     NoRadius,
-    /// A cut rule matches it, but the radius of the D in force is not that of the job's tool.
+    /// A cut rule selects the block, but the radius of the D in force does not belong to the job's tool.
     OtherRadius,
-    /// A cut rule matches it, but it is under G41 or G42, or beside a chamfer or rounded corner, where only F words govern.
+    /// A cut rule selects the block, but it is under G41 or G42, or next to a chamfer or rounded corner: there a law works through F words
+    /// only (mode `rewrite-only`).
     NeedsRewriting,
-    /// A cut rule speaks of it, but the law has no demand anywhere on it.
+    /// A cut rule selects the block, but its law has no demand anywhere on it.
     NoDemand,
-    /// The move descends, but the plunge law has no feed that keeps the limits of the spindle.
+    /// The move descends into material, but no feed keeps the torque and power of the spindle.
     Overload,
-    /// The move descends, but the engagement map has no sections of it.
+    /// The move descends into material, but the engagement map has no sections of it.
     Unmapped,
-    /// No cut rule speaks of it.
+    /// No cut rule selects the block.
     NoRule,
-    /// Positioning.
+    /// The block is a rapid move.
     Rapid,
-    /// Inverse time: F is no feed.
+    /// Under G93 (inverse time): F is not a feed.
     InverseTime,
     /// Under G43.4, G63 or G95, or under G41 or G42 where no law describes the path of the tool centre.
     Special,

@@ -1,4 +1,5 @@
-//! F words: written where the feed to send differs from the one the control would have, every other byte kept.
+//! Rewriting of F words: an F is written where the feed to be sent differs from the one in force on the control; every
+//! other byte is kept.
 //!
 //! F is modal. A rewritten F would leak into the blocks behind it, so each of them gets its own programmed F back.
 
@@ -18,10 +19,10 @@ const fn feed_decimals(unit: LengthUnit) -> u32 {
     }
 }
 
-/// Change of a line's text.
+/// Change of a line's text: some bytes are removed and others inserted in their place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Edit {
-    /// Offset of the bytes that go.
+    /// Offset in the line of the first byte that is removed, and where the new text is inserted.
     pub at: usize,
     /// Number of bytes removed.
     pub len: usize,
@@ -30,13 +31,13 @@ pub struct Edit {
 }
 
 impl Edit {
-    /// Replacement of a word.
+    /// Edit that replaces the word by `new`.
     pub fn replacing(word: &Word, new: String) -> Self {
         Edit { at: usize::from(word.column) - 1, len: usize::from(word.len), new }
     }
 }
 
-/// The text after these edits, which must not overlap.
+/// Text of the line after these edits, which must not overlap.
 pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     let mut edits: Vec<&Edit> = edits.iter().collect();
     // An insertion before a word comes before a replacement of that word.
@@ -51,7 +52,7 @@ pub fn apply(text: &[u8], edits: &[Edit]) -> Vec<u8> {
     changed
 }
 
-/// Writer of F words; state: the F that is in force on the control after the text written so far.
+/// Writer of F words, line by line. It keeps the F that is in force on the control after the text written so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FeedRewriter {
     in_force: ModalFeed,
@@ -113,11 +114,13 @@ pub fn may_leak(line: &ProgramLine) -> bool {
 }
 
 impl FeedRewriter {
-    /// Edit after which the line is sent with the feed `governed`, or with its programmed one. Lines that a
-    /// block-delete switch may change are not edited, and get the programmed F.
+    /// Edit that gives the line the feed `governed` or, if that is `None`, its programmed feed; `None` if the text
+    /// already does. Lines that a block-delete switch may change are never edited: for them the programmed F must be in
+    /// force.
     ///
     /// # Errors
-    /// A feed that a law has set before would leak into this line. Nothing has changed then.
+    /// A feed that a law has set on an earlier line would stay in force for this line. The writer's state is unchanged
+    /// then.
     pub fn edit(&mut self, line: &ProgramLine, governed: Option<Nm>, modes: Modes) -> Result<Option<Edit>, Leak> {
         let Some(meaning) = &line.meaning else { return Ok(None) };
         match line.skipping {
@@ -160,14 +163,14 @@ impl FeedRewriter {
         Ok(edit.map(|(_, edit)| edit))
     }
 
-    /// F word for a block that is added behind the line; empty if the same F is in force.
+    /// F word for a block that is added after the line; empty if this F is already in force.
     pub fn added(&mut self, feed: Nm, unit: LengthUnit) -> String {
         let had = std::mem::replace(&mut self.in_force, ModalFeed { feed: Some(feed), is_governed: true });
         if had.feed == Some(feed) { String::new() } else { feed_word(feed, unit) }
     }
 }
 
-/// Largest feed not above `feed_mm_per_min` that an F word can express.
+/// Largest feed per minute that an F word can express in this unit and that is not above `feed_mm_per_min`.
 pub fn round_down(feed_mm_per_min: f64, unit: LengthUnit) -> Nm {
     let step_nm = unit.nm() / 10_i64.pow(feed_decimals(unit));
     Nm(Nm::from_mm(feed_mm_per_min).0.div_euclid(step_nm) * step_nm)
@@ -188,7 +191,7 @@ pub(super) fn feed_word(feed: Nm, unit: LengthUnit) -> String {
     format!("F{units}.{}", digits.trim_end_matches('0'))
 }
 
-/// Whether a block's code, comments apart, has an F word.
+/// Whether the text of a block, comments excluded, has an F word.
 pub fn has_feed(text: &[u8]) -> bool {
     let mut in_comment = false;
     text.iter().any(|&byte| {

@@ -1,4 +1,4 @@
-//! The cut rule that governs a line's move, or the reason why none does.
+//! Search for the cut rule that governs a line's move, or for the reason why none does.
 
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_model::cut::CutRule;
@@ -11,10 +11,11 @@ use super::PlanReason;
 use super::limit::tip_axial_sine;
 use crate::program::ProgramLine;
 
-/// Index of the cut rule that governs a line's move, of those that `admits` accepts, and the spindle speed there.
+/// Index of the cut rule that governs the move of a line, and the spindle speed there. Only rules whose index `admits`
+/// accepts are considered.
 ///
 /// # Errors
-/// Why the move keeps its programmed feed.
+/// The reason why the move keeps its programmed feed.
 pub fn match_move(
     job: &Job,
     machine: Option<&Machine>,

@@ -1,5 +1,5 @@
-//! The blocks that an arc's pieces are written as, in the program's own style: letters of its plane, G90 or G91, decimal
-//! points or least increments, I, J, K or R.
+//! Text of the blocks into which a move is divided, in the style of the program: letters of its plane, G90 or G91, decimal points or least
+//! increments, I, J, K or R.
 //!
 //! The first piece is the block itself with another end point; what else stands in the block stays there. The pieces behind
 //! it repeat only what they need: `/`, the G word if there was one, the end point, the centre.
@@ -37,17 +37,17 @@ pub struct Spelling<'a> {
     shape: WrittenShape,
 }
 
-/// Shape of a move that is written in pieces.
+/// Shape of a move that is written as several blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WrittenShape {
-    /// An arc, or a line before a corner, in this plane.
+    /// An arc in this plane, or a line in it that ends at a chamfer or rounded corner.
     InPlane(Plane),
-    /// A line along this axis.
+    /// A line along the axis with this index (0 X, 1 Y, 2 Z).
     Line(usize),
 }
 
 impl<'a> Spelling<'a> {
-    /// Style of a move's block; `None` if it has words that pieces cannot share.
+    /// Style of a move's block; `None` if the block has words that several blocks cannot share.
     pub fn of(text: &'a [u8], block: &'a Block, modes: Modes, shape: WrittenShape) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code)),
@@ -57,8 +57,7 @@ impl<'a> Spelling<'a> {
         is_plain.then_some(Spelling { text, block, modes, shape })
     }
 
-    /// Style of the block of a line with a chamfer or rounded corner; `None` if it has words that two blocks cannot
-    /// share.
+    /// Style of the block of a line that ends at a chamfer or rounded corner; `None` if it has words that two blocks cannot share.
     pub fn of_line(text: &'a [u8], block: &'a Block, modes: Modes, plane: Plane) -> Option<Self> {
         let is_shared = |word: &Word| match word.letter {
             b'G' => word.number.as_whole().is_some_and(|code| G_WORDS.contains(&code) && code != 2 && code != 3),
@@ -70,7 +69,8 @@ impl<'a> Spelling<'a> {
         (is_plain && block.delete.is_none()).then_some(Spelling { text, block, modes, shape })
     }
 
-    /// Edits that turn a line into its part up to `end`, without its corner; `None` if a number cannot be written.
+    /// Edits that turn a line's block into its first part, which ends at `end` and has no corner; `None` if a number cannot be written in
+    /// the program's style.
     pub fn line_up_to(&self, start: &Pose, end: &Pose) -> Option<Vec<Edit>> {
         let mut edits = vec![Edit::replacing(self.corner()?, String::new())];
         for (axis, word) in self.axis_words() {
@@ -79,7 +79,7 @@ impl<'a> Spelling<'a> {
         Some(edits)
     }
 
-    /// The rest of a line, with its corner but without F; `None` if a number cannot be written.
+    /// Text of the second part of a line, with its corner but without F; `None` if a number cannot be written.
     pub fn rest_of_line(&self, start: &Pose, end: &Pose) -> Option<String> {
         let words = self.axis_words().map(|(axis, _)| self.coordinate(axis, start, end)).collect::<Option<String>>()?;
         Some(words + self.written(self.corner()?))
@@ -95,7 +95,7 @@ impl<'a> Spelling<'a> {
         self.axes(false).filter_map(move |axis| Some((axis, block.word(AXES[axis])?)))
     }
 
-    /// Whether the block gives the centre of the arc by R.
+    /// The block gives the arc by its radius R, not by its centre.
     pub fn is_by_radius(&self) -> bool {
         self.block.word(b'R').is_some()
     }

@@ -1,4 +1,4 @@
-//! `rewrite-only`: the block of an arc, or of a plunge, as several, each with its own F.
+//! Division of one block into several, each with its own F (mode `rewrite-only`): for an arc or a plunge.
 //!
 //! The text of the pieces is read back as the control will read it: each piece must be a line, or an arc of the same sense
 //! about the same centre, each must begin at the end of the one before, and the last must end at the programmed point. A move that does not
@@ -24,18 +24,18 @@ use crate::program::ProgramLine;
 /// Largest distance of a piece's centre from the arc's, nm: R and two points on the arc give it no better.
 const CENTER_MAX_NM: i64 = 20_000;
 
-/// Reason why a move stays whole although the law asks for pieces.
+/// Reason why a move is sent as one block although its law would have it divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Whole {
-    /// A line that is no plunge is not cut into pieces.
+    /// It is a line other than a plunge; only arcs and plunges are divided.
     Line,
-    /// The block has words that pieces cannot share: M, T, a variable, another G.
+    /// The block has words that several blocks cannot share: M, T, a variable, another G.
     Words,
-    /// G51, G52 or G68 lays the program's coordinates elsewhere than the workpiece's, or G90.1 the centres.
+    /// G51, G52 or G68 changes the program's coordinates, or G90.1 the meaning of I, J, K.
     Coordinates,
-    /// No points on it, or no centre, that the control's increments and digits can express.
+    /// No suitable points or centre can be expressed in the control's increments and digits.
     Digits,
-    /// The pieces do not read back as the arc.
+    /// The text of the pieces, read back, is not the same move.
     ReadBack,
 }
 
@@ -52,7 +52,7 @@ impl Whole {
     }
 }
 
-/// Part of a move with one F.
+/// Part of a divided move with its F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SentPiece {
     /// End of the piece, as a fraction (0 to 1) of the move.
@@ -61,53 +61,54 @@ pub struct SentPiece {
     pub feed: Nm,
 }
 
-/// Relative error of the chip in a divided move: chip at the sent F over the wanted chip, minus one.
+/// Relative error of the chip in a divided move: chip with the F of the pieces over the target chip, minus 1. Negative: the chip is
+/// thinner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChipError {
-    /// Least.
+    /// Smallest value on the move.
     pub min: f64,
-    /// Along the path.
+    /// Mean along the path.
     pub mean: f64,
-    /// Largest; not above zero.
+    /// Largest value on the move; not above 0.
     pub max: f64,
 }
 
-/// A governed move as it is sent: one block or several.
+/// Governed move as it is sent: as one block or as several.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
     /// Pieces of the move; at least one.
     pub pieces: Vec<SentPiece>,
     /// Text of each piece, without line ends.
     pub texts: Vec<Vec<u8>>,
-    /// Reason to send it whole although the law asks for pieces.
+    /// Reason why it is one block although the law would have it divided; `None` otherwise.
     pub whole: Option<Whole>,
 }
 
-/// A governed move with everything that is needed to write its blocks.
+/// Governed move with everything that is needed to write its blocks.
 #[derive(Debug)]
 pub struct Governed<'a> {
-    /// Line of the move.
+    /// Program line of the move.
     pub line: &'a ProgramLine,
-    /// Geometry of the move.
+    /// Move for which the law was evaluated.
     pub segment: &'a Segment,
-    /// Whether the plunge law governs it.
+    /// The plunge law governs the move.
     pub is_descent: bool,
-    /// Answers of the law along it.
+    /// Law's demand along the move.
     pub profile: &'a Profile,
-    /// The modes after its G words.
+    /// Modes in force after the G words of the line.
     pub modes: Modes,
-    /// The control before it.
+    /// State of the control before the line.
     pub before: &'a Reader,
-    /// Teeth that pass in a minute.
+    /// Number of teeth that pass in a minute.
     pub teeth_per_min: f64,
-    /// Largest feed over the least one.
+    /// Largest permitted ratio of a piece's feed to the smallest one.
     pub most_ratio: f64,
     /// Fastest feed that machine, control and the job's ceiling allow; infinite if nothing limits the move.
     pub limit_mm_per_min: f64,
 }
 
 impl Governed<'_> {
-    /// Writes the blocks of the move; `rewriter` knows the F in force on the control. `None` if the law has no finite
+    /// Writes the blocks of the move. `rewriter` knows the F in force on the control, and is updated. `None` if the law has no finite
     /// demand.
     pub fn split(&self, settings: &PieceSettings, rewriter: &mut FeedRewriter) -> Option<Split> {
         let least = self.feed(self.profile.least()?);
@@ -238,7 +239,7 @@ fn is_same_circle(piece: &Arc, arc: &Arc) -> bool {
 }
 
 impl ChipError {
-    /// Chip error of pieces that run with their F; `None` if the law has no demand anywhere.
+    /// Chip error of these pieces, each run with its F, against the demand in `profile`; `None` if the law has no demand anywhere.
     pub fn of(pieces: &[SentPiece], profile: &Profile, teeth_per_min: f64) -> Option<Self> {
         let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
         let mut from = 0.0;

@@ -41,7 +41,7 @@ const LENGTH_MIN_RATIO: f64 = 0.05;
 /// Feed per tooth, over the smaller radius, above which (3) and (4) may have other roots.
 const CHIP_MAX_RATIO: f64 = 0.1;
 
-/// From and to, radians.
+/// Range of angles in radians: from, to.
 pub type AngleRange = [f64; 2];
 
 /// Passes the turning points of the demand along an arc to `take`: directions from the rotation centre, as ranges of

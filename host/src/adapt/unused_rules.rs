@@ -1,4 +1,4 @@
-//! Cut rules that no move can ever meet, as warnings of their job file.
+//! Warnings of cut rules that no move can ever match.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ enum Met {
     First,
 }
 
-/// Use of each rule of a job by the moves of a program.
+/// Record of which cut rules of a job are used by the moves of a program.
 #[derive(Clone, Debug)]
 pub struct RuleUse {
     met: Vec<Met>,
@@ -62,12 +62,14 @@ pub struct RuleUse {
 }
 
 impl RuleUse {
-    /// Use before the first line. `places` are the places of the program's lines in its file.
+    /// Record before the first line. `places` are the places of the executed blocks in the program's file, if they
+    /// differ from its lines.
     pub fn new(job: &Job, places: Option<Arc<ExecutedPlaces>>) -> Self {
         RuleUse { met: vec![Met::Never; job.rules.len()], lines: 0, places, corners: CornerMoves::default() }
     }
 
-    /// Adds the moves of the next line; `tool` is the index of the line's tool in the job.
+    /// Records the rules that the move of the next line matches; `tool` is the index in the job of the tool in the
+    /// spindle.
     pub fn add(&mut self, line: &ProgramLine, file: &JobFile, tool: Option<usize>) {
         self.lines += 1;
         let corners = line.meaning.as_ref().map(|meaning| self.corners.pass(0, meaning)).unwrap_or_default();

@@ -1,5 +1,5 @@
-//! Feeds written back into a program with macro statements or calls: one F word for all executions of a line, or the pieces
-//! of its move.
+//! Feeds written back into a program with macro statements or calls: one F word that fits all executions of a line, or the pieces into
+//! which its move is divided.
 //!
 //! A program is adapted at its blocks as executed. A line gets an F word if one of its executions needs one and all of
 //! them cut with the same feed. A move in pieces is written as these if its line has no values of variables and all its
@@ -58,9 +58,9 @@ struct Executions {
 /// A program with macro statements, with the adapted feeds written into its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenProgram {
-    /// Text of the file.
+    /// Text of the whole file.
     pub text: Vec<u8>,
-    /// End in it of what each line of the original file has become.
+    /// Offset in `text` at which the replacement of each original line ends.
     pub line_ends: Vec<usize>,
 }
 
@@ -68,7 +68,8 @@ pub struct WrittenProgram {
 /// their adapted text, with the end of each line.
 ///
 /// # Errors
-/// Lines that cannot get one feed, or a program that would not execute the same blocks: in words, each with its place.
+/// Lines that cannot get one feed for all executions, or a changed program that would not execute the same blocks: a text with the place
+/// of each.
 pub fn write_back(source: &Source, text: &[u8], line_ends: &[usize]) -> Result<WrittenProgram, String> {
     let sent = line_ends.iter().scan(0, |start, end| {
         let line = &text[std::mem::replace(start, *end)..*end];

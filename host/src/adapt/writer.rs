@@ -1,4 +1,4 @@
-//! Line by line: what a law wants of a move, and the text that is sent for it.
+//! Planning and writing of one line at a time: the demand of a law on its move, and the text that is sent for it.
 
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_model::engaged::EngagedTable;
@@ -32,7 +32,7 @@ const FAST_MACHINE_MM_PER_S2: f64 = 5_000.0;
 /// A line as it is sent, with the plan of its move.
 #[derive(Clone, Debug)]
 pub struct PlannedLine {
-    /// Move of the line.
+    /// Plan of the line's move; `None` if the line has no move.
     pub block: Option<PlannedBlock>,
     /// Text of the line, without line end; several lines for a move in pieces.
     pub text: Vec<u8>,
@@ -65,7 +65,8 @@ pub(super) struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Planner at the beginning of a program; `line_end` is the line end of its first line.
+    /// Planner before the first line of a program, whose lines end with `line_end`. Lines in `kept` keep their
+    /// programmed feed.
     pub fn new(control: &Reader, line_end: &'a [u8], job: &'a Job, known: Known<'a>, kept: &'a KeptLines) -> Self {
         let cuts = matches!(job.policy, FeedPolicy::RewriteOnly(_));
         Writer {
@@ -88,12 +89,13 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Lets laws govern moves under G41 and G42, if the mode allows it; `lines` are those of the program.
+    /// Enables laws for moves under G41 and G42, if the job's mode permits it; `lines` are all lines of the program,
+    /// which are read ahead.
     pub fn read_contours(&mut self, control: &Reader, lines: impl Iterator<Item = &'a [u8]> + 'a) {
         self.contours = self.reader.is_some().then(|| OffsetMoves::new(control.clone(), lines));
     }
 
-    /// Plans the next line.
+    /// Plans the next line. Fails if the feed of an earlier line would stay in force for it.
     pub fn take(&mut self, line: &ProgramLine) -> Result<PlannedLine, Leak> {
         self.count += 1;
         let path = self.contours.as_mut().map_or(CenterPath::None, OffsetMoves::take);

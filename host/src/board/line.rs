@@ -1,4 +1,4 @@
-//! Board link on a port: sends and receives messages.
+//! Link to a feed board over a port: sends and receives messages.
 
 use std::hash::{BuildHasher, RandomState};
 
@@ -17,10 +17,10 @@ use crate::port::{Port, PortError};
 /// Default baud rate of a board link.
 pub const BAUDRATE: u32 = 115_200;
 
-/// Longest time between two turns.
+/// Longest permitted time between two calls of [`BoardLine::turn`].
 pub const TURN_MAX: Micros = Micros::from_ms(20);
 
-/// The host's end of a link to a board.
+/// Host's end of the link to a feed board, with its port.
 pub struct BoardLine<'p> {
     port: Box<dyn Port + 'p>,
     link: Link,
@@ -47,7 +47,7 @@ fn settings(baudrate: u32) -> SerialSettings {
 }
 
 impl BoardLine<'static> {
-    /// Opens a port of this machine and starts the handshake.
+    /// Opens a port of this computer and starts the handshake with the board.
     ///
     /// # Errors
     /// The port cannot be opened.
@@ -58,10 +58,11 @@ impl BoardLine<'static> {
 }
 
 impl<'p> BoardLine<'p> {
-    /// Starts the handshake. `bits_per_s` is the rate of the port, 0 if nothing limits it.
+    /// Starts the handshake with the board on an open port. `bits_per_s` is the rate of the port, 0 if nothing limits
+    /// it.
     ///
     /// # Errors
-    /// The line is too slow for the link.
+    /// The rate of the port is too low for the link.
     pub fn new(port: Box<dyn Port + 'p>, bits_per_s: u32) -> Result<Self, PortError> {
         let ahead = Span::from(TURN_MAX);
         let settings = LinkSettings { bits_per_s, ahead, ..link_settings(Role::Host) };
@@ -73,10 +74,11 @@ impl<'p> BoardLine<'p> {
         Ok(BoardLine { port, link, frame: [0; ENCODED_MAX], taken: 0, len: 0, unknown: 0 })
     }
 
-    /// Receives the messages that have arrived and gives each to `take`, then sends those that are due. Does not wait.
+    /// Receives the messages that have arrived, calls `take` with each, then sends the frames that are due. Does not
+    /// wait; must be called at least every [`TURN_MAX`].
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn turn(&mut self, take: &mut dyn FnMut(Message)) -> Result<(), PortError> {
         let mut incoming = [0; 256];
         loop {
@@ -97,10 +99,10 @@ impl<'p> BoardLine<'p> {
         self.send_due()
     }
 
-    /// Sends the frames that are due.
+    /// Sends the frames that are due now.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn send_due(&mut self) -> Result<(), PortError> {
         loop {
             if self.taken == self.len {
@@ -117,17 +119,17 @@ impl<'p> BoardLine<'p> {
         }
     }
 
-    /// Sends a message once and in order.
+    /// Queues a message, which the link delivers once and in order.
     ///
     /// # Errors
-    /// There is no room or no link.
+    /// The queue is full, or the link is down.
     pub fn send(&mut self, message: &Message) -> Result<(), SendError> {
         let mut payload = [0; PAYLOAD_MAX];
         let len = message.encode(&mut payload).unwrap_or_else(|_| unreachable!("every message fits"));
         self.link.send(message.kind(), &payload[..len])
     }
 
-    /// Waits until the next turn.
+    /// Waits until the link must be served again.
     pub fn wait(&mut self) {
         let now = self.port.now();
         let latest = now.after(TURN_MAX);
@@ -138,28 +140,28 @@ impl<'p> BoardLine<'p> {
     /// Closes the link.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn close(mut self) -> Result<(), PortError> {
         self.link.close();
         self.send_due()
     }
 
-    /// The link to the board.
+    /// State machine of the link.
     pub fn link(&self) -> &Link {
         &self.link
     }
 
-    /// Whether both ends have found each other.
+    /// Whether the handshake has succeeded and the link has not been lost.
     pub fn is_up(&self) -> bool {
         self.link.state() == LinkState::Up
     }
 
-    /// Time of the port's clock.
+    /// Present time of the port's clock.
     pub fn now(&self) -> Micros {
         self.port.now()
     }
 
-    /// Count of messages with an unknown kind.
+    /// Number of received messages of a kind that this host does not know.
     pub fn unknown(&self) -> u32 {
         self.unknown
     }

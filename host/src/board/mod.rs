@@ -1,4 +1,4 @@
-//! Feed board seen from the host: its link, the data of a run, and its reports.
+//! Feed board seen from the host: link, data of a run, and the board's reports.
 //!
 //! ```text
 //! program as sent + job -> plan -> Board -- parameters, segments ahead of the control --> link -> port -> board

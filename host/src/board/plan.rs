@@ -25,7 +25,7 @@ use crate::dnc::restored_state::PowerOn;
 use crate::dnc::transmission::Transmission;
 use crate::program::{ExecutedPlaces, Program, ProgramLine};
 
-/// Messages for a board: the moves of a transmission, in order.
+/// Messages that give a feed board the moves of a transmission, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardPlan {
     /// Messages: each move behind its engaged arcs.
@@ -36,7 +36,7 @@ pub struct BoardPlan {
     lines: Vec<usize>,
 }
 
-/// Bounds of a move that its NC text does not show.
+/// Limits of a move that its NC text does not show: the job's largest feed, and the largest override at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoveBounds {
     /// Largest feed of a governed move that the job allows, per minute.
@@ -48,7 +48,7 @@ pub struct MoveBounds {
 impl MoveBounds {
     const NONE: MoveBounds = MoveBounds { max_feed: None, end_percent: None };
 
-    /// Bounds of the moves of an adapted program, by line; moves without a bound are left out.
+    /// Limits of the moves of an adapted program, by line number; moves without limits are left out.
     pub fn of(adapted: &Adapted) -> HashMap<usize, MoveBounds> {
         let bounds = adapted.blocks.iter().map(|block| (block.line, MoveBounds::of_block(block)));
         bounds.filter(|(_, bounds)| *bounds != MoveBounds::NONE).collect()
@@ -63,10 +63,10 @@ impl MoveBounds {
     }
 }
 
-/// Messages of a planned move with its sent feed: its engaged arcs, then the move.
+/// Messages that give a board one planned move with the feed that is sent: its engaged arcs, then the move.
 ///
 /// # Errors
-/// Numbers out of range.
+/// A number is out of the range of its message.
 pub fn planned_move(block: &PlannedBlock, job: &Job) -> Result<Vec<Message>, MoveError> {
     let feed = block.sent.map_or(block.segment.feed, Feed::PerMinute);
     encode_move(&Segment { feed, ..block.segment }, 0, MoveRule::of(block, job), MoveBounds::of_block(block))
@@ -132,28 +132,28 @@ impl<'a> MoveRule<'a> {
 pub struct PlanError {
     /// Line of the program's file, counted from 1; 0 for a line that arcfeed added.
     pub source: usize,
-    /// Reason.
+    /// Reason why the move cannot be sent.
     pub why: MoveFault,
 }
 
 /// Reason why a move cannot be sent to a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MoveFault {
-    /// Numbers out of range.
+    /// A number is out of the range of its message.
     #[error("this move cannot be sent to a board: {0:?}")]
     Move(MoveError),
-    /// Block with an unknown meaning: leaving its move out would apply every later law to the wrong move.
+    /// The meaning of the block is unknown. Without its move, the board would apply every later law to the wrong move.
     #[error("this block is not understood, and a board needs every move; send without --board")]
     NotUnderstood,
 }
 
 impl BoardPlan {
-    /// Plans the moves of a transmission to a control in its power-on state. `known` has the engagement map, the
-    /// scopes of the rules, and the places of the program of which the transmission is made.
-    /// `bounds` are the bounds beside the text, by line of the program's file: the transmission has other F words.
+    /// Plans the messages for the moves of a transmission to a control in its power-on state. `known` has the
+    /// engagement map, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
+    /// limits that the text does not show, by line of the program's file.
     ///
     /// # Errors
-    /// Describes the first move that cannot be sent to a board.
+    /// The first move that cannot be sent to a board, with the reason.
     pub fn new(
         sending: &Transmission,
         power_on: &PowerOn,
@@ -203,7 +203,7 @@ impl BoardPlan {
         Ok(())
     }
 
-    /// Number of moves.
+    /// Number of moves in the transmission.
     pub fn moves(&self) -> usize {
         self.ends.len()
     }
@@ -227,13 +227,13 @@ impl BoardPlan {
         self.lines.partition_point(|line| *line < in_work)
     }
 
-    /// Index of the line of a move, counted from 0.
+    /// Index in the transmission of the line of the move with this number, counted from 0; `None` if there are fewer moves.
     pub fn line_of(&self, count: usize) -> Option<usize> {
         self.lines.get(count).copied()
     }
 
-    /// End of the text that may be sent once `delivered` messages have reached the board: the line of the first move
-    /// that has not.
+    /// Offset in the transmission up to which text may be sent when the board has received `delivered` messages: the start of the line of
+    /// the first move that it lacks. No limit if it has all moves.
     pub fn permitted(&self, delivered: usize, sending: &Transmission) -> usize {
         self.lines.get(self.moves_in(delivered)).map_or(usize::MAX, |line| sending.start_of(*line))
     }

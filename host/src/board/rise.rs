@@ -1,4 +1,4 @@
-//! Rise of a board's override after arming, by its reports.
+//! Detects from a board's reports when its override has finished rising after arming.
 
 use arcfeed_model::job::OverrideLimits;
 use arcfeed_units::{Micros, US_PER_S};
@@ -8,7 +8,7 @@ const PROGRAMMED_PERCENT: u8 = 100;
 /// Longest time between two reports that a board's settings allow.
 const REPORT_MAX: Micros = Micros::from_ms(1_000);
 
-/// Observer of a board's override while it rises after arming.
+/// Observer of the reported override while it rises after arming.
 #[derive(Clone, Copy, Debug)]
 pub struct Rise {
     /// Time in which a rising override changes by two steps.
@@ -18,21 +18,21 @@ pub struct Rise {
 }
 
 impl Rise {
-    /// Observer before the first report, of a board with these limits.
+    /// State before the first report, for a board with these limits.
     pub fn new(limits: &OverrideLimits) -> Self {
         let step_s = f64::from(limits.step_percent) / f64::from(limits.slew_up_percent_per_s);
         Rise { two_steps: Micros((2.0 * step_s * US_PER_S as f64) as u64), last: None }
     }
 
-    /// Adds the override of a report.
+    /// Processes the override of a report that arrived at the time `now`.
     pub fn add(&mut self, now: Micros, percent: u8) {
         if self.last.is_none_or(|(last, _)| last != percent) {
             self.last = Some((percent, now));
         }
     }
 
-    /// Whether the override is 100 % or more, or has not changed for two steps because the operator's dial or the
-    /// next move limits it.
+    /// Whether the override has stopped rising: it is at least 100 %, or has not changed for the time of two steps,
+    /// because the operator's dial or the next move limits it.
     pub fn has_ended(&self, now: Micros) -> bool {
         let is_still = |since: Micros| now.since(since) > self.two_steps.after(REPORT_MAX);
         self.last.is_some_and(|(percent, since)| percent >= PROGRAMMED_PERCENT || is_still(since))

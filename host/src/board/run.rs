@@ -1,4 +1,4 @@
-//! Board during one run: parameters, arming by a person, segments ahead of the control.
+//! Feed board during one run of a program: loading of parameters, arming by a person, moves sent ahead of the control.
 //!
 //! ```text
 //!             link up             parameters accepted        armed, at the board or here
@@ -33,7 +33,7 @@ const SET: u32 = 1;
 /// Longest time for closing the link.
 const GOODBYE_MAX: Micros = Micros::from_ms(500);
 
-/// Feed board that takes part in a run.
+/// Feed board that takes part in a run of a program.
 pub struct BoardRun<'p> {
     line: BoardLine<'p>,
     stage: Stage,
@@ -54,25 +54,26 @@ pub struct BoardRun<'p> {
     standstill: Standstill,
 }
 
-/// Progress of a board's start-up, from the link to armed.
+/// Progress of a board's start-up, from the handshake to parameters in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// The board has not answered yet.
+    /// The board has not answered the handshake yet.
     Greeting,
-    /// Parameters are being sent.
+    /// The parameters of the job are being sent.
     Loading,
-    /// Parameters are in force.
+    /// The parameters are in force: the board can be armed.
     Ready,
 }
 
-/// Reason why the laws of a board do not have the override.
+/// Reason why the feed laws of a board do not control the override (any more).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outage {
-    /// The board is disarmed, or has lost the position or the link: 100 %, or the dial's value.
+    /// The board is disarmed, or has lost the position or the link: the override is 100 %, or the value of the
+    /// operator's dial.
     Disarmed,
-    /// The board has a fault: 0 % until a person resets it at the machine.
+    /// The board has detected a fault: the override is 0 % until a person resets the board at the machine.
     Faulted {
-        /// Cause code of the report.
+        /// Cause of the fault, as a code in the board's report.
         cause: u8,
     },
 }
@@ -80,32 +81,32 @@ pub enum Outage {
 /// Reason why a run with a board has ended.
 #[derive(Debug, thiserror::Error)]
 pub enum BoardError {
-    /// Fault of the port.
+    /// The port can no longer be used.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// The board has not answered, or the link is lost.
+    /// The board has not answered, or the link was lost.
     #[error("board: {}", words::link(*.0))]
     Link(LinkState),
-    /// The board has acknowledged the parameters but does not answer them.
+    /// The board has acknowledged receipt of the parameters, but has neither accepted nor refused them in time.
     #[error("board: no answer to the parameters for {} s", TIMEOUT.to_s())]
     NoAnswer,
     /// The board has refused a message.
     #[error("board: refused message {kind:#04x} ({reference}): {}", words::refusal(*why))]
     Refused {
-        /// Kind of the message.
+        /// Number of the message's kind in the protocol.
         kind: u8,
-        /// Reference that the board gives.
+        /// Number by which the board says which message it refused.
         reference: u32,
-        /// Reason of the refusal.
+        /// Reason for the refusal.
         why: RefusalCode,
     },
 }
 
 impl<'p> BoardRun<'p> {
-    /// Board run before its first message.
+    /// State before the first message: `line` is the link, `job` gives the parameters, `plan` the moves.
     ///
     /// # Errors
-    /// Describes the fault, if the job does not suit a board.
+    /// The reason why the job cannot be run with a board.
     pub fn new(line: BoardLine<'p>, job: &Job, plan: BoardPlan) -> Result<Self, String> {
         let mut parameters = VecDeque::new();
         messages(job, SET, &mut |message| parameters.push_back(message))
@@ -127,10 +128,10 @@ impl<'p> BoardRun<'p> {
         })
     }
 
-    /// One turn: receives messages, and sends as many as the board has room for.
+    /// Receives messages, and sends as many as the board has room for. Does not wait; must be called repeatedly.
     ///
     /// # Errors
-    /// The run is over.
+    /// The run with the board has ended; with the reason.
     pub fn turn(&mut self) -> Result<(), BoardError> {
         let mut heard = Vec::new();
         self.line.turn(&mut |message| heard.push(message))?;
@@ -207,26 +208,27 @@ impl<'p> BoardRun<'p> {
         (self.stage, self.since) = (stage, self.line.now());
     }
 
-    /// End of the text that may go to the control: the board must have the move of each block, with its engaged arcs.
+    /// Offset in the transmission up to which text may be sent to the control: the board must already have the moves of
+    /// these blocks, with their engaged arcs.
     pub fn permitted(&self, sending: &Transmission) -> usize {
         let delivered = self.sent.saturating_sub(self.line.link().unacknowledged());
         self.plan.permitted(delivered, sending)
     }
 
-    /// Whether the board has seen the end of all moves.
+    /// Whether the board has reported the end of all moves.
     pub fn is_done(&self) -> bool {
         self.executed_before.is_some() && self.done() >= self.plan.moves()
     }
 
-    /// Line of the move whose end the board waits for, if the board stands still while the control, which has started
-    /// `blocks` blocks, continues; reported once for each standstill.
+    /// For a board that no longer sees the control's moves: index of the line of the move whose end it waits for,
+    /// although the control has started `blocks` blocks. `Some` once for each such standstill, otherwise `None`.
     pub fn standstill_line(&mut self, blocks: usize, sending: &Transmission) -> Option<usize> {
         let (now, done, by_control) = (self.line.now(), self.done(), self.plan.over(blocks, sending));
         let stands = self.standstill.check(now, done, by_control);
         self.plan.line_of(done).filter(|_| stands)
     }
 
-    /// Asks to arm, on behalf of a person who has seen the last report.
+    /// Sends a request to arm, for a person who has seen the last report.
     ///
     /// # Errors
     /// There is no report yet, or the link accepts no message now.
@@ -235,12 +237,12 @@ impl<'p> BoardRun<'p> {
         self.line.send(&arm(epoch))
     }
 
-    /// Reason why arming was refused; reported once.
+    /// Reason why the board refused to arm; returned once, then `None`.
     pub fn take_arm_refusal(&mut self) -> Option<&'static str> {
         self.refusal.take().map(|refused| words::refusal(refused.why))
     }
 
-    /// Whether parameters are in force and the laws may have the override.
+    /// Whether the parameters are in force and the board is armed, so that the laws control the override.
     pub fn is_armed(&self) -> bool {
         self.stage == Stage::Ready && self.report.is_some_and(|report| words::is_engaged(report.state))
     }
@@ -251,7 +253,7 @@ impl<'p> BoardRun<'p> {
         self.is_armed() && self.rise.has_ended(self.line.now())
     }
 
-    /// Reason why the laws no longer have the override.
+    /// Reason why the laws do not control the override any more; `None` while they do, and before the first arming.
     pub fn outage(&self) -> Option<Outage> {
         match self.report {
             Some(report) if report.state == StateCode::Faulted => Some(Outage::Faulted { cause: report.cause }),
@@ -264,30 +266,30 @@ impl<'p> BoardRun<'p> {
         self.stage
     }
 
-    /// Identification of the board.
+    /// Identification of the board; `None` before it has sent it.
     pub fn info(&self) -> Option<&table::Info> {
         self.info.as_ref()
     }
 
-    /// Last report.
+    /// Latest report of the board; `None` before the first.
     pub fn report(&self) -> Option<&table::Report> {
         self.report.as_ref()
     }
 
-    /// Board link.
+    /// Link to the board.
     pub fn line(&self) -> &BoardLine<'p> {
         &self.line
     }
 
-    /// Waits until the next turn.
+    /// Waits until the run must be served again.
     pub fn wait(&mut self) {
         self.line.wait();
     }
 
-    /// Returns the override and closes the link, so that a completed run leaves no alarm.
+    /// Disarms the board and closes the link, so that a completed run leaves no alarm.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn release(mut self) -> Result<(), BoardError> {
         let disarm = table::Request { what: RequestCode::Disarm, epoch: 0 }.into();
         let started = self.line.now();

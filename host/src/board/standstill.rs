@@ -1,4 +1,4 @@
-//! Detects a board that no longer sees the moves of the control.
+//! Detection of a board that no longer sees the moves that the control executes.
 //!
 //! A board finds the end of a move from the position. If it loses the position for so long that it misses an end, it
 //! waits for that end: 100 %, and its count of moves done stands still while the control continues
@@ -6,7 +6,8 @@
 
 use arcfeed_units::Micros;
 
-/// Longest time that a board may be behind the control: reports come every 50 ms, and some are lost.
+/// Time for which a board may be behind the control before that counts as a standstill: reports come every 50 ms, and
+/// some are lost.
 pub const TIMEOUT: Micros = Micros::from_ms(3_000);
 
 /// Detector of a board that no longer sees the moves of the control. Keeps its state between calls.
@@ -20,8 +21,8 @@ pub struct Standstill {
 }
 
 impl Standstill {
-    /// Compares the number of moves whose end the board has seen with the least number that the control has done.
-    /// Returns true once for each standstill.
+    /// Compares `done`, the number of moves whose end the board has seen, with `by_control`, the number that the
+    /// control has certainly executed. Returns true once for each standstill.
     pub fn check(&mut self, now: Micros, done: usize, by_control: usize) -> bool {
         if done != self.done || by_control <= done {
             *self = Standstill { done, ..Standstill::default() };

@@ -1,4 +1,4 @@
-//! Messages about a board and its link.
+//! Texts for people about a feed board and its link.
 
 use arcfeed_firmware::output::telemetry::reason::Cause;
 use arcfeed_link::link::{LinkState, Loss, Refusal};
@@ -19,12 +19,12 @@ pub const fn state(state: StateCode) -> &'static str {
     }
 }
 
-/// Whether the laws have the override in this state, or will have it as soon as a segment begins.
+/// Whether the laws control the override in this state of the supervisor, or will do so as soon as a move begins.
 pub const fn is_engaged(state: StateCode) -> bool {
     matches!(state, StateCode::Armed | StateCode::Running | StateCode::Holding | StateCode::Inhibited)
 }
 
-/// Cause of a fault, by the code of its report.
+/// Text for the cause of a board fault, by the code in its report.
 pub fn fault(cause: u8) -> &'static str {
     match Cause::of_code(cause) {
         Some(Cause::Watchdog) => "its watchdog found it stopped",
@@ -34,7 +34,7 @@ pub fn fault(cause: u8) -> &'static str {
     }
 }
 
-/// Reason for the last start of the board.
+/// Text for the reason why the board last started.
 pub const fn reset(reset: ResetCode) -> &'static str {
     match reset {
         ResetCode::Power => "power-on or its reset pin",
@@ -44,7 +44,7 @@ pub const fn reset(reset: ResetCode) -> &'static str {
     }
 }
 
-/// Reason why arming was refused, for a person.
+/// Text for the reason why the board refused a message or to arm.
 pub const fn refusal(why: RefusalCode) -> &'static str {
     match why {
         RefusalCode::Message => "unknown message",
@@ -64,7 +64,7 @@ pub const fn refusal(why: RefusalCode) -> &'static str {
     }
 }
 
-/// State of the link to a board, for a person.
+/// Text for the state of the link to a board.
 pub fn link(state: LinkState) -> String {
     match state {
         LinkState::Up => "up".into(),
@@ -85,7 +85,7 @@ pub fn link(state: LinkState) -> String {
     }
 }
 
-/// Reason for the end of a link.
+/// Text for the reason why a link ended.
 pub const fn link_loss(loss: Loss) -> &'static str {
     match loss {
         Loss::Silence => "the board is silent",
@@ -97,7 +97,7 @@ pub const fn link_loss(loss: Loss) -> &'static str {
     }
 }
 
-/// Name of a board setting on the command line, and its unit.
+/// Name of a board setting as an option of the command line, and its unit as text.
 pub const fn setting(setting: SettingCode) -> (&'static str, &'static str) {
     match setting {
         SettingCode::PositionStale => ("position-stale", "us"),

@@ -39,19 +39,19 @@ enum Function {
     Sweep(Sweep),
 }
 
-/// Law of a move of a program, with the move.
+/// Feed law of one move of a program, with the move.
 #[derive(Clone, Debug)]
 pub struct LineLaw {
     /// Move for which the law is evaluated.
     pub segment: Segment,
-    /// Law.
+    /// Feed law of that move.
     pub law: SegmentLaw,
 }
 
 /// Runs a command: its name, then its options and arguments.
 ///
 /// # Errors
-/// Those of the command; words that it does not know.
+/// Any error of the command; words that are no command or option.
 pub fn call(words: impl IntoIterator<Item = OsString>) -> Result<(), Failure> {
     let words = std::iter::once("arcfeed".into()).chain(words);
     let function = Function::try_parse_from(words).map_err(|error| Failure::Usage(error.to_string()))?;
@@ -80,7 +80,7 @@ pub fn adapt(command: &Adapt) -> Result<(), Failure> {
     }
 }
 
-/// The law of the first move on a line of a job's program, counted from 1.
+/// Law of the first move on line `line` (counted from 1) of the program that the job file `job` names.
 ///
 /// # Errors
 /// The job or its program is at fault; no cut rule matches a move on this line.

@@ -63,24 +63,24 @@ pub struct Check {
     json: bool,
 }
 
-/// Counts of a program's lines, blocks and moves.
+/// Numbers of a program's lines, blocks and moves, for the summary of `check`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
-    /// Lines of the file.
+    /// Number of lines in the file.
     pub lines: usize,
-    /// Blocks: lines but `%` and empty ones.
+    /// Number of blocks: all lines but `%` and empty ones.
     pub blocks: usize,
-    /// Blocks with only a comment or a title.
+    /// Number of blocks with only a comment or a title.
     pub comments: usize,
-    /// Arcs, helices among them.
+    /// Number of arcs, including helices.
     pub arcs: usize,
-    /// Arcs that also move across their plane.
+    /// Number of arcs that also move along the axis square to their plane.
     pub helices: usize,
-    /// Straight cutting moves.
+    /// Number of straight cutting moves.
     pub linear: usize,
-    /// Rapid moves.
+    /// Number of rapid moves.
     pub rapids: usize,
-    /// Moves of any kind in which a rotary axis turns.
+    /// Number of moves of any kind in which a rotary axis moves.
     pub rotary: usize,
 }
 

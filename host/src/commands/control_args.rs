@@ -27,15 +27,15 @@ pub struct ControlArgs {
     pub units: Option<LengthUnit>,
 }
 
-/// Control with which a program is read: settings, offsets and conventions.
+/// Control with which a program is read: kind, settings, offsets and unit.
 pub struct ControlReading {
-    /// Control.
+    /// Kind of the control.
     pub control: ControlKind,
-    /// Settings.
+    /// Settings of the control (dialect, options).
     pub settings: Settings,
-    /// Offsets.
+    /// Offsets stored in the control.
     pub tables: Tables,
-    /// Unit at power-on as the options, the job or the settings file state it.
+    /// Unit at power-on that the options, the job or the settings file state; `None` if none of them does.
     pub unit: Option<LengthUnit>,
 }
 
@@ -77,7 +77,7 @@ impl ControlArgs {
         Ok(ControlReading { control, settings, tables, unit })
     }
 
-    /// Keys and values of `[control]` in the job file `job`.
+    /// Keys and values for the table `[control]` of the job file `job`, as text.
     pub fn keys(&self, control: ControlKind, job: &Path) -> Vec<(&'static str, String)> {
         let mut keys = vec![("preset", control.name().to_owned())];
         keys.extend(self.decimals.map(|decimals| ("decimals", decimals.name().to_owned())));
@@ -86,7 +86,8 @@ impl ControlArgs {
     }
 }
 
-/// A file's name as seen from the job file: jobs name files relative to themselves. Absolute if they share no folder.
+/// Path of `file` as it is written in the job file `job`: relative to the job's folder, or absolute if the two share no
+/// folder.
 pub fn name_from(job: &Path, file: &Path) -> String {
     let name = relative(job, file).unwrap_or_else(|| std::path::absolute(file).unwrap_or_else(|_| file.to_owned()));
     name.display().to_string()

@@ -1,4 +1,4 @@
-//! Programs with macro statements or calls: what a command says about their blocks as executed, and what it runs.
+//! Programs with macro statements or calls: checks, and the program to run in their place.
 
 use std::path::Path;
 

@@ -57,7 +57,7 @@ impl From<BranchWord> for Branch {
     }
 }
 
-/// Three coordinates of a command-line option.
+/// Three coordinates given by a command-line option, `X,Y,Z`.
 #[derive(Clone, Copy, Debug)]
 pub struct Point([f64; 3]);
 
@@ -73,12 +73,12 @@ struct Report<'a> {
 }
 
 impl PlacementArgs {
-    /// Placement of part and tool.
+    /// Placement of part and tool on the machine, from the options.
     pub fn setup(&self) -> Setup {
         Setup { part_zero_mm: self.part_zero.0, tool_length_mm: self.tool_length }
     }
 
-    /// Input for choosing the axis positions.
+    /// Task of choosing the axis positions for this machine; `repair` is the cutting end of the tool if singularities are to be repaired.
     pub fn task(&self, file: &MachineFile, repair: Option<ToolEnd>) -> Task {
         let limits = RepairLimits::default();
         let branch = self.branch.map(Branch::from);
@@ -104,18 +104,18 @@ pub fn load_cl(path: &Path) -> Result<Cl, Failure> {
     Cl::read(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::Input(format!("{}:{error}", path.display())))
 }
 
-/// Path on a five-axis machine with its findings, to be reported.
+/// Path on a five-axis machine with the errors and warnings found in it, for printing.
 #[derive(Clone, Copy, Debug)]
 pub struct PathReport<'a> {
-    /// The file of the CL data or the program.
+    /// File of the CL data or of the program.
     pub path: &'a Path,
-    /// Number of points, or of moves.
+    /// Number of CL points, or of moves of the program.
     pub points: usize,
-    /// Words of CL data that do not move the tool; `None` for programs.
+    /// Number of statements of the CL data that do not move the tool and were ignored; `None` for programs.
     pub passed_over: Option<usize>,
     /// Name of the machine.
     pub machine: &'a str,
-    /// Axis positions and findings.
+    /// Axis positions, with the errors and warnings.
     pub plan: &'a AxisPlan,
 }
 
@@ -170,7 +170,7 @@ impl PathReport<'_> {
         !self.plan.stops.is_empty() || self.passed_over.is_none()
     }
 
-    /// Fails if the program must not run.
+    /// Fails if the path has errors, so that the program must not run.
     ///
     /// # Errors
     /// There are errors; the message gives their number.
@@ -187,13 +187,13 @@ impl PathReport<'_> {
     }
 }
 
-/// Cutting end of the tool, if a repair is requested.
+/// Cutting end of the tool if a repair is requested: a ball of this radius, or without a radius any other end. Otherwise `None`.
 pub fn tool_end(repair: bool, ball_radius: Option<f64>) -> Option<ToolEnd> {
     let ball = ball_radius.map(|radius_mm| ToolEnd::Ball { radius_mm });
     repair.then(|| ball.unwrap_or(ToolEnd::Other))
 }
 
-/// Whether a file's name is that of CL data.
+/// Whether the name of the file has the ending of CL data.
 pub fn is_cl(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
     matches!(extension.as_deref(), Some("apt" | "cl" | "cls" | "aptsource"))

@@ -20,14 +20,14 @@ pub enum TargetControl {
     Linuxcnc,
 }
 
-/// File with the moves for the component `arcfeed`, beside the NC file that it belongs to.
+/// Path of the file with the moves for the LinuxCNC component `arcfeed`, which stands beside the NC file `output`.
 pub fn prepared_path(output: &Path) -> PathBuf {
     let mut name = output.as_os_str().to_owned();
     name.push(".arcfeed");
     name.into()
 }
 
-/// Source of the feed on LinuxCNC for a job.
+/// Source of the feed on LinuxCNC for this job: the component, or F words alone.
 pub fn feed_source(file: &JobFile) -> FeedSource {
     match file.job.policy {
         FeedPolicy::RewriteOnly(_) => FeedSource::Words,
@@ -38,7 +38,7 @@ pub fn feed_source(file: &JobFile) -> FeedSource {
 /// Checks that LinuxCNC can execute a program, and that its component can raise the feed as far as the job allows.
 ///
 /// # Errors
-/// Every line that it cannot execute.
+/// A text with every line that LinuxCNC cannot execute.
 pub fn check_for_linuxcnc(source: &Source, file: &JobFile) -> Result<(), Failure> {
     let percent = file.job.limits.max_percent;
     if feed_source(file) == FeedSource::Component && f64::from(percent) > 2.0 * f64::from(PERCENT) {

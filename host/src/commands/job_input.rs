@@ -99,7 +99,8 @@ fn read_map(file: &mut JobFile, program: impl FnOnce() -> Vec<u8>) -> Result<(),
     Ok(())
 }
 
-/// Fingerprint of the input of an engagement map: program, tool, workpiece.
+/// Fingerprint (hash) of everything on which an engagement map depends: program, tool, workpiece. `made_of` has the
+/// first part of these data.
 ///
 /// # Errors
 /// A file of the workpiece cannot be read.
@@ -141,7 +142,7 @@ pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     adapted
 }
 
-/// Moves that keep their programmed feed although a cut rule matches them, by reason.
+/// Moves that keep their programmed feed although a cut rule selects them, counted by reason.
 #[derive(Debug, Default)]
 pub struct KeptMoves {
     reasons: Vec<KeptReason>,
@@ -168,7 +169,7 @@ struct KeptReason {
 }
 
 impl KeptMoves {
-    /// Empty list, for a program whose lines have these places in its file.
+    /// Empty list. `places` are the places of the executed blocks in the program's file, if they differ from its lines.
     pub fn new(places: Option<Arc<ExecutedPlaces>>) -> Self {
         KeptMoves { places, ..KeptMoves::default() }
     }
@@ -233,7 +234,7 @@ impl KeptMoves {
         ));
     }
 
-    /// Warns on stderr, once for each reason.
+    /// Warns on stderr of these moves, once for each reason.
     pub fn warn(&self, program: &Path) {
         for KeptReason { first, lines, count, .. } in &self.reasons {
             let first = self.places.as_ref().map_or_else(|| first.clone(), |places| places.in_file(first.clone()));
@@ -248,7 +249,8 @@ impl KeptMoves {
     }
 }
 
-/// Moves whose rule takes the engagement from the map but that the map does not contain.
+/// Moves whose cut rule takes the engagement from the engagement map, but which the map does not contain: their first
+/// line and their number.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnknownMoves {
     first_line: usize,
@@ -265,7 +267,7 @@ impl UnknownMoves {
         }
     }
 
-    /// Warns on stderr of their number.
+    /// Warns on stderr of their number and first line, if there are any.
     pub fn warn(&self, program: &Path, file: &JobFile) {
         let Some(named) = file.map_file.as_ref().filter(|_| self.count > 0) else { return };
         note(format_args!(

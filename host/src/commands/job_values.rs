@@ -69,7 +69,7 @@ impl JobValues {
             || of_control.is_given()
     }
 
-    /// The options as answers to the questions of a new job; `unit` is the program's unit at power-on, if known.
+    /// These options as answers to the questions of a new job; `unit` is the program's unit at power-on, if known.
     pub fn answers(&self, unit: Option<LengthUnit>) -> Answers {
         Answers {
             diameters: self.tool.clone(),
@@ -83,7 +83,7 @@ impl JobValues {
         }
     }
 
-    /// Keys and values of `[control]` in the job file `job`.
+    /// Keys and values for the table `[control]` of the job file `job`, as text.
     pub fn control_keys(&self, control: ControlKind, job: &Path) -> Vec<(&'static str, String)> {
         let mut keys = self.of_control.keys(control, job);
         keys.extend(self.library.as_ref().map(|folder| ("library", name_from(job, folder))));

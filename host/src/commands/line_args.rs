@@ -42,7 +42,7 @@ impl LineArgs {
     /// Replaces settings of the job by the given options.
     ///
     /// # Errors
-    /// A parity bit beside a code that the sender makes.
+    /// The options ask for a parity bit although the sender itself makes the character code.
     pub fn apply(&self, file: &mut JobFile) -> Result<(), Failure> {
         let LineArgs { baudrate, bytesize, parity, stopbits, rtscts } = *self;
         let line = &mut file.serial;

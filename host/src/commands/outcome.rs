@@ -23,7 +23,7 @@ use crate::program::{Program, ProgramLine, RunBounds, Severity, Source, fitting_
 /// Most errors of a program in the list; the others are counted.
 const ERRORS_MAX: usize = 1_000;
 
-/// Reason why a command failed.
+/// Reason why a command failed; the variant decides the process's exit code.
 #[derive(Debug)]
 pub enum Failure {
     /// The program or the job is at fault: exit code 1.
@@ -90,7 +90,7 @@ pub fn say(line: std::fmt::Arguments<'_>) {
     }
 }
 
-/// JSON text of an object. A negative zero is written as zero.
+/// JSON text of an object. A negative zero is written as 0.
 pub fn json_text(object: &impl Serialize) -> String {
     let mut value = serde_json::json!(object);
     clear_signs(&mut value);
@@ -122,7 +122,7 @@ pub fn write_whole(path: &Path, text: &[u8]) -> Result<(), Failure> {
     output::write_whole(path, text).map_err(|error| file_failure(path, &error))
 }
 
-/// Rejects output files that the command also reads, or that are the same file twice.
+/// Rejects output files that are the same file as an input, or as another output, also through links or a different path.
 ///
 /// # Errors
 /// Describes the first such output.
@@ -183,7 +183,8 @@ pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bo
     Ok((file, source, leaks))
 }
 
-/// Warns on stderr of cut rules of a job that can never be used, by the moves of its program if they are known.
+/// Warns on stderr of cut rules of a job that can never apply; `program` is the path and the use of the rules by the program's moves, if
+/// known.
 pub fn warn_of_rules(job: &Path, file: &JobFile, program: Option<(&Path, &RuleUse)>) {
     unused_rules(job, file, program).iter().for_each(|warning| note(format_args!("{warning}")));
 }
@@ -207,8 +208,8 @@ pub fn name_tool(job: &mut Job, path: &Path, loaded: &[(i64, usize)]) -> Option<
     None
 }
 
-/// Index, among the job's tools, of the tool in the spindle at a line of a program before [`name_tool`] is called for
-/// it.
+/// Index, among the job's tools, of the tool that is in the spindle at this line of the program, before [`name_tool`] has been called for
+/// the job.
 pub fn tool_at(line: &ProgramLine, job: &Job) -> Option<usize> {
     // The only tool that the program loads will be the one without a number.
     let is_named_so = is_unnamed(job) && matches!(line.machining.tool, ToolInSpindle::Number(1..));
@@ -231,7 +232,7 @@ fn expanded(source: Source, file: &JobFile) -> Result<Source, Failure> {
 }
 
 /// Flag that is set when this process gets Ctrl-C or a request to terminate; in a page nothing sets it. The first call installs the
-/// handler. A command that runs as a function leaves both to the process of its caller.
+/// handler. If arcfeed runs as a function, signals are left to the caller's process: nothing sets the flag then.
 pub fn on_interrupt() -> &'static AtomicBool {
     static RAISED: AtomicBool = AtomicBool::new(false);
     #[cfg(not(target_family = "wasm"))]

@@ -124,7 +124,7 @@ pub struct Simulate {
 }
 
 impl Simulate {
-    /// Simulation of which only the report is written.
+    /// Simulation of this input that only writes its report page.
     pub fn report_of(input: JobInput, report: PathBuf) -> Self {
         let (surface, assertions, junit) = (None, Vec::new(), None);
         Simulate {
@@ -310,7 +310,7 @@ fn add_spindle(
     None
 }
 
-/// Prints a report and returns the result of the run.
+/// Prints the report of a run; fails if the run ended with an alarm.
 ///
 /// # Errors
 /// The control raised an alarm, or stdout accepts nothing.
@@ -363,10 +363,11 @@ fn unadapted(file: &JobFile, program: &Program, foreseen: Vec<PlannedConditions>
     Ok(simulation)
 }
 
-/// Runs the original program, without arcfeed, and adds its figures; `foreseen` is that of [`foreseen_before`].
+/// Runs the original program, without arcfeed, and adds its results to `report` for comparison; `foreseen` is the
+/// result of [`foreseen_before`].
 ///
 /// # Errors
-/// The run never ends.
+/// The run does not end.
 pub fn add_baseline(
     report: &mut RunReport,
     file: &JobFile,
@@ -379,10 +380,10 @@ pub fn add_baseline(
     Ok((simulation, observer))
 }
 
-/// Runs a program from the control's memory to its end.
+/// Runs a program from the control's memory to its end, with this fault injected into the controller.
 ///
 /// # Errors
-/// The run never ends.
+/// The run does not end.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
     let mut simulation = in_memory(file, program, fault)?;
     observe(&mut simulation).map(|_| simulation)

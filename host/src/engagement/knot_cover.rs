@@ -20,12 +20,12 @@ const TURN_DEG: f64 = 360.0;
 /// Half the resolution of a table's arc ends.
 const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
-/// Engaged intervals at one position of a move.
+/// Engaged intervals of direction at one position of a move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
-    /// Position; increases from sample to sample.
+    /// Path along the move up to the position, mm; increases from sample to sample.
     pub at_mm: f64,
-    /// One interval per quantity: from and to; `None` if it is empty.
+    /// Interval of each cutting circle, from and to in degrees; `None` if it is not engaged.
     pub intervals_deg: [Option<[f64; 2]>; N],
 }
 

@@ -11,30 +11,31 @@ use super::{AGAIN, hex, key};
 /// Version of the sections in a file: 2 has the joints of moves.
 const VERSION: u32 = 2;
 
-/// Engaged section of the tool at one place of a move.
+/// Engaged section at one place of a descending move: the parts of the tool's end and sides that are in material. A moment is the sum of
+/// radius times engaged width over the edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedSection {
-    /// Path of the move up to it, mm.
+    /// Path along the move up to the place, mm.
     pub at_mm: f64,
-    /// Largest sum of the moments of the end's edges over a turn.
+    /// Largest moment of the end's edges within a turn, mm2.
     pub end_mm2: f64,
-    /// The same of the sides, which cut only on a ramp.
+    /// Largest moment of the sides' edges within a turn, mm2; 0 for a plunge, because sides cut only on a ramp.
     pub side_mm2: f64,
 }
 
-/// Tangential force of a chip for each millimetre of its width, k h^(1 - m) + e.
+/// Tangential cutting force per millimetre of chip width, as a function of the chip thickness h in mm: k h^(1 - m) + e, N/mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TangentialForce {
-    /// k, N/mm2.
+    /// k: specific cutting force, N/mm2.
     pub specific_mpa: f64,
-    /// m; 0 for a linear model.
+    /// m: exponent of the thickness; 0 for a linear model.
     pub exponent_ratio: f64,
-    /// e, N/mm.
+    /// e: edge force, N/mm.
     pub edge_n_per_mm: f64,
 }
 
 impl TangentialForce {
-    /// Force of a chip of this thickness, N/mm; none without a chip.
+    /// Force per width of a chip of this thickness, N/mm; 0 if there is no chip.
     pub fn n_per_mm(&self, thickness_mm: f64) -> f64 {
         if thickness_mm > 0.0 {
             self.specific_mpa * libm::pow(thickness_mm, 1.0 - self.exponent_ratio) + self.edge_n_per_mm
@@ -48,41 +49,41 @@ impl TangentialForce {
 /// moves have left.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MappedJoint {
-    /// Moment of the end's edges.
+    /// Largest moment of the end's edges within a turn, mm2.
     pub end_mm2: f64,
-    /// Moment of the edges of the sides.
+    /// Largest moment of the sides' edges within a turn, mm2.
     pub side_mm2: f64,
-    /// Larger sine of the angles of both moves from the plane across the axis.
+    /// Larger one of the sines, for both moves, of the angle from the plane square to the tool's axis.
     pub sine_ratio: f64,
-    /// Larger cosine of them.
+    /// Larger one of the cosines of these angles.
     pub cosine_ratio: f64,
 }
 
-/// A descending move of a map, with its sections.
+/// Descending move of an engagement map, with the sections along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedDescent {
     /// Line of the program, counted from 1.
     pub line: usize,
-    /// N of its block.
+    /// N number of the move's block; `None` without one.
     pub sequence: Option<i64>,
-    /// [`key`] of the move.
+    /// Hash of the path by which the move is found ([`key`]).
     pub key: u64,
-    /// Sections along it; empty if they are unknown.
+    /// Sections in the order of the path; empty if they are unknown.
     pub sections: Vec<MappedSection>,
-    /// Joints with the descending moves directly before and behind it.
+    /// Joints with the descending move directly before and directly after this one; `None` where there is no such move.
     pub joints: [Option<MappedJoint>; 2],
 }
 
-/// The descending moves of a map, in the order of execution.
+/// Descending moves of an engagement map, in the order of execution.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MappedDescents {
-    /// Tangential force of the material.
+    /// Tangential cutting force of the workpiece's material.
     pub force: TangentialForce,
-    /// The moves.
+    /// Descending moves in the order of execution.
     pub moves: Vec<MappedDescent>,
 }
 
-/// Finds the descending moves of a program in a map, in the order of execution. Keeps its state between calls.
+/// Finds the descending moves of a program in an engagement map, in the order of execution. It keeps its place in the map.
 #[derive(Clone, Debug)]
 pub struct DescentLookup<'m> {
     ahead: &'m [MappedDescent],
@@ -110,7 +111,7 @@ struct DescentTable {
 }
 
 impl MappedDescents {
-    /// Lookup that begins at the first move.
+    /// Lookup that starts at the first move of the map.
     pub fn lookup(&self) -> DescentLookup<'_> {
         DescentLookup { ahead: &self.moves }
     }
@@ -154,8 +155,8 @@ impl MappedDescents {
 }
 
 impl<'m> DescentLookup<'m> {
-    /// Entry of a move with its sections: the next one with the same path. An entry whose move never comes does not hide
-    /// later ones.
+    /// Entry of the program's next descending move: the next one of the map with the same path. Entries before it, whose
+    /// moves did not come, are skipped. `None` if there is no such entry, or its sections are unknown.
     pub fn next(&mut self, segment: &Segment) -> Option<&'m MappedDescent> {
         let key = key(segment);
         let at = self.ahead.iter().position(|moved| moved.key == key)?;

@@ -7,26 +7,26 @@ use arcfeed_units::LengthUnit;
 /// Given values for the job of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
-    /// Diameters of tools.
+    /// Diameters of the tools.
     pub diameters: Vec<ForTool<Length>>,
-    /// Numbers of teeth.
+    /// Numbers of teeth of the tools.
     pub teeth: Vec<ForTool<u16>>,
-    /// Wanted feeds per tooth; without one the programmed F is the target.
+    /// Target feeds per tooth of the tools; for a tool without one, the programmed F is the target.
     pub feeds_per_tooth: Vec<ForTool<Length>>,
     /// Spindle speed where the program states none, rev/min.
     pub rev_per_min: Option<u32>,
-    /// Highest feed of an outside arc, % of its programmed F; without it outside arcs keep their feed.
+    /// Largest feed of an outside arc, % of its programmed F; `None`: outside arcs keep their feed.
     pub max_percent: Option<u16>,
-    /// Feed mode, as in a job.
+    /// Feed mode, as `mode` in `[override]` of a job.
     pub mode: Option<String>,
-    /// Side of the contour.
+    /// Side of the contour on which the tools run.
     pub milling: Milling,
-    /// Unit at the start, for programs without G20 or G21.
+    /// Unit at power-on, for programs without G20 or G21.
     pub units: Option<LengthUnit>,
 }
 
 impl Answers {
-    /// Value for a tool: one given for this tool, otherwise one given for every tool.
+    /// Value for a tool (T number): one given for this tool, otherwise one given for all tools, otherwise `None`.
     pub fn of<T: Clone>(values: &[ForTool<T>], tool: Option<i64>) -> Option<T> {
         let named = values.iter().find(|value| value.tool.is_some() && value.tool == tool);
         named.or(values.iter().find(|value| value.tool.is_none())).map(|value| value.value.clone())
@@ -71,7 +71,7 @@ where
     }
 }
 
-/// A length as written: a number in the program's unit, or with a unit of its own.
+/// Length as written: a number in the program's unit, or with a unit of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Length {
     number: f64,

@@ -1,4 +1,4 @@
-//! All that is known for a job: survey, proposal and answers.
+//! Everything from which a new job file is written: survey of the program, proposal and given answers.
 
 use arcfeed_model::cut::ContourSide;
 use arcfeed_units::LengthUnit;
@@ -14,17 +14,17 @@ const SMALLER_MIN_MM: f64 = 0.01;
 /// Input for a new job file: what the program shows, and the given values.
 #[derive(Clone, Copy, Debug)]
 pub struct Findings<'a> {
-    /// Path of the program in the job file.
+    /// Path of the program, as it is written in the job file.
     pub program: &'a str,
-    /// Survey of the program.
+    /// Survey of the program: unit, speeds, tools, arcs.
     pub survey: &'a Survey,
-    /// Arcs of the program, grouped.
+    /// Arcs of the program, grouped by tool, plane, direction and radius.
     pub groups: &'a [Group],
     /// Proposed tools and cut rules.
     pub proposal: &'a Proposal,
-    /// Values from the command line.
+    /// Values given on the command line.
     pub answers: &'a Answers,
-    /// Keys and values of `[control]`.
+    /// Keys and values of the table `[control]`.
     pub control: &'a [(&'static str, String)],
 }
 
@@ -44,14 +44,13 @@ impl Findings<'_> {
         !tool.is_cup_mill() && !has_own && mode.map_or(!has_cup, |mode| mode == "rewrite-only")
     }
 
-    /// Diameter of an end mill, as given or from a comment, mm.
+    /// Diameter of an end mill, given or from a comment, mm; `None` if it is unknown.
     pub fn diameter_mm(&self, tool: &ProposedTool) -> Option<f64> {
         let given = Answers::of(&self.answers.diameters, tool.number).map(|length| length.to_mm(self.unit()));
         given.or(tool.note.as_ref().and_then(|note| note.data.diameter_mm))
     }
 
-    /// Sentence about a tool all of whose arcs are taken for outside arcs, but are smaller than the tool itself: no contour has
-    /// such an outside.
+    /// Hint for a tool all of whose arcs are taken for outside arcs, but are smaller than the tool itself: no contour has such an outside.
     pub fn milling_hint(&self, tool: &ProposedTool) -> Option<String> {
         let radius_mm = self.diameter_mm(tool)? / 2.0;
         let is_outside = |cut: &ProposedCut| cut.movement == Movement::Contour(ContourSide::Outside);
@@ -68,7 +67,7 @@ impl Findings<'_> {
         })
     }
 
-    /// Number of teeth, as given or from a comment.
+    /// Number of teeth, given or from a comment; `None` if it is unknown.
     pub fn teeth(&self, tool: &ProposedTool) -> Option<u16> {
         Answers::of(&self.answers.teeth, tool.number).or(tool.note.as_ref().and_then(|note| note.data.teeth))
     }

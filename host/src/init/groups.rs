@@ -1,4 +1,4 @@
-//! Groups of arcs with the same tool, plane and sense, and with equal radii.
+//! Groups of arcs with the same tool, plane and direction, and with equal radii.
 
 use arcfeed_model::cut::RADIUS_MATCH_RATIO;
 use arcfeed_nc::modal::{Plane, Turn};
@@ -6,36 +6,36 @@ use arcfeed_units::Nm;
 
 use super::survey::FoundArc;
 
-/// Arcs of one radius, sense, plane and tool.
+/// Arcs of a program with the same tool, plane, direction and radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Cutting tool.
+    /// T number of the cutting tool; `None` before the first.
     pub tool: Option<i64>,
-    /// Their plane.
+    /// Plane of the arcs.
     pub plane: Plane,
-    /// Their sense.
+    /// Direction of the arcs: clockwise or counter-clockwise.
     pub turn: Turn,
     /// Mean radius, mm.
     pub radius_mm: f64,
     /// Number of arcs.
     pub arcs: usize,
-    /// Number of arcs that lead across their plane.
+    /// Number of arcs that also move along the axis square to their plane.
     pub helices: usize,
-    /// Number of arcs that are rounded corners of a contour.
+    /// Number of arcs that round a corner of a contour.
     pub corners: usize,
-    /// First and last N of the arcs that have one.
+    /// N numbers of the first and of the last arc that has one; `None` if none has.
     pub sequence: Option<[i64; 2]>,
-    /// First and last line.
+    /// First and last line of the program with such an arc, counted from 1.
     pub lines: [usize; 2],
-    /// Z at the starts, each once, ascending.
+    /// Z coordinates at which the arcs start, each once, in ascending order.
     pub levels: Vec<Nm>,
-    /// Feeds per minute, each once, ascending.
+    /// Feeds per minute of the arcs, each once, in ascending order.
     pub feeds: Vec<Nm>,
-    /// Least and largest sweep, radians.
+    /// Smallest and largest angle of the arcs (sweep), rad.
     pub sweep_rad: [f64; 2],
 }
 
-/// Groups of arcs, sorted by tool and plane, then by radius and sense.
+/// Groups of these arcs, sorted by tool and plane, then by radius and direction.
 pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     let mut sorted: Vec<&FoundArc> = arcs.iter().collect();
     let key = |arc: &FoundArc| (arc.tool, arc.plane.axes());
@@ -55,7 +55,7 @@ pub fn group(arcs: &[FoundArc]) -> Vec<Group> {
     by_turn.filter(|arcs| !arcs.is_empty()).map(|arcs| Group::of(&arcs)).collect()
 }
 
-/// Whether a cut rule cannot distinguish two radii.
+/// Whether two radii are so close that a cut rule cannot distinguish them.
 pub fn same_radius(a_mm: f64, b_mm: f64) -> bool {
     libm::fabs(a_mm - b_mm) <= RADIUS_MATCH_RATIO * a_mm.min(b_mm)
 }

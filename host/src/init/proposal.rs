@@ -1,4 +1,4 @@
-//! Proposal from the arcs: the tools that mill them, and the cut rules that distinguish their movements.
+//! Proposal for a job: the tools that mill arcs, and the cut rules that distinguish their movements.
 //!
 //! A cup mill turns about points on its own two circles: two large radii that recur, make up most of its arcs and have the
 //! proportion of a ring, and whose arcs are less than half a turn and no rounded corners of a contour. Any other tool with arcs in G17 is taken for an
@@ -27,33 +27,33 @@ const OUTER_MIN_MM: f64 = 20.0;
 pub struct Proposal {
     /// Tools, in order of their numbers.
     pub tools: Vec<ProposedTool>,
-    /// Numbers of tools with arcs for which a job has no room.
+    /// T numbers of tools with arcs that exceed the number of tools in a job.
     pub left_out: Vec<i64>,
-    /// Notes of the tools with arcs that are not taken for end mills because of a comment.
+    /// Comments of tools that mill arcs but are not taken for end mills because of the comment.
     pub excluded: Vec<ToolNote>,
 }
 
 /// Proposed tool with its cut rules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedTool {
-    /// T number, where the program names tools.
+    /// T number; `None` if the program names no tools.
     pub number: Option<i64>,
-    /// Likely tool.
+    /// Kind of tool, as far as its arcs show it.
     pub kind: LikelyTool,
-    /// Rules, in the order in which they are to be written.
+    /// Proposed cut rules, in the order in which they are written.
     pub cuts: Vec<ProposedCut>,
-    /// Comments about it.
+    /// Comments of the program about the tool.
     pub note: Option<ToolNote>,
 }
 
-/// Kind of tool that an arc pattern suggests.
+/// Kind of tool that the arcs suggest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LikelyTool {
     /// Cup mill with its two radii, mm.
     CupMill {
-        /// Larger radius.
+        /// Radius of the outer circle, mm.
         outer_mm: f64,
-        /// Smaller radius.
+        /// Radius of the inner circle, mm.
         inner_mm: f64,
     },
     /// End mill.
@@ -63,24 +63,24 @@ pub enum LikelyTool {
 /// Proposed cut rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProposedCut {
-    /// Moves and where the tool cuts.
+    /// Kind of movement, and the side on which the tool cuts.
     pub movement: Movement,
-    /// The sense.
+    /// Direction of the arcs: clockwise or counter-clockwise.
     pub turn: Turn,
-    /// Arcs of the rule, as indices of the groups.
+    /// Indices of the groups of arcs to which the rule applies.
     pub groups: Vec<usize>,
 }
 
 /// Kind of movement to which a proposed rule applies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Movement {
-    /// A ring about a point on one of its circles, and the circle that cuts in the published order of movements.
+    /// Turn of a cup mill about a point on one of its circles, and the circle that cuts according to the published order of movements.
     Rotation(RotationCircle, Edge),
-    /// An end mill on this side of a contour.
+    /// Motion of an end mill on this side of a contour.
     Contour(ContourSide),
 }
 
-/// Proposes a job for the tools that mill arcs. Without any: an end mill without rules.
+/// Proposes tools and cut rules for the tools that mill arcs; if there are none, an end mill without rules.
 pub fn propose(groups: &[Group], survey: &Survey, answers: &Answers) -> Proposal {
     let note_of = |tool: Option<i64>| survey.notes.iter().find(|note| Some(note.tool) == tool).cloned();
     let mut numbers: Vec<Option<i64>> = groups.iter().map(|group| group.tool).collect();

@@ -1,4 +1,4 @@
-//! Survey of a program: units, speeds, tools with what comments say of them, and its arcs with their distinguishing features.
+//! Survey of a program: unit, speeds, tools with the comments about them, and arcs with the features by which they differ.
 
 use std::path::Path as FilePath;
 
@@ -21,25 +21,25 @@ const SMOOTH_COSINE: f64 = 0.9994;
 /// Result of surveying a program: unit, speeds, tools and arcs.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
-    /// Unit of the first G20 or G21; `None` if the program leaves it to the control.
+    /// Unit of the first G20 or G21; `None` if the program has neither.
     pub unit: Option<LengthUnit>,
-    /// Likely unit of a program without them, by its decimals.
+    /// Likely unit of a program without G20 and G21, from the number of its decimals.
     pub likely_unit: Option<LengthUnit>,
-    /// The unit is assumed: neither the program nor the options state it.
+    /// Unit that is assumed because neither the program nor the options state it; `None` if one does.
     pub assumed: Option<AssumedUnit>,
-    /// Spindle speeds, in order of appearance.
+    /// Spindle speeds (S words), rev/min, in order of first appearance.
     pub speeds: Vec<i64>,
-    /// Loaded tools, in order of appearance.
+    /// T numbers of the loaded tools, in order of first appearance.
     pub tools: Vec<i64>,
-    /// Speeds and feeds of each tool that cuts, in order of appearance.
+    /// Speeds and feeds of each tool that cuts, in order of first appearance.
     pub uses: Vec<SurveyedTool>,
-    /// Comments about tools.
+    /// Comments of the program about tools.
     pub notes: Vec<ToolNote>,
-    /// Arcs, in order.
+    /// Arcs of the program, in order.
     pub arcs: Vec<FoundArc>,
-    /// Straight cutting moves.
+    /// Number of straight cutting moves.
     pub lines: usize,
-    /// Line of the first arc under G41 or G42 with a D of unknown radius, counted from 1, and the number of all of them.
+    /// Arcs under G41 or G42 whose D has no known radius: line of the first, counted from 1, and their number.
     pub without_radius: Option<(usize, usize)>,
     /// Line of the first block that mirrors an axis (G51.1, G51 with a negative scale), counted from 1: arcs turn the other way
     /// behind it.
@@ -51,9 +51,9 @@ pub struct Survey {
 pub struct SurveyedTool {
     /// T number; `None` before the first.
     pub tool: Option<i64>,
-    /// Spindle speeds, in order of appearance.
+    /// Spindle speeds, rev/min, in order of first appearance.
     pub speeds: Vec<i64>,
-    /// Highest feed per minute.
+    /// Highest feed per minute; `None` without an F.
     pub feed_max: Option<Nm>,
 }
 
@@ -62,25 +62,25 @@ pub struct SurveyedTool {
 pub struct FoundArc {
     /// Line, counted from 1.
     pub line: usize,
-    /// N of its block.
+    /// N number of its block; `None` without one.
     pub sequence: Option<i64>,
-    /// Plane.
+    /// Plane of the arc.
     pub plane: Plane,
-    /// Sense.
+    /// Direction: clockwise or counter-clockwise.
     pub turn: Turn,
     /// Radius, mm.
     pub radius_mm: f64,
-    /// Sweep, radians.
+    /// Angle of the arc (sweep), rad.
     pub sweep_rad: f64,
-    /// Z at the start.
+    /// Z coordinate at the start.
     pub level: Nm,
-    /// The arc leads across its plane.
+    /// The arc also moves along the axis square to its plane (helix).
     pub rises: bool,
-    /// Feed per minute.
+    /// Feed per minute; `None` before the first F.
     pub feed: Option<Nm>,
-    /// Cutting tool.
+    /// T number of the cutting tool; `None` before the first.
     pub tool: Option<i64>,
-    /// The cutting moves before and after it join smoothly: a rounded corner of a contour.
+    /// The cutting moves before and after it join smoothly, therefore it rounds a corner of a contour.
     pub is_corner: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Numbers and words of a job file and its comments.
+//! Wording of numbers and terms in a new job file and its comments.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::program::ToolNote;
 /// Most levels and feeds in a list; more are given as a range.
 const NAMED_MAX: usize = 6;
 
-/// Length in a unit, to a quarter of a micrometre, without trailing zeros but with a point.
+/// Length as text in a unit, to a quarter of a micrometre, without trailing zeros but with a decimal point.
 pub fn length(mm: f64, unit: LengthUnit) -> String {
     let decimals = if unit == LengthUnit::Inch { 5 } else { 4 };
     let text = format!("{:.decimals$}", mm / unit.mm());
@@ -22,7 +22,7 @@ pub fn length(mm: f64, unit: LengthUnit) -> String {
     if text == "-0.0" { "0.0".into() } else { text }
 }
 
-/// Lengths as a list, or as a range if there are many.
+/// Lengths as a list, or as a range from the smallest to the largest if there are many.
 pub fn lengths(values: &[Nm], unit: LengthUnit) -> String {
     let one = |value: &Nm| length(value.to_mm(), unit);
     match values {
@@ -42,7 +42,7 @@ pub fn some(words: &[String]) -> String {
     }
 }
 
-/// Sense of an arc, as `direction` in job files.
+/// Direction of an arc, as the value of `direction` in job files.
 pub const fn direction(turn: Turn) -> &'static str {
     match turn {
         Turn::Ccw => "ccw",
@@ -114,7 +114,7 @@ pub fn exclusion(note: &ToolNote) -> String {
     format!("T{tool} keeps its feeds: by line {line} ({text}) it is no end mill; if it is one: --tool T{tool}=DIAMETER")
 }
 
-/// Why nothing is governed.
+/// Sentence that explains why no move is governed.
 pub const NO_ARCS: &str = "no end mill has arcs in G17 that a law can govern: all feeds stay";
 
 /// Note on arcs under G41 and G42 that keep their feeds because the radius of D is unknown, with its place in the program.

@@ -48,24 +48,25 @@ struct RunoutTable {
     direction: f64,
 }
 
-/// Cutting edges, force coefficients and vibration modes.
+/// Cutting edges, force coefficients and vibration modes of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cutting {
     /// Force coefficients.
     pub coefficients: Coefficients,
-    /// Height above the tip within which chips are computed.
+    /// Height above the tip within which chips are computed, mm.
     pub axial_depth_mm: f64,
-    /// Number of layers of that height.
+    /// Number of layers into which that height is divided.
     pub layers: usize,
-    /// Helix angle of an end mill, positive for a right-hand helix.
+    /// Helix angle of an end mill, rad; positive for a right-hand helix.
     pub helix_rad: f64,
-    /// Offset of the tool's axis from the spindle's: distance, and direction before the spindle turns.
+    /// Offset of the tool's axis from the spindle's: distance in mm, and direction in rad before the spindle turns.
+    /// `None`: no runout.
     pub runout: Option<(f64, f64)>,
-    /// Radial offset of each tooth; empty if all teeth are alike.
+    /// Radial offset of each tooth from the nominal radius, mm; empty if all teeth are alike.
     pub offsets_mm: Vec<f64>,
-    /// Angle from each tooth to the next; empty if the pitch is equal.
+    /// Angle from each tooth to the next, rad; empty if the pitch is equal.
     pub pitch_rad: Vec<f64>,
-    /// Vibration modes of tool against workpiece; empty if both are rigid.
+    /// Vibration modes of the tool relative to the workpiece; empty if both are rigid.
     pub modes: Vec<Mode>,
     /// Byte offset of its table in the job file.
     pub offset: usize,
@@ -74,11 +75,11 @@ pub struct Cutting {
 /// Vibration mode of tool against workpiece, as a tap test measures it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
-    /// Natural frequency.
+    /// Natural frequency, Hz.
     pub frequency_hz: f64,
-    /// Fraction of critical damping.
+    /// Damping, as a fraction of critical damping.
     pub damping_ratio: f64,
-    /// Stiffness along the mode's direction.
+    /// Stiffness along the mode's direction, N/mm.
     pub stiffness_n_per_mm: f64,
     /// Direction in the program's coordinates; its length does not matter.
     pub direction: [f64; 3],
@@ -95,23 +96,23 @@ pub enum Coefficients {
         name: String,
         /// Byte offset of the name.
         offset: usize,
-        /// Radial and axial force over the tangential one.
+        /// Radial and axial force, each divided by the tangential one.
         ratios: [f64; 2],
     },
-    /// Kienzle's model.
+    /// Values of Kienzle's force model.
     Kienzle {
-        /// kc1.1, N/mm2.
+        /// kc1.1: specific cutting force at a chip of 1 mm, N/mm2.
         specific_mpa: f64,
-        /// mc.
+        /// mc: exponent of the chip thickness.
         exponent_ratio: f64,
-        /// Radial and axial force over the tangential one.
+        /// Radial and axial force, each divided by the tangential one.
         ratios: [f64; 2],
     },
-    /// Linear model: tangential, radial, axial.
+    /// Values of the linear force model, each tangential, radial and axial.
     Linear {
-        /// N/mm2.
+        /// Force per chip area, N/mm2.
         cutting_mpa: [f64; 3],
-        /// N/mm.
+        /// Edge force per width of the chip, N/mm.
         edge_n_per_mm: [f64; 3],
     },
 }

@@ -1,4 +1,4 @@
-//! `[dnc]`: how the control reads the transmission, and how long the sender waits for it.
+//! `[dnc]`: reading mode of the control, and time-outs of the sender.
 
 use arcfeed_units::{Micros, US_PER_S};
 use toml::Spanned;
@@ -17,31 +17,31 @@ const READ_AHEAD: usize = 200;
 /// Settings of the DNC sender: reading mode of the control, and time-outs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DncSettings {
-    /// Code of the characters if the sender makes it. `None`: the line's parity bit makes ISO of ASCII, or no parity is
-    /// checked.
+    /// Character code that the sender itself produces, on a line of eight bits. `None`: the serial port's parity bit
+    /// makes ISO code out of ASCII, or the control checks no parity.
     pub code: Option<TapeCode>,
-    /// TV check of the control is on.
+    /// The TV check of the control is on: blocks must have an even number of characters.
     pub tv_check: bool,
-    /// Longest time in which a DC3 may be acted on, if the job sets it.
+    /// Longest time from the arrival of a DC3 until the sender stops, if the job sets it; otherwise it is assumed.
     pub reaction: Option<Micros>,
-    /// Longest time until the control asks for the program.
+    /// Longest wait for the control's first DC1.
     pub start_timeout: Micros,
-    /// Longest time in which the control may then accept no character.
+    /// Longest wait for DC1 after a DC3.
     pub xoff_timeout: Micros,
     /// Number of blocks after which the control reports its position; `None`: it reports nothing.
     pub report_every: Option<usize>,
-    /// Most blocks that the control reads ahead.
+    /// Largest number of blocks that the control reads ahead.
     pub read_ahead: usize,
 }
 
 /// Character code that the sender makes itself, on a line of eight bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TapeCode {
-    /// Even parity in the eighth bit.
+    /// ISO: ASCII with even parity in the eighth bit.
     Iso,
-    /// RS-244.
+    /// EIA (RS-244): a code of its own with odd parity.
     Eia,
-    /// Eighth bit unused.
+    /// ASCII with the eighth bit 0.
     Ascii,
 }
 
@@ -59,7 +59,7 @@ impl Default for DncSettings {
     }
 }
 
-/// Checks the `[dnc]` table of a job.
+/// DNC settings from the `[dnc]` table of a job; fails at the first value that makes no sense.
 pub fn build(given: &DncTable, serial: &SerialSettings) -> Result<DncSettings, Complaint> {
     let code = match &given.code {
         None => None,

@@ -1,4 +1,4 @@
-//! `[override]`: how the feed demand reaches the control, and its bounds.
+//! `[override]`: the way in which the demanded feed reaches the control, and the bounds of the override.
 
 use arcfeed_firmware::ramp::{LimitsError, Ramp};
 use arcfeed_model::job::{FeedCeiling, FeedPolicy, LawKind, OverrideLimits, PieceSettings, ToolSetup, Tools};
@@ -16,7 +16,7 @@ const RAISE_MAX: f64 = 100.0;
 /// Most pieces of an arc: more than a control reads at its line's rate.
 const PIECES_MAX: u16 = 250;
 
-/// Feed mode and, where arcs are sent in pieces, the size of the pieces.
+/// Feed mode of a job and, for `rewrite-only`, the settings of the pieces; fails at the first faulty value.
 pub fn policy(given: &OverrideTable, unit: LengthUnit) -> Result<FeedPolicy, Complaint> {
     let policy = match given.mode.as_ref().as_str() {
         "safe-base" => FeedPolicy::SafeBase,
@@ -70,7 +70,7 @@ fn ratio(given: &Option<Spanned<f32>>, name: &str, default: f32) -> Result<f32, 
     Err(at(value, &format!("{name} must lie between {least} and {RATIO_MAX_PERCENT} %")))
 }
 
-/// Reads the upper limit of all governed feeds from a job.
+/// Upper limit of all governed feeds, from a job; fails at the first faulty value.
 pub fn ceiling(
     table: &JobTable,
     unit: LengthUnit,
@@ -99,7 +99,7 @@ pub fn ceiling(
     Ok(FeedCeiling { max_feed: max_feed.map(|feed| MmPerMin(feed as f32)), max_raise_ratio })
 }
 
-/// Checks the bounds of the override in a job.
+/// Bounds and slew rates of the override, from a job; fails at the first faulty value.
 pub fn limits(given: &OverrideTable) -> Result<OverrideLimits, Complaint> {
     let limits = OverrideLimits {
         min_percent: *given.min.as_ref(),

@@ -54,17 +54,17 @@ struct SheetTable {
 /// Flexible body and the number of its modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flexible {
-    /// Shape in the coordinates of the program.
+    /// Undeformed shape, in the coordinates of the program.
     pub shape: Shape,
-    /// Axis square to the clamped face, 0 to 2, and whether that face is at the higher end.
+    /// Index (0 X, 1 Y, 2 Z) of the axis square to the clamped face, and whether that face is at the axis's higher end.
     pub clamped: (usize, bool),
-    /// Number of cells along the axes.
+    /// Number of finite elements along each axis.
     pub cells: [usize; 3],
     /// Elastic constants or material.
     pub material: Elastic,
-    /// Number of modes, from the lowest.
+    /// Number of vibration modes that are used, from the lowest frequency on.
     pub modes: usize,
-    /// Fraction of critical damping, of each mode.
+    /// Damping of each mode, as a fraction of critical damping.
     pub damping_ratio: f64,
     /// Byte offset of its table in the job file.
     pub offset: usize,
@@ -73,18 +73,18 @@ pub struct Flexible {
 /// Undeformed shape of a flexible workpiece.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A block, its edges along the axes.
+    /// Block with its edges along the axes.
     Block {
-        /// Lowest corner.
+        /// Corner with the lowest coordinates, mm.
         lowest_mm: Vector,
-        /// Highest corner.
+        /// Corner with the highest coordinates, mm.
         highest_mm: Vector,
     },
-    /// Wall or blade between two sides.
+    /// Wall or blade from a mesh, thin between its two sides.
     Sheet {
-        /// Closed surface.
+        /// Closed surface, from an STL file.
         file: StlFile,
-        /// Axis from side to side, 0 to 2.
+        /// Index (0 X, 1 Y, 2 Z) of the axis from side to side.
         thickness: usize,
         /// Byte offset of the file's name in the job file.
         offset: usize,
@@ -103,11 +103,11 @@ pub enum Elastic {
     },
     /// Constants given in the job.
     Constants {
-        /// Young's modulus.
+        /// Young's modulus, N/mm2.
         young_mpa: f64,
         /// Poisson's ratio.
         poisson_ratio: f64,
-        /// Density.
+        /// Density, kg/m3.
         density_kg_per_m3: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! `[machine]`, and the feeds in `[control]`: the limits of the machine.
+//! `[machine]`, and the feed limits in `[control]`.
 
 use std::path::Path;
 
@@ -12,7 +12,8 @@ use super::{Complaint, at, length_mm, positive};
 use crate::key_values::KeyValue;
 use crate::machine_file::MachineFile;
 
-/// Five-axis machine that a job or a part names, by a file in the same folder or as a preset, with values in place of its own.
+/// Five-axis machine that a job or a part names, by a file in `folder` or as a preset; `values` replace values of its file. `None` if
+/// neither is named.
 pub fn named(
     file: Option<&Spanned<String>>,
     preset: Option<&Spanned<String>>,
@@ -34,8 +35,8 @@ pub fn named(
     }
 }
 
-/// Limits of the machine; feeds are per minute, those of rotary axes in degrees. The job's own `max_feed` of an axis
-/// takes precedence over that of the machine's file.
+/// Limits of the machine in feeds per minute, for rotary axes in degrees. An axis's `max_feed` in the job takes precedence over that in
+/// the machine's file. Fails at the first faulty value.
 pub fn build(table: &JobTable, unit: LengthUnit, of: Option<&MachineFile>) -> Result<MachineLimits, Complaint> {
     let feed = |given: &Spanned<Quantity>, name: &str| {
         length_mm(given, unit, name).map(|mm_per_min| MmPerMin(mm_per_min as f32))
@@ -77,7 +78,7 @@ fn limits(machine: &Machine) -> MachineLimits {
     MachineLimits { linear, rotary, arc_clamp: None }
 }
 
-/// Replaces the axis speeds of the machine by the limits of the job.
+/// The machine with the axis speeds that the job has set.
 pub fn with_limits(file: MachineFile, limits: &MachineLimits) -> MachineFile {
     let linear = limits.linear.map(|limit| limit.map(|MmPerMin(speed)| f64::from(speed)));
     let rotary = file.machine.rotary().each_ref().map(|axis| {

@@ -6,22 +6,22 @@ use super::schema::{JobTable, PlungeTable};
 use super::spindle::SpindleLimits;
 use super::{Complaint, at, length_mm};
 
-/// Name of the law in `[law]`, for tools of which no other law governs a move.
+/// Name of the plunge law in `[law]`, for tools that no other law governs.
 pub const LAW: &str = super::tool::PLUNGE_LAW;
 
-/// Settings of the plunge law.
+/// Settings of the plunge law, which governs moves that descend into material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plunge {
-    /// Thickest chip.
+    /// Target chip thickness, the largest path per tooth, mm.
     pub feed_per_tooth_mm: f64,
-    /// Whether the law governs moves that descend at an angle, too.
+    /// The law also governs moves that descend at an angle (ramps).
     pub has_ramps: bool,
-    /// Whether it governs moves at all positions of the rotary axes; the workpiece is whole.
+    /// The law governs moves at every position of the rotary axes; the workpiece is then the whole part.
     pub is_indexed: bool,
 }
 
-/// Checks the `[plunge]` table of a job against the limits of its spindle; `[law] kind = "plunge"` requires this
-/// table.
+/// Plunge law from the `[plunge]` table of a job, `None` if it has none; `[law] kind = "plunge"` requires the table.
+/// Fails at the first faulty value.
 pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Option<Plunge>, Complaint> {
     let Some(entry) = &table.plunge else {
         let tools = table.tool.0.iter();

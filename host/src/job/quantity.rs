@@ -1,4 +1,4 @@
-//! Lengths in job files.
+//! Lengths as they are written in job files.
 
 use arcfeed_units::LengthUnit;
 use serde::Deserialize;
@@ -19,18 +19,18 @@ impl Quantity {
         self.value * self.unit.unwrap_or(unit).mm()
     }
 
-    /// The bare number, if the quantity names no unit.
+    /// The number, if it is written without a unit of its own.
     pub fn bare(self) -> Option<f64> {
         self.unit.is_none().then_some(self.value)
     }
 }
 
-/// Target feed of a law.
+/// Target feed of a law, as a job file gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TargetFeed {
-    /// This feed per tooth.
+    /// This feed per tooth for all moves.
     PerTooth(Quantity),
-    /// `"programmed"`: the F of each block.
+    /// `"programmed"`: the programmed F of each block is the target.
     Programmed,
 }
 

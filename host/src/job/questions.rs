@@ -21,7 +21,7 @@ pub struct Question {
     span: Range<usize>,
 }
 
-/// The open questions of a job file, in file order; empty if the text is no TOML.
+/// Open questions of a job file, in the order of the file; empty if the text is not TOML.
 pub fn open(text: &str) -> Vec<Question> {
     let mut found = Vec::new();
     walk(text, &mut |key, _, value| {

@@ -1,4 +1,4 @@
-//! Scope of a cut rule that only the host can check: lines of the program's file, and the plane of arcs.
+//! Scope of a cut rule: restriction to lines of the program's file, or to a plane of arcs. Only the host can check it.
 //!
 //! A board knows no lines of a file. The host decides which rule governs a move, and sends the index of that rule with it.
 
@@ -10,17 +10,17 @@ use super::cut_table::{CutTable, MovesWord, PlaneWord};
 use super::schema::JobTable;
 use super::{Complaint, at, rules};
 
-/// Scope of one cut rule; the default admits every move.
+/// Scope of one cut rule; by default it admits every move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RuleScope {
-    /// First and last line of the program's file, counted from 1, if restricted.
+    /// First and last line of the program's file, counted from 1, to which the rule is restricted; `None`: no such restriction.
     pub lines: Option<[usize; 2]>,
-    /// Plane of arcs, if restricted.
+    /// Plane (G17 to G19) of the arcs to which the rule is restricted; `None`: no such restriction.
     pub plane: Option<Plane>,
 }
 
 impl RuleScope {
-    /// Whether the rule may govern a move of this line; `None` is a line that is not in the program's file.
+    /// Whether the rule may govern the move `segment` of this line; `line` is `None` if the move is on no line of the program's file.
     pub fn admits(&self, line: Option<usize>, segment: &Segment) -> bool {
         let in_lines = self.lines.is_none_or(|[first, last]| line.is_some_and(|line| (first..=last).contains(&line)));
         in_lines && self.plane.is_none_or(|plane| segment.arc().is_some_and(|arc| arc.plane == plane))
@@ -36,7 +36,7 @@ impl RuleScope {
         covers_lines && (self.plane.is_none() || self.plane == other.plane)
     }
 
-    /// Key of the job file that restricts the scope, if there is one.
+    /// Key of the job file that restricts the scope (`lines` or `plane`); `None` without a restriction.
     pub fn key(&self) -> Option<&'static str> {
         match self {
             RuleScope { lines: Some(_), .. } => Some("lines"),
@@ -46,12 +46,12 @@ impl RuleScope {
     }
 }
 
-/// Whether the rule of this index may govern a move.
+/// Whether the scope of the rule with this index admits a move.
 pub fn admits(scopes: &[RuleScope], rule: usize, line: Option<usize>, segment: &Segment) -> bool {
     scopes.get(rule).is_none_or(|scope| scope.admits(line, segment))
 }
 
-/// Scopes of all rules of a job, in order.
+/// Scopes of all cut rules of a job, in their order; fails at the first faulty value.
 pub fn build(job: &JobTable) -> Result<Vec<RuleScope>, Complaint> {
     let has_map = rules::map(job)?.is_some();
     let scope = |(_, cut): (u8, &Spanned<CutTable>)| {

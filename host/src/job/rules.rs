@@ -1,4 +1,4 @@
-//! `[[cut]]`: the moves to which a law applies, and the stock there.
+//! `[[cut]]`, the cut rules: the moves to which a law applies, and the stock there.
 
 use arcfeed_model::cut::{ContourSide, CutRule, Moves, RULES_MAX, RotationCircle, Work};
 use arcfeed_model::job::{LawKind, Tools};
@@ -15,7 +15,7 @@ use super::{Complaint, RuleContext, at, length_mm, tables};
 /// Largest sequence number: eight digits.
 const SEQUENCE_MAX: i64 = 99_999_999;
 
-/// Engagement map that the rules and the plunge law of a job name; all must name the same.
+/// Name of the engagement map in the job, if rules or the plunge law use one; fails if they name different ones.
 pub fn map(job: &JobTable) -> Result<Option<&Spanned<String>>, Complaint> {
     let of_rules = tables(job).filter_map(|(_, cut)| cut.as_ref().stock.as_ref()?.as_ref().map.as_ref());
     let mut named = of_rules.chain(job.plunge.as_ref().map(|plunge| &plunge.as_ref().map));
@@ -33,7 +33,8 @@ pub fn tables(job: &JobTable) -> impl Iterator<Item = (u8, &Spanned<CutTable>)> 
     of_tools.chain(job.cut.iter().map(|cut| (0, cut)))
 }
 
-/// Checks the rules of a job, in order, and collects their knots.
+/// Checks the cut rules of a job and converts them, in their order, with the knots of their tables; fails at the first
+/// faulty value.
 pub fn build(job: &JobTable, tools: &Tools) -> Result<(heapless::Vec<CutRule, RULES_MAX>, Knots), Complaint> {
     if let Some(cut) = job.cut.first().filter(|_| tools.len() > 1) {
         return Err(at(cut, "with several [[tool]]s each rule stands below its tool: write [[tool.cut]]"));

@@ -13,7 +13,7 @@ const TIMEOUT_MAX_S: f64 = 86_400.0;
 /// Shortest wait: less would round to 0.
 const TIMEOUT_MIN_S: f64 = 0.001;
 
-/// Checks the `[serial]` table of a job.
+/// Settings of the serial line from the `[serial]` table of a job; fails at the first value that makes no sense.
 pub fn build(given: &SerialTable) -> Result<SerialSettings, Complaint> {
     let choice = |value: &Spanned<u8>, allowed: std::ops::RangeInclusive<u8>, name: &str| {
         let (low, high) = (allowed.start(), allowed.end());

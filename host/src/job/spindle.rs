@@ -15,7 +15,7 @@ pub struct SpindleLimits {
     pub torque_n_m: Option<f64>,
 }
 
-/// Checks the limits of the first tool's spindle.
+/// Limits of the first tool's spindle from a job; fails at the first faulty value.
 pub fn build(job: &JobTable) -> Result<SpindleLimits, Complaint> {
     let own = job.tool.0.first().and_then(|tool| tool.spindle.as_ref());
     let Some(table) = own.or(job.spindle.as_ref()) else { return Ok(SpindleLimits::default()) };
@@ -25,12 +25,12 @@ pub fn build(job: &JobTable) -> Result<SpindleLimits, Complaint> {
     })
 }
 
-/// Power with its unit, W.
+/// Power in W, from a text with a unit; `None` if it is not given.
 pub fn power_w(given: Option<&Spanned<String>>) -> Result<Option<f64>, Complaint> {
     limit(given, POWER, "max_power is a power such as \"11 kW\" or \"750 W\"")
 }
 
-/// Torque with its unit, N m.
+/// Torque in N m, from a text with a unit; `None` if it is not given.
 pub fn torque_n_m(given: Option<&Spanned<String>>) -> Result<Option<f64>, Complaint> {
     limit(given, TORQUE, "max_torque is a torque such as \"40 Nm\"")
 }

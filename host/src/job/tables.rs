@@ -1,4 +1,4 @@
-//! Tables that the host computes beforehand: engaged arcs and feeds per tooth, over the path travelled.
+//! Tables of a cut rule that are given over the path along a move: engaged arcs and feeds per tooth.
 
 use arcfeed_law::table::{Table, TableError};
 use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedError, EngagedInterval, EngagedKnot, EngagedTable};
@@ -14,7 +14,8 @@ use super::{Complaint, at};
 
 const GROWS: &str = "the path must grow from knot to knot";
 
-/// Engaged arcs of a rule whose `side` is `edge`.
+/// Stock of a rule that gives the engaged arcs themselves; `edge` is the cutting circle of the rule's `side`. Fails at
+/// the first faulty row.
 pub fn engaged(
     rows: &Spanned<Vec<Spanned<Vec<Quantity>>>>,
     edge: Edge,
@@ -65,7 +66,7 @@ fn engaged_knot(
     })
 }
 
-/// Feeds per tooth of a rule, added to the job's knots; `None` if the law needs none.
+/// Feeds per tooth that a rule gives as a table, added to the knots of the job; `None` if the law needs no table.
 pub fn feeds(
     cut: &Spanned<CutTable>,
     unit: LengthUnit,

@@ -94,7 +94,7 @@ fn target(given: &LawTable, job: &JobTable) -> Result<(f64, bool), Complaint> {
     }
 }
 
-/// All tools of a job, in order. Each of several tools needs a number.
+/// All tools of a job, in order; fails at the first faulty value. If there are several, each needs a number.
 pub fn setups(job: &JobTable) -> Result<Tools, Complaint> {
     let tables = &job.tool.0;
     let [first, more @ ..] = tables.as_slice() else {
@@ -121,7 +121,7 @@ fn some_teeth(teeth: &Spanned<u16>) -> Result<u16, Complaint> {
     }
 }
 
-/// Checks the law, which must suit the tool.
+/// Feed law from `[law]`; fails if it does not suit the tool.
 pub fn law(table: &LawTable, tool: &Tool) -> Result<LawKind, Complaint> {
     let kind = table.kind.as_ref().as_str();
     let settings = (&table.edges, table.inside_only, &table.floor);

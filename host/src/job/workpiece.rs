@@ -1,4 +1,4 @@
-//! `[workpiece]`, and the body of `[tool]`.
+//! `[workpiece]` of a job, and the cutting bodies of its tools.
 
 use std::path::Path;
 
@@ -14,30 +14,30 @@ use super::schema::{BlockTable, JobTable, Quantity, RoundTable, ToolTable, Workp
 use super::stl::StlFile;
 use super::{Complaint, at, length_mm};
 
-/// Memory of a stock, unless the job sets it.
+/// Largest memory of a stock model unless the job sets it, in bytes.
 pub const MEMORY_MAX_BYTES: usize = 512 * MIB;
 
 /// Bytes in a MiB.
 const MIB: usize = 1 << 20;
 
-/// Workpiece in the coordinates of the program.
+/// Workpiece of a job, in the coordinates of the program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Workpiece {
-    /// Shape before the cut.
+    /// Shape before the cut (stock).
     pub blank: Blank,
-    /// Source of that shape, if no job file describes it.
+    /// Source of that shape if no job file describes it; `None` if one does.
     pub assumed: Option<AssumedStock>,
-    /// Target shape.
+    /// Shape of the finished part, if the job names it.
     pub target: Option<StlFile>,
-    /// Material, and the byte offset of its name in the job file.
+    /// Name of the material, and the byte offset of the name in the job file.
     pub material: Option<(String, usize)>,
-    /// Distance of the dexel rays.
+    /// Distance of neighbouring dexel rays, mm.
     pub step_mm: f64,
-    /// Most memory of the dexels.
+    /// Largest memory that the stock model may take, in bytes.
     pub memory_max_bytes: usize,
     /// Flexible part of the workpiece; `None` if it is rigid.
     pub flexible: Option<Flexible>,
-    /// Cutting body of the tool, or of the first of several.
+    /// Cutting body of the tool, or of the first tool of several.
     pub body: Body,
     /// Cutting bodies of the other tools, in their order.
     pub other_bodies: Vec<Body>,
@@ -45,19 +45,19 @@ pub struct Workpiece {
     pub offset: usize,
 }
 
-/// Stock that is assumed for a program without a job file: a block.
+/// Block that is assumed as the stock of a program without a job file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AssumedStock {
-    /// Source of its size.
+    /// Source of the size.
     #[serde(flatten)]
     pub source: StockSource,
-    /// Lowest coordinates.
+    /// Lowest X, Y and Z.
     pub from: [f64; 3],
-    /// Highest coordinates.
+    /// Highest X, Y and Z.
     pub to: [f64; 3],
 }
 
-/// Source of the size of a stock.
+/// Source of the size of an assumed stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "source", rename_all = "lowercase")]
 pub enum StockSource {
@@ -65,48 +65,49 @@ pub enum StockSource {
     Option,
     /// A comment of the program.
     Comment {
-        /// Line, counted from 1.
+        /// Line of the comment, counted from 1.
         line: usize,
     },
-    /// The cutting moves.
+    /// The extents of the cutting moves.
     Extents,
 }
 
 /// Shape of the stock before the run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Blank {
-    /// A block, its edges along the axes.
+    /// Block with its edges along the axes.
     Block {
-        /// Lowest corner.
+        /// Corner with the lowest coordinates, mm.
         lowest_mm: Vector,
-        /// Highest corner.
+        /// Corner with the highest coordinates, mm.
         highest_mm: Vector,
     },
-    /// Bar or tube.
+    /// Round bar or tube.
     Round {
         /// Centre of one end.
         from_mm: Vector,
         /// Centre of the other end.
         to_mm: Vector,
-        /// Outer radius.
+        /// Outer radius, mm.
         radius_mm: f64,
-        /// Inner radius; none for a bar.
+        /// Inner radius, mm; `None` for a solid bar.
         bore_mm: Option<f64>,
     },
-    /// Closed mesh.
+    /// Closed triangle mesh from a file.
     Stl(StlFile),
 }
 
-/// Shape of a tool's cutting part besides its radii: corner and height.
+/// Shape of a tool's cutting part apart from its radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Corner radius: of an insert on both sides, of a mill's end. A ball-end mill has its own radius here.
+    /// Corner radius, mm: of an insert on both sides, of a mill at its end. For a ball-end mill it equals the mill's
+    /// radius.
     pub corner_mm: f64,
-    /// Height of the cutting edge above the tip.
+    /// Height of the cutting edges above the tip, mm.
     pub height_mm: f64,
 }
 
-/// Checks the workpiece of a job, and the tools' bodies even if there is no workpiece.
+/// Workpiece from a job, `None` if it has none; fails at the first faulty value, also of a tool's body.
 pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpiece>, Complaint> {
     let bodies = table.tool.0.iter().zip(job.tools.iter()).map(|(tool, setup)| {
         let height = tool.height.as_ref().map(|height| length_mm(height, job.unit, "height")).transpose()?;

@@ -1,4 +1,4 @@
-//! Words of one block, as LinuxCNC reads them.
+//! Translation of the words of one block from a Fanuc's dialect to LinuxCNC's.
 
 mod motion;
 
@@ -27,7 +27,7 @@ const UNUSED: &str = "LinuxCNC has no use for this word here; remove it";
 /// First of the coordinate systems of G54.1.
 const EXTENDED: u16 = 6;
 
-/// Refused word: its column, and the remedy.
+/// Word that LinuxCNC cannot execute: its column in the block, and the remedy.
 pub type RefusedWord = (u16, &'static str);
 
 /// LinuxCNC's G64 block with the tolerance at corners. Moves are not merged, so that each move keeps its line.
@@ -36,12 +36,12 @@ pub fn path_control(unit: LengthUnit) -> String {
     format!("G64 P{} Q0", if unit == LengthUnit::Mm { mm } else { inch })
 }
 
-/// State of LinuxCNC, as far as it differs from the Fanuc's.
+/// State of LinuxCNC while it executes the translated program, where it differs from that of the Fanuc control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinuxCncState {
-    /// Motion or cycle in force.
+    /// G code of the motion or canned cycle in force (1 for G1); `None`: none.
     pub motion: Option<i64>,
-    /// M29: taps move with the spindle.
+    /// M29 is in force: taps move in step with the spindle.
     pub taps_rigidly: bool,
     /// The spindle turns for taps.
     pub is_tapping: bool,
@@ -49,17 +49,17 @@ pub struct LinuxCncState {
     pub is_transformed: bool,
 }
 
-/// Fanuc block with the changes that translate it to LinuxCNC.
+/// Editor of one Fanuc block: collects the changes that translate the block to LinuxCNC's dialect.
 pub struct BlockEditor<'a> {
     line: &'a InterpretedLine,
     /// State of the control behind the block.
     modal: &'a Modal,
     decimals: Decimals,
-    /// New text of words, by column; empty without the word.
+    /// New text of each changed word, by its column; an empty text removes the word.
     pub edits: BTreeMap<u16, String>,
-    /// Text before the first word.
+    /// Text to be inserted before the first word.
     pub insert: String,
-    /// Blocks that follow.
+    /// Blocks to be added after this one.
     pub behind: Vec<String>,
     /// Words that follow in a block of their own.
     later: String,
@@ -100,7 +100,7 @@ impl<'a> BlockEditor<'a> {
         Ok(editor)
     }
 
-    /// Checks that LinuxCNC's component can follow the block, if the component drives the feed.
+    /// Checks that LinuxCNC's component `arcfeed` can follow the block, if the component sets the feed.
     ///
     /// # Errors
     /// The word that it does not follow.

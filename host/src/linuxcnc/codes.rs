@@ -2,19 +2,19 @@
 //!
 //! Source: LinuxCNC's documents on G codes and M codes; every rule is confirmed by its `rs274` in `tests/program/linuxcnc.rs`.
 
-/// Source of the feed while the program runs.
+/// Source of the feed while LinuxCNC runs the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedSource {
-    /// The F words alone.
+    /// Only the F words of the program.
     Words,
-    /// The component `arcfeed` too, through LinuxCNC's adaptive feed.
+    /// In addition the component `arcfeed`, through LinuxCNC's adaptive feed.
     Component,
 }
 
 /// Modal group of a G code on LinuxCNC; two codes of one group cannot be in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CodeGroup {
-    /// Groups of state: plane, unit, distance and the like, by a number of our own.
+    /// One of the groups of state (plane, unit, absolute or incremental and the like), by a number that is used only here.
     State(u8),
     /// G0 to G3.
     Motion,
@@ -24,7 +24,7 @@ pub enum CodeGroup {
     Tapping,
     /// G80.
     CycleEnd,
-    /// Codes that use the axis words of their block themselves.
+    /// Codes that act only in their block and use its axis words themselves.
     OneShot,
     /// G53.
     Machine,
@@ -39,7 +39,7 @@ pub enum CodeGroup {
 pub enum GRule {
     /// The code is the same on LinuxCNC.
     Keep(CodeGroup),
-    /// The code has no effect on LinuxCNC; it is left out with the words P and Q of its block.
+    /// The code has no effect on LinuxCNC; it is removed, with the words P and Q of its block.
     Drop,
     /// The code has no effect on LinuxCNC if the block has no axis words.
     DropAlone,
@@ -53,7 +53,7 @@ const OFFSET: &str = "set the offset in LinuxCNC's tool table or with G10 L2 P1 
 const POINTS: &str = "LinuxCNC has no such transformation; post the program without it";
 const BORING: &str = "LinuxCNC has no such cycle; post its moves";
 
-/// Rule for a G code, in tenths.
+/// Rule for a G code, given as ten times its number (G54.1 is 541).
 pub fn g_rule(tenths: i64) -> GRule {
     use GRule::{Drop, DropAlone, Keep, Refuse};
     match tenths {

@@ -16,19 +16,19 @@ use crate::program::{Diagnostic, ProgramLine, Severity, Source};
 /// Most bytes of a line that LinuxCNC reads.
 const LINE_MAX: usize = 254;
 
-/// NC text for LinuxCNC.
+/// Translated program for LinuxCNC.
 #[derive(Clone, Debug, Default)]
 pub struct Translation {
     /// The text.
     pub text: Vec<u8>,
-    /// Line of the text, counted from 1, of each line of the program.
+    /// For each line of the program, the line of the translated text at which its translation begins, counted from 1.
     pub first_lines: Vec<usize>,
 }
 
 /// Translates a program without errors, macro statements and calls.
 ///
 /// # Errors
-/// Every line that LinuxCNC cannot execute.
+/// Every line that LinuxCNC cannot execute, with the remedy.
 pub fn translate(source: &Source, feed: FeedSource) -> Result<Translation, Vec<Diagnostic>> {
     let (mut translation, mut refusals) = (Translation::default(), Vec::new());
     let (mut lines, mut count, mut theirs, mut has_state, mut has_ended) =

@@ -12,19 +12,19 @@ use crate::adapt::PlannedBlock;
 use crate::board::plan::planned_move;
 use crate::checksum::CRC_32;
 
-/// Reason why no program can be prepared.
+/// Reason why the file for the component cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PrepareError {
-    /// The job has more than the component holds.
+    /// The job has more rules or tables than the component can hold.
     #[error("the job is too large for the component: {0:?}")]
     Job(ParametersError),
-    /// Line of the program with numbers out of range.
+    /// A move of this line, counted from 1, has numbers out of the range of its message.
     #[error("line {0}: this move cannot be sent to the component: {1:?}")]
     Move(usize, MoveError),
 }
 
-/// Prepares the moves of an adapted program. Moves in inverse time and those under functions that no law covers are left
-/// out: the override is 100 % there.
+/// File for the component: the job's parameters and the moves of an adapted program. Moves in inverse time and under functions that no law
+/// covers are left out; for them the override is 100 %.
 ///
 /// # Errors
 /// The job or a move does not fit.

@@ -22,7 +22,7 @@ const NO_LINUXCNC: &str = "no Python here has LinuxCNC's module `linuxcnc`; run 
 /// Names of the component's states, by its pin `state`.
 const STATES: [&str; 8] = ["idle", "armed", "running", "holding", "fallback", "faulted", "inhibited", "disarmed"];
 
-/// Message of the script that controls LinuxCNC.
+/// Message of the script that runs beside LinuxCNC and controls it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SessionEvent {
@@ -32,13 +32,13 @@ pub enum SessionEvent {
     Note(String),
     /// The machine is on, homed and idle.
     Idle {},
-    /// The program is open.
+    /// LinuxCNC has opened the program.
     Ready(Ready),
     /// State of the run.
     Status(Status),
     /// The program is no longer in execution.
     Ended(Ended),
-    /// Servo period.
+    /// Measured values of one servo period.
     #[serde(skip)]
     Sample(MachineSample),
 }
@@ -46,26 +46,26 @@ pub enum SessionEvent {
 /// Message: the machine has opened the program.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ready {
-    /// Prepared moves in force in the component.
+    /// Number of moves that the component `arcfeed` has in force.
     pub moves: u32,
-    /// Servo period.
+    /// Servo period, s.
     pub period_s: f64,
-    /// Reason why there are no samples; empty if there are.
+    /// Reason why there are no samples of the servo periods; empty if there are.
     pub no_samples: String,
-    /// Length of the machine's unit.
+    /// Unit of length of LinuxCNC's machine, mm (25.4 for inches).
     pub mm_per_unit: f64,
 }
 
 /// Message: state of a run on LinuxCNC.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Status {
-    /// Line of the program in execution.
+    /// Line of the NC file in execution.
     pub line: usize,
     /// The program is paused.
     pub paused: bool,
     /// The axes are at rest.
     pub at_rest: bool,
-    /// The law has the feed.
+    /// The feed law controls the adaptive feed.
     pub armed: bool,
 }
 
@@ -74,26 +74,26 @@ pub struct Status {
 pub struct Ended {
     /// The machine is still on.
     pub is_on: bool,
-    /// Servo periods without a sample.
+    /// Number of servo periods that were lost.
     pub missing: u64,
 }
 
-/// Sample of the machine in one servo period, in the machine's unit.
+/// Measured values of one servo period; lengths in the unit of LinuxCNC's machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachineSample {
-    /// Number of the period.
+    /// Number of the servo period.
     pub number: u64,
     /// Position relative to the workpiece's origin.
     pub position: [f64; 3],
-    /// Speed of the planner, per second.
+    /// Speed along the path that the planner commands, per second.
     pub speed: f64,
-    /// Feed over F.
+    /// Commanded feed divided by F.
     pub ratio: f64,
     /// Spindle speed, rev/min.
     pub spindle: f64,
-    /// Line of the program; 0 between moves.
+    /// Line of the NC file in execution; 0 between moves.
     pub line: usize,
-    /// State of the component.
+    /// State of the component `arcfeed`; `None` if it is not loaded.
     pub state: Option<&'static str>,
 }
 
@@ -112,7 +112,7 @@ impl MachineSample {
     }
 }
 
-/// Conversation with the script that controls LinuxCNC.
+/// Connection to the script that controls LinuxCNC.
 pub struct Session {
     script: Child,
     commands: Option<ChildStdin>,
@@ -158,7 +158,7 @@ impl Session {
         }
     }
 
-    /// Next event within this time; `Err` when the session is over.
+    /// Next message of the script; `None` if none comes within this time.
     ///
     /// # Errors
     /// The script has ended.

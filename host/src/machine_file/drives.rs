@@ -21,7 +21,7 @@ pub struct Drives {
     pub linear: [Drive; 3],
     /// Rotary axes, from the part to the tool.
     pub rotary: [Drive; 2],
-    /// Greatest distance from a corner, mm and degrees.
+    /// Corner tolerance: largest distance between the path and a programmed corner.
     pub tolerance: Tolerance,
 }
 
@@ -94,16 +94,17 @@ impl SpindleRamps {
     }
 }
 
-/// Fault in the drives of a file.
+/// Fault in the drive values of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveError {
-    /// A limit of an axis is missing or not above 0; X, Y, Z, then the rotary axes in the order of the file.
+    /// The axis with this index (X, Y, Z, then the rotary axes in the order of the file) lacks a limit, or has one that
+    /// is not above 0.
     Axis(usize),
     /// A tolerance that is not above zero.
     Tolerance,
 }
 
-/// Limits of an axis in a file: speed per minute, acceleration, jerk.
+/// Limits of one axis as a file gives them: speed (mm or degrees per minute), acceleration, jerk (mm or degrees, s).
 pub type DriveValues = [Option<f64>; 3];
 
 impl Default for Tolerance {
@@ -141,7 +142,7 @@ impl Drives {
         Ok(Some(Drives { linear, rotary: [drive(3)?, drive(4)?], tolerance }))
     }
 
-    /// The drives with other maximum speeds, which a job may have changed.
+    /// These drives with other maximum speeds, in mm or degrees per minute; `None` keeps the present one.
     #[must_use]
     pub fn with_speeds(mut self, per_min: [Option<f64>; 5]) -> Self {
         for (drive, speed) in self.linear.iter_mut().chain(&mut self.rotary).zip(per_min) {

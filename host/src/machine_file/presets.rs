@@ -17,7 +17,7 @@ impl MachineFile {
         Self::preset_with(name, &[])
     }
 
-    /// The same with values in place of its own.
+    /// Built-in machine with this name, in which `values` replace the values of its file; `None` if there is none.
     pub fn preset_with(name: &str, values: &[KeyValue]) -> Option<Result<Self, String>> {
         let (name, text) = PRESETS.iter().find(|(known, _)| *known == name)?;
         let changed = with_values(text, values).map_err(|error| format!("{name}: {error}"));
@@ -29,7 +29,7 @@ impl MachineFile {
         PRESETS.map(|(name, _)| format!("\"{name}\"")).join(", ")
     }
 
-    /// Machine of a preset's name or of a file: `./NAME` is always a file.
+    /// Machine with this name of a preset, or from the file of this path. `./NAME` is always a file.
     ///
     /// # Errors
     /// See [`MachineFile::load`].

@@ -63,7 +63,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 impl PendingFile {
-    /// Empty file for this path.
+    /// Begins a file for this path; nothing is at the path until [`PendingFile::finish`].
     ///
     /// # Errors
     /// It cannot be written; the message gives the reason.
@@ -134,7 +134,7 @@ pub fn is_plain_file(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_file())
 }
 
-/// The error of a write with a remedy added.
+/// The error of a write, with a remedy in its message.
 pub fn explained(error: Error, path: &Path) -> Error {
     let folder = parent(path);
     let what = match error.kind() {

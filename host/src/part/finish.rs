@@ -32,22 +32,22 @@ const MAX_RAISE: f64 = 2.0;
 /// Depth of a gouge that the proof accepts beyond the tolerance: the precision of its bodies and bounds.
 const SLACK_MM: f64 = 0.01;
 
-/// Checked part file for finishing. Part frame, millimetres.
+/// Content of a part file for finishing, checked. Coordinates are those of the part, in mm.
 #[derive(Clone, Debug)]
 pub struct FinishPart {
     /// Name in the part file, or else the file's own name.
     pub name: String,
-    /// The rotor.
+    /// Rotor: blades, hub and blank.
     pub blisk: Blisk,
-    /// Mill.
+    /// Finishing mill with its holder.
     pub mill: FinishMill,
-    /// Requirements on the plan.
+    /// Requirements on the finishing path (scallop height, tolerance, distances).
     pub needs: FinishNeeds,
-    /// Material that the pass removes.
+    /// Thickness of the material that finishing removes, mm.
     pub allowance_mm: f64,
     /// Feeds.
     pub feeds: FinishFeeds,
-    /// Fixtures, as boxes: lowest and highest corner.
+    /// Fixtures as boxes: corners with the lowest and with the highest coordinates.
     pub fixtures: Vec<[Point; 2]>,
     /// Machine.
     pub machine: MachineFile,
@@ -55,20 +55,20 @@ pub struct FinishPart {
     pub machine_source: Option<MachineSource>,
     /// Placement of part and tool on the machine.
     pub setup: Setup,
-    /// Settings of the NC program.
+    /// Settings for the NC program that is written.
     pub output: Output,
 }
 
 /// Spindle speed and feeds of finishing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishFeeds {
-    /// Spindle speed.
+    /// Spindle speed, rev/min.
     pub rev_per_min: f64,
-    /// Feed per tooth at the contact.
+    /// Feed per tooth at the contact with the surface, mm.
     pub per_tooth_mm: f64,
-    /// Feed of approaches and links.
+    /// Feed of approaches and links, mm/min.
     pub approach_mm_per_min: f64,
-    /// Largest way of the cutting end per tooth, over the feed per tooth.
+    /// Largest path of the cutting end per tooth, divided by the feed per tooth at the contact.
     pub max_raise_ratio: f64,
 }
 

@@ -45,41 +45,43 @@ const LEVELS_MAX: f64 = 1_000.0;
 /// Largest radius of a blank: a larger one is in another unit than its number.
 const RADIUS_MAX_MM: f64 = 5_000.0;
 
-/// Checked part file. Part frame, millimetres.
+/// Content of a part file for roughing with a cup mill, checked. Coordinates are those of the part, in mm.
 #[derive(Clone, Debug)]
 pub struct PartFile {
     /// Name in the part file, or else the file's own name.
     pub name: String,
-    /// Unit of the file.
+    /// Unit of lengths in the file.
     pub unit: LengthUnit,
-    /// The rotor.
+    /// Rotor: blades, hub and blank.
     pub blisk: Blisk,
-    /// Cutter.
+    /// Cup mill with its holder.
     pub cutter: CupMill,
-    /// Requirements on the roughing path.
+    /// Requirements on the roughing path (allowance, distances, levels).
     pub roughing: Roughing,
-    /// The tool's axis; the one with the largest removed volume if the file leaves it open.
+    /// Direction of the tool's axis, if the file gives it; otherwise the planner chooses the one with the largest
+    /// removed volume.
     pub axis: Option<AxisChoice>,
     /// Spindle speed and feeds.
     pub feeds: Feeds,
-    /// The job requests the whole engaged arc of both circles, not only the contact at the stock line.
+    /// The job that is written uses the whole engaged arcs of both circles (law `engaged-arc`), not only the contact
+    /// with the stock line.
     pub is_engaged_arc: bool,
-    /// Fixtures, as boxes: lowest and highest corner.
+    /// Fixtures as boxes: corners with the lowest and with the highest coordinates.
     pub fixtures: Vec<[Point; 2]>,
     /// Machine, if the file names one.
     pub machine: Option<MachineFile>,
-    /// File or preset by which the part names the machine.
+    /// File or preset from which the machine was read; `None` without a machine.
     pub machine_source: Option<MachineSource>,
-    /// Settings of the NC program.
+    /// Settings for the NC program that is written.
     pub output: Output,
-    /// Baseline for the plan's time, if the file has one.
+    /// Flank milling with which the plan's time is compared, if the file describes it.
     pub baseline: Option<BaselineSettings>,
 }
 
 /// File or preset by which a part names its machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MachineSource {
-    /// File, relative to the working directory.
+    /// Path of the file, relative to the working directory.
     File(PathBuf),
     /// Preset, by its name.
     Preset(String),
@@ -88,43 +90,43 @@ pub enum MachineSource {
 /// Spindle speed and feeds of a part file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feeds {
-    /// Spindle speed.
+    /// Spindle speed, rev/min.
     pub rev_per_min: f64,
-    /// Feed per tooth on the cutting circumference.
+    /// Feed per tooth on the cutting circumference, mm.
     pub per_tooth_mm: f64,
-    /// Feed down to the first level; `None`: the cutting feed.
+    /// Feed down to the first level, mm/min; `None`: the cutting feed.
     pub approach_mm_per_min: Option<f64>,
-    /// Feed from level to level; `None`: the cutting feed.
+    /// Feed from level to level, mm/min; `None`: the cutting feed.
     pub axial_mm_per_min: Option<f64>,
 }
 
-/// Settings of a part file for the NC program.
+/// Settings of a part file for the NC program that is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
-    /// G20 or G21.
+    /// Unit of the program: G20 (inch) or G21 (mm).
     pub unit: LengthUnit,
-    /// O number.
+    /// Program number (O word).
     pub number: u32,
-    /// T and H.
+    /// Number of the tool, for T and H.
     pub tool: u32,
-    /// M8 and M9.
+    /// The program switches coolant on and off (M8, M9).
     pub coolant: bool,
-    /// The control reports slots and levels by DPRNT.
+    /// The program has DPRNT blocks by which the control reports slots and levels.
     pub dprnt: bool,
 }
 
-/// Settings of a part file for the comparison with flank milling by a ball-end mill.
+/// Settings for the flank milling with a ball-end mill with which a plan's time is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaselineSettings {
-    /// Diameter of the ball.
+    /// Diameter of the ball-end mill, mm.
     pub diameter_mm: f64,
-    /// Teeth.
+    /// Number of its teeth.
     pub teeth: u16,
-    /// Feed along the passes.
+    /// Feed along the passes, mm/min.
     pub feed_mm_per_min: f64,
-    /// Largest axial depth from level to level.
+    /// Largest distance of levels (axial depth), mm.
     pub axial_depth_mm: f64,
-    /// Largest distance from pass to pass.
+    /// Largest distance of neighbouring passes, mm.
     pub stepover_mm: f64,
 }
 

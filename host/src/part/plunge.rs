@@ -24,28 +24,28 @@ const CUSP_RATIO: f64 = 0.25;
 /// Length of a mill without neck and holder, whose shank is as thick as its end, in diameters.
 const SHANK_DIAMETERS: f64 = 20.0;
 
-/// Checked part file for plunge milling. Part frame, millimetres.
+/// Content of a part file for plunge milling, checked. Coordinates are those of the part, in mm.
 #[derive(Clone, Debug)]
 pub struct PlungePart {
     /// Name in the part file, or else the file's own name.
     pub name: String,
-    /// The rotor.
+    /// Rotor: blades, hub and blank.
     pub blisk: Blisk,
-    /// Mill.
+    /// Plunging mill with its holder.
     pub mill: PlungeMill,
-    /// Requirements on the plan.
+    /// Requirements on the plunges (allowance, distances).
     pub needs: PlungeRequirements,
     /// Spindle speed and feeds.
     pub feeds: Feeds,
-    /// Limits of the plunge law; `None`: plunges keep their programmed feed.
+    /// Limits for the plunge law in the job that is written; `None`: the plunges keep their programmed feed.
     pub law: Option<PlungeLimits>,
-    /// Fixtures, as boxes: lowest and highest corner.
+    /// Fixtures as boxes: corners with the lowest and with the highest coordinates.
     pub fixtures: Vec<[Point; 2]>,
     /// Machine, if the file names one.
     pub machine: Option<MachineFile>,
-    /// File or preset by which the part names the machine.
+    /// File or preset from which the machine was read; `None` without a machine.
     pub machine_source: Option<MachineSource>,
-    /// Settings of the NC program.
+    /// Settings for the NC program that is written.
     pub output: Output,
 }
 

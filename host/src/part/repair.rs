@@ -105,30 +105,30 @@ enum BlendWord {
     Quintic,
 }
 
-/// Checked repair file. Part frame, millimetres.
+/// Content of a repair file, checked. Coordinates are those of the part, in mm.
 #[derive(Clone, Debug)]
 pub struct RepairFile {
     /// Name in the file, or else the file's own name.
     pub name: String,
-    /// Files that it names: the part and the points.
+    /// Paths of the files that it names: the part file and the measured points.
     pub inputs: Vec<PathBuf>,
     /// Part with its finishing mill, machine and feeds.
     pub part: FinishPart,
-    /// Number of the blade, from 1.
+    /// Number of the repaired blade, counted from 1.
     pub blade: u32,
     /// Side that is repaired.
     pub side: BladeSide,
     /// Measured points.
     pub points: Vec<Point>,
-    /// Radius of the stylus by which ball centres lie off the surface; 0 of points on it.
+    /// Radius of the stylus, if the points are centres of its ball; 0 if they are points on the surface. In mm.
     pub stylus_mm: f64,
-    /// Directions that the points determine.
+    /// Directions of motion (three rotations, three shifts) that the measured points determine in the registration.
     pub free: [bool; 6],
-    /// Uncertainty of a point.
+    /// Uncertainty of a measured point, mm.
     pub uncertainty_mm: f64,
-    /// Motion that the datums allow for an even allowance; `None`: none.
+    /// Motion within the datum's tolerances that may be used to make the allowance even; `None`: no motion.
     pub tolerance: Option<DatumTolerance>,
-    /// Requirements.
+    /// Requirements on the finished blade and on the path.
     pub settings: RepairSettings,
 }
 

@@ -1,4 +1,4 @@
-//! `[cutter]`: the cup mill.
+//! `[cutter]` of a part file: the cup mill.
 
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_units::LengthUnit;
@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::schema::CutterTable;
 use crate::job::{Complaint, at, length_mm};
 
-/// Checks the cutter of a part.
+/// Cup mill from the `[cutter]` table of a part file; fails at the first faulty value.
 pub fn build(entry: &CutterTable, unit: LengthUnit) -> Result<CupMill, Complaint> {
     let outer_radius_mm = length_mm(&entry.outer_radius, unit, "outer_radius")?;
     let inner_radius_mm = length_mm(&entry.inner_radius, unit, "inner_radius")?;
@@ -48,7 +48,7 @@ pub fn build(entry: &CutterTable, unit: LengthUnit) -> Result<CupMill, Complaint
     })
 }
 
-/// Number of teeth, at least 1.
+/// Number of teeth from a part file; fails if it is 0.
 pub fn teeth(entry: &Spanned<u16>) -> Result<u16, Complaint> {
     match *entry.as_ref() {
         0 => Err(at(entry, "a tool needs at least one tooth")),

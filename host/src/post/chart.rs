@@ -1,4 +1,5 @@
-//! Chart of the first rotary axis over the plane across it, with a path's tool axes on it (Tournier 2006, figure 11).
+//! Chart of the tool axes of a path on a plane of directions, with lines of equal position of the first rotary axis (Tournier 2006, figure
+//! 11).
 //!
 //! For an A/C table the plane is that of (i, j). Lines of equal C are rays from the pole: where a path crosses many of them at once, C turns fast.
 
@@ -17,7 +18,7 @@ const RAYS: u32 = 24;
 /// Least half width of the chart, sine of the angle from the pole.
 const HALF_MIN: f64 = 0.01;
 
-/// Chart of the first rotary axis over the directions of the tool, with a path's tool axes, as SVG.
+/// Chart as SVG: the directions of the tool with the positions of the first rotary axis, and the tool axes `axes` of a path on them.
 pub fn chart(machine: &Machine, axes: &[Vector]) -> String {
     let first = machine.rotary()[0].direction;
     let (right, up) = across(first);

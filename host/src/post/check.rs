@@ -25,7 +25,8 @@ const SLACK_RATIO: f64 = 2e-3;
 /// Steps of the search about the nearest place; each leaves two thirds of the interval.
 const STEPS: usize = 40;
 
-/// Checks a program without errors. The plan has findings and the turns of the axes, and no stops.
+/// Checks a program without errors on a machine. The plan that it returns has findings and the total rotation of the
+/// rotary axes, but no axis positions; the second value is the number of moves.
 pub fn check_program(program: &Program, task: &Task) -> (AxisPlan, usize) {
     let moves = walk(program, &task.machine, &task.setup);
     let mut check_program =

@@ -17,14 +17,14 @@ const REFUSED: [&str; 5] = ["CIRCLE", "GODLTA", "CYCLE", "MOVARC", "COPY"];
 /// Tolerance of the length of i, j, k: beyond it they are no direction.
 const UNIT_SLACK: f64 = 0.01;
 
-/// CL data: the tool path of a CAM system, before it is adapted to a machine.
+/// CL data (cutter location data): the tool path of a CAM system, before it is adapted to a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cl {
-    /// `PARTNO`.
+    /// Name of the part, from `PARTNO`; `None` without one.
     pub name: Option<String>,
-    /// CL points.
+    /// CL points in the order of the path.
     pub points: Vec<ClPoint>,
-    /// Number of ignored words.
+    /// Number of statements that do not move the tool and were ignored.
     pub passed_over: usize,
 }
 
@@ -33,9 +33,9 @@ pub struct Cl {
 pub struct ClPoint {
     /// Line of the file, counted from 1.
     pub line: usize,
-    /// Tip and tool axis.
+    /// Position of the tool's tip and direction of its axis.
     pub pose: ToolPose,
-    /// Feed to the point; `None`: rapid.
+    /// Feed to this point, mm/min; `None`: rapid.
     pub feed_mm_per_min: Option<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Cl {
         if cl.points.is_empty() { Err("1: no GOTO: these are no CL data".into()) } else { Ok(cl) }
     }
 
-    /// Text of CL data, in millimetres.
+    /// Text of the CL data in APT, lengths in mm.
     pub fn write(&self) -> String {
         let mut text = format!("PARTNO/{}\nUNITS/MM\nMULTAX/ON\n", self.name.as_deref().unwrap_or("NONE"));
         let mut feed = None;

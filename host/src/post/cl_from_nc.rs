@@ -1,4 +1,4 @@
-//! CL data from a machine's NC program.
+//! CL data computed from a machine's NC program.
 //!
 //! It reads the output of [`super::nc`] and similar programs: straight moves with absolute words in millimetres. A word
 //! that would change the meaning of positions (inch, increments, arcs, cycles, offsets by G10, G52, G92, G68) is
@@ -31,14 +31,14 @@ struct State {
     feed: Option<f64>,
 }
 
-/// Whether a program gives the tool's direction by I, J, K (G43.5).
+/// Whether a program gives the tool's direction by I, J, K (G43.5) rather than by the positions of the rotary axes.
 pub fn is_by_direction(bytes: &[u8]) -> bool {
     let is_code = |token: Token<'_>| matches!(token, Token::Word(word) if word.letter == b'G' && word.number.as_tenths() == Some(435));
     let mut words = Lines::new(bytes).flat_map(|line| Words::tolerant(line.text, true)).flatten();
     words.any(|piece| is_code(piece.token))
 }
 
-/// Reads a program in the given mode.
+/// Converts a program that was written in the given mode into CL data.
 ///
 /// # Errors
 /// Describes the fault as `line: message`.

@@ -1,4 +1,4 @@
-//! Faults of CL data, or of a program, on a machine, found before the first cut.
+//! Errors and warnings about a path on a five-axis machine, found before the first cut.
 
 use std::fmt;
 
@@ -17,78 +17,78 @@ const PERCENT: f64 = 100.0;
 /// Last digit shown of a position.
 const SHOWN: f64 = 1e-3;
 
-/// Finding about a point of a path on a five-axis machine.
+/// Error or warning about a point of a path on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Line of the CL data or the program, counted from 1.
     pub line: usize,
-    /// Kind of the finding.
+    /// Kind of the error or warning.
     pub what: FindingKind,
 }
 
-/// Kind of a finding about a path on a five-axis machine.
+/// Kind of an error or warning about a path on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FindingKind {
-    /// No axis positions reach the direction, here and at the following points.
+    /// No positions of the rotary axes give the direction of the tool, at this point and at the `more` points after it.
     Unreachable {
         /// Reason.
         why: Unreachable,
-        /// Number of following points.
+        /// Number of further points in succession that cannot be reached.
         more: usize,
     },
     /// An axis would leave its range.
     OverLimit(AxisName),
-    /// The rotary axes change their branch on the move to the point.
+    /// The rotary axes change to the other of their two solutions (branch) on the move to the point.
     Change(BranchChange, Box<BranchChangeMoves>),
     /// The program turns an axis that the machine lacks.
     NoAxis(Letter),
-    /// A move of the program leads to the other branch.
+    /// A move of the program leads the rotary axes to the other of their two solutions (branch).
     Reversal {
         /// Positions of the rotary axes before the move.
         from_deg: [f64; 2],
         /// Positions of the rotary axes after the move.
         to_deg: [f64; 2],
-        /// Largest angle between the tool axis and its arc.
+        /// Largest angle between the tool's axis and the arc that it should follow, degrees.
         departure_deg: f64,
     },
-    /// The tool axis enters a pole's cone on the move here.
+    /// On the move here the tool's axis comes so close to a rotary axis (pole) that this axis may turn fast.
     Passage {
-        /// Axis position along which the tool axis then lies.
+        /// Letter of that rotary axis.
         letter: Letter,
     },
-    /// The point lies in a pole's cone: the first axis is held.
+    /// At the point the tool's axis is so close to a rotary axis (pole) that this axis is held.
     Pole {
         /// Letter of that axis.
         letter: Letter,
     },
-    /// The move leaves its arc by this angle without intermediate points.
+    /// The tool's axis leaves the arc that it should follow, because the move has no intermediate points.
     Coarse {
-        /// Degrees.
+        /// Angle by which it leaves the arc, degrees.
         departure_deg: f64,
     },
-    /// End of an incoherent movement: fast turns beside a pole.
+    /// End of fast rotation beside a pole (incoherent movement).
     Singularity {
-        /// Interval of the movement.
+        /// Interval of the path with that movement.
         found: Singularity,
-        /// A repair was requested.
+        /// A repair was requested; the outcome is in `found`.
         asked: bool,
     },
-    /// The axes cannot follow the programmed feed.
+    /// The axes cannot follow the programmed feed on this move.
     Feed {
-        /// Moves of which this is the slowest.
+        /// Number of moves of this kind; this is the slowest of them.
         moves: usize,
-        /// Feed that the axes allow on it.
+        /// Feed per minute that the axes permit on this move.
         feed_per_min: f64,
-        /// Unit of that feed.
+        /// Unit of that feed, as text.
         unit: &'static str,
-        /// Allowed feed over the programmed one.
+        /// Permitted feed divided by the programmed one.
         asked_ratio: f64,
-        /// Limiting axis.
+        /// Axis that limits the feed.
         axis: AxisName,
     },
 }
 
-/// Finding as JSON.
+/// Error or warning as an entry of the JSON output.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
     line: usize,
@@ -98,7 +98,7 @@ pub struct Entry {
 }
 
 impl Finding {
-    /// Severity: an error means that the program must not run.
+    /// Severity: with an error the program must not be run.
     pub fn severity(&self) -> Severity {
         match &self.what {
             FindingKind::Unreachable { .. } | FindingKind::NoAxis(_) | FindingKind::OverLimit(_) => Severity::Error,

@@ -1,4 +1,4 @@
-//! Writes a program for the machine, in one of three modes.
+//! Writing of an NC program for a five-axis machine, in one of three modes.
 //!
 //! | mode | X Y Z | direction | F |
 //! |---|---|---|---|
@@ -27,29 +27,29 @@ const INVERSE_TIME_DECIMALS: usize = 3;
 /// Most decimals of a coordinate.
 const DECIMALS_MAX: usize = 6;
 
-/// Settings for writing an NC program: machine name, mode, tolerance, tool.
+/// Settings for writing an NC program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style<'a> {
-    /// Name of the machine.
+    /// Name of the machine, for a comment.
     pub name: &'a str,
-    /// Mode: where the axes are computed.
+    /// Mode: whether the control or the writer computes the axes.
     pub mode: Mode,
-    /// Tolerance of straight moves.
+    /// Largest deviation of the straight moves from the path: of the tip, and of the tool's axis.
     pub tolerance: Tolerance,
-    /// Tool and spindle; without them the program has the moves alone.
+    /// Tool and spindle words at the start; `None`: the program has only the moves.
     pub start: Option<ToolStart>,
 }
 
 /// Tool and spindle words at the start of a whole program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolStart {
-    /// O number.
+    /// Program number (O word).
     pub number: u32,
-    /// T and H.
+    /// Number of the tool, for T and H.
     pub tool: u32,
-    /// S
+    /// Spindle speed (S word), rev/min.
     pub rev_per_min: f64,
-    /// M8 and M9.
+    /// The program switches coolant on and off (M8, M9).
     pub coolant: bool,
 }
 

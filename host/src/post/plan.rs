@@ -1,4 +1,5 @@
-//! Axis positions for CL data: branch selection of the rotary axes, repairs, and all findings.
+//! Positions of the machine's axes for CL data: choice between the two solutions of the rotary axes (branches), repairs
+//! near poles, and all errors and warnings.
 
 use arcfeed_kinematics::branch_change::Transition;
 use arcfeed_kinematics::branch_selection::PathStart;
@@ -12,36 +13,37 @@ use arcfeed_kinematics::vector::{difference, length};
 use super::cl::Cl;
 use super::finding::{Finding, FindingKind};
 
-/// Input of an axis plan: machine, placement, limits.
+/// Input of an axis plan: machine, placement of part and tool, limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
-    /// The machine.
+    /// Machine kinematics.
     pub machine: Machine,
     /// Placement of part and tool on the machine.
     pub setup: Setup,
-    /// Cutting end of the tool, if incoherent movement is to be repaired.
+    /// Shape of the tool's cutting end, if fast rotation beside a pole is to be repaired; otherwise `None`.
     pub repair: Option<ToolEnd>,
-    /// Start of the path.
+    /// Positions of the rotary axes at the start of the path.
     pub start: PathStart,
-    /// Limits of incoherent movement and of swings.
+    /// Limits above which rotation beside a pole is to be repaired.
     pub limits: RepairLimits,
-    /// Retraction from the part at a change of branch.
+    /// Distance by which the tool is retracted from the part at a change of branch, mm.
     pub retract_mm: f64,
 }
 
-/// Path as positions of the machine's axes.
+/// Path as positions of the machine's axes, with the errors and warnings found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisPlan {
-    /// Axis positions of each point.
+    /// Positions of all axes at each point; empty if a point cannot be reached.
     pub stops: Vec<PathPoint>,
-    /// All findings, in the order of lines.
+    /// Errors and warnings, in the order of the lines.
     pub findings: Vec<Finding>,
-    /// Total turns of the rotary axes, before the repairs and after.
+    /// Total rotation of both rotary axes, degrees: before the repairs, and after them.
     pub travel_deg: [[f64; 2]; 2],
 }
 
 impl AxisPlan {
-    /// Chooses the axis positions for CL data. If points are out of reach, the result has findings and no positions.
+    /// Chooses the positions of the axes for CL data. If points cannot be reached, the result has errors and no
+    /// positions.
     pub fn new(cl: &Cl, task: &Task) -> Self {
         let Task { machine, limits, .. } = task;
         let mut poses: Vec<ToolPose> = cl.points.iter().map(|point| point.pose).collect();
@@ -137,13 +139,13 @@ impl AxisPlan {
         self.findings.extend(slowest(cl, task, &self.stops, &changed));
     }
 
-    /// Findings about changes of branch.
+    /// Findings that are changes of branch.
     pub fn changes(&self) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(|finding| matches!(finding.what, FindingKind::Change(..)))
     }
 }
 
-/// Positions of all axes for a tool pose and given rotary axes.
+/// Positions of all axes for a position of the tool, if the rotary axes have these positions, degrees.
 pub fn stop(task: &Task, pose: &ToolPose, rotary_deg: [f64; 2]) -> PathPoint {
     let linear_mm = task.machine.linear_for(pose.tip_mm, rotary_deg, &task.setup);
     PathPoint { pose: *pose, axes: Axes { linear_mm, rotary_deg } }

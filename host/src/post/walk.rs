@@ -17,20 +17,21 @@ use crate::program::{MoveTrace, Program};
 /// Least number of steps on a curved path.
 const STEPS_MIN: f64 = 8.0;
 
-/// Move of a program on a five-axis machine.
+/// Move of an NC program on a five-axis machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
-    /// Move of the control.
+    /// Move as the control executes it.
     pub made: MoveTrace,
     /// The move begins where the one before ended: not after a change of offsets, nor at the program's start.
     pub is_continuous: bool,
-    /// Part and tool; for a plain move the tool length.
+    /// Placement of part and tool; for a plain move (without G43.4) with the tool length.
     pub setup: Setup,
-    /// Rotary axes at both ends.
+    /// Positions of the rotary axes at the start and at the end, degrees.
     pub rotary_deg: [[f64; 2]; 2],
 }
 
-/// All moves of a program without errors; `setup` is the placement of part and tool that the control does not know.
+/// All moves of a program without errors. `setup` is the placement of part and tool on the machine, which the control
+/// does not know.
 pub fn walk(program: &Program, machine: &Machine, setup: &Setup) -> Vec<Move> {
     let mut moves: Vec<Move> = Vec::new();
     for made in program.executed_moves() {
@@ -61,13 +62,13 @@ impl Move {
         self.made.segment.path != Path::Rapid
     }
 
-    /// Turns of the rotary axes.
+    /// Rotation of both rotary axes during the move, degrees.
     pub fn turned_deg(&self) -> [f64; 2] {
         let [from, to] = self.rotary_deg;
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Rotary axes at a fraction of the path.
+    /// Positions of the rotary axes at the fraction `part` (0 to 1) of the path, degrees.
     pub fn rotary_at(&self, part: f64) -> [f64; 2] {
         let ([from, _], turned) = (self.rotary_deg, self.turned_deg());
         [from[0] + part * turned[0], from[1] + part * turned[1]]
@@ -80,7 +81,8 @@ impl Move {
         is_straight.then_some(TipMove { tip_mm, rotary_deg: self.rotary_deg })
     }
 
-    /// Axis positions along the move: at both ends, and on a curved path at steps of one degree at most.
+    /// Positions of all axes along the move: at both ends, and on an arc also in between, at most one degree of the arc
+    /// apart.
     pub fn places(&self, machine: &Machine) -> Vec<Axes> {
         let turned = self.turned_deg();
         let bend_deg = match &self.made.segment.path {
@@ -103,7 +105,7 @@ impl Move {
     }
 }
 
-/// Positions of the machine's rotary axes in a pose of the program.
+/// Positions of the machine's rotary axes in a position of the program, degrees.
 pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
     machine.rotary().each_ref().map(|axis| {
         let at = Letter::ALL.iter().zip(pose.rotary).find(|(letter, _)| **letter == axis.letter);
@@ -111,7 +113,7 @@ pub fn rotary_deg(pose: &Pose, machine: &Machine) -> [f64; 2] {
     })
 }
 
-/// Point of a segment's path, mm.
+/// Point of the segment's path at the fraction `part` (0 to 1), mm.
 pub fn point_at(segment: &Segment, part: f64) -> Vector {
     let [from, to] = [segment.start, segment.end].map(|pose| pose.linear.map(Nm::to_mm));
     let mut point = sum(from, scaled(difference(to, from), part));

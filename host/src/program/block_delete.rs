@@ -1,4 +1,4 @@
-//! Second reading of a program, with the block-delete switches the other way than in the settings.
+//! Second reading of a program, with the opposite setting of the block-delete switches.
 //!
 //! Both readings are followed from a block with a `/` until they agree again. Between these, a block's move, its tool,
 //! its spindle speed, its unit or the F in force may depend on a switch that the program does not show. If two switches
@@ -9,11 +9,11 @@ use memchr::memchr;
 
 use super::ProgramLine;
 
-/// Effect of the block-delete switches on a line.
+/// Effect that the opposite setting of the block-delete switches has on a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlockDeleteEffect {
-    /// The switch affects only functions such as M8: no move and no F, and the control is in the same state after the
-    /// line.
+    /// The switches affect only functions such as M8 here: no move and no F, and after the line the control is in the
+    /// same state.
     pub is_harmless: bool,
 }
 
@@ -41,8 +41,8 @@ impl BlockDeleteReader {
         }
     }
 
-    /// Reads a line a second time, with the switches the other way; `of` is the first reading of it, and `after` the
-    /// control after that.
+    /// Reads a line with the opposite setting of the switches. `of` is the first reading of the line, `after` the
+    /// control after it. Returns the effect of the switches; `None` if there is none.
     pub fn read(&mut self, text: &[u8], of: &ProgramLine, after: &Reader) -> Option<BlockDeleteEffect> {
         let reader = self.reader.as_mut()?;
         let understood = reader.read(text).ok();

@@ -1,5 +1,5 @@
-//! Contours under G41 and G42 as the control offsets them, and chamfers and rounded corners: faults that only their
-//! geometry shows.
+//! Check of contours under G41 and G42, as the control offsets them, and of chamfers and rounded corners: it finds the
+//! faults that only the geometry shows.
 
 use arcfeed_compensation::compensator::{CompensationFault, Compensator, ContourMove};
 use arcfeed_compensation::contour::ContourCommand;
@@ -62,7 +62,7 @@ impl<Place: Copy> ContourCheck<Place> {
         }
     }
 
-    /// Checks a block; `reader` is the control after it.
+    /// Checks the next block; `reader` is the control after it. Returns a fault that has become certain.
     pub fn add(&mut self, line: &InterpretedLine, reader: &Reader, place: Place) -> Option<ContourFinding<Place>> {
         let command = ContourCommand::of(line, reader.modal(), reader.tables());
         let has_side = reader.modal().compensation.is_some();
@@ -138,7 +138,8 @@ impl<Place: Copy> ContourCheck<Place> {
         }
     }
 
-    /// Ends the contour at a block that was not understood, or at the end of the program; the rest is not checked.
+    /// Ends the contour, at a block that was not understood or at the end of the program; the rest of the contour is
+    /// not checked.
     pub fn stop(&mut self) -> Option<ContourFinding<Place>> {
         let result = self.compensator.end_held();
         self.lose();
@@ -202,7 +203,7 @@ impl<Place: Copy> ContourFinding<Place> {
     }
 }
 
-/// Whether a program may have G41 or G42, or a corner.
+/// Whether the text of a program may have G41, G42, a chamfer or a rounded corner.
 pub fn may_have_contours(bytes: &[u8]) -> bool {
     let is_side = |at: usize| {
         let behind = |bytes: &[u8], passed: &[u8]| bytes.iter().position(|byte| !passed.contains(byte));

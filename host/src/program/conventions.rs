@@ -1,4 +1,5 @@
-//! Conventions that the text of a program betrays: decimal points, and the reference of arc centres.
+//! Conventions of the control for which a program was written, inferred from its text: decimal points, and the
+//! reference of arc centres.
 
 use arcfeed_nc::alarm::Alarm;
 use arcfeed_nc::modal::MotionKind;
@@ -30,7 +31,8 @@ const PLANE_TINY: &str = "no X or Y of the program has a decimal point, and as l
 const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
                         0.1 in; read whole units with `--decimals calculator`";
 
-/// Survey of words with and without decimal points, for a control that counts words without one in least increments.
+/// Survey of numbers with and without decimal points, for a control that counts numbers without one in least
+/// increments.
 #[derive(Debug)]
 pub struct DecimalSurvey {
     unit: LengthUnit,
@@ -71,7 +73,7 @@ impl DecimalSurvey {
         }
     }
 
-    /// Adds the next line.
+    /// Examines the next line.
     pub fn add(&mut self, line: &ProgramLine) {
         self.count += 1;
         if !self.is_asked {
@@ -136,7 +138,7 @@ impl DecimalSurvey {
         self.plain.iter().sum()
     }
 
-    /// Warnings of words whose size shows that a point is missing, each with the text of its line.
+    /// Warnings of numbers whose size shows that a decimal point is missing, each with the text of its line.
     pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
         let pointed: usize = self.pointed.iter().flatten().sum();
         let is_tiny = |groups: &[usize]| {

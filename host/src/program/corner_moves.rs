@@ -8,12 +8,12 @@ use arcfeed_nc::modal::{Corner, Plane};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::Segment;
 
-/// Move beside a chamfer or rounded corner, in path coordinates.
+/// Move next to a chamfer or rounded corner, in path coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornerMove {
-    /// The move, without the parts that corners take away.
+    /// Move without the parts that the corners at its ends take away.
     pub segment: Segment,
-    /// Chamfer or arc behind it, with the feed of the same block.
+    /// Chamfer or arc after the move, which has the F of the same block; `None` without one.
     pub inserted: Option<Segment>,
 }
 
@@ -34,12 +34,12 @@ struct HeldMove {
 }
 
 impl CornerMoves {
-    /// Whether the move of this line waits for the move behind its corner.
+    /// Whether the move of this line waits for the next move, which determines its corner.
     pub fn holds(&self, line: usize) -> bool {
         self.held.is_some_and(|held| held.line == line)
     }
 
-    /// Accepts the block of a line; returns the moves that are known by now, with their lines.
+    /// Processes the block of a line; returns the moves that have become known, with their lines.
     pub fn pass(&mut self, line: usize, block: &InterpretedLine) -> [Option<(usize, CornerMove)>; 2] {
         let is_blank = block.parsed.block.words.is_empty();
         let (Some(segment), Some(motion)) = (block.segment, &block.step.motion) else {

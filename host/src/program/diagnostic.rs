@@ -27,13 +27,13 @@ pub struct Diagnostic {
     pub line: usize,
     /// Column, counted from 1.
     pub column: usize,
-    /// Column after the last character that it is about.
+    /// Column after the last character that the message is about.
     pub end_column: usize,
-    /// Alarm number of the control, if there is one.
+    /// Number of the alarm that a control would raise; `None` without one.
     pub alarm: Option<u16>,
-    /// Description, and what to do.
+    /// Description of the fault, and what to do.
     pub message: String,
-    /// Text at that place.
+    /// Text of the program at that place.
     pub found: String,
 }
 
@@ -50,7 +50,7 @@ pub enum Severity {
 /// Reason why a move keeps its programmed feed although a law should govern it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedKept {
-    /// A function in force there that no law covers.
+    /// A function is in force there that no law covers (G43.4, G95 and the like).
     Under(NotModelled),
     /// Other reason, in words.
     Because(&'static str),

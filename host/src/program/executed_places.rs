@@ -1,4 +1,4 @@
-//! Places in the file of a program's blocks as executed.
+//! Places in the program's files of the blocks that were executed.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,16 +9,16 @@ use super::Diagnostic;
 use super::library::Folder;
 use super::run_faults::{file_of, in_main};
 
-/// Place in the program's files of each block as executed.
+/// Place in the program's files of each executed block, by its line in the list of executed blocks.
 #[derive(Clone, Debug, Default)]
 pub struct ExecutedPlaces {
-    /// Content of the program's file.
+    /// Content of the program's own file.
     pub file: Vec<u8>,
-    /// Folder of the called programs that are not in it.
+    /// Folder of the called programs that are not in that file.
     pub library: Option<PathBuf>,
-    /// Number of executed statements whose output is not among the blocks.
+    /// Number of executed statements that produce output, which the blocks do not.
     pub outputs: usize,
-    /// First place at which the program makes the control ignore feed hold, override or exact stop.
+    /// First place at which the program makes the control ignore feed hold, override or exact stop (#3004); `None` if it never does.
     pub ignores_feed: Option<SourceLine>,
     lines: Vec<Option<ExecutedLine>>,
     chains: Vec<Vec<SourceLine>>,
@@ -35,12 +35,12 @@ struct ExecutedLine {
 }
 
 impl ExecutedPlaces {
-    /// Number of lines.
+    /// Number of lines in the list of executed blocks.
     pub fn len(&self) -> usize {
         self.lines.len()
     }
 
-    /// Whether there are no lines.
+    /// Whether the list has no lines.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
     }
@@ -61,7 +61,7 @@ impl ExecutedPlaces {
         self.lines.push(Some(ExecutedLine { place, chain, columns: columns.into() }));
     }
 
-    /// Place of a line, counted from 1; `None` for a line that is not in the file.
+    /// Place of the line with this number, counted from 1; `None` for a line that arcfeed has added.
     pub fn place(&self, line: usize) -> Option<SourceLine> {
         self.line(line).map(|line| line.place)
     }

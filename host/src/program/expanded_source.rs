@@ -1,4 +1,4 @@
-//! A program's blocks as executed, as a program of their own: without macro statements and calls.
+//! Expansion of a program into its executed blocks, which are a program without macro statements and calls.
 //!
 //! The blocks follow from program, library and settings alone: whatever else a control could know is refused. Lines keep
 //! their end, N words and the comments of plain blocks; only the main program keeps its number.

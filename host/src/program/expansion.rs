@@ -35,14 +35,14 @@ const RESTARTS: &str = "it would start the program again with the last feed in f
 /// Interpreted time of a slice of statements.
 const SLICE: Micros = Micros::from_ms(1);
 
-/// Bounds of the run of a program with macro statements.
+/// Limits for interpreting a program with macro statements, which might not end.
 #[derive(Clone, Copy, Debug)]
 pub struct RunBounds {
-    /// Most blocks in all, and most statements between two moves.
+    /// Largest number of blocks in all, and of statements between two moves.
     pub blocks: u32,
-    /// Longest time of the interpreter.
+    /// Longest time that the interpreter may take.
     pub time: Duration,
-    /// The command has options that raise the bounds.
+    /// The command has options that raise these limits, which messages then name.
     pub has_options: bool,
 }
 
@@ -77,31 +77,31 @@ pub struct Expansion<'a> {
     pub settings: Settings,
     /// Offsets of the control.
     pub tables: Tables,
-    /// Folder with subprograms that are not in the file.
+    /// Folder with subprograms that are not in the program's file.
     pub library: Option<&'a Path>,
     /// The moves of the run are kept, for [`Program::executed_moves`].
     pub keeps_moves: bool,
-    /// Bounds of the run.
+    /// Limits of the run.
     pub bounds: RunBounds,
-    /// Treatment of values from outside the program.
+    /// Treatment of values that only the real control has, when the program reads one.
     pub outside: OutsideValues,
 }
 
-/// Step of an interpreted program: block, message, output, or change of the ignored functions.
+/// Step of an interpreted program.
 pub enum ExecutedStep<'a> {
-    /// A block, with its meaning unless it has a fault, and the control after it.
+    /// A block; with its meaning, which is `None` if the block has a fault; and the control after it.
     Block(&'a PlainBlock, Option<&'a InterpretedLine>, &'a Reader),
-    /// A stop with a message.
+    /// A stop with this message (#3000, #3006).
     Message(&'a [u8]),
-    /// Output to the punch.
+    /// Output to the serial line (DPRNT and the like).
     Output,
-    /// Functions that are ignored from here on.
+    /// Change of the functions that the program makes the control ignore (#3004).
     Ignored(Ignored),
 }
 
 /// Result of interpreting a program to its end.
 pub struct RunEnd {
-    /// Faults in the order found.
+    /// Errors and warnings in the order in which they were found.
     pub found: Vec<Diagnostic>,
     /// Number of executions of each called program, by O number.
     pub executions: BTreeMap<u32, u32>,

@@ -1,4 +1,4 @@
-//! Folder of subprograms.
+//! Folder of subprograms (library).
 
 use std::io::Read;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::files;
 pub struct Folder(pub PathBuf);
 
 impl Folder {
-    /// Path of a program's file.
+    /// Path of the file with the program of this O number; `None` if there is none.
     pub fn file(&self, number: u32) -> Option<PathBuf> {
         let names = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
         let paths =

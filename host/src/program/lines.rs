@@ -24,7 +24,7 @@ pub struct LineReader {
     has_trailer: bool,
 }
 
-/// The program with capital letters in its code, as it is sent to a control.
+/// Text of a program with capital letters in its code, as it is sent to a control; comments stay.
 pub fn in_capitals(program: &[u8]) -> Vec<u8> {
     let mut capitals = Vec::with_capacity(program.len());
     for RawLine { text, ending } in Lines::new(program) {
@@ -71,7 +71,7 @@ impl LineReader {
         LineReader { has_slashes, ..self }
     }
 
-    /// The control.
+    /// State of the control after the last line read.
     pub fn control(&self) -> &Reader {
         &self.reader
     }

@@ -1,21 +1,21 @@
-//! Counts of moves.
+//! Numbers of a program's moves by kind.
 
 use arcfeed_nc::modal::{Motion, MotionKind};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::series::SeriesAction;
 
-/// Counts of moves; those of canned cycles and reference returns count one by one.
+/// Numbers of moves by kind; the moves of canned cycles and reference returns count one by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MoveCounts {
-    /// Arcs, helices among them.
+    /// Number of arcs, including helices.
     pub arcs: usize,
-    /// Arcs that also move across their plane.
+    /// Number of arcs that also move along the axis square to their plane.
     pub helices: usize,
-    /// Straight cutting moves.
+    /// Number of straight cutting moves.
     pub linear: usize,
-    /// Rapid moves.
+    /// Number of rapid moves.
     pub rapids: usize,
-    /// Moves of any kind in which a rotary axis turns.
+    /// Number of moves of any kind in which a rotary axis moves.
     pub rotary: usize,
 }
 

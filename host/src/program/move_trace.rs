@@ -13,7 +13,7 @@ use super::{Program, ProgramLine};
 pub struct MoveTrace {
     /// Line in the main program's file, counted from 1.
     pub line: usize,
-    /// Move on the path (see docs/dialect.md).
+    /// Move in path coordinates (docs/dialect.md).
     pub segment: Segment,
     /// See [`ProgramLine::tool_length`].
     pub tool_length: Nm,

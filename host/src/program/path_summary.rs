@@ -1,4 +1,4 @@
-//! Tool path of a program in figures: extents of the cutting moves, and what each tool does; cuts with a stopped spindle, and G62.
+//! Summary of a program's tool path: extents of the cutting moves, and the work of each tool; also cuts with a stopped spindle, and G62.
 //!
 //! Times are those at the programmed feed: without rapids, acceleration, override and tool changes.
 
@@ -35,7 +35,7 @@ pub struct PathSummary {
     pub extents: [Option<[f64; 2]>; 6],
     /// Tools in the order of their first use.
     pub tools: Vec<ToolUse>,
-    /// Dwells.
+    /// Total time of the dwells.
     pub dwell: Micros,
     lines: usize,
     /// Tool of the last T word.
@@ -52,28 +52,28 @@ pub struct PathSummary {
     has_unread_lines: bool,
 }
 
-/// Use of one tool in a program.
+/// Work of one tool in a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolUse {
     /// T number; `None` for a tool that the program does not name.
     pub number: Option<i64>,
     /// Comment at its tool change; see [`PathSummary::comment_of`].
     pub comment: String,
-    /// First line with it in the spindle, counted from 1.
+    /// First line of the program with the tool in the spindle, counted from 1.
     pub line: usize,
-    /// H numbers.
+    /// Tool length offset numbers (H) used with it.
     pub lengths: Vec<i64>,
-    /// D numbers.
+    /// Tool radius offset numbers (D) used with it.
     pub radii: Vec<i64>,
-    /// Lowest and highest speed of cutting moves, rev/min.
+    /// Lowest and highest spindle speed during cutting moves, rev/min; `None` if none is known.
     pub spindle: Option<[i64; 2]>,
-    /// Lowest and highest feed per minute of cutting moves.
+    /// Lowest and highest feed per minute of cutting moves; `None` if none is known.
     pub feed: Option<[Nm; 2]>,
     /// Length of its cutting moves, mm.
     pub cutting_mm: f64,
     /// Length of its rapid moves, mm.
     pub rapid_mm: f64,
-    /// Duration of its cutting moves at their programmed feeds, s.
+    /// Time of its cutting moves at the programmed feed, s.
     pub cutting_s: f64,
 }
 
@@ -137,7 +137,7 @@ impl PathSummary {
         self.comments.add(text);
     }
 
-    /// Notes the tools in the comments of a file that is executed afterwards.
+    /// Reads the tool data in the comments of a file whose blocks are executed afterwards.
     pub fn add_tool_list<'a>(&mut self, texts: impl IntoIterator<Item = &'a [u8]>) {
         (1..).zip(texts).for_each(|(line, text)| self.comments.notes.read(line, text, None));
     }
@@ -266,7 +266,7 @@ impl PathSummary {
         }
     }
 
-    /// Tools that make moves.
+    /// Tools that make at least one move.
     pub fn tools_in_use(&self) -> impl Iterator<Item = &ToolUse> {
         self.tools.iter().filter(|tool| tool.cutting_mm > 0.0 || tool.rapid_mm > 0.0 || tool.cutting_s > 0.0)
     }

@@ -1,4 +1,5 @@
-//! Faults found while a program is interpreted, each once for its place, as diagnostics of the main program's file.
+//! Collection of the faults found while a program is interpreted: each once for its place, reported in the main
+//! program's file.
 
 use std::collections::BTreeSet;
 
@@ -20,9 +21,9 @@ const FAULTS_MAX: usize = 200;
 pub struct RunFaults<'a> {
     /// Lines of the main program's file.
     pub texts: Vec<&'a [u8]>,
-    /// Folder of the called programs.
+    /// Folder of the called programs; `None` without one.
     pub folder: Option<&'a Folder>,
-    /// Diagnostics in the order found.
+    /// Errors and warnings in the order in which they were found.
     pub list: Vec<Diagnostic>,
     contours: ContourCheck<usize>,
     reported: BTreeSet<(Option<u32>, u32, u16)>,
@@ -56,7 +57,7 @@ impl<'a> RunFaults<'a> {
         }
     }
 
-    /// Ends the check of a contour.
+    /// Ends the check of the present contour.
     pub fn stop_contour(&mut self) {
         let of_contour = self.contours.stop();
         self.add_contour(of_contour);

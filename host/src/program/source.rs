@@ -20,12 +20,12 @@ use super::lines::LineReader;
 use super::summary::ProgramSummary;
 use super::{Diagnostic, ExecutedPlaces, Expansion, Program, ProgramLine, RunBounds};
 
-/// Most bytes of a file, program or CL data.
+/// Largest size of a file with a program or CL data, in bytes.
 pub const BYTES_MAX: u64 = 80 << 20;
-/// Most lines of a program that is kept as a whole, with some 2.3 kB per line.
+/// Largest number of lines of a program that is kept as a whole in memory, which needs about 2.3 kB for each line.
 pub const LINES_MAX: usize = 500_000;
 
-/// NC program as text, with the settings of the control that reads it.
+/// NC program as text, with the settings of the control that is to read it.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// Path of the file.
@@ -38,7 +38,7 @@ pub struct Source {
     pub tables: Tables,
     /// First line with a macro statement or a call, counted from 1, if there is one.
     pub macro_line: Option<usize>,
-    /// Places of the lines in the file, if they are its blocks as executed.
+    /// For a program given as its executed blocks: place of each block in the program's file. `None` if the lines are those of the file.
     pub places: Option<Arc<ExecutedPlaces>>,
 }
 
@@ -67,7 +67,7 @@ impl SourceLines<'_> {
         &self.line
     }
 
-    /// The control behind that line.
+    /// State of the control after the last line read.
     pub fn control(&self) -> &Reader {
         self.reader.control()
     }
@@ -133,7 +133,7 @@ impl Source {
         Ok(Source { path: path.to_owned(), macro_line: first_macro(&bytes), bytes, settings, tables, places: None })
     }
 
-    /// The control before the first line, and the lines, of which only the text is known.
+    /// Reader with the control's state before the first line.
     pub fn reader(&self) -> LineReader {
         LineReader::new(self.settings, self.tables)
     }

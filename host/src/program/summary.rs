@@ -1,4 +1,4 @@
-//! Content of a program, counted line by line.
+//! Counts of a program's content, made line by line.
 
 use arcfeed_nc::block::LineKind;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -9,21 +9,21 @@ use super::{MoveCounts, ProgramLine};
 /// Most tools in the list: one more than one is enough to ask which tool is meant.
 const TOOLS_MAX: usize = 100;
 
-/// Counts of the contents of a program.
+/// Counts of a program's content.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramSummary {
-    /// Lines of the file.
+    /// Number of lines in the file.
     pub lines: usize,
-    /// Blocks: all lines but `%` and empty ones.
+    /// Number of blocks: all lines but `%` and empty ones.
     pub blocks: usize,
-    /// Blocks with only a comment or a title.
+    /// Number of blocks with only a comment or a title.
     pub comments: usize,
-    /// Moves.
+    /// Numbers of the moves by kind.
     pub moves: MoveCounts,
     /// Numbers of the tools that the program loads, without T0, which puts one away; each with the first line with it in the
     /// spindle, counted from 1.
     pub tools: Vec<(i64, usize)>,
-    /// The program can end in one of the lines.
+    /// At least one line can end the program (M02, M30, M99).
     pub may_end: bool,
 }
 

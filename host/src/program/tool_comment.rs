@@ -14,7 +14,7 @@ const DIAMETERS_MM: std::ops::RangeInclusive<f64> = 0.05..=250.0;
 /// Most teeth.
 const TEETH_MAX: f64 = 40.0;
 
-/// Tool data that a comment of a program states.
+/// Tool data that a comment of a program states; `None`: not stated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolComment {
     /// T number.
@@ -32,9 +32,9 @@ pub struct ToolComment {
 /// Kind of tool, as far as a feed law distinguishes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommentedKind {
-    /// Flat or bull-nose end mill: its diameter is in contact along a wall.
+    /// Flat or bull-nose end mill, which cuts along a wall with its full diameter.
     EndMill,
-    /// Any other tool. A ball, a face mill or a chamfer mill has another diameter in contact; the others do not mill.
+    /// Any other tool: a ball, face or chamfer mill cuts with another diameter; drills and the like do not mill.
     Other,
 }
 

@@ -19,7 +19,7 @@ const SILENT_MAX: usize = 1_000;
 /// Most tools with comments.
 const NOTES_MAX: usize = 500;
 
-/// Tool data from the comments about one tool.
+/// Comments about one tool, and the tool data that they state together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ToolNote {
     /// T number.
@@ -28,7 +28,7 @@ pub struct ToolNote {
     pub line: usize,
     /// Text of that comment.
     pub text: String,
-    /// Data of all its comments.
+    /// Data from all comments about the tool.
     pub data: ToolComment,
     /// A comment with a word of another tool that is no end mill, but without a number or a size: it may as well name the
     /// part or the operation.

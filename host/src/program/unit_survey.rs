@@ -1,4 +1,4 @@
-//! Unit of a program's lengths: stated by G20 or G21, or betrayed by its comments and decimals.
+//! Unit of a program's lengths: stated by G20 or G21, or inferred from its comments and decimals.
 
 use arcfeed_nc::text::Lines;
 use arcfeed_units::LengthUnit;
@@ -10,10 +10,10 @@ const LIKELY_WORDS: usize = 8;
 const MM_WORDS: [&[u8]; 4] = [b"MM", b"METRIC", b"MILLIMETER", b"MILLIMETERS"];
 const INCH_WORDS: [&[u8]; 2] = [b"INCH", b"INCHES"];
 
-/// Unit in which a program without G20 and G21 is read, and why.
+/// Unit in which a program without G20 and G21 is read, and the evidence for it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AssumedUnit {
-    /// Unit that its text betrays; `None` if it betrays none.
+    /// Unit that the program's text suggests; `None` if it suggests none.
     pub likely: Option<LengthUnit>,
     why: &'static str,
     /// Line and columns of the first length.
@@ -22,7 +22,7 @@ pub struct AssumedUnit {
 }
 
 impl AssumedUnit {
-    /// Unit assumed by the text of a program; `None` if it states its unit or has no length.
+    /// Unit inferred from the text of a program; `None` if the program states its unit or has no length.
     pub fn of(program: &[u8]) -> Option<Self> {
         let mut survey = UnitSurvey::default();
         for (index, line) in Lines::new(program).enumerate() {

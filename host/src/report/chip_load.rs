@@ -1,44 +1,45 @@
-//! Measured chip load: figures (JSON of docs/json.md) of a run, of each tool and of each cut rule.
+//! Measured chip load as results: of a run, of each tool and of each cut rule (JSON keys of docs/json.md).
 
 use arcfeed_model::report::{ChipFigures, ExcludedSamples};
 use arcfeed_units::LengthUnit;
 use serde::Serialize;
 
-/// Measured feed per tooth or chip thickness of the moves that a cut rule matches.
+/// Measured chip load (feed per tooth or chip thickness) of the moves that a cut rule selects; lengths in the job's
+/// unit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChipLoadFigures {
-    /// Target; null if the moves have several.
+    /// Target; `None` (null) if the moves have several.
     pub target: Option<f64>,
-    /// Least measured; null with several targets.
+    /// Smallest measured value at steady feed; `None` with several targets.
     pub min: Option<f64>,
-    /// Largest measured; null with several targets.
+    /// Largest measured value at steady feed; `None` with several targets.
     pub max: Option<f64>,
-    /// Root mean square of (measured - target) / target.
+    /// Root mean square of (measured - target) / target over the steady samples.
     pub rms_error_ratio: f64,
-    /// Least of (measured - target) / target.
+    /// Smallest (measured - target) / target of the steady samples.
     pub error_ratio_min: f64,
-    /// Largest of (measured - target) / target.
+    /// Largest (measured - target) / target of the steady samples.
     pub error_ratio_max: f64,
-    /// Largest of it over all samples in the cut, including those left out below.
+    /// Largest (measured - target) / target of all samples in the cut, including those that are not steady.
     pub error_ratio_max_all: f64,
-    /// Samples measured at steady feed.
+    /// Number of samples measured at steady feed.
     pub samples: u64,
-    /// Steady samples more than 2 % below the target.
+    /// Number of steady samples more than 2 % below the target.
     pub samples_thin: u64,
-    /// Samples that are not steady.
+    /// Number of samples that are not steady.
     pub samples_left_out: u64,
     /// Samples that are not steady, by cause.
     pub left_out: LeftOutSamples,
 }
 
-/// Samples that are not steady, by cause.
+/// Numbers of samples that are not steady, by cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutSamples {
-    /// Not within 0.5 % of the commanded feed throughout the tooth's cut: speeding up or slowing down.
+    /// The feed was not within 0.5 % of the commanded one throughout the tooth's cut: the axes accelerated or braked.
     pub not_steady: u64,
     /// The block ended within the tooth's cut.
     pub block_end: u64,
-    /// No admissible contact with the stock.
+    /// The law has no contact point with the stock there.
     pub no_contact: u64,
 }
 
@@ -47,9 +48,9 @@ pub struct LeftOutSamples {
 pub struct ToolFigures {
     /// T number, if the job or the program gives one.
     pub tool: Option<i64>,
-    /// Measured chip load.
+    /// Measured chip load; `None` without samples.
     pub chip_load: Option<ChipLoadFigures>,
-    /// Measured chip load of the original program.
+    /// Measured chip load of the original program; `None` without samples.
     pub baseline_chip_load: Option<ChipLoadFigures>,
 }
 
@@ -65,7 +66,7 @@ pub struct ChipSamples {
 }
 
 impl ChipLoadFigures {
-    /// Figures of the measured samples; `None` if there are none.
+    /// Results of these samples; `None` if there are none. `target_mm` is `None` if the moves have several targets.
     pub fn new(samples: &ChipSamples, target_mm: Option<f64>, unit: LengthUnit) -> Option<Self> {
         let ChipSamples { steady, all, left_out } = samples;
         let (error_ratio_min, error_ratio_max) = steady.error_ratio_range()?;

@@ -1,4 +1,5 @@
-//! Figures of a run. Field names are the JSON keys of docs/json.md; lengths in the job's unit, given by `unit`.
+//! Results of a run as data. Field names are the JSON keys of docs/json.md; lengths are in the job's unit, which `unit`
+//! names.
 
 use std::fmt;
 
@@ -12,36 +13,36 @@ use super::material::MaterialFigures;
 use super::spindle::SpindleFigures;
 use crate::dnc::reports::Reports;
 
-/// Report of a run of `stream`, `simulate` or `serve`. Figures that do not apply are null.
+/// Results of a run of `stream`, `simulate` or `serve`. Fields that do not apply are `None` (null).
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct RunReport {
     /// Unit of lengths: `in` or `mm`.
     pub unit: &'static str,
-    /// Blocks whose line end was sent.
+    /// Number of blocks whose line end was sent.
     pub blocks_sent: Option<usize>,
-    /// Blocks the control executed.
+    /// Number of blocks that the control has executed.
     pub blocks_executed: Option<usize>,
     /// Alarms that stopped the control.
     pub alarms: Vec<AlarmFigures>,
-    /// Lines that the program had the control print.
+    /// Lines that the program has printed by DPRNT and the like.
     pub print_output: Vec<String>,
-    /// Messages of the program and its alarms to the operator, and the places of alarms in called programs.
+    /// Messages of the program to the operator, and texts of alarms; for an alarm in a called program also its place.
     pub messages: Vec<String>,
-    /// Time from the first move to the program's end.
+    /// Time from the first move to the end of the program, s.
     pub cycle_time_s: Option<f64>,
-    /// Time of the original program.
+    /// The same time for the original program, s.
     pub baseline_cycle_time_s: Option<f64>,
-    /// Measured chip load of all tools.
+    /// Measured chip load of all tools together.
     pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
     pub baseline_chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of each tool of the job.
     pub tools: Vec<ToolFigures>,
-    /// Values of the override on the arcs that a cut rule matches.
+    /// Smallest and largest override on the moves that a cut rule selects.
     pub r#override: Option<OverrideFigures>,
-    /// Override and chip load for each cut rule.
+    /// Override and chip load of each cut rule's moves.
     pub movements: Vec<MovementFigures>,
-    /// Blocks that an axis of the machine kept from their programmed feed.
+    /// Blocks that an axis of the machine kept below their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,
     /// Material removed from the workpiece, if the job has one.
     pub material: Option<MaterialFigures>,
@@ -49,26 +50,26 @@ pub struct RunReport {
     pub loads: Option<LoadsFigures>,
     /// Load of the spindle, if the job describes edges or the material of its workpiece.
     pub spindle: Option<SpindleFigures>,
-    /// Serial line.
+    /// Statistics of the serial line.
     pub link: Option<LinkFigures>,
-    /// Position reports of the control, if the job requests them.
+    /// Numbers of the control's position reports, if the job requests them.
     pub reports: Option<ReportFigures>,
-    /// State left to the operator by a restart in the middle of the program.
+    /// State that the operator has to restore after a restart in the middle of the program.
     pub restart: Option<RestartFigures>,
-    /// Simulated time over wall time.
+    /// Simulated time divided by wall time.
     pub real_time_factor: Option<f64>,
-    /// Largest distance of the positions of governed moves from their programmed path.
+    /// Largest distance of the measured positions of governed moves from the programmed path.
     pub path_error: Option<f64>,
 }
 
 /// Restart: functions given before its block, which the control does not send again, and the state before the block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RestartFigures {
-    /// Last T.
+    /// Last T word before the block of the restart.
     pub t: Option<i64>,
-    /// Last S.
+    /// Last S word before the block of the restart.
     pub s: Option<i64>,
-    /// M codes in the order given, the last 35.
+    /// M codes before the block of the restart, in order; the last 35.
     pub m: Vec<i64>,
     /// Feed in force, per minute or per revolution.
     pub feed: Option<f64>,
@@ -79,11 +80,11 @@ pub struct RestartFigures {
 /// Alarm that stopped the control, with its place.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmFigures {
-    /// Line of the program as sent.
+    /// Line of the program as sent, counted from 1.
     pub line: u32,
     /// Column, if it is known.
     pub column: Option<u16>,
-    /// PS number, if it is one of the control's alarms.
+    /// Number of the alarm (PS); `None` for a stop without one.
     pub alarm: Option<u16>,
     /// Description.
     pub message: String,
@@ -114,15 +115,15 @@ impl fmt::Display for AlarmFigures {
 /// Block that ran slower than its feed times the override because one axis reached its limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisLimitFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
     /// Limiting axis.
     pub axis: &'static str,
-    /// Feed at the first request.
+    /// Feed that the block demanded when the limit was first reached.
     pub demanded_feed: f64,
-    /// Allowed feed.
+    /// Feed that the axis permitted.
     pub allowed_feed: f64,
     /// Unit of both feeds.
     pub unit: &'static str,
@@ -139,7 +140,7 @@ impl fmt::Display for AxisLimitFigures {
     }
 }
 
-/// Least and largest override, and the number of its changes.
+/// Smallest and largest override on some moves, and the number of changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OverrideFigures {
     /// Least, %.
@@ -151,7 +152,7 @@ pub struct OverrideFigures {
 }
 
 impl OverrideFigures {
-    /// Figures of several arcs together.
+    /// Results of several groups of moves together.
     pub fn join(self, other: Self) -> Self {
         OverrideFigures {
             min: self.min.min(other.min),
@@ -161,7 +162,7 @@ impl OverrideFigures {
     }
 }
 
-/// Figures of all arcs that one cut rule matches.
+/// Results for all moves that one cut rule selects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MovementFigures {
     /// Rule, counted from 1 in the order of the job file.
@@ -172,74 +173,77 @@ pub struct MovementFigures {
     pub rotation: Option<&'static str>,
     /// `cw` or `ccw`; null for lines.
     pub direction: Option<&'static str>,
-    /// `outer` or `inner` for a ring, `inside`, `outside` or `slot` for an end mill.
+    /// Side on which the tool cuts: `outer` or `inner` for a ring; `inside`, `outside` or `slot` for an end mill.
     pub side: &'static str,
-    /// Measured quantity: `contact`, `contour` or `thickest-chip`; null if the rule's moves cannot be measured.
+    /// Measured quantity: `contact`, `contour` or `thickest-chip`; `None` (null) if the rule's moves cannot be
+    /// measured.
     pub measure: Option<&'static str>,
-    /// Moves executed.
+    /// Number of executed moves.
     pub arcs: usize,
     /// Measured chip load.
     pub chip_load: Option<ChipLoadFigures>,
     /// Measured chip load of the original program.
     pub baseline_chip_load: Option<ChipLoadFigures>,
-    /// Thickest chip anywhere on the outer and on the inner circle inside the rule's half plane, over the target.
+    /// Thickest chip at any place of the outer and of the inner cutting circle, in the material behind the rule's stock
+    /// line, divided by the target.
     pub thickest_ratio: [Option<f64>; 2],
-    /// Values of the override.
+    /// Smallest and largest override on these moves.
     pub r#override: Option<OverrideFigures>,
-    /// Changes of the override on each arc, in order of execution.
+    /// Number of changes of the override on each arc, in order of execution.
     pub changes_per_arc: Vec<u32>,
 }
 
-/// Position reports of the control (`[dnc] report_every`).
+/// Numbers of the control's position reports (`[dnc] report_every`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct ReportFigures {
-    /// Requested reports.
+    /// Number of requested reports.
     pub requested: usize,
-    /// Received reports that agree with the program.
+    /// Number of received reports that agree with the program.
     pub confirmed: usize,
-    /// Line of the program's file up to which the control has read, by the last of them.
+    /// Line of the program's file up to which the control has read, by its latest report; `None` before the first.
     pub line: Option<usize>,
 }
 
 impl ReportFigures {
-    /// Figures of the received reports; `None` if none was requested.
+    /// Numbers for these reports; `None` if none was requested.
     pub fn of(reports: &Reports) -> Option<Self> {
         let (requested, confirmed) = reports.counts();
         (requested > 0).then(|| ReportFigures { requested, confirmed, line: reports.read_up_to() })
     }
 }
 
-/// Figures of the serial line during a run.
+/// Statistics of the serial line during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LinkFigures {
-    /// Characters that went over it.
+    /// Number of characters sent over the line.
     pub bytes: u64,
-    /// Time it was busy over the time of the run.
+    /// Fraction of the run's time in which the line was busy.
     pub utilization: f64,
-    /// Times the control sent DC3.
+    /// Number of DC3 that the control sent.
     pub xoff_count: u32,
-    /// Most characters after a DC3, if arcfeed is the receiving end.
+    /// Largest number of characters that arrived after one DC3, if arcfeed is the receiving end.
     pub max_bytes_after_xoff: Option<u32>,
-    /// Time in which the control had nothing to execute, if arcfeed simulates the control.
+    /// Total time in which the control had nothing to execute because the line was too slow, ms, if arcfeed simulates
+    /// the control.
     pub starved_ms: Option<u64>,
-    /// Repeated transmissions; always 0 on a plain DNC line.
+    /// Number of repeated transmissions; always 0 on a plain DNC line.
     pub retries: u32,
-    /// Damaged characters from the other end, if the port reports them.
+    /// Damaged characters from the other end; `None` if the port does not report them.
     pub line_errors: Option<LineErrorFigures>,
 }
 
-/// Damaged characters, counted by the operating system since the port was opened.
+/// Numbers of damaged characters, counted by the operating system since the port was opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LineErrorFigures {
-    /// Characters without stop bits.
+    /// Characters whose stop bit was missing.
     pub frame: u32,
-    /// Characters lost in the UART.
+    /// Characters lost in the UART, because the driver did not read them in time.
     pub overrun: u32,
     /// Characters with wrong parity.
     pub parity: u32,
-    /// Breaks.
+    /// Break conditions received.
     pub r#break: u32,
-    /// Characters lost in the driver.
+    /// Characters lost in the driver, because its buffer was full.
     pub buffer_overrun: u32,
 }
 

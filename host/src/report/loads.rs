@@ -1,4 +1,4 @@
-//! Loads of the edges: figures (JSON of docs/json.md), and text for a person.
+//! Loads of the cutting edges: results (JSON of docs/json.md), and text for a person.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use super::marks::MarksFigures;
 use super::material::{LeftOutBlocks, short};
 use crate::plural::counted;
 
-/// Cutting loads of a run: forces, torque, power and chips.
+/// Cutting loads of a run: forces, torque, power and chips. Lengths are in the job's unit, which `unit` names.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoadsFigures {
     #[serde(skip)]
@@ -18,88 +18,90 @@ pub struct LoadsFigures {
     pub load: LoadFigures,
     /// Loads of the original program.
     pub baseline: LoadFigures,
-    /// Height of a layer, within which one chip is computed along the tool's axis.
+    /// Height of a layer, within which the chip of an edge counts as one.
     pub layer: f64,
-    /// Rotation of the tool per step.
+    /// Rotation of the tool in one step of the computation, degrees.
     pub step_deg: f64,
-    /// Loads of each cut rule; the last entry has the blocks without a rule.
+    /// Loads of each cut rule; the last entry is for the blocks without a rule.
     pub rules: Vec<LoadRuleFigures>,
-    /// Blocks with chips.
+    /// Loads of each block with chips.
     pub blocks: Vec<LoadBlockFigures>,
     /// Vibration between tool and workpiece; `None` if both are rigid.
     pub vibration: Option<VibrationFigures>,
-    /// Marks of the edges on walls; `None` if they made no wall.
+    /// Marks of the edges on walls; `None` if the run made no wall.
     pub marks: Option<MarksFigures>,
     /// Marks of the original program.
     pub baseline_marks: Option<MarksFigures>,
-    /// Blocks that cut, but whose chips are not computed.
+    /// Blocks that cut, but whose chips could not be computed, by cause.
     pub left_out: Vec<LeftOutBlocks>,
 }
 
-/// Vibration in a run: change of the tool's position against the workpiece from tooth to tooth.
+/// Vibration in a run, judged by how much the position of the tool relative to the workpiece changes from one tooth to
+/// the next.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VibrationFigures {
-    /// Largest change that counts as none.
+    /// Largest change that does not count as vibration.
     pub floor: f64,
-    /// Natural frequencies of a flexible workpiece, from the lowest.
+    /// Natural frequencies of a flexible workpiece, Hz, from the lowest.
     pub workpiece_hz: Vec<f64>,
-    /// Blocks that were long enough to judge.
+    /// Number of blocks that were long enough to be judged.
     pub judged_blocks: usize,
-    /// Largest mean change of a window of teeth.
+    /// Largest of the mean changes over a window of teeth; `None` if no block was judged.
     pub metric_max: Option<f64>,
     /// The same for the original program.
     pub baseline_metric_max: Option<f64>,
-    /// Blocks in which a tooth meets the tool at another position than the tooth before.
+    /// Blocks with vibration.
     pub unstable: Vec<UnstableFigures>,
     /// The same for the original program.
     pub baseline_unstable: Vec<UnstableFigures>,
 }
 
-/// A block in which the tool vibrated.
+/// Block in which the tool vibrated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct UnstableFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
     /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// `uneven`: repeats every turn; `period-doubling`: every other tooth; `chatter`: not at all.
+    /// Kind of the changes: `uneven` (they repeat with every turn), `period-doubling` (with every second tooth) or
+    /// `chatter` (they do not repeat).
     pub verdict: &'static str,
-    /// Mean change from tooth to tooth in its worst window.
+    /// Mean change from tooth to tooth in the worst window of the block.
     pub metric: f64,
 }
 
-/// Cutting loads over a time.
+/// Cutting loads over a part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadFigures {
-    /// Time in which an edge had a chip.
+    /// Time in which at least one edge had a chip, s.
     pub time_s: f64,
-    /// Largest force across the tool's axis.
+    /// Largest force square to the tool's axis, N.
     pub force_max_n: f64,
-    /// Mean force across the tool's axis over that time.
+    /// Mean force square to the tool's axis over that time, N.
     pub force_mean_n: f64,
-    /// Mean over whole turns of (largest - least) / mean.
+    /// Mean over whole turns of (largest - smallest) / mean of that force; `None` without a whole turn.
     pub force_variation_ratio: Option<f64>,
-    /// Largest amount of the force along the tool's axis.
+    /// Largest absolute value of the force along the tool's axis, N.
     pub thrust_max_n: f64,
-    /// Mean force along the tool's axis, positive into the tool's holder.
+    /// Mean force along the tool's axis, N; positive towards the tool's holder.
     pub thrust_mean_n: f64,
-    /// Largest torque about the spindle's axis.
+    /// Largest torque about the spindle's axis, N m.
     pub torque_max_n_m: f64,
-    /// Mean torque.
+    /// Mean torque over that time, N m.
     pub torque_mean_n_m: f64,
-    /// Largest power of the spindle.
+    /// Largest power of the spindle, W.
     pub power_max_w: f64,
-    /// Mean power.
+    /// Mean power over that time, W.
     pub power_mean_w: f64,
-    /// Passes of outer teeth and of inner ones.
+    /// Numbers of passes of teeth through the material: of the outer teeth, and of the inner ones.
     pub chips: [u64; 2],
-    /// Mean of their largest chip thicknesses.
+    /// Mean of the passes' largest chip thicknesses, outer and inner teeth; `None` without passes.
     pub chip_mean: [Option<f64>; 2],
-    /// Largest chip thickness.
+    /// Largest chip thickness, outer and inner teeth; `None` without passes.
     pub chip_max: [Option<f64>; 2],
-    /// Largest mean thickness along an edge on the tool's end.
+    /// Largest mean chip thickness along an edge on the tool's end; `None` without one.
     pub end_chip_max: Option<f64>,
 }
 
@@ -117,7 +119,7 @@ pub struct LoadRuleFigures {
 /// Cutting loads of one block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LoadBlockFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
@@ -125,12 +127,12 @@ pub struct LoadBlockFigures {
     pub rule: Option<usize>,
     /// Loads of the block.
     pub load: LoadFigures,
-    /// Loads of the original program, if that has the same block.
+    /// Loads of the same block of the original program; `None` if that does not have it.
     pub baseline: Option<LoadFigures>,
 }
 
 impl LoadFigures {
-    /// Largest chip thickness of both sides.
+    /// Largest chip thickness of outer and inner teeth; `None` without chips.
     pub fn thickest(&self) -> Option<f64> {
         self.chip_max.into_iter().flatten().reduce(f64::max)
     }
@@ -156,7 +158,7 @@ impl LoadsFigures {
         ["force, N", "varies, %", "thrust, N", "torque, N m", "power, kW", &chip].map(String::from)
     }
 
-    /// Rows of the table: a name, then the loads before and after.
+    /// Rows of a table: name of the cut rule, then the loads of the original program and of the run.
     pub fn rows(&self) -> Vec<(String, [LoadFigures; 2])> {
         let name = |rule: Option<usize>| rule.map_or("other blocks".into(), |rule| format!("movement {rule}"));
         let mut rows: Vec<_> = self.rules.iter().map(|rule| (name(rule.rule), [rule.baseline, rule.load])).collect();

@@ -1,4 +1,4 @@
-//! Marks of the teeth on walls: figures (JSON of docs/json.md), and text for a person.
+//! Marks that the teeth leave on walls: results (JSON of docs/json.md), and text for a person.
 
 use serde::Serialize;
 
@@ -7,13 +7,14 @@ use super::material::short;
 /// Marks below this are reported as 0: rounding.
 const NONE: f64 = 1e-8;
 
-/// Marks of a run: positive where material is left, negative where the wall is cut away.
+/// Marks of a run on walls, as distances from the surface that a tool without runout would leave: positive where
+/// material is left, negative where the wall is cut away.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MarksFigures {
-    /// Range over all walls.
+    /// Smallest and largest mark on all walls.
     #[serde(flatten)]
     pub range: RangeFigures,
-    /// Largest mark of either sign.
+    /// Mark with the largest absolute value.
     pub largest: LargestFigures,
     /// Layers with walls, from the lowest.
     pub layers: Vec<LayerFigures>,
@@ -21,23 +22,23 @@ pub struct MarksFigures {
     pub blocks: Vec<BlockMarksFigures>,
 }
 
-/// Least and largest mark on some walls.
+/// Smallest and largest mark on some walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RangeFigures {
-    /// Number of ray ends on them.
+    /// Number of places at which the walls were measured (ends of dexel rays).
     pub points: usize,
-    /// Least.
+    /// Smallest mark.
     pub min: f64,
-    /// Largest.
+    /// Largest mark.
     pub max: f64,
-    /// Root of the mean square.
+    /// Root mean square of the marks.
     pub rms: f64,
 }
 
-/// Largest mark, with its place.
+/// Mark with the largest absolute value, and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestFigures {
-    /// Deviation of the wall.
+    /// Distance of the wall from the reference: positive where material is left.
     pub distance: f64,
     /// X of the mark.
     pub x: f64,
@@ -45,7 +46,7 @@ pub struct LargestFigures {
     pub y: f64,
     /// Z of the middle of its layer.
     pub z: f64,
-    /// Blocks executed, up to and including the one that made the wall.
+    /// Number of blocks executed when the wall was made, including the block that made it.
     pub block: u32,
     /// N of that block.
     pub n: Option<i64>,
@@ -58,7 +59,7 @@ pub struct LargestFigures {
 pub struct LayerFigures {
     /// Z of the middle of the layer.
     pub z: f64,
-    /// Range over the walls of the layer.
+    /// Smallest and largest mark on the walls of the layer.
     #[serde(flatten)]
     pub range: RangeFigures,
 }
@@ -66,13 +67,13 @@ pub struct LayerFigures {
 /// Marks that one block left.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockMarksFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
     /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// Range over the walls of the block.
+    /// Smallest and largest mark on the walls of the block.
     #[serde(flatten)]
     pub range: RangeFigures,
 }

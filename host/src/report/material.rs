@@ -24,10 +24,10 @@ pub struct VolumeUnit {
     mm3: f64,
 }
 
-/// Removed material of a run, and its stock.
+/// Material that a run has removed, and the stock model that was used.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MaterialFigures {
-    /// Stock of a program without a job file.
+    /// Stock that was assumed for a program without a job file; `None` with a job file.
     pub assumed_stock: Option<AssumedStock>,
     /// `cm3` or `in3`.
     pub volume_unit: &'static str,
@@ -37,25 +37,25 @@ pub struct MaterialFigures {
     pub removal: RemovalFigures,
     /// Material removed by the original program.
     pub baseline: RemovalFigures,
-    /// Part of it that was removed at rapid.
+    /// Part of the removed volume that was removed during rapids.
     pub at_rapid: f64,
-    /// Remaining volume.
+    /// Volume that remains.
     pub left: f64,
-    /// Distance of the dexel rays.
+    /// Distance of neighbouring dexel rays.
     pub step: f64,
-    /// Tolerance of the swept path against the executed one.
+    /// Largest distance between the simulated path of the tool and the executed one.
     pub path_tolerance: f64,
     /// Number of rays of all three families.
     pub rays: usize,
-    /// Memory of the stock at the end.
+    /// Memory of the stock model at the end, in bytes.
     pub memory_bytes: usize,
-    /// Memory of the stock at the end over the volume of the stock before the run.
+    /// That memory divided by the volume of the stock before the run.
     pub bytes_per_mm3: f64,
     /// Material of each cut rule; the last entry has the blocks without a rule.
     pub rules: Vec<RuleFigures>,
-    /// Blocks that removed material.
+    /// Results of each block that removed material.
     pub blocks: Vec<BlockFigures>,
-    /// Blocks that cut, but not this workpiece.
+    /// Blocks that cut, but whose removal could not be computed, by cause.
     pub left_out: Vec<LeftOutBlocks>,
     /// Deviation from the finished part, if the job has one.
     pub deviation: Option<DeviationFigures>,
@@ -66,13 +66,13 @@ pub struct MaterialFigures {
 pub struct RemovalFigures {
     /// Volume: the mean of the three families of rays.
     pub removed: f64,
-    /// Difference between the three families.
+    /// Difference between the volumes by the three families, a measure of the error.
     pub spread: f64,
     /// Time in which material was removed.
     pub cutting_time_s: f64,
     /// Mean removal rate over that time.
     pub rate_mean: f64,
-    /// Largest removal rate over a quarter of a second, and over four steps between rays.
+    /// Largest removal rate, averaged over a quarter of a second and over a path of four ray distances.
     pub rate_max: f64,
 }
 
@@ -90,13 +90,13 @@ pub struct RuleFigures {
 /// Removed material of one block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockFigures {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,
     /// Rule of the block, counted from 1.
     pub rule: Option<usize>,
-    /// The figures are those of the block's rapids.
+    /// The results are those of the block's rapid moves.
     pub rapid: bool,
     /// Material removed by the block.
     pub removal: RemovalFigures,
@@ -104,31 +104,31 @@ pub struct BlockFigures {
     pub baseline: Option<RemovalFigures>,
 }
 
-/// Blocks that removed nothing because the position of the workpiece relative to the tool is unknown.
+/// Blocks that removed nothing in the model, because the position of the workpiece relative to the tool is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOutBlocks {
-    /// `turning`, `other-position`, `no-machine`, `contour`; of loads also `tilted`, `backwards`.
+    /// Cause: `turning`, `other-position`, `no-machine`, `contour`; for loads also `tilted`, `backwards`.
     pub cause: &'static str,
     /// Number of blocks.
     pub blocks: usize,
-    /// First of them: blocks executed, up to and including it.
+    /// First of these blocks: number of blocks executed then, including it.
     pub first_block: u32,
     /// N of the first of them.
     pub first_n: Option<i64>,
 }
 
-/// Deviation from the finished part: heights above it, negative below.
+/// Deviation of the remaining stock from the finished part, as heights above it; negative where too much was removed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeviationFigures {
-    /// Least.
+    /// Smallest deviation.
     pub min: f64,
-    /// Largest.
+    /// Largest deviation.
     pub max: f64,
-    /// Root of the mean square.
+    /// Root mean square of the deviations.
     pub rms: f64,
-    /// Rays on which both have a height.
+    /// Number of rays on which both bodies have a height.
     pub rays: usize,
-    /// Deviation with the largest amount.
+    /// Deviation with the largest absolute value, of either sign.
     pub largest: f64,
     /// X of that deviation.
     pub x: f64,

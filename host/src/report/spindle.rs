@@ -1,4 +1,4 @@
-//! Load of the spindle against its limits: figures (JSON of docs/json.md), and warnings for a person.
+//! Load of the spindle compared with its limits: results (JSON of docs/json.md), and warnings for a person.
 
 use serde::Serialize;
 
@@ -11,9 +11,10 @@ const SHOWN: usize = 5;
 /// Load of the spindle in a run, against its limits.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleFigures {
-    /// `cutting`: simulated forces; `estimate`: removal rate times specific cutting force.
+    /// Origin of the load: `cutting` (simulated forces) or `estimate` (removal rate times specific cutting force).
     pub source: &'static str,
-    /// Specific cutting force of the estimate where the job's own target applies, N/mm2.
+    /// Specific cutting force that the estimate uses where the job's own target applies, N/mm2; `None` with simulated
+    /// forces.
     pub specific_force_n_per_mm2: Option<f64>,
     /// Power, W.
     pub power: SpindleLoadFigures,
@@ -21,7 +22,7 @@ pub struct SpindleFigures {
     pub torque: Option<SpindleLoadFigures>,
 }
 
-/// Largest power or torque of a run, against the limit.
+/// Largest power or torque of a run, compared with the job's limit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpindleLoadFigures {
     /// Limit in the job, if there is one.
@@ -30,7 +31,7 @@ pub struct SpindleLoadFigures {
     pub max: f64,
     /// Largest value of the original program.
     pub baseline_max: f64,
-    /// Blocks above the limit.
+    /// Blocks above the limit, with their largest values.
     pub above: Vec<BlockValue>,
     /// Blocks of the original program above the limit.
     pub baseline_above: Vec<BlockValue>,
@@ -39,7 +40,7 @@ pub struct SpindleLoadFigures {
 /// Largest value of a quantity in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BlockValue {
-    /// Blocks executed, up to and including this one.
+    /// Number of blocks executed then, including this one.
     pub block: u32,
     /// N of the block.
     pub n: Option<i64>,

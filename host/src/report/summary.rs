@@ -1,4 +1,4 @@
-//! Summary of the figures for a shop engineer without a manual.
+//! Summary of a run's results, for a shop engineer without a manual.
 
 use std::fmt::{self, Write};
 

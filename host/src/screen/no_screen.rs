@@ -4,12 +4,12 @@ use std::io;
 
 use super::view::{Command, View};
 
-/// Stand-in for the screen in a build without it; cannot be created.
+/// Stand-in for the screen in a build without it; has no values.
 #[derive(Debug)]
 pub enum Screen {}
 
 impl Screen {
-    /// Always fails; `stream --tui` reports the reason before this call.
+    /// Always fails; `stream --tui` reports the reason before it calls this function.
     ///
     /// # Errors
     /// Always.

@@ -29,7 +29,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Switches the terminal to the screen.
+    /// Switches the terminal to the screen and shows the view `first`.
     ///
     /// # Errors
     /// Stdout is no terminal, or the terminal fails.
@@ -56,14 +56,14 @@ impl Screen {
         Ok(Screen { latest, commands, ends, thread: Some(thread) })
     }
 
-    /// Shows this view from the next redraw on; never waits for the terminal.
+    /// Shows this view from the next redraw on; returns at once.
     pub fn show(&self, view: &View) {
         if let Ok(mut latest) = self.latest.try_lock() {
             latest.clone_from(view);
         }
     }
 
-    /// Returns the operator's next command; each command once.
+    /// Next command of the operator, each once; `None` if there is none.
     pub fn command(&self) -> Option<Command> {
         self.commands.try_recv().ok()
     }

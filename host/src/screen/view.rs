@@ -19,7 +19,7 @@ const NOTE_S: f64 = 6.0;
 pub struct View {
     /// Names of the program and the destination.
     pub title: String,
-    /// Program that is sent.
+    /// Text of the program that is sent.
     pub program: Arc<Listing>,
     /// Unit of lengths that are shown.
     pub unit: LengthUnit,
@@ -29,27 +29,27 @@ pub struct View {
     pub is_least: bool,
     /// Index of the line being sent.
     pub sent: usize,
-    /// Characters sent.
+    /// Number of characters sent.
     pub characters: usize,
     /// State of the sender.
     pub state: State,
     /// The control accepts characters; `None` before its first DC1.
     pub is_taken: Option<bool>,
-    /// Number of times that the control stopped the sender.
+    /// Number of DC3 by which the control has stopped the sender.
     pub xoffs: u32,
-    /// Report of the machine.
+    /// State of the machine (override, position, alarm), as far as the port reports it.
     pub machine: Machine,
-    /// Chip thicknesses, % of the target, or overrides, %: the oldest first.
+    /// Latest samples for the bar chart, the oldest first: chip thickness in % of the target, or override in %.
     pub strip: VecDeque<u64>,
-    /// The strip shows chip thicknesses.
+    /// The samples are chip thicknesses; otherwise overrides.
     pub has_chips: bool,
     /// Time since the port was opened, s.
     pub elapsed_s: f64,
-    /// Time until the end, at the programmed feeds or at the line's rate, whichever takes longer, s.
+    /// Estimated time until the end, s, at the programmed feeds or at the line's rate, whichever takes longer.
     pub left_s: f64,
-    /// Damaged characters from the control since the line was opened, if the port reports them.
+    /// Number of damaged characters from the control since the line was opened; `None` if the port does not report it.
     pub damaged: Option<u64>,
-    /// Journal of the run.
+    /// Path of the journal of this transmission; `None` without one.
     pub journal: Option<String>,
     /// State of the feed board, if one takes part.
     pub board: Option<&'static str>,
@@ -57,7 +57,7 @@ pub struct View {
     pub notes: Vec<String>,
     /// Latest warning, shown instead of the notes.
     pub warning: Option<String>,
-    /// Command that the operator is asked to confirm.
+    /// Command that the operator is asked to confirm; `None` if there is no question.
     pub question: Option<Command>,
     block_since: Micros,
     chars_per_s: f64,
@@ -66,9 +66,9 @@ pub struct View {
 /// Program text for the screen, prepared once.
 #[derive(Debug)]
 pub struct Listing {
-    /// Line of the program's file (0: ours) and text.
+    /// Each line's number in the program's file (0 for a line that arcfeed has added), and its text.
     pub lines: Vec<(usize, String)>,
-    /// End of each line, in characters.
+    /// Offset of each line's end in the transmission, in characters.
     pub ends: Vec<usize>,
     blocks: Vec<usize>,
     /// Time from the start of each line to the end.
@@ -82,28 +82,28 @@ pub enum Command {
     Hold,
     /// Continue.
     Resume,
-    /// End with the block under way.
+    /// End the transmission after the present block.
     Abort,
 }
 
-/// Key pressed by the operator, by its meaning.
+/// Key that the operator has pressed, by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Press {
-    /// Space, h.
+    /// Keys space and h: pause.
     Hold,
-    /// Key r: resume.
+    /// Key r: continue.
     Resume,
-    /// q, Ctrl-C.
+    /// Keys q and Ctrl-C: end the transmission.
     Abort,
-    /// Key y: confirm.
+    /// Key y: confirm the question.
     Yes,
     /// All other keys.
     Other,
 }
 
 impl Press {
-    /// Command of the key. Pausing needs no confirmation; a command that moves the machine or ends the transmission
-    /// does.
+    /// Command that the key gives, `None` if it gives none. Pausing needs no confirmation; a command that moves the
+    /// machine or ends the transmission is first put as a `question`.
     pub fn decide(self, question: &mut Option<Command>, state: State) -> Option<Command> {
         match (question.take(), self) {
             (_, Press::Hold) => Some(Command::Hold),
@@ -197,7 +197,7 @@ impl View {
         self.machine = machine;
     }
 
-    /// Adds a sample to the strip.
+    /// Adds the machine's present state to the samples of the bar chart.
     pub fn sample(&mut self) {
         let chip = self.machine.chip_ratio.map(|ratio| libm::round(1e2 * ratio) as u64);
         if chip.is_some() && !self.has_chips {
@@ -224,7 +224,8 @@ impl View {
         self.executed.unwrap_or(self.sent)
     }
 
-    /// Number of characters sent of blocks that the control has not started, if the control reports its progress.
+    /// Number of characters sent that belong to blocks which the control has not started; `None` if the control does
+    /// not report its progress.
     pub fn at_control(&self) -> Option<usize> {
         let end = self.program.ends.get(self.executed?)?;
         Some(self.characters.saturating_sub(*end))
@@ -240,7 +241,7 @@ impl View {
         self.machine.feed_mm_per_min.map(|feed| feed / self.unit.mm())
     }
 
-    /// The present note, or the warning.
+    /// Text to be shown: the latest warning, otherwise one of the notes in turn.
     pub fn note(&self) -> Option<&str> {
         let turn = (self.elapsed_s / NOTE_S) as usize % self.notes.len().max(1);
         self.warning.as_ref().or_else(|| self.notes.get(turn)).map(String::as_str)

@@ -5,7 +5,7 @@
 
 use super::table::{Cell, Kind, Table, TableColumn};
 
-/// Table of a run.
+/// Table of a run in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryTable {
     /// Name of the file that `--trace run` would write, without a suffix.
@@ -19,9 +19,9 @@ pub struct MemoryTable {
 /// Column of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemoryColumn {
-    /// Name.
+    /// Name of the column.
     pub name: String,
-    /// Values; one of no meaning where the value is missing.
+    /// Values of all rows; where a value is missing, a meaningless one stands in its place.
     pub values: MemoryValues,
     /// For each row whether the value is present.
     pub is_present: Vec<bool>,

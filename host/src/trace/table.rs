@@ -13,7 +13,7 @@ pub enum Kind {
     Integer,
     /// Number of double precision.
     Number,
-    /// Word.
+    /// Text of one word.
     Text,
     /// True or false.
     Flag,
@@ -28,7 +28,7 @@ pub struct TableColumn<'a> {
     pub unit: &'a str,
     /// Type of the values.
     pub kind: Kind,
-    /// Meaning.
+    /// Meaning, as a sentence for the metadata.
     pub about: &'a str,
 }
 
@@ -37,7 +37,7 @@ pub struct TableColumn<'a> {
 pub struct Table<'a> {
     /// Name in the metadata.
     pub name: &'a str,
-    /// Addition to the name of the file.
+    /// Suffix that the table adds to the name of the file.
     pub suffix: &'static str,
     /// Columns in their order.
     pub columns: &'a [TableColumn<'a>],

@@ -20,7 +20,7 @@ const RULE: TableColumn<'_> = TableColumn::integer("rule", "cut rule of the job 
 const IS_RAPID: TableColumn<'_> = TableColumn::flag("is_rapid", "the move is a rapid");
 const TARGET: TableColumn<'_> = TableColumn::number("target_chip_mm", "mm", "target of the measured quantity");
 
-/// State at the end of each millisecond.
+/// Table of samples: state of the run at the end of each millisecond.
 pub const SAMPLES: Table<'_> = Table {
     name: "samples",
     suffix: "",
@@ -55,7 +55,7 @@ pub const SAMPLES: Table<'_> = Table {
     ],
 };
 
-/// Passes of the teeth through the material.
+/// Table of tooth passes: one row for each way of a tooth through the material.
 pub const TEETH: Table<'_> = Table {
     name: "teeth",
     suffix: "-teeth",
@@ -76,7 +76,7 @@ pub const TEETH: Table<'_> = Table {
     ],
 };
 
-/// Blocks that move axes, with their figures.
+/// Table of blocks: one row for each block that moves axes, with its results.
 pub const BLOCKS: Table<'_> = Table {
     name: "blocks",
     suffix: "-blocks",

@@ -1,4 +1,4 @@
-//! Live page of a transmission, for any number of browsers; and the commands of those who have its address.
+//! Live page of a transmission for any number of browsers, and the commands that their users give.
 //!
 //! The sender puts a snapshot in the place of the last one and never waits: if a browser's thread is just taking it, the
 //! snapshot is left out. Each browser's thread takes the newest when its browser has accepted the one before, so a
@@ -88,7 +88,7 @@ impl LivePage {
         }
     }
 
-    /// Command from a browser, each once.
+    /// Next command from a browser, each once; `None` if there is none.
     pub fn command(&self) -> Option<Command> {
         self.commands.try_recv().ok()
     }

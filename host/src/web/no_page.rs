@@ -6,12 +6,12 @@ use std::net::SocketAddr;
 use super::snapshot::Snapshot;
 use crate::screen::view::Command;
 
-/// Live page that cannot exist.
+/// Stand-in for the live page; has no values.
 #[derive(Debug)]
 pub enum LivePage {}
 
 impl LivePage {
-    /// Always fails; `stream --web` reports the reason before this call.
+    /// Always fails; `stream --web` reports the reason before it calls this function.
     ///
     /// # Errors
     /// Always.
@@ -19,7 +19,7 @@ impl LivePage {
         Err(io::ErrorKind::Unsupported.into())
     }
 
-    /// Empty.
+    /// Never called, because there is no value.
     pub fn url(&self) -> String {
         String::new()
     }

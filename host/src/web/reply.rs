@@ -9,26 +9,26 @@ use std::net::TcpStream;
 const FIELDS: &str = "Connection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
                       X-Content-Type-Options: nosniff\r\nX-Frame-Options: SAMEORIGIN\r\nCross-Origin-Resource-Policy: same-origin\r\n";
 
-/// Complete answer.
+/// Complete answer of the server to a request.
 #[derive(Clone, Debug)]
 pub struct Reply<'b> {
-    /// Status code and its words.
+    /// HTTP status code with its text.
     pub status: &'static str,
-    /// Type of the body.
+    /// Media type of the body.
     pub kind: &'static str,
-    /// Name under which a browser saves it.
+    /// Name under which a browser saves the body; `None`: the browser shows it.
     pub file_name: Option<String>,
     /// Body.
     pub body: Cow<'b, [u8]>,
 }
 
 impl<'b> Reply<'b> {
-    /// Page.
+    /// Answer with an HTML page.
     pub fn html(body: impl Into<Cow<'b, [u8]>>) -> Self {
         Reply { status: "200 OK", kind: "text/html; charset=utf-8", file_name: None, body: body.into() }
     }
 
-    /// Sentence.
+    /// Answer with this status and a sentence as plain text.
     pub fn text(status: &'static str, body: impl Into<String>) -> Self {
         Reply { status, kind: "text/plain; charset=utf-8", file_name: None, body: body.into().into_bytes().into() }
     }
@@ -36,7 +36,7 @@ impl<'b> Reply<'b> {
     /// Writes the whole answer.
     ///
     /// # Errors
-    /// The browser is gone, or takes nothing.
+    /// The browser has closed the connection, or accepts no data.
     pub fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
         let Reply { status, kind, file_name, body } = self;
         let mut head =

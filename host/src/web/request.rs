@@ -16,10 +16,10 @@ const HEAD_TIME: Duration = Duration::from_secs(5);
 const LEFT_MAX: usize = 1 << 20;
 const LEFT_TIME: Duration = Duration::from_millis(500);
 
-/// Request with the right key from an own page, or from a program that is no browser.
+/// Request with the correct key, from a page of this server or from a program that is not a browser.
 #[derive(Debug)]
 pub struct Request {
-    /// POST; otherwise GET.
+    /// The method is POST; otherwise GET.
     pub is_post: bool,
     /// Path after the key, without the query.
     pub path: String,
@@ -32,12 +32,12 @@ pub struct Request {
     stream: TcpStream,
 }
 
-/// Address and key of a server.
+/// Address and key of a server, by which requests are admitted.
 #[derive(Debug)]
 pub struct Gate {
-    /// Address that it listens at.
+    /// Address and port at which the server listens.
     pub address: SocketAddr,
-    /// First part of each path.
+    /// Random key, which must be the first part of each path.
     pub key: String,
 }
 

@@ -31,7 +31,7 @@ pub trait Site: Send + Sync + 'static {
     fn respond(&self, request: Request) -> io::Result<()>;
 }
 
-/// Server until the program ends.
+/// Server that runs until the program ends.
 #[derive(Debug)]
 pub struct Server {
     gate: Arc<Gate>,

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::dnc::State;
 use crate::screen::view::View;
 
-/// State at one moment. `null` is unknown.
+/// State of a transmission at one moment, as JSON. Fields that are unknown are `None` (null).
 #[derive(Clone, Debug, Serialize)]
 pub struct Snapshot {
     /// Number of this snapshot, counted from 1.
@@ -28,17 +28,17 @@ pub struct Snapshot {
     pub sent_line: Option<usize>,
     /// Text of the executed block, or of the block being sent if the executed one is unknown.
     pub block: String,
-    /// Characters sent.
+    /// Number of characters sent.
     pub characters: usize,
-    /// Characters of the whole transmission.
+    /// Number of characters of the whole transmission.
     pub total: usize,
-    /// Characters of blocks that the control has not started.
+    /// Number of characters sent that belong to blocks which the control has not started.
     pub at_control: Option<usize>,
     /// The control accepts characters.
     pub is_taken: Option<bool>,
-    /// Number of times that the control stopped the sender.
+    /// Number of DC3 by which the control has stopped the sender.
     pub stops: u32,
-    /// Damaged characters from the control.
+    /// Number of damaged characters from the control.
     pub damaged: Option<u64>,
     /// X, Y, Z of the tool's tip in the program's coordinates.
     pub position: Option<[f64; 3]>,
@@ -46,11 +46,11 @@ pub struct Snapshot {
     pub feed: Option<f64>,
     /// Override in effect, %.
     pub override_percent: Option<u8>,
-    /// Measured chip load of the last tooth over its target.
+    /// Measured chip load of the last tooth divided by its target.
     pub chip_ratio: Option<f64>,
     /// Alarm of the control.
     pub alarm: Option<String>,
-    /// Journal of the run.
+    /// Path of the journal of this transmission.
     pub journal: Option<String>,
     /// State of the feed board.
     pub board: Option<&'static str>,

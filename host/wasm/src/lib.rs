@@ -32,7 +32,7 @@ static SITE: LazyLock<Option<ViewSite>> = LazyLock::new(|| {
 static REQUEST: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 static REPLY: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 
-/// Makes room for a request of so many bytes; returns its address.
+/// Reserves memory for a request of this many bytes; returns its address, to which the page writes the request.
 #[allow(unsafe_code, reason = "the page calls it by this name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn request(bytes: usize) -> *mut u8 {
@@ -42,7 +42,7 @@ pub extern "C" fn request(bytes: usize) -> *mut u8 {
     request.as_mut_ptr()
 }
 
-/// Answers the request; returns the number of bytes of the reply.
+/// Processes the request that the page has written; returns the length of the reply in bytes.
 #[allow(unsafe_code, reason = "the page calls it by this name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn answer() -> usize {
@@ -52,7 +52,7 @@ pub extern "C" fn answer() -> usize {
     bytes
 }
 
-/// Address of the reply.
+/// Address of the reply to the last request, for the page to read.
 #[allow(unsafe_code, reason = "the page calls it by this name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn reply() -> *const u8 {

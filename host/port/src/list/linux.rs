@@ -8,7 +8,8 @@ use super::{PortInfo, sorted};
 /// Prefixes of the names of serial ports.
 const NAMES: [&str; 7] = ["ttyS", "ttyUSB", "ttyXRUSB", "ttyACM", "ttyAMA", "rfcomm", "ttyAP"];
 
-/// The ports of the system whose root is `root`, in natural order; with the links to them if requested.
+/// Serial ports of a Linux system in natural order. `root` is the directory that has `dev` and `sys` (`/`, elsewhere in
+/// tests); with `with_links`, symbolic links to the ports are listed, too.
 pub fn below(root: &Path, with_links: bool) -> Vec<PortInfo> {
     let entries = fs::read_dir(root.join("dev")).into_iter().flatten().flatten();
     let all: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();

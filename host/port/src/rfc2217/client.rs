@@ -5,6 +5,7 @@
 //! Telnet ------------> Settings ------------> Controls -------------> Open
 //!    |                    |                      |
 //!    +--------------------+----------------------+--> NegotiationError: refused, or not answered in time
+//! ```
 //! Settings go out together, controls one by one, because their answers have the same code. The order is pyserial's.
 //! The server's received data are not purged: the control may have sent DC1 already, and sends it once.
 
@@ -23,7 +24,7 @@ use crate::url::Rfc2217Options;
 /// Largest age of the known state of the modem lines, that of pyserial.
 const MODEM_STATE_AGE: Micros = Micros::from_ms(300);
 
-/// Settings that the client requests for the server's line.
+/// Settings that the client requests for the server's serial line.
 #[derive(Clone, Copy, Debug)]
 pub struct RequestedLine {
     baudrate: u32,
@@ -34,7 +35,8 @@ pub struct RequestedLine {
 }
 
 impl RequestedLine {
-    /// Settings from the job. The server does no XON/XOFF: the sender does, and must see DC1 and DC3.
+    /// Requests for the settings of the job. XON/XOFF of the server is requested off: the sender does it itself and
+    /// must see DC1 and DC3.
     pub fn new(settings: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, rtscts, .. } = *settings;
         RequestedLine { baudrate, bytesize, parity: parity_code(settings.parity), stopbits, rtscts }
@@ -77,29 +79,29 @@ impl Request {
     }
 }
 
-/// Reason why the line cannot be opened.
+/// Reason why a connection to an RFC 2217 server cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NegotiationError {
     /// The server refuses COM-PORT-OPTION, or does not answer.
     #[error("the server does not speak RFC 2217{}; for bare TCP write socket://host:port", if *.silent { " or is slower than timeout" } else { "" })]
     NotSpoken {
-        /// The server did not answer at all.
+        /// The server did not answer at all (true), or refused the option (false).
         silent: bool,
     },
     /// The server answered a setting with another value.
     #[error("the server refused {name}: it has {has:?} where {wanted:?} was asked for; change [serial] in the job")]
     Setting {
-        /// pyserial's name.
+        /// Name of the setting, as in pyserial.
         name: &'static str,
-        /// Value sent.
+        /// Value that the client requested, as the bytes of the request.
         wanted: Vec<u8>,
-        /// Value answered.
+        /// Value that the server answered.
         has: Vec<u8>,
     },
-    /// The server did not answer.
+    /// The server did not answer a request within the time-out.
     #[error("the server did not answer about {name}; give it longer (?timeout=10){}", if *.is_control { " or do not ask (?ign_set_control)" } else { "" })]
     Late {
-        /// Name of the request.
+        /// Name of the request, as in pyserial.
         name: &'static str,
         /// The request is a SET-CONTROL, which some servers never answer.
         is_control: bool,
@@ -169,7 +171,7 @@ impl Rfc2217Client {
         }
     }
 
-    /// Reads bytes of the server.
+    /// Processes bytes received from the server at the time `now`.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             match self.decoder.on_byte(byte) {
@@ -271,10 +273,11 @@ impl Rfc2217Client {
         self.state = State::Open;
     }
 
-    /// Checks whether the negotiation can still succeed; requests the modem lines when they are due.
+    /// Fails if the negotiation can no longer succeed; otherwise queues a request for the state of the modem lines when
+    /// it is due.
     ///
     /// # Errors
-    /// The server refused, or is late.
+    /// The server refused the option or a setting, or has not answered in time.
     pub fn check(&mut self, now: Micros) -> Result<(), NegotiationError> {
         if let Some(refusal) = &self.refusal {
             return Err(refusal.clone());
@@ -295,12 +298,12 @@ impl Rfc2217Client {
         Ok(())
     }
 
-    /// Appends the bytes to send.
+    /// Moves the bytes to be sent to the server to the end of `out`.
     pub fn poll_transmit(&mut self, out: &mut Vec<u8>) {
         out.append(&mut self.outgoing);
     }
 
-    /// Reads received data; returns their number.
+    /// Moves data received from the serial line into `buffer`; returns their number.
     pub fn take_data(&mut self, buffer: &mut [u8]) -> usize {
         let len = buffer.len().min(self.data.len());
         for (slot, byte) in buffer.iter_mut().zip(self.data.drain(..len)) {
@@ -309,17 +312,18 @@ impl Rfc2217Client {
         len
     }
 
-    /// Whether the line is open with the requested settings.
+    /// Whether the negotiation is complete: the line is open with the requested settings.
     pub fn is_open(&self) -> bool {
         matches!(self.state, State::Open)
     }
 
-    /// Whether the server accepts no data now.
+    /// Whether the server has asked the client to send no data for the present.
     pub fn is_suspended(&self) -> bool {
         self.suspended
     }
 
-    /// Last reported state of the modem lines: CD, RI, DSR, CTS in bits 7 to 4.
+    /// State of the modem lines that the server last reported (CD, RI, DSR, CTS in bits 7 to 4); `None` before its
+    /// first report.
     pub fn modem_state(&self) -> Option<u8> {
         self.modem_state
     }

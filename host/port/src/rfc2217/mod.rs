@@ -1,4 +1,5 @@
-//! `rfc2217://`: a serial port at a server, set through telnet's COM-PORT-OPTION.
+//! `rfc2217://`: a serial port at a server on the network, whose settings the client makes through Telnet's
+//! COM-PORT-OPTION (RFC 2217).
 
 pub mod telnet;
 

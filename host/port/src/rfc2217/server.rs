@@ -28,41 +28,41 @@ const BREAKS_MAX: usize = 16;
 const DC1: u8 = 0x11;
 const DC3: u8 = 0x13;
 
-/// Flow control of the port.
+/// Flow control of the server's serial port, as the client has requested it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// None here: DC1 and DC3 are passed on.
+    /// No flow control by the server: DC1 and DC3 are passed on to the client.
     None,
-    /// The server stops at the control's DC3 and continues at DC1.
+    /// The server itself stops at the control's DC3 and continues at its DC1; the client does not see them.
     XonXoff,
-    /// The server follows CTS, which is always on.
+    /// RTS/CTS. The line here has no such signals, therefore CTS always counts as on.
     Hardware,
 }
 
-/// Settings that the client has requested, with pyserial's names.
+/// Settings of the serial port that the client has requested, named as in pyserial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PortSettings {
     /// Bits per second.
     pub baudrate: u32,
-    /// Data bits, 5 to 8.
+    /// Number of data bits, 5 to 8.
     pub bytesize: u8,
-    /// 1 none, 2 odd, 3 even, 4 mark, 5 space.
+    /// Parity as a code of RFC 2217: 1 none, 2 odd, 3 even, 4 mark, 5 space.
     pub parity: u8,
-    /// 1, 2, or 3 for one and a half.
+    /// Stop bits as a code of RFC 2217: 1, 2, or 3 for one and a half.
     pub stopbits: u8,
-    /// Values 1 to 3 of SET-CONTROL.
+    /// Flow control, from the values 1 to 3 of SET-CONTROL.
     pub flow: Flow,
 }
 
 impl PortSettings {
-    /// Whether the other end of a line understands a port with these settings; a wrong number of stop bits does not
-    /// matter.
+    /// Whether a control whose line has the settings `line` would understand this port. A wrong number of stop bits
+    /// does not matter.
     pub fn is_understood_by(&self, line: &SerialSettings) -> bool {
         (self.baudrate, self.bytesize, self.parity) == (line.baudrate, line.bytesize, parity_code(line.parity))
     }
 }
 
-/// Server's end of an RFC 2217 connection with one client, without I/O.
+/// Server's end of an RFC 2217 connection with one client, without I/O: the caller moves the bytes.
 #[derive(Clone, Debug)]
 pub struct Server {
     decoder: Decoder,
@@ -82,8 +82,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Server for a client that has just connected; its port has the settings of the line until the client requests
-    /// others.
+    /// State for a client that has just connected. The port has the settings `line` until the client requests others.
     pub fn new(line: &SerialSettings) -> Self {
         let SerialSettings { baudrate, bytesize, stopbits, .. } = *line;
         Server {
@@ -100,7 +99,7 @@ impl Server {
         }
     }
 
-    /// Reads bytes of the client.
+    /// Processes bytes received from the client at the time `now`.
     pub fn on_bytes(&mut self, now: Micros, bytes: &[u8]) {
         for &byte in bytes {
             match self.decoder.on_byte(byte) {
@@ -225,42 +224,44 @@ impl Server {
         subnegotiate(COM_PORT, code + ANSWER, value, &mut self.outgoing);
     }
 
-    /// Whether the client has requested a serial port.
+    /// Whether the client has sent a request about a serial port (COM-PORT-OPTION) yet.
     pub fn has_asked(&self) -> bool {
         self.asked.is_some()
     }
 
-    /// Number of characters and answers that [`Server::poll_transmit`] has not returned yet.
+    /// Number of characters and bytes of answers that wait for [`Server::poll_transmit`].
     pub fn unsent(&self) -> usize {
         self.outgoing.len() + self.to_client.len()
     }
 
-    /// Whether the client is ready to send and to receive.
+    /// Whether the client has finished its requests: it has sent data, or has requested nothing for 200 ms.
     pub fn is_open(&self, now: Micros) -> bool {
         self.asked.is_some_and(|asked| !self.from_client.is_empty() || now.since(asked) >= SETTLE)
     }
 
-    /// Settings of the client's port.
+    /// Settings that the client has requested for the port.
     pub fn settings(&self) -> PortSettings {
         self.settings
     }
 
-    /// Number of characters from the client that are not on the line yet.
+    /// Number of characters from the client that [`Server::next_for_line`] has not returned yet.
     pub fn waiting(&self) -> usize {
         self.from_client.len()
     }
 
-    /// The next character for the line, unless the control has stopped the server.
+    /// Takes the next character of the client for the serial line; `None` if there is none or the control has stopped
+    /// the server by DC3.
     pub fn next_for_line(&mut self) -> Option<u8> {
         if self.is_stopped { None } else { self.from_client.pop_front() }
     }
 
-    /// Number of breaks since the last call.
+    /// Number of break signals that the client has requested since the last call.
     pub fn take_breaks(&mut self) -> usize {
         std::mem::take(&mut self.breaks)
     }
 
-    /// Reads a character of the control; its eighth bit may be parity.
+    /// Passes on a character that the control has sent, or follows it if it is DC1 or DC3 and the server does XON/XOFF.
+    /// The eighth bit may be parity.
     pub fn on_line(&mut self, byte: u8) {
         match (self.settings.flow, byte & 0x7f) {
             (Flow::XonXoff, DC3) => self.is_stopped = true,
@@ -269,7 +270,8 @@ impl Server {
         }
     }
 
-    /// Appends the bytes to send to the client.
+    /// Moves the bytes to be sent to the client to the end of `out`; data of the line only if the client has not
+    /// suspended them.
     pub fn poll_transmit(&mut self, out: &mut Vec<u8>) {
         out.append(&mut self.outgoing);
         if !self.is_suspended {

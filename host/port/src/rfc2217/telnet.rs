@@ -1,40 +1,40 @@
-//! Telnet (RFC 854, 855): commands among bytes, the same at both ends.
+//! Telnet (RFC 854, 855): commands embedded in a stream of data, for client and server.
 
-/// Interpret as command.
+/// Byte that begins a command (IAC, interpret as command); as data it is sent twice.
 pub const IAC: u8 = 255;
 const SB: u8 = 250;
 const SE: u8 = 240;
 /// Longest subnegotiation kept; ours are far shorter.
 const SUB_MAX: usize = 256;
 
-/// Telnet command about an option: will, won't, do, don't.
+/// Telnet command by which two ends negotiate the use of an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Verb {
-    /// The sender uses the option.
+    /// The end that sends this command wants to use the option.
     Will = 251,
-    /// The sender does not use it.
+    /// The end that sends this command does not use the option.
     Wont = 252,
-    /// The receiver should use it.
+    /// The end that receives this command should use the option.
     Do = 253,
-    /// The receiver should not use it.
+    /// The end that receives this command should not use the option.
     Dont = 254,
 }
 
 /// Item of a Telnet stream: data or a command.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A byte of data.
+    /// A byte of data, without the escape.
     Data(u8),
-    /// Statement about an option.
+    /// Command about an option: the verb, and the option's number.
     Option(Verb, u8),
-    /// Bytes between SB and SE, the option first.
+    /// Subnegotiation: the bytes between SB and SE, the first of which is the option's number.
     Subnegotiation(Vec<u8>),
-    /// Another command.
+    /// Any other command, by its code.
     Command(u8),
 }
 
-/// Decoder of a Telnet stream into commands and data.
+/// Decoder that separates a Telnet stream into data and commands, byte by byte.
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     state: State,
@@ -50,7 +50,7 @@ enum State {
 }
 
 impl Decoder {
-    /// Reads a byte.
+    /// Decodes the next byte; returns an item if the byte completes one.
     pub fn on_byte(&mut self, byte: u8) -> Option<Event> {
         match self.state {
             State::Plain if byte == IAC => {
@@ -96,7 +96,7 @@ impl Decoder {
     }
 }
 
-/// Appends data to `out`, with escaped command bytes.
+/// Appends data to `out`, with every byte 255 (IAC) doubled.
 pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     for &byte in bytes {
         out.push(byte);
@@ -106,12 +106,12 @@ pub fn escape(bytes: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// Appends a command about an option.
+/// Appends to `out` the command `verb` about an option.
 pub fn say(verb: Verb, option: u8, out: &mut Vec<u8>) {
     out.extend([IAC, verb as u8, option]);
 }
 
-/// Appends a subnegotiation; the values may hold any byte.
+/// Appends to `out` a subnegotiation of `option`: a command code and its values, which may be any bytes.
 pub fn subnegotiate(option: u8, code: u8, values: &[u8], out: &mut Vec<u8>) {
     out.extend([IAC, SB, option, code]);
     escape(values, out);

@@ -1,4 +1,4 @@
-//! Plan of `fault://`: the faults of a line, their chances, and the seed of their random times.
+//! Settings of `fault://`: kinds of faults, their probabilities, and the seed of their random numbers.
 
 use arcfeed_units::Micros;
 
@@ -9,43 +9,44 @@ const DELAY_MAX_MS: u64 = 60_000;
 /// Most bytes of garbage.
 const GARBAGE_MAX: usize = 65_536;
 
-/// Faults to be injected into a port; the default has none.
+/// Faults that `fault://` injects into a port; the default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FaultPlan {
-    /// Seed: the same bytes and the same seed give the same faults.
+    /// Seed of the random numbers: the same seed and the same bytes give the same faults.
     pub seed: u64,
-    /// Faults on the way to the control.
+    /// Faults of bytes to the control.
     pub tx: Faults,
-    /// Faults on the way from the control.
+    /// Faults of bytes from the control.
     pub rx: Faults,
-    /// Random bytes to be read first.
+    /// Number of random bytes that the reader gets first, as from a line that is switched on.
     pub garbage: usize,
-    /// Chance of losing a DC1 of the control.
+    /// Probability, from 0 to 1, that a DC1 from the control is lost.
     pub lost_xon: f64,
-    /// Chance of losing a DC3 of the control.
+    /// Probability that a DC3 from the control is lost.
     pub lost_xoff: f64,
-    /// Number of written bytes after which the line is dead.
+    /// Number of written bytes after which the port fails as if it were unplugged; `None`: never.
     pub disconnect: Option<u64>,
-    /// Chance of each write to accept only a part, or nothing.
+    /// Probability of each write to accept only a part of its bytes, or none.
     pub short: f64,
 }
 
 /// Faults in one direction: probabilities for each byte, from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// Loss of the byte.
+    /// Probability that the byte is lost.
     pub drop: f64,
-    /// Flip of one of its bits.
+    /// Probability that one of its bits is inverted.
     pub flip: f64,
-    /// Duplication of the byte.
+    /// Probability that the byte arrives twice.
     pub dup: f64,
-    /// Start of 2 to 16 bytes of noise.
+    /// Probability that a burst of noise begins, which replaces 2 to 16 bytes by random ones.
     pub burst: f64,
-    /// Largest delay; bytes stay in order.
+    /// Largest delay of a byte; each is delayed by a random time up to it, and the order stays.
     pub delay: Micros,
 }
 
-/// Reads `NAME=VALUE[,NAME=VALUE...]/PORT`; returns the port inside as text.
+/// Parses the part of a URL after `fault://`, `NAME=VALUE[,NAME=VALUE...]/PORT`; returns the faults and the text of
+/// PORT.
 pub fn read(rest: &str) -> Result<(FaultPlan, &str), UrlError> {
     let Some((settings, inner)) = rest.split_once('/').filter(|(settings, _)| !settings.is_empty()) else {
         let message =

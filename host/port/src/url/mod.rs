@@ -29,88 +29,88 @@ use crate::pattern::Pattern;
 /// Most wrappers around one port.
 const WRAPPERS_MAX: usize = 8;
 
-/// Parsed URL of a port: the port itself and its wrappers.
+/// Parsed URL of a port: the port itself, and the wrappers around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortUrl {
-    /// Text of the URL.
+    /// Text of the URL, as given.
     pub text: String,
     /// Wrappers of the port, outermost first.
     pub wrappers: Vec<Wrapper>,
-    /// Port itself.
+    /// Port inside all wrappers.
     pub base: Base,
 }
 
 /// Wrapper around a port, such as a spy or injected faults.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wrapper {
-    /// `spy://`.
+    /// `spy://`: records the traffic.
     Spy(SpyOptions),
-    /// `fault://`.
+    /// `fault://`: corrupts the data.
     Fault(FaultPlan),
 }
 
-/// Port itself, without its wrappers.
+/// Port of a URL, without its wrappers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Base {
-    /// Simulated control.
+    /// `sim:`, the simulated control and machine.
     Sim,
-    /// LinuxCNC on this computer.
+    /// `linuxcnc:`, LinuxCNC on this computer.
     LinuxCnc,
-    /// Port of the operating system, by its name.
+    /// Serial port of the operating system, by its device name.
     Native(String),
-    /// Queue.
+    /// `loop://`, a queue that returns what is written; with the level of its messages, if they are wanted.
     Loop(Option<Level>),
-    /// TCP.
+    /// `socket://`, plain bytes over TCP; with the level of its messages.
     Socket(Address, Option<Level>),
-    /// TCP with the port's settings.
+    /// `rfc2217://`, a serial port at a server, with its options.
     Rfc2217(Address, Rfc2217Options),
-    /// Port of the operating system, by its properties.
+    /// `hwgrep://`, the serial port of the operating system whose properties match.
     Hwgrep(Hwgrep),
 }
 
-/// Address of a server.
+/// Network address of a server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
-    /// Host name or number.
+    /// Host name, or IP address as text.
     pub host: String,
-    /// TCP port.
+    /// Number of the TCP port.
     pub port: u16,
 }
 
 /// Options of `rfc2217://`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rfc2217Options {
-    /// Answers to SET-CONTROL are not waited for.
+    /// The client does not wait for answers to SET-CONTROL, which some servers never send.
     pub ign_set_control: bool,
-    /// Modem lines are polled, for servers that do not report them.
+    /// The client asks for the modem lines periodically, for servers that do not report them.
     pub poll_modem: bool,
-    /// Longest wait for an answer, in seconds.
+    /// Longest wait for an answer of the server, s.
     pub timeout_s: f64,
-    /// Level of the messages on stderr.
+    /// Level from which messages are printed on stderr; `None`: no messages.
     pub logging: Option<Level>,
 }
 
 /// Options of `spy://`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SpyOptions {
-    /// Output file; stderr by default.
+    /// Path of the output file; `None`: stderr.
     pub file: Option<String>,
-    /// Colours of a terminal.
+    /// The output has terminal colours.
     pub color: bool,
-    /// Plain bytes, no dump.
+    /// The output is the plain bytes, not a hexadecimal dump.
     pub raw: bool,
-    /// Reads without data are recorded, too.
+    /// Reads that return no data are recorded, too.
     pub all: bool,
 }
 
 /// Search for a port by its description (`hwgrep://`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hwgrep {
-    /// Expression for name, description or hardware id, ignoring case.
+    /// Regular expression that device name, description or hardware id must match, ignoring case.
     pub regexp: String,
-    /// Number of the match, from 1.
+    /// Number of the match that is used, counted from 1.
     pub n: usize,
-    /// Only ports that can be opened.
+    /// Matching ports that cannot be opened are skipped.
     pub skip_busy: bool,
 }
 
@@ -118,9 +118,9 @@ pub struct Hwgrep {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{part}`: {message}")]
 pub struct UrlError {
-    /// Faulty part of the URL.
+    /// Part of the URL that is wrong.
     pub part: String,
-    /// Fault and remedy.
+    /// Fault, and what to write instead.
     pub message: String,
 }
 
@@ -141,7 +141,7 @@ impl FromStr for PortUrl {
 }
 
 impl PortUrl {
-    /// Files that the spies of the URL write.
+    /// Paths of the files that the URL's `spy://` wrappers write.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.wrappers.iter().filter_map(|wrapper| match wrapper {
             Wrapper::Spy(options) => options.file.as_deref().map(Path::new),

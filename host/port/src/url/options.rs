@@ -1,4 +1,4 @@
-//! Options of a URL, `?name=value&name`, as Python's `urllib.parse.parse_qs` reads them.
+//! Options at the end of a port URL, `?name=value&name`, parsed as by Python's `urllib.parse.parse_qs`.
 
 use super::UrlError;
 use crate::log::Level;
@@ -6,16 +6,16 @@ use crate::log::Level;
 /// Longest wait that a URL may set.
 const SECONDS_MAX: f64 = 3_600.0;
 
-/// Options of a URL that have not been used yet; of an option given twice, the first.
+/// Options of a URL that no caller has taken yet. Of an option given twice, the first counts.
 pub struct Options(Vec<(String, String)>);
 
 impl Options {
-    /// Splits a URL at its first `?` into address and options.
+    /// Splits a URL at its first `?` into the text before it and the options; no options without `?`.
     pub fn split(text: &str) -> (&str, Options) {
         text.split_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
 
-    /// Splits a URL at its last `?` into address and options.
+    /// Splits a URL at its last `?` into the text before it and the options; no options without `?`.
     pub fn split_last(text: &str) -> (&str, Options) {
         text.rsplit_once('?').map_or((text, Options::none()), |(place, query)| (place, Options::read(query)))
     }
@@ -37,18 +37,18 @@ impl Options {
         Options(found)
     }
 
-    /// Names of the options.
+    /// Names of the options that have not been taken yet.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|(name, _)| name.as_str())
     }
 
-    /// Removes an option and returns its value, empty if it has none.
+    /// Removes the option `name` and returns its value, which is empty for a name alone; `None` if it was not given.
     pub fn take(&mut self, name: &str) -> Option<String> {
         let at = self.0.iter().position(|(other, _)| other == name)?;
         Some(self.0.remove(at).1)
     }
 
-    /// Removes an option without a value; returns whether it was given.
+    /// Removes the option `name`, which must have no value; returns whether it was given. Fails if it has a value.
     pub fn flag(&mut self, name: &str) -> Result<bool, UrlError> {
         match self.take(name).as_deref() {
             None => Ok(false),
@@ -60,7 +60,8 @@ impl Options {
         }
     }
 
-    /// Removes a time in seconds.
+    /// Removes the option `name` and returns its value in seconds; `None` if it was not given. Fails if it is not a
+    /// number from 0 to 3600.
     pub fn seconds(&mut self, name: &str) -> Result<Option<f64>, UrlError> {
         let Some(value) = self.take(name) else { return Ok(None) };
         let parsed = value.parse().ok().filter(|seconds| (0.0..=SECONDS_MAX).contains(seconds));
@@ -68,14 +69,14 @@ impl Options {
         parsed.map(Some).ok_or_else(|| UrlError::new(format!("{name}={value}"), message))
     }
 
-    /// Removes the option `logging` and returns its level.
+    /// Removes the option `logging` and returns its level; `None` if it was not given. Fails if there is no such level.
     pub fn logging(&mut self) -> Result<Option<Level>, UrlError> {
         let Some(value) = self.take("logging") else { return Ok(None) };
         let wrong = || UrlError::new(format!("logging={value}"), "write logging=debug, info, warning or error");
         Level::named(&value).map(Some).ok_or_else(wrong)
     }
 
-    /// Rejects the remaining options as unknown.
+    /// Fails if options are left, which are unknown ones; `form` is the correct form of the URL for the message.
     pub fn no_more(&self, form: &str) -> Result<(), UrlError> {
         match self.0.first() {
             None => Ok(()),

@@ -1,4 +1,4 @@
-//! Conversation with a board: connection, requests, answers.
+//! Connection to a feed board for single requests and their answers.
 
 use arcfeed_link::link::LinkState;
 use arcfeed_link::message::{Message, table};
@@ -14,14 +14,14 @@ const TIMEOUT: Micros = Micros::from_ms(3_000);
 /// Time with enough heartbeats for a measured round trip.
 const LISTEN: Micros = Micros::from_ms(500);
 
-/// Connected board.
+/// Connection to a feed board.
 pub struct BoardConnection {
     line: BoardLine<'static>,
     heard: Vec<Message>,
 }
 
 impl BoardConnection {
-    /// Connects to a board.
+    /// Connects to the board at this port.
     ///
     /// # Errors
     /// It does not answer, or is incompatible.
@@ -48,7 +48,7 @@ impl BoardConnection {
         Ok(())
     }
 
-    /// Sends a request, and waits for the answer that `wanted` picks.
+    /// Sends `question` and waits for the message for which `wanted` returns a value: the answer.
     ///
     /// # Errors
     /// The board refuses, or does not answer.
@@ -76,7 +76,7 @@ impl BoardConnection {
         }
     }
 
-    /// Exchanges heartbeats for a while, by which the link measures its round trip.
+    /// Exchanges heartbeats for a while, from which the link measures its round-trip time.
     ///
     /// # Errors
     /// The link is lost.
@@ -88,7 +88,7 @@ impl BoardConnection {
         Ok(())
     }
 
-    /// Messages since the last request.
+    /// Messages that the board has sent since the last request, reports for instance.
     ///
     /// # Errors
     /// The link is lost.
@@ -97,7 +97,7 @@ impl BoardConnection {
         Ok(std::mem::take(&mut self.heard))
     }
 
-    /// Board link.
+    /// Link to the board.
     pub fn line(&self) -> &BoardLine<'static> {
         &self.line
     }
@@ -105,7 +105,7 @@ impl BoardConnection {
     /// Closes the link.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn close(self) -> Result<(), Failure> {
         Ok(self.line.close()?)
     }

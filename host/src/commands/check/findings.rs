@@ -1,4 +1,4 @@
-//! Errors and warnings of a check, those of one kind together.
+//! Errors and warnings of a check, grouped by kind.
 
 use std::collections::HashMap;
 use std::io::IsTerminal;
@@ -16,7 +16,7 @@ const LISTED_MAX: usize = 10_000;
 /// Places of a kind of warning that are named; the others are counted.
 const PLACES_MAX: usize = 3;
 
-/// Errors and warnings of one check.
+/// Errors and warnings of one check, which are counted, grouped by kind and printed.
 pub struct CheckFindings<'a> {
     /// Path of the program.
     pub path: &'a Path,
@@ -27,7 +27,7 @@ pub struct CheckFindings<'a> {
     pub errors: usize,
     /// Number of warnings.
     pub warnings: usize,
-    /// CheckFindings for the JSON object.
+    /// Errors and warnings in full for the JSON output, at most 10 000.
     pub listed: Vec<Diagnostic>,
     /// Kinds of errors and warnings, in the order of their first places.
     kinds: Vec<FindingKind>,
@@ -59,7 +59,7 @@ impl<'a> CheckFindings<'a> {
         }
     }
 
-    /// Adds a finding with the text of its line.
+    /// Adds an error or warning, with the text of its line if there is one.
     pub fn add(&mut self, diagnostic: Diagnostic, text: Option<&[u8]>) {
         match diagnostic.severity {
             Severity::Error => self.errors += 1,
@@ -74,7 +74,7 @@ impl<'a> CheckFindings<'a> {
         }
     }
 
-    /// Adds findings of the whole program; sorts those for the JSON object by their places.
+    /// Adds errors and warnings that concern the whole program, and sorts those for the JSON output by place.
     pub fn add_all<'t>(&mut self, found: impl Iterator<Item = (Diagnostic, &'t [u8])>) {
         found.for_each(|(diagnostic, text)| self.add(diagnostic, Some(text)));
         self.listed.sort_by_key(|found| (found.line, found.column));

@@ -10,7 +10,7 @@ const AXES: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 /// Longest comment in the table.
 const COMMENT_MAX: usize = 48;
 
-/// Figures of a program's tool path, as a JSON object.
+/// Results for a program's tool path (extents, times, tools), as they stand in the JSON output.
 #[derive(Debug, Serialize)]
 pub struct PathFigures {
     unit: &'static str,
@@ -22,7 +22,7 @@ pub struct PathFigures {
     dwell_time_s: f64,
 }
 
-/// Lowest and highest coordinate of an axis.
+/// Lowest and highest coordinate of an axis, as they stand in the JSON output.
 #[derive(Debug, Serialize)]
 pub struct ExtentFigures {
     axis: &'static str,
@@ -30,7 +30,7 @@ pub struct ExtentFigures {
     max: f64,
 }
 
-/// Figures of one tool's work, as a JSON object.
+/// Results for one tool's part of the program, as they stand in the JSON output.
 #[derive(Debug, Serialize)]
 pub struct ToolUseFigures {
     tool: Option<i64>,
@@ -48,7 +48,7 @@ pub struct ToolUseFigures {
 }
 
 impl PathFigures {
-    /// Figures in the program's unit.
+    /// Results in the program's unit.
     pub fn new(path: &PathSummary) -> Self {
         let unit_mm = path.unit.mm();
         let tools: Vec<ToolUseFigures> = path.tools_in_use().map(|tool| ToolUseFigures::new(tool, path)).collect();
@@ -68,7 +68,7 @@ impl PathFigures {
         }
     }
 
-    /// Prints the figures as two small tables.
+    /// Prints the results as two small tables.
     pub fn print(&self) {
         let PathFigures { unit, extents, tools, .. } = self;
         if tools.is_empty() {

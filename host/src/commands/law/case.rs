@@ -1,4 +1,4 @@
-//! Case of a law in double precision, step by step as its equations are numbered, beside the controller's own result.
+//! One case of a feed law computed in double precision, step by step as its equations are numbered, next to the controller's own result.
 //!
 //! Source of the equations: `firmware/law/src/{circumference,step,contour}.rs`; docs/laws.md. "Petean" are the numbers of the
 //! thesis.
@@ -26,102 +26,103 @@ pub enum Case {
     Contour(Contour),
 }
 
-/// Rotation of a cup mill.
+/// Case of a cup mill whose centre O moves on an arc about the point A.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotation {
-    /// Radius of the centre's path about A.
+    /// Radius of the path of the centre O about A, mm.
     pub rho_mm: f64,
-    /// Radius of the cutting circle.
+    /// Radius of the cutting circle, mm.
     pub radius_mm: f64,
-    /// Edge that cuts.
+    /// Cutting circle of the mill that cuts: outer or inner.
     pub edge: Edge,
-    /// Feed per tooth wanted on the circumference.
+    /// Target feed per tooth on the circumference, mm.
     pub feed_per_tooth_mm: f64,
-    /// Contact with the stock.
+    /// Place where the cutting circle meets the stock.
     pub contact: Contact,
-    /// Teeth in a minute, if the speed is known.
+    /// Number of teeth that pass in a minute; `None` if the spindle speed is unknown.
     pub teeth_per_min: Option<f64>,
 }
 
-/// Contact of the cutting circle with the stock.
+/// Place where the cutting circle meets the stock.
 #[derive(Clone, Copy, Debug)]
 pub enum Contact {
-    /// Angle at O from the direction of A towards the cutting side.
+    /// Given by its angle at the tool's centre O, counted from the direction of A towards the cutting side, rad.
     Angle(f64),
-    /// Line of the stock, relative to A.
+    /// Computed from a straight limit of the stock (stock line), relative to A.
     Line {
-        /// Direction of the normal, out of the material.
+        /// Direction of the line's normal, which points out of the material, degrees.
         normal_deg: f64,
-        /// Distance from A along the normal.
+        /// Distance of the line from A along the normal, mm.
         offset_mm: f64,
         /// Unit vector from A to O.
         position: [f64; 2],
-        /// Sense in which O moves about A.
+        /// The centre O moves clockwise about A.
         is_clockwise: bool,
     },
 }
 
-/// Arc of an end mill along a contour.
+/// Case of an end mill on an arc along a contour.
 #[derive(Clone, Copy, Debug)]
 pub struct Contour {
-    /// Radius of the centre's path.
+    /// Radius of the path of the tool's centre, mm.
     pub rho_mm: f64,
-    /// Radius of the tool.
+    /// Radius of the tool, mm.
     pub radius_mm: f64,
-    /// Side of the contour.
+    /// Side of the arc on which the tool runs: inside or outside.
     pub side: ContourSide,
-    /// Feed per tooth wanted at the contour.
+    /// Target feed per tooth at the contour, mm.
     pub feed_per_tooth_mm: f64,
-    /// Limits of the law.
+    /// Smallest and largest feed that the contour law permits.
     pub limits: ContourLimits,
-    /// Teeth in a minute, if the speed is known.
+    /// Number of teeth that pass in a minute; `None` if the spindle speed is unknown.
     pub teeth_per_min: Option<f64>,
 }
 
-/// Dimension of a quantity, in millimetres.
+/// Dimension of a quantity in a case; all lengths are in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
-    /// mm.
+    /// Length, mm.
     Length,
-    /// mm^2.
+    /// Area, mm2.
     Area,
-    /// mm/min.
+    /// Feed, mm/min.
     Feed,
-    /// Degrees.
+    /// Angle, degrees.
     Degrees,
-    /// None.
+    /// Ratio without a unit.
     Ratio,
-    /// 1/min.
+    /// Frequency, 1/min.
     PerMin,
 }
 
-/// CaseQuantity of a case.
+/// Input or intermediate result of a case, with its equation.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseQuantity {
     /// Symbol in the equations.
     pub symbol: &'static str,
-    /// Value.
+    /// Value, in the unit of its dimension.
     pub value: f64,
-    /// Dimension.
+    /// Dimension, which gives the unit of the value.
     pub dimension: Dimension,
-    /// File and number of the equation; empty for an input.
+    /// File and number of the equation that gives it; empty for an input.
     pub equation: &'static str,
-    /// Meaning.
+    /// Meaning in words.
     pub meaning: &'static str,
 }
 
-/// Result of a case.
+/// Result of a case with all intermediate quantities.
 #[derive(Clone, Debug)]
 pub struct Evaluated {
     /// Quantities in the order of their computation.
     pub quantities: Vec<CaseQuantity>,
-    /// Contact: ux and uy. On a contour only its sign counts.
+    /// Direction from the tool's centre to the contact: components ux (along the motion) and uy (towards A). For a contour only the sign
+    /// of uy counts.
     pub contact: [f64; 2],
-    /// Path of the centre per tooth.
+    /// Path of the tool's centre per tooth by the equations, mm.
     pub path_mm: f64,
-    /// The same by the controller's law.
+    /// The same path as the controller's code computes it, mm.
     pub controller_path_mm: f64,
-    /// Feed of the centre.
+    /// Feed of the tool's centre, mm/min; `None` without a spindle speed.
     pub feed_mm_per_min: Option<f64>,
 }
 
@@ -134,10 +135,10 @@ impl Case {
         }
     }
 
-    /// Evaluates the case.
+    /// Computes the case by its equations and by the controller's code.
     ///
     /// # Errors
-    /// Says why there is no demand.
+    /// The reason why the law has no demand in this case.
     pub fn evaluate(&self) -> Result<Evaluated, String> {
         let (lengths, teeth_per_min) = match self {
             Case::Circumference(case) => ([case.rho_mm, case.radius_mm, case.feed_per_tooth_mm], case.teeth_per_min),

@@ -1,4 +1,5 @@
-//! Drawing of a case as SVG, in the moving frame: y towards A, the motion to the right. The chip is drawn thicker than it is.
+//! Drawing of a case of a law as SVG, in a frame that moves with the tool: x along its motion, y towards A. The chip is drawn thicker than
+//! it is.
 
 use std::fmt::Write;
 
@@ -25,7 +26,7 @@ struct Picture {
     origin: [f64; 2],
 }
 
-/// The case as SVG.
+/// SVG text of the drawing.
 pub fn svg(case: &Case, evaluated: &Evaluated) -> String {
     match case {
         Case::Circumference(rotation) => of_rotation(rotation, evaluated),

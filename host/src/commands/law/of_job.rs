@@ -1,4 +1,4 @@
-//! Case of a block of a job's program.
+//! Case of a law taken from a block of a job's program.
 
 use std::path::Path;
 
@@ -14,10 +14,10 @@ use super::super::outcome::Failure;
 use super::case::{Case, Contact, Contour, Rotation};
 use crate::adapt::{Known, LinePlan, PlannedBlock};
 
-/// The case of the block in a line, at a fraction of its arc, and the unit of the job.
+/// Case of the block on `line` (counted from 1), at the fraction `at` (0 to 1) of its arc, and the unit of the job.
 ///
 /// # Errors
-/// The job or the program is at fault, there is no such block, or no such law governs it.
+/// The job or the program is at fault, the line has no such block, or another law or none governs it.
 pub fn case(job: &Path, line: usize, at: f64) -> Result<(Case, LengthUnit), Failure> {
     if !(0.0..=1.0).contains(&at) {
         return Err(Failure::Usage(format!("--at {at}: write 0 for the start of the arc to 1 for its end")));

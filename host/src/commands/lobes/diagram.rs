@@ -1,4 +1,4 @@
-//! Limits of depth over a range of speeds, from the edges and modes of a job.
+//! Stability diagram: the largest stable depth of cut over a range of spindle speeds, from the edges and modes of a job.
 //!
 //! ```text
 //! h = f (cos phi1 - cos phi2) / (phi2 - phi1)     (1)
@@ -23,49 +23,49 @@ use crate::place::place;
 /// Best speeds that are named.
 const BEST_MAX: usize = 3;
 
-/// Cut that the diagram is for.
+/// Cut for which a stability diagram is computed.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
-    /// Radial depth; `None` for a slot.
+    /// Radial depth of cut, mm; `None` for a slot (full width).
     pub radial_depth_mm: Option<f64>,
-    /// Conventional milling.
+    /// Conventional (up) milling; otherwise climb milling.
     pub is_up: bool,
-    /// Direction of the feed from +X.
+    /// Direction of the feed in the XY plane, from +X towards +Y, degrees.
     pub feed_direction_deg: f64,
 }
 
-/// Limit at a speed.
+/// Limit of the stable depth at one spindle speed.
 #[derive(Clone, Copy, Debug)]
 pub struct LimitPoint {
-    /// Spindle speed.
+    /// Spindle speed, rev/min.
     pub rev_per_min: f64,
-    /// Smallest unstable depth; `None` if every depth of the tool is stable.
+    /// Smallest unstable axial depth; `None` if every depth up to the height of the edges is stable.
     pub limit: Option<DepthLimit>,
 }
 
-/// Stability diagram.
+/// Stability diagram of a job's tool, with the depth and speed of the job.
 #[derive(Clone, Debug)]
 pub struct Diagram {
-    /// Milling that it is for.
+    /// Model of the milling process and the vibration modes.
     pub milling: LinearMilling,
-    /// Radial depth.
+    /// Radial depth of cut, mm.
     pub radial_depth_mm: f64,
-    /// Height of the tool's edges: no depth above it is looked at.
+    /// Height of the tool's edges, mm: no larger depth is examined.
     pub depth_max_mm: f64,
     /// Limits at evenly spaced speeds.
     pub points: Vec<LimitPoint>,
-    /// Distance of two speeds.
+    /// Difference of neighbouring speeds, rev/min.
     pub step_rev_per_min: f64,
-    /// Speed of the job.
+    /// Spindle speed of the job, rev/min.
     pub job_rev_per_min: f64,
-    /// Axial depth of the job.
+    /// Axial depth of cut of the job, mm.
     pub cut_depth_mm: f64,
     /// Limit at the job's speed.
     pub job_point: LimitPoint,
 }
 
 impl LimitPoint {
-    /// Kind of chatter, for reports.
+    /// Name of this kind of chatter in reports.
     pub const fn chatter(kind: ChatterKind) -> &'static str {
         match kind {
             ChatterKind::Hopf => "hopf",
@@ -79,10 +79,10 @@ impl LimitPoint {
 }
 
 impl Diagram {
-    /// Diagram of a job over a range of speeds.
+    /// Computes the diagram of a job for `count` speeds in `range`, rev/min.
     ///
     /// # Errors
-    /// The job has no end mill with equal teeth, no edges or no modes, or is wider than its tool.
+    /// The job has no end mill with equal teeth, no edges or no modes, or the radial depth exceeds the tool's diameter.
     pub fn new(path: &Path, file: &JobFile, cut: &Cut, range: [f64; 2], count: usize) -> Result<Self, Failure> {
         let (milling, radial_depth_mm) = linear_milling(path, file, cut)?;
         let cutting = file.cutting.as_ref();
@@ -112,7 +112,8 @@ impl Diagram {
         self.cut_depth_mm < self.job_point.depth_mm()
     }
 
-    /// Speeds whose neighbours have lower limits, the highest limit first; of a range without a limit its middle.
+    /// Speeds at which the stable depth has a local maximum, the largest depth first. In a range in which every depth is stable, the
+    /// middle of the range.
     pub fn best(&self) -> impl Iterator<Item = &LimitPoint> {
         let mut peaks: Vec<&LimitPoint> = Vec::new();
         for run in self.points.chunk_by(|a, b| a.depth_mm() == b.depth_mm()) {

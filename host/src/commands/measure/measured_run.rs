@@ -1,4 +1,4 @@
-//! Measurement of a run from the positions of the machine that made it.
+//! Measurement of the chip load from positions that were recorded on the machine.
 //!
 //! ```text
 //! distance from an arc:  | |p - A| - rho |                                          (1)
@@ -29,7 +29,7 @@ use crate::report::figures::{OverrideFigures, RunReport};
 /// Sample of a run that was recorded on a machine.
 #[derive(Clone, Copy, Debug)]
 pub struct MeasuredSample {
-    /// Time.
+    /// Time, s.
     pub time_s: f64,
     /// Position relative to the workpiece's origin, in the job's unit.
     pub position: [f64; 3],
@@ -39,11 +39,12 @@ pub struct MeasuredSample {
     pub feed: Option<f64>,
     /// Spindle speed in rev/min, if it is known.
     pub spindle: Option<f64>,
-    /// Feed over F, if it is known.
+    /// Feed override, as a fraction of F, if it is known.
     pub override_ratio: Option<f64>,
 }
 
-/// Planned block of each line of the NC file that ran: of the original program, or of the adapted one, written for a control.
+/// Planned block for each line of the NC file that ran. That file is the original program (`original`) or the adapted one, which may have
+/// been written for the control `target`.
 ///
 /// # Errors
 /// The control cannot execute the program.
@@ -78,7 +79,7 @@ fn sent_lines(program: &[u8], planned: &Adapted, original: bool) -> Vec<usize> {
     (1..).zip(pieces).flat_map(|(line, text)| std::iter::repeat_n(line, Lines::new(text).count())).collect()
 }
 
-/// Figures of a run that was recorded on a machine, computed sample by sample.
+/// Results of a run that was recorded on a machine, computed sample by sample.
 pub struct MeasuredRun<'a> {
     job: &'a Job,
     meter: ChipMeter,
@@ -98,7 +99,7 @@ pub struct MeasuredRun<'a> {
 }
 
 impl<'a> MeasuredRun<'a> {
-    /// Run before its first sample.
+    /// State before the first sample.
     pub fn new(job: &'a Job) -> Self {
         let meter = ChipMeter::new(job.tools.first());
         MeasuredRun {
@@ -116,7 +117,7 @@ impl<'a> MeasuredRun<'a> {
         }
     }
 
-    /// Adds the next sample, and the block that its line belongs to.
+    /// Processes the next sample; `block` is the planned block of its line.
     pub fn add(&mut self, row: MeasuredSample, block: Option<&'a PlannedBlock>) {
         if block.map(|block| block.line) != self.current.map(|block| block.line) {
             self.begin(block);
@@ -150,22 +151,22 @@ impl<'a> MeasuredRun<'a> {
         self.last = Some(row);
     }
 
-    /// Last sample.
+    /// Latest sample.
     pub fn last(&self) -> Option<&MeasuredSample> {
         self.last.as_ref()
     }
 
-    /// Block in execution; nothing once the machine is past the end of its move.
+    /// Block in execution at the latest sample; `None` once the machine has passed the end of its move.
     pub fn block(&self) -> Option<&'a PlannedBlock> {
         self.current.filter(|_| !self.is_past)
     }
 
-    /// Number of blocks so far.
+    /// Number of blocks that have begun so far.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// The chip meter.
+    /// Chip meter, with the chips measured so far.
     pub fn meter(&self) -> &ChipMeter {
         &self.meter
     }
@@ -212,7 +213,7 @@ impl<'a> MeasuredRun<'a> {
         self.meter.begin(self.count, &block.segment, governing.as_ref());
     }
 
-    /// Figures of the run; the last block is over.
+    /// Results of the whole run; ends its last block.
     pub fn report(mut self) -> RunReport {
         let end = self.count + 1;
         if let Some(block) = self.current {

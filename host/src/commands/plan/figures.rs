@@ -1,4 +1,4 @@
-//! Output of a plan: text, JSON, and the figures of other ring widths.
+//! Output of a cup-mill plan: text, JSON, and a comparison with other widths of the ring.
 
 use crate::console::note;
 use std::fmt::Write as _;
@@ -15,95 +15,96 @@ use serde::Serialize;
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 
-/// Figures of one plan, `arcfeed plan cup-mill --json` (docs/json.md). Lengths mm, angles degrees, volumes mm3, times
-/// minutes; slot frame unless stated.
+/// Results of a cup-mill plan as `arcfeed plan cup-mill --json` prints them (docs/json.md). Lengths are in mm, angles
+/// in degrees, volumes in mm3, times in minutes; coordinates are those of the slot unless stated.
 #[derive(Debug, Serialize)]
 pub struct Figures {
     /// Name of the part.
     pub name: String,
-    /// The tool collides with nothing.
+    /// The proof shows that the tool collides with nothing.
     pub safe: bool,
-    /// Axis of the tool, part frame.
+    /// Direction of the tool's axis in the coordinates of the part.
     pub tool_axis: [f64; 3],
-    /// A.
+    /// Position of the machine's axis A (tilt).
     pub tilt_deg: f64,
-    /// B of the first slot.
+    /// Position of the machine's axis B at which the first slot is machined.
     pub index_deg: f64,
-    /// Number of slots.
+    /// Number of slots of the rotor.
     pub slots: u32,
-    /// Room of the ring over `depth_ratio` of the depth, on each side.
+    /// Clearance of the ring to each of the two blades, over the part `depth_ratio` of the slot's depth.
     pub room_mm: f64,
-    /// `leading` or `trailing`: the edges near which the ring turns.
+    /// `leading` or `trailing`: the blade edges near which the ring turns about its pivots.
     pub start_edge: &'static str,
-    /// Upper part of the blades' height beside which the ring passes.
+    /// Part of the slot's depth, as a fraction from the blades' tips down, along which the ring passes.
     pub depth_ratio: f64,
-    /// C, A, B1.
+    /// C: base position of the mill's centre, in which the ring touches both blades.
     pub base_mm: [f64; 2],
-    /// A.
+    /// A: pivot of the exterior turn.
     pub exterior_mm: [f64; 2],
-    /// B1.
+    /// B1: pivot of the interior turn.
     pub interior_mm: [f64; 2],
-    /// Levels from the top.
+    /// Levels of the path, from the top down.
     pub levels: Vec<LevelFigures>,
-    /// Clearances of the tool.
+    /// Clearances of the parts of the tool from the obstacles.
     pub clearances: Vec<ClearanceFigures>,
     /// Material removed from a slot.
     pub removed: RemovedFigures,
     /// Time of one slot on the planned path.
     pub slot_min: f64,
-    /// Time of one slot by the baseline.
+    /// Time of one slot by flank milling, for comparison; `None` if that was not computed.
     pub baseline_slot_min: Option<f64>,
 }
 
-/// Level.
+/// One level of a cup-mill path: a turn about A and a turn about B1 at the same height.
 #[derive(Debug, Serialize)]
 pub struct LevelFigures {
-    /// Height of the tool's bottom.
+    /// Height of the tool's lower end.
     pub height_mm: f64,
-    /// D
+    /// D: position of the mill's centre at the end of the exterior turn.
     pub exterior_end_mm: [f64; 2],
-    /// Turn about A.
+    /// Angle of the exterior turn, about A.
     pub exterior_deg: f64,
-    /// Reason for its end.
+    /// Reason why the exterior turn ends there.
     pub exterior_stop: String,
-    /// E
+    /// E: position of the mill's centre at the end of the interior turn.
     pub interior_end_mm: [f64; 2],
-    /// Turn about B1.
+    /// Angle of the interior turn, about B1.
     pub interior_deg: f64,
-    /// Reason for its end.
+    /// Reason why the interior turn ends there.
     pub interior_stop: String,
 }
 
-/// Clearance.
+/// Clearance between a part of the tool and an obstacle over the whole path.
 #[derive(Debug, Serialize)]
 pub struct ClearanceFigures {
-    /// `ring`, `body`, `holder`.
+    /// Part of the tool: `ring`, `body` or `holder`.
     pub part: String,
-    /// `blades`, `hub`, `fixture`, `blank`.
+    /// Obstacle: `blades`, `hub`, `fixture` or `blank`.
     pub obstacle: String,
-    /// Lower bound.
+    /// Proven lower bound of the distance.
     pub certified_mm: f64,
-    /// Distance found.
+    /// Smallest distance that was found, which is not below the bound.
     pub found_mm: f64,
 }
 
-/// Volumes of a slot.
+/// Material removed from a slot.
 #[derive(Debug, Serialize)]
 pub struct RemovedFigures {
-    /// Total volume within the blank.
+    /// Volume removed from the blank in all.
     pub total_mm3: f64,
-    /// Volume between the allowances, within the blank.
+    /// Volume of the slot that is to be removed: between the allowances, within the blank.
     pub slot_mm3: f64,
-    /// Removed fraction of it.
+    /// Fraction of `slot_mm3` that the path removes.
     pub share_ratio: f64,
-    /// Thickest material left above the allowance: pressure side, suction side, hub.
+    /// Thickest material that remains above the allowance: on the pressure side, the suction side and the hub.
     pub left_max_mm: [f64; 3],
-    /// Least of it; negative where the ring has cut into the allowance.
+    /// Smallest thickness of the remaining material above the allowance, in the same order; negative where the ring has
+    /// cut into the allowance.
     pub left_min_mm: [f64; 3],
 }
 
 impl Figures {
-    /// Figures of a plan.
+    /// Results of a plan.
     pub fn of(composed: &PlanResult) -> Self {
         let plan = &composed.valued.plan;
         let left = [&composed.proof.left.pressure, &composed.proof.left.suction, &composed.proof.left.hub];
@@ -155,7 +156,7 @@ fn clearance(found: &Clearance) -> ClearanceFigures {
     }
 }
 
-/// Name in the JSON and on the page.
+/// Name of these edges in the JSON and on the page.
 pub fn edge_word(start: StartEdge) -> &'static str {
     match start {
         StartEdge::Leading => "leading",
@@ -163,7 +164,7 @@ pub fn edge_word(start: StartEdge) -> &'static str {
     }
 }
 
-/// Part of the depth in words.
+/// Phrase for a part of the slot's depth.
 pub fn depth_phrase(depth_ratio: f64) -> String {
     if depth_ratio < 1.0 {
         format!(
@@ -175,7 +176,7 @@ pub fn depth_phrase(depth_ratio: f64) -> String {
     }
 }
 
-/// Name in the JSON and on the page.
+/// Name of the part of the tool in the JSON and on the page.
 pub fn part_word(part: ToolPart) -> &'static str {
     match part {
         ToolPart::Ring => "ring",
@@ -184,7 +185,7 @@ pub fn part_word(part: ToolPart) -> &'static str {
     }
 }
 
-/// Name in the JSON and on the page.
+/// Name of the obstacle in the JSON and on the page.
 pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
     match obstacle {
         Obstacle::Blades => "blades",
@@ -194,7 +195,7 @@ pub fn obstacle_word(obstacle: Obstacle) -> &'static str {
     }
 }
 
-/// Reason for the end of a turn, in words.
+/// Reason why a turn ends, in words.
 pub fn stop_reason(stop: &Stop) -> String {
     match stop.at {
         None => "as far as the level below".into(),
@@ -279,7 +280,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     text
 }
 
-/// Reason for which nothing is written.
+/// Reason why no files are written for this plan, in words.
 pub fn refusal(composed: &PlanResult) -> String {
     let allowance_mm = composed.part.roughing.allowance_mm;
     let touched: Vec<String> = composed
@@ -308,10 +309,10 @@ struct WidthFigures {
     refused: Option<String>,
 }
 
-/// Figures of other rings: each is planned and proven as that of the part.
+/// Prints the results for rings of other widths; each is planned and proven as the part's own ring is.
 ///
 /// # Errors
-/// No ring passes.
+/// No ring fits between the blades.
 pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
     let part = &composed.part;
     let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);

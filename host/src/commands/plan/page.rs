@@ -11,7 +11,7 @@ use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, P
 /// Number of points of an outline.
 const OUTLINE: u32 = 40;
 
-/// Content of the page.
+/// Content of the report page of a cup-mill plan.
 pub fn report(composed: &PlanResult) -> PlanReport {
     let plan = &composed.valued.plan;
     let direction = plan.tool_axis();

@@ -1,4 +1,4 @@
-//! Plan with its proof, stock limits and times.
+//! Cup-mill plan of a part with its proof, stock limits and times.
 
 use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
@@ -18,31 +18,31 @@ use crate::report::page::plan::BaselineResult;
 /// Inverse time of indexing, as in the published listing: 1/50 min from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
 
-/// Plan of one part and its evaluation.
+/// Cup-mill plan of one part with everything derived from it.
 pub struct PlanResult {
-    /// Part file.
+    /// Content of the part file.
     pub part: PartFile,
-    /// Slot, part frame.
+    /// Geometry of the slot, in the coordinates of the part.
     pub slot: Slot,
-    /// Plan.
+    /// Path through the slot, with the fraction of the slot that it removes.
     pub valued: ValuedPlan,
-    /// Positions of the rotary axes for the plan.
+    /// Positions of the machine's rotary axes.
     pub placement: Placement,
-    /// Proof of the plan.
+    /// Proof that the tool collides with nothing, and the material that it leaves.
     pub proof: Proof,
-    /// Limits of the stock.
+    /// Limits of the stock, by which the feed law finds its contact.
     pub limits: Vec<StockLimit>,
-    /// Time of one slot.
+    /// Time of one slot on the planned path.
     pub time: PlannedTime,
-    /// Flank milling of one slot, or the reason why there is no comparison.
+    /// Flank milling of one slot for comparison, or the reason why there is none.
     pub baseline: Result<BaselineResult, String>,
 }
 
 impl PlanResult {
-    /// Plans a part.
+    /// Plans the slots of the part, and evaluates the plan.
     ///
     /// # Errors
-    /// Describes why there is no plan.
+    /// The reason why there is no plan.
     pub fn of(part: PartFile) -> Result<Self, String> {
         let found = flaws(&part.blisk, part.roughing.allowance_mm);
         if !found.is_empty() {
@@ -73,18 +73,19 @@ impl PlanResult {
         Ok(PlanResult { slot, placement, proof, limits, time, baseline, valued, part })
     }
 
-    /// The tool collides with nothing, and keeps the allowance except beside the edge about which it turns.
+    /// Whether the proof shows that the tool collides with nothing and keeps the allowance, except beside the edge
+    /// about which it turns.
     pub fn is_safe(&self) -> bool {
         let allowance_mm = self.part.roughing.allowance_mm;
         self.proof.holds(allowance_mm, NEARER_RATIO * allowance_mm)
     }
 
-    /// The machine can present the slot of a plan.
+    /// Whether the machine's rotary axes can reach the position that the plan needs.
     pub fn presents(&self, plan: &SlotPlan) -> bool {
         slot_placement(&self.part, plan).is_ok()
     }
 
-    /// B of each slot, degrees.
+    /// Position of the machine's axis B for each slot, degrees.
     pub fn slots_deg(&self) -> Vec<f64> {
         let pitch_deg = 360.0 / f64::from(self.part.blisk.blades);
         (0..self.part.blisk.blades).map(|slot| self.placement.index_deg + pitch_deg * f64::from(slot)).collect()
@@ -100,7 +101,7 @@ fn slot_placement(part: &PartFile, plan: &SlotPlan) -> Result<Placement, String>
     found.map_err(|error| error.to_string())
 }
 
-/// Feeds of the program.
+/// Feeds that the program has for this part.
 pub fn feeds(part: &PartFile) -> nc::Feeds {
     let settings = &part.feeds;
     nc::Feeds {

@@ -1,4 +1,5 @@
-//! Refusals of a plan: the remedy for each, as text and as JSON, and the files of an earlier plan.
+//! Refusal of a plan: the remedy for each reason, as text and as JSON, and what happens to the files of an earlier
+//! plan.
 
 use std::path::Path;
 
@@ -9,19 +10,19 @@ use serde::Serialize;
 
 use crate::console::note;
 
-/// Least part of a slot that a plan takes, as a fraction.
+/// Smallest fraction of a slot that a plan must remove to be accepted.
 pub const SHARE_MIN_RATIO: f64 = 0.01;
 
-/// Refusal, `arcfeed plan cup-mill --json` (docs/json.md).
+/// Refusal of a cup-mill plan, as `arcfeed plan cup-mill --json` prints it (docs/json.md).
 #[derive(Debug, Serialize)]
 pub struct RefusalFigures<'r> {
-    /// There is no plan.
+    /// Always false: there is no plan.
     pub safe: bool,
     /// Reason and remedy, as on stderr.
     pub refused: &'r str,
 }
 
-/// Reason for which there is no plan, with the smallest change that helps as far as it is known.
+/// Reason why there is no plan, with the smallest change of part or tool that would help, if it is known.
 pub fn with_remedy(why: &Infeasible, cutter: &CupMill) -> String {
     let width_mm = cutter.outer_radius_mm - cutter.inner_radius_mm;
     let remedy = match why {
@@ -41,7 +42,7 @@ pub fn with_remedy(why: &Infeasible, cutter: &CupMill) -> String {
     format!("{why}{remedy}")
 }
 
-/// Message for a plan that takes next to nothing; `None` if it takes more.
+/// Message for a plan that removes next to nothing (below [`SHARE_MIN_RATIO`]); `None` if it removes more.
 pub fn idle(share_ratio: f64) -> Option<String> {
     (share_ratio < SHARE_MIN_RATIO).then(|| {
         format!(

@@ -29,7 +29,7 @@ const NEGOTIATION_MAX: Duration = Duration::from_secs(2);
 /// Longest time before a client with the port begins a program, while another waits.
 const BEGIN_MAX: Duration = Duration::from_secs(5);
 
-/// Reason for which a client is dropped, in words.
+/// Reason, in words, why a client is disconnected.
 pub type Reason = String;
 
 /// TCP connection of a client that sends a program.
@@ -67,7 +67,7 @@ impl TcpClient {
         })
     }
 
-    /// Whether the client can be given the port.
+    /// Whether the client can be given the control's line: with plain bytes at once, with RFC 2217 after its requests.
     pub fn is_ready(&self, now: Micros) -> bool {
         self.server.as_ref().is_none_or(|server| server.is_open(now))
     }
@@ -99,18 +99,18 @@ impl TcpClient {
         }
     }
 
-    /// Gives the client the port for its next program.
+    /// Gives the client the control's line for its next program.
     pub fn begin(&mut self) {
         self.program.expect_next();
         self.active_at = Instant::now();
     }
 
-    /// Whether the client has begun a program since it got the port.
+    /// Whether the client has begun a program since it got the line.
     pub fn has_begun(&self) -> bool {
         self.program.has_begun()
     }
 
-    /// Reason why a client loses the port to another one that waits; `None` if it may keep the port.
+    /// Reason why this client must give the line to another one that waits; `None` if it may keep it.
     pub fn idle_reason(&self, control_waits: bool, idle_timeout: Duration) -> Option<Reason> {
         let idle = self.active_at.elapsed();
         if self.has_begun() {
@@ -166,7 +166,8 @@ impl TcpClient {
         Ok(())
     }
 
-    /// Whether a DC3 must reach the client itself, because the client has no serial port here that would stop at it.
+    /// Whether the control's DC3 must be sent to the client: it has no serial port here (RFC 2217) that would stop in
+    /// its place.
     pub fn is_far(&self) -> bool {
         self.server.as_ref().is_none_or(|server| server.settings().flow != Flow::XonXoff)
     }
@@ -185,7 +186,8 @@ impl TcpClient {
         (unsent <= UNSENT_MAX).then_some(()).ok_or_else(|| format!("it reads nothing: {unsent} characters wait for it"))
     }
 
-    /// Whether the client has hung up and all its characters have been used.
+    /// Whether the client has hung up and all its characters have been used; `on_wire` of them are still on the
+    /// simulated line.
     pub fn is_gone(&self, on_wire: usize) -> bool {
         self.is_over && on_wire == 0 && self.server.as_ref().is_none_or(|server| server.waiting() == 0)
     }
@@ -245,7 +247,7 @@ impl TcpClient {
     }
 }
 
-/// Whether the error only means that no data is there now.
+/// Whether the error only means that no data are there at present.
 pub fn is_quiet(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

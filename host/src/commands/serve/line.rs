@@ -119,7 +119,7 @@ impl ControlLine {
         Ok(())
     }
 
-    /// Reads until the sender is silent.
+    /// Reads and drops characters until the sender has been silent for a while, or `gives_up` returns true.
     ///
     /// # Errors
     /// The line is gone.

@@ -7,24 +7,24 @@ const LEADER_MAX: usize = 4_096;
 /// Detector of the beginning of a client's next program. Keeps its state between calls.
 #[derive(Clone, Debug)]
 pub enum ProgramStart {
-    /// Only leader so far, of this length.
+    /// Only leader (characters before a program, without meaning) has come so far, of this length.
     Awaited(usize),
-    /// Only leader behind a program, whose trailer may still come, of this length.
+    /// A program has ended, and only leader has come since, of this length; the trailer of that program may still come.
     AwaitedAgain(usize),
-    /// `%`, and leader of this length behind it.
+    /// `%` has come, and leader of this length after it.
     Marked(usize),
     /// A character of the program has come.
     Begun,
 }
 
-/// Handling of a received character.
+/// Handling of a received character: passed on, dropped, or a reason to disconnect the client.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ByteHandling {
-    /// The control gets it.
+    /// It is passed to the control.
     Pass,
-    /// The character belongs to the trailer of the last program.
+    /// It belongs to the trailer of the last program and is dropped.
     Discard,
-    /// The client is dropped, for this reason.
+    /// The client is disconnected, for this reason.
     Refuse(String),
 }
 

@@ -22,11 +22,11 @@ const REPORTS_MAX: usize = 20;
 /// Limits of the port's clients.
 #[derive(Clone, Copy, Debug)]
 pub struct ClientLimits {
-    /// Most connections at once.
+    /// Largest number of simultaneous connections.
     pub clients: usize,
-    /// Longest silence in a program while another client waits.
+    /// Longest silence within a program while another client waits for the line.
     pub idle_timeout: Duration,
-    /// Other machines may connect.
+    /// Other computers may connect.
     pub allow_remote: bool,
 }
 

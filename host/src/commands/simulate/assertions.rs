@@ -1,6 +1,7 @@
 //! Assertions on a simulated run (`--assert`): `FIGURE<=LIMIT`.
 //!
-//! A figure that the run does not produce is an error, never a pass.
+//! A figure (a result of the run, such as the largest chip load) that the run does not produce is an error, never a
+//! pass.
 
 use std::fmt;
 use std::str::FromStr;
@@ -23,7 +24,7 @@ const FORM: &str =
 const CHIP: &[(&str, f64)] = &[("", 1.0)];
 const FEED: &[(&str, f64)] = &[("mm/min", 1.0), ("in/min", LengthUnit::Inch.mm())];
 
-/// Assertion on a run (`--assert`), such as a limit of a figure.
+/// Assertion on a run (`--assert FIGURE<=LIMIT`): a result of the run must not exceed a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assertion {
     text: String,
@@ -44,17 +45,17 @@ enum AssertedFigure {
     Time,
 }
 
-/// Measured data of a run, on which assertions are judged.
+/// Data of a run on which assertions are judged.
 pub struct Evidence<'a> {
-    /// Figures of the run.
+    /// Results of the run.
     pub report: &'a RunReport,
-    /// Moves of the run.
+    /// Moves of the run, with feed and chip load over time.
     pub log: &'a MoveLog,
-    /// Measured chips, move by move.
+    /// Measured chips of each move.
     pub chips: &'a [MoveChips],
-    /// Load of the spindle, if the job describes it.
+    /// Power and torque of the spindle; `None` if the job describes neither edges nor material.
     pub spindle: Option<&'a SpindleLoad>,
-    /// Line of the program for a count of executed blocks.
+    /// Gives the line of the program for the number of an executed block; `None` if it has none.
     pub line_of: &'a dyn Fn(u32) -> Option<usize>,
     /// Name of the program for messages.
     pub program: String,
@@ -63,22 +64,22 @@ pub struct Evidence<'a> {
 /// Outcome of an assertion, with the measured value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AssertionOutcome {
-    /// The assertion as written.
+    /// The assertion as it was given.
     pub text: String,
-    /// Verdict.
+    /// Whether the assertion holds.
     pub verdict: Verdict,
-    /// Largest value with its unit, where the limit holds.
+    /// Largest measured value with its unit, if the assertion holds.
     pub largest: Option<String>,
 }
 
-/// Verdict on an assertion: passed, failed, or no data.
+/// Verdict on an assertion: passed, failed, or not to be judged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// The limit holds.
     Passed,
-    /// Describes the first block above the limit.
+    /// The limit is exceeded; describes the first block above it.
     Failed(String),
-    /// Describes why the run has no such figure, and what to do.
+    /// The run has no such result; says why, and what to do.
     Missing(String),
 }
 
@@ -97,13 +98,13 @@ impl FromStr for Assertion {
 }
 
 impl Assertion {
-    /// The outcome if there is no run to judge.
+    /// Outcome if there is no run to judge, for this cause.
     pub fn without_run(&self, cause: &str) -> AssertionOutcome {
         let verdict = Verdict::Missing(format!("the run did not end: {cause}"));
         AssertionOutcome { text: self.text.clone(), verdict, largest: None }
     }
 
-    /// Judges the assertion after a run that has ended, or stopped.
+    /// Judges the assertion on a run; `has_ended` is false if the run stopped early, so that nothing can pass.
     pub fn after(&self, evidence: &Evidence<'_>, has_ended: bool) -> AssertionOutcome {
         match evidence.report.alarms.first() {
             Some(alarm) => self.without_run(&alarm.to_string()),
@@ -112,7 +113,7 @@ impl Assertion {
         }
     }
 
-    /// Judges the assertion on the data of a run.
+    /// Judges the assertion on the data of a run that has ended.
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
         let (verdict, largest) = match self.figure.values(self.limit, evidence) {
             Err(missing) => (Verdict::Missing(missing), None),

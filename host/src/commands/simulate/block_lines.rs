@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use arcfeed_nc::text::Lines;
 
-/// Blocks of a text as sent, each with its line of the program. Keeps its state between calls.
+/// Assigns to each executed block its line of the program. It keeps its place in the text that was sent.
 ///
 /// The control executes each block as received, so it is the next line of the text with the same bytes.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +30,7 @@ impl BlockLocator {
         BlockLocator { text, blocks, next: 0 }
     }
 
-    /// Line of the next executed block; `None` for a block that is not in the text.
+    /// Line of the program's file for the next executed block, counted from 1; `None` if the block is not in the text.
     pub fn line_of(&mut self, block: &[u8]) -> Option<usize> {
         let ahead = self.blocks.get(self.next..).unwrap_or_default();
         let is_it = |(_, place): &(usize, Range<usize>)| self.text[place.clone()].trim_ascii() == block.trim_ascii();

@@ -1,4 +1,4 @@
-//! Executed blocks of a run beside those of the original program.
+//! Correspondence of the executed blocks of a run with those of the original program.
 //!
 //! A line that is sent in pieces has several blocks in the run and one in the original program. Blocks of one place are
 //! counted together.
@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 /// itself if there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BlockPlace {
-    /// Blocks that the original program's run has executed there, up to and including it.
+    /// The block corresponds to one of the original program: number of blocks that the original program's run had executed then, including
+    /// it.
     Original(u32),
-    /// Blocks that the run has executed, up to and including it: the original program does not have it.
+    /// The original program has no such block: number of blocks that this run has executed, including it.
     Own(u32),
 }
 

@@ -1,4 +1,4 @@
-//! Figures of the blocks of a run, a row each.
+//! Table with the results of each block of a run, one row for a block.
 
 use std::collections::BTreeMap;
 
@@ -18,28 +18,28 @@ use super::material_figures;
 use crate::trace::table::Cell;
 use crate::trace::tables::BLOCK_COLUMNS;
 
-/// Data of the block that is in execution in a millisecond.
+/// Data of the block that is in execution in one millisecond of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockRecord {
-    /// Blocks executed, up to and including it.
+    /// Number of blocks executed so far, including this one.
     pub block: u32,
-    /// N.
+    /// N number of the block; `None` without one.
     pub n: Option<i64>,
-    /// Line of the program's file.
+    /// Line of the program's file, counted from 1; `None` if it is unknown.
     pub line: Option<i64>,
-    /// Cut rule, from 1.
+    /// Number of the cut rule that governs the block, counted from 1; `None` without one.
     pub rule: Option<i64>,
-    /// Whether its move is a rapid.
+    /// The block's move is a rapid.
     pub is_rapid: bool,
-    /// Speed along the commanded path.
+    /// Speed along the commanded path, mm/min.
     pub feed_mm_per_min: f64,
-    /// Override of the control.
+    /// Override that the control uses, %.
     pub percent: u8,
-    /// Target of the measured quantity.
+    /// Target of the chip load that is measured, mm; `None` for a block without one.
     pub target_mm: Option<f64>,
 }
 
-/// Summary of each block of a run so far. Keeps its state between calls.
+/// Summaries of the blocks of a run, collected millisecond by millisecond.
 #[derive(Debug, Default)]
 pub struct BlockLog(BTreeMap<u32, BlockSummary>);
 
@@ -54,13 +54,13 @@ struct BlockSummary {
     changes: u32,
 }
 
-/// Measurements of a finished run for the table of blocks.
+/// Measurements of a finished run from which the table of blocks is filled.
 pub struct BlockSources<'a> {
-    /// Chips of the moves.
+    /// Measured chip loads.
     pub meter: &'a ChipMeter,
-    /// Workpiece.
+    /// Stock model that was cut; `None` without a workpiece.
     pub cutter: Option<&'a StockCutter>,
-    /// Edges in it.
+    /// Chips and forces of the edges; `None` without `[cutting]` in the job.
     pub loads: Option<&'a LoadMeter>,
 }
 
@@ -73,7 +73,8 @@ struct BlockChips {
 }
 
 impl BlockRecord {
-    /// Block in execution; `None` if there is none.
+    /// Data of the block in execution at present; `None` if there is none. `line_of` gives the line for the number of
+    /// the block.
     pub fn of<D: OverrideSource>(
         simulation: &Simulation<D>,
         line_of: impl FnOnce(u32) -> Option<usize>,
@@ -94,7 +95,7 @@ impl BlockRecord {
 }
 
 impl BlockLog {
-    /// Adds the millisecond that ends now.
+    /// Adds the data of the millisecond that ends at the time `now`.
     pub fn add(&mut self, record: BlockRecord, now: Micros) {
         let BlockRecord { percent, .. } = record;
         let begin = Micros(now.0.saturating_sub(STEP.0));
@@ -117,7 +118,7 @@ impl BlockLog {
         };
     }
 
-    /// Rows of the blocks in their order.
+    /// Rows of the table, in the order of the blocks.
     pub fn rows(&self, sources: &BlockSources<'_>) -> impl Iterator<Item = [Cell<'static>; BLOCK_COLUMNS]> {
         let chips = chips(sources.meter.moves());
         let loads = sources.loads.map_or(BTreeMap::new(), |loads| load_figures::by_place(loads, |count| count));

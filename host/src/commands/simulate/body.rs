@@ -1,4 +1,4 @@
-//! Flexible part of the job's workpiece: its modes from finite elements.
+//! Flexible part of the job's workpiece, with its vibration modes from finite elements.
 
 use std::sync::Arc;
 
@@ -16,11 +16,11 @@ use arcfeed_modal::flexible::largest_modes;
 use super::surface;
 use crate::job::flexible::{Elastic, Flexible, Shape};
 
-/// Fault, and its byte offset in the job file unless it is the table's.
+/// Fault in a job: byte offset of its place in the file (`None`: the whole table), and message.
 pub type SetupFault = (Option<usize>, String);
 
-/// Flexible workpiece for a tool with edges up to a height above its tip, and the modes of the workpiece with their
-/// largest shapes.
+/// Flexible workpiece for a tool whose edges reach up to `edges_mm` above its tip, and the modes of the workpiece,
+/// scaled by their largest amplitude.
 ///
 /// # Errors
 /// The material is unknown, the body has no such mesh or modes, or lies outside the blank.

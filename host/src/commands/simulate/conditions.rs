@@ -1,4 +1,4 @@
-//! Conditions of moves that the simulated machine does not know, from the plan of the program.
+//! Conditions of moves that the simulated machine cannot know by itself, taken from the plan of the program.
 
 use std::iter;
 
@@ -17,7 +17,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<Pla
     foreseen_where(program, adapted, file, |_| true)
 }
 
-/// Conditions of moves for a run of the original program: only those that the chip meter needs.
+/// Conditions of moves for a run of the original program: only for the moves whose chip meter needs them.
 pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     let has_scopes = has_scopes(file);
     foreseen_where(program, adapted, file, |block| {
@@ -51,7 +51,8 @@ fn foreseen_where(
     known.collect()
 }
 
-/// Whether a rule of the job has a scope, which no simulated machine knows.
+/// Whether a cut rule of the job is restricted to lines of the file or to a plane, which a simulated machine does not
+/// know.
 pub fn has_scopes(file: &JobFile) -> bool {
     file.rule_scopes.iter().any(|scope| scope.key().is_some())
 }

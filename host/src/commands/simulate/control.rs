@@ -13,7 +13,7 @@ use crate::job::{ControlKind, JobFile, Parity, SerialSettings, TapeCode};
 use crate::machine_file::MachineFile;
 use crate::machine_file::drives::{Drive, Drives, Loops, SpindleRamps};
 
-/// Settings of the job's control on the job's line.
+/// Settings of the simulated control, from the job's control and serial line.
 pub fn control_settings(file: &JobFile) -> ControlSettings {
     let preset = match file.control {
         ControlKind::Fanuc16i => Preset::Fanuc16i,
@@ -73,7 +73,7 @@ fn drive_limits(file: &MachineFile) -> Option<DriveLimits> {
     })
 }
 
-/// Character code of the simulated control for the code that the sender makes.
+/// Code of the simulated control that corresponds to the character code which the sender produces.
 pub fn tape_code(code: TapeCode) -> Code {
     match code {
         TapeCode::Iso => Code::Iso,

@@ -1,4 +1,4 @@
-//! Edges of the job's tool in the layers of its workpiece, and the forces of its material.
+//! Cutting edges of the job's tool, the layers of its workpiece, and the cutting forces of its material.
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,7 +23,7 @@ use crate::engagement::sections::TangentialForce;
 use crate::job::cutting::{Coefficients, Mode as ModeFigures};
 use crate::job::{Cutting, JobFile};
 
-/// Index of Z: the tool's axis, except under G43.4.
+/// Index of the axis Z along which the tool stands, except under G43.4.
 pub const UPRIGHT: usize = 2;
 
 /// Largest turn of the tool in a step.
@@ -38,7 +38,8 @@ const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, pas
 /// A rigid tool does not move: one pass.
 const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
 
-/// Cutting process in a blank, before a run, and the blank if it is flexible.
+/// Cutting process (edges, layers, forces, vibration) of a job in its blank before a run, and the blank as a flexible
+/// workpiece if the job describes one.
 ///
 /// # Errors
 /// The material is unknown, the edges are invalid, there are too many layers, or the flexible part has no such modes.
@@ -70,7 +71,7 @@ pub fn process(
     Ok((Process::new(engagement, forces, Vibration::new(modes, stepping)), flexible_workpiece))
 }
 
-/// Solid that the edges of a tool without runout sweep: the reference for marks.
+/// Solid that the edges of the tool would sweep without runout: the reference from which marks are measured.
 ///
 /// # Errors
 /// The edges are invalid.
@@ -80,7 +81,7 @@ pub fn turned(file: &JobFile, cutting: &Cutting) -> Result<CuttingSolid, SetupFa
     Ok(CuttingSolid { slices: slices(&edges), reach_mm: cutting.axial_depth_mm })
 }
 
-/// Largest turn of the tool in a step.
+/// Largest rotation of the tool in one step of the vibration's integration, rad.
 ///
 /// The fastest modes are ignored as long as their vibrations together stay below the largest change that counts as
 /// none. Such modes cannot chatter, and the exact rule follows their motion in steps longer than their periods.
@@ -99,16 +100,16 @@ pub fn step_max_rad(file: &JobFile, process: &Process) -> f64 {
     STEP_RAD.min(turned_rad_per_s / (fastest_hz * STEPS_A_PERIOD))
 }
 
-/// Chatter samples of a run, still empty: one sample per active tooth and turn.
+/// Empty collection of samples for chatter detection: one sample for each active tooth and turn.
 pub fn samples(file: &JobFile) -> ChatterSamples {
     let teeth = usize::from(file.job.tools.first().tool.active_teeth());
     ChatterSamples::new(teeth, f64::from(file.job.tools.first().feed_per_tooth.0) * FLOOR_RATIO)
 }
 
-/// Mode of a tool in the frame of the program.
+/// Vibration mode of a tool, from its values in the job, in the program's coordinates.
 ///
 /// # Errors
-/// The figures are not those of a mode.
+/// The values do not describe a mode.
 pub fn mode(figures: &ModeFigures) -> Result<Mode, SetupFault> {
     Mode::from_stiffness(
         figures.frequency_hz,
@@ -178,7 +179,7 @@ pub fn tangential(name: &str, offset: usize) -> Result<Kienzle, SetupFault> {
     })
 }
 
-/// Tangential force of a chip under these coefficients.
+/// Tangential force per width of a chip, from the coefficients of a job.
 ///
 /// # Errors
 /// The material is unknown.
@@ -193,7 +194,7 @@ pub fn tangential_force(coefficients: &Coefficients) -> Result<TangentialForce, 
     })
 }
 
-/// Growth of tangential and radial force with the chip, at this thickness, N/mm2.
+/// Slopes of the tangential and of the radial force per width against the chip thickness, at this thickness, N/mm2:
 ///
 /// ```text
 /// Kienzle  dF/(b dh) = k (1 - m) h^-m     (1)

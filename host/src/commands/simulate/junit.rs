@@ -1,4 +1,4 @@
-//! Outcomes as JUnit XML, as CI servers read it: one `testsuite` with a `testcase` for each assertion, or each run.
+//! Outcomes in JUnit XML, which CI servers read: one `testsuite` with a `testcase` for each assertion or run.
 
 use std::fmt::{self, Write};
 
@@ -7,9 +7,9 @@ use crate::report::page::escaped;
 
 /// Assertions of a run as a JUnit test suite.
 pub struct TestSuite<'a> {
-    /// Job.
+    /// Path of the job file, the name of the suite.
     pub job: String,
-    /// Outcomes, in order.
+    /// Outcomes of the assertions, in order.
     pub outcomes: &'a [AssertionOutcome],
     /// Time that the command took, s.
     pub time_s: f64,
@@ -28,10 +28,10 @@ impl fmt::Display for TestSuite<'_> {
     }
 }
 
-/// End of a suite.
+/// Closing tags after the last case of a suite.
 pub const END: &str = "  </testsuite>\n</testsuites>\n";
 
-/// Beginning of a suite with this many tests, failures and errors.
+/// Opening tags of a suite with these numbers of tests, failures and errors, which took `time_s`.
 pub fn begin(name: &str, [tests, failures, errors]: [usize; 3], time_s: f64) -> String {
     let counts = format!("tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\"");
     format!(
@@ -41,7 +41,7 @@ pub fn begin(name: &str, [tests, failures, errors]: [usize; 3], time_s: f64) -> 
     )
 }
 
-/// Case of a suite.
+/// Text of one case.
 pub fn case(name: &str, class: &str, verdict: &Verdict) -> String {
     let cause = |element: &str, message: &str| {
         let message = attribute(message);

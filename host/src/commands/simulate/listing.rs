@@ -1,4 +1,4 @@
-//! Lines of the program beside the executed blocks of both runs.
+//! Lines of the program, assigned to the executed blocks of the run and of the original program.
 
 use arcfeed_nc::text::Lines;
 
@@ -8,12 +8,13 @@ use crate::adapt::Adapted;
 use crate::adapt::write_back::WrittenProgram;
 use crate::program::{Program, in_capitals};
 
-/// NC text of a program, with the line of each executed block.
+/// Text of a program, with the line of each executed block.
 #[derive(Clone, Debug, Default)]
 pub struct ProgramListing {
-    /// Lines of the program's file, each with its text as sent.
+    /// Lines of the program's file, each as written and as sent.
     pub lines: Vec<[Vec<u8>; 2]>,
-    /// Line, counted from 1, of each executed block; of the run and of the original program.
+    /// Line, counted from 1, of each executed block; first of the run, then of the original program. `None` for a block
+    /// without a line.
     pub block_lines: [Vec<Option<usize>>; 2],
 }
 
@@ -45,14 +46,14 @@ impl ProgramListing {
         ProgramListing { lines, block_lines }
     }
 
-    /// Blocks of the run beside those of the original program.
+    /// Correspondence of the run's blocks with those of the original program.
     pub fn pairs(&self) -> BlockPairs {
         BlockPairs::new(self.block_lines.each_ref().map(Vec::as_slice))
     }
 }
 
-/// Locators of the blocks of the run and of the original program; `sent` is the text in the control's memory, and
-/// `sent_ends` has the end of each program line in it.
+/// Locators that find the line of each executed block, for the run and for the original program. `sent` is the text in
+/// the control's memory, `sent_ends` the end of each program line in it.
 pub fn locators(program: &Program, adapted: &Adapted, sent: &[u8], sent_ends: &[usize]) -> [BlockLocator; 2] {
     let file = program.file();
     let before = BlockLocator::new(in_capitals(&file), &line_ends(&file), |line| line);

@@ -1,4 +1,4 @@
-//! Loads of the edges, as figures of the report and over time.
+//! Loads of the cutting edges (chips, forces, power), as results for the report and over time.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::report::page::plot::{Lane, Series};
 /// W per kW.
 const W_PER_KW: f64 = 1e3;
 
-/// Figures of the cutting loads of a run and of the original program.
+/// Results for the cutting loads of a run and of the original program.
 pub fn figures((unit, pairs): (LengthUnit, &BlockPairs), meter: &LoadMeter, baseline: &LoadMeter) -> LoadsFigures {
     let runs = [meter, baseline];
     let of = |choose: &dyn Fn(&BlockRef) -> bool| runs.map(|run| load(&sum(run, choose), unit));
@@ -77,7 +77,7 @@ fn vibration(unit: LengthUnit, meter: &LoadMeter, baseline: &LoadMeter) -> Vibra
     }
 }
 
-/// Curves of force and power over time, for the report.
+/// Curves of force and power over time, of the run (`after`) and of the original program (`before`).
 pub fn lanes(after: &LoadMeter, before: &LoadMeter) -> [Lane; 2] {
     let lane = |title: &str, value: &dyn Fn(&LoadStatistics) -> f64| {
         let series = [("before", "#999", before), ("after", "#c03020", after)].map(|(name, color, meter)| {
@@ -119,7 +119,7 @@ fn blocks((unit, pairs): (LengthUnit, &BlockPairs), meter: &LoadMeter, baseline:
     blocks
 }
 
-/// Load statistics of a run, summed over the blocks with the same place.
+/// Load statistics of a run, summed over the blocks for which `place` returns the same value.
 pub fn by_place<P: Ord>(meter: &LoadMeter, place: impl Fn(u32) -> P) -> BTreeMap<P, (BlockRef, LoadStatistics)> {
     let mut found = BTreeMap::new();
     for (of, statistics) in meter.blocks() {

@@ -1,5 +1,5 @@
-//! Tooth marks on walls, as figures of the report and as a map; intervals of the path with vibration, and the chip
-//! thickness along it.
+//! Marks that the teeth leave on walls, as results and as a map; parts of the path with vibration; chip thickness along
+//! the path.
 
 use std::collections::BTreeMap;
 
@@ -19,17 +19,18 @@ use crate::report::page::map::Map;
 /// Cells of the map along its longer side: walls are one cell wide.
 const CELLS: f64 = 200.0;
 
-/// Reference against which marks of the teeth are measured.
+/// Reference from which the marks of the teeth on walls are measured.
 #[derive(Clone, Debug)]
 pub struct MarkReference {
-    /// Layers before the run.
+    /// Layers of the blank before the run.
     pub blank: Layers,
-    /// Solid swept by a tool without runout.
+    /// Solid that the edges sweep without runout.
     pub turned: CuttingSolid,
 }
 
 impl MarkReference {
-    /// Marks of a run; none if tilted tools have cut, whose layers are not those of the blank.
+    /// Marks that a run has left on walls; empty if a tilted tool has cut, because its layers are not those of the
+    /// blank.
     pub fn marks(&self, meter: &LoadMeter) -> Vec<WallMark> {
         if meter.is_tilted() {
             return Vec::new();
@@ -38,7 +39,7 @@ impl MarkReference {
     }
 }
 
-/// Figures of a run's marks; `None` without marks.
+/// Results for the marks of a run; `None` without marks.
 pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<MarksFigures> {
     let in_unit = |mm: f64| mm / unit.mm();
     let worst = marks.iter().max_by(|a, b| a.off_mm.abs().total_cmp(&b.off_mm.abs()))?;
@@ -73,7 +74,7 @@ pub fn figures(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Optio
     })
 }
 
-/// Map of the marks seen along Z; of several marks at one place, the largest.
+/// Map of the marks, seen along Z; where several lie above each other, the largest counts. `None` without marks.
 pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Map> {
     let in_unit = |mm: f64| mm / unit.mm();
     let [lowest_mm, highest_mm] = meter.process().engagement().layers().extent_mm()?;
@@ -103,7 +104,7 @@ pub fn map(unit: LengthUnit, meter: &LoadMeter, marks: &[WallMark]) -> Option<Ma
     })
 }
 
-/// Plot of the tool's path among the layers, block by block.
+/// Plot of the tool's path through the workpiece, coloured by load, block by block.
 pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigures) -> LoadPlot {
     let in_unit = |mm: f64| mm / unit.mm();
     let unstable = |count: u32| {

@@ -1,4 +1,4 @@
-//! Removed material, as figures of the report.
+//! Removed material, as results for the report.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::report::material::{
     BlockFigures, DeviationFigures, LeftOutBlocks, MaterialFigures, RemovalFigures, RuleFigures, VolumeUnit,
 };
 
-/// Figures of the removed material of a run and of the original program.
+/// Results for the material removed by a run and by the original program.
 pub fn figures(
     (unit, pairs): (LengthUnit, &BlockPairs),
     setup: &Setup<'_>,
@@ -72,7 +72,8 @@ pub fn figures(
     }
 }
 
-/// Deviation of the remaining stock from the finished part, along the tool's axis.
+/// Deviation of the remaining stock from the finished part, measured along the tool's axis, as a map and as numbers;
+/// `None` if they have no common place.
 pub fn deviation(unit: LengthUnit, stock: &Stock, target: &Stock) -> Option<(HeightMap, DeviationFigures)> {
     let heights = [stock, target].map(|stock| HeightMap::new(stock, UPRIGHT));
     let map = heights[0].above(&heights[1]).ok()?;
@@ -121,7 +122,7 @@ fn blocks(
     blocks
 }
 
-/// Largest removal rate of each block, mm3/min, without rapids.
+/// Largest removal rate of each block, mm3/min, rapids left out.
 pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
     let step_mm = cutter.stock().lattice().step_mm();
     let rate = |pieces: &[&Piece]| RemovedVolume::of(pieces.iter().copied(), step_mm).rate_max_per_min;
@@ -129,7 +130,8 @@ pub fn block_rates(cutter: &StockCutter) -> Vec<(BlockRef, f64)> {
     blocks.map(|(of, pieces)| (of, rate(&pieces))).collect()
 }
 
-/// Removed volumes of a run by the place of their block, with rapids apart.
+/// Pieces of removed material, grouped by the value that `place` returns for their block, and by whether the move was a
+/// rapid.
 pub fn by_place<P: Ord>(
     cutter: &StockCutter,
     place: impl Fn(u32) -> P,
@@ -157,7 +159,7 @@ fn removal_of<'p>(
     }
 }
 
-/// Figures of blocks whose material was not removed, for one reason.
+/// Entry of the report for blocks whose material was not removed in the model, for one reason.
 pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) -> LeftOutBlocks {
     let cause = match reason {
         LeftOutReason::Turning => "turning",

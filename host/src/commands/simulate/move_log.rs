@@ -13,9 +13,9 @@ const STEP_RATIO: f64 = 2e-3;
 pub struct MoveLog {
     /// Moves in order of execution.
     pub moves: Vec<LoggedMove>,
-    /// Feed along the path, mm/min, without rapids.
+    /// Feed along the path over time, mm/min; rapids left out.
     pub feeds: Curve,
-    /// Measured chip load over its target.
+    /// Measured chip load divided by its target, over time.
     pub chips: Curve,
     /// Moves that the control had begun at the last one logged.
     moves_begun: u64,
@@ -24,24 +24,24 @@ pub struct MoveLog {
 /// One move of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoggedMove {
-    /// Blocks executed, up to and including the move's.
+    /// Number of blocks executed then, including the block of this move.
     pub block: u32,
-    /// The move, in the workpiece's coordinates.
+    /// The move in workpiece coordinates.
     pub segment: Segment,
-    /// Whether a cut rule governs it.
+    /// A cut rule governs the move.
     pub is_governed: bool,
-    /// Time of its first millisecond.
+    /// Machine time at which the move began.
     pub began: Micros,
-    /// Largest feed along the path, mm/min; zero for rapids.
+    /// Largest feed along the path during the move, mm/min; 0 for rapids.
     pub feed_max_mm_per_min: f64,
 }
 
-/// Quantity over time as steps: start, end and value.
+/// Quantity over time as steps: start, end, and value between them.
 #[derive(Debug, Default)]
 pub struct Curve(Vec<(Micros, Micros, f64)>);
 
 impl MoveLog {
-    /// Processes a millisecond of the run.
+    /// Records the millisecond that the simulation has just executed.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         let (now, control) = (simulation.now(), simulation.control());
         let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
@@ -61,12 +61,12 @@ impl MoveLog {
 }
 
 impl Curve {
-    /// Steps as times in seconds, and values in another unit.
+    /// Steps as start and end in s, and value divided by `unit`.
     pub fn steps(&self, unit: f64) -> Vec<([f64; 2], f64)> {
         self.0.iter().map(|(from, to, value)| ([from.to_s(), to.to_s()], value / unit)).collect()
     }
 
-    /// Whether there is no step.
+    /// Whether the curve has no steps.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

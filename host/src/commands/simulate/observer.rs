@@ -1,4 +1,5 @@
-//! Observation of a run: cuts the stock along the axes' path, records the override, and shows the progress.
+//! Observation of a simulated run: cuts the stock along the axes' path, records override, feed and chip load, and shows
+//! the progress.
 
 use std::sync::atomic::Ordering;
 
@@ -29,17 +30,17 @@ const SIGN_EVERY: u64 = 200;
 /// Observer of a simulated run: cuts the stock, records figures, shows the progress.
 #[derive(Debug, Default)]
 pub struct RunObserver {
-    /// Workpiece.
+    /// Stock that the tool cuts; `None` without a workpiece.
     pub cutter: Option<StockCutter>,
-    /// Edges in it.
+    /// Chips and forces of the edges in the stock; `None` without `[cutting]`.
     pub loads: Option<LoadMeter>,
-    /// Moves, feed and chip load.
+    /// Moves of the run, with feed and chip load over time.
     pub log: MoveLog,
-    /// Path with the values along it.
+    /// Path of the tool with feed, chip load and override along it.
     pub trace: PathTrace,
-    /// Stock at many times, if they are recorded.
+    /// Stock at many times of the run; `None` unless [`RunObserver::record_stock`] was called.
     pub stock: Option<StockFrames>,
-    /// Override, %, from each time on.
+    /// Changes of the override: time, and value from then on, %.
     pub overrides: Vec<(Micros, u8)>,
     /// Tables of `--trace`.
     tables: Option<RunTables>,
@@ -49,19 +50,20 @@ pub struct RunObserver {
 }
 
 impl RunObserver {
-    /// Observer of a run on this workpiece, if there is one; `shows` progress or not.
+    /// Observer of a run on the workpiece of `setup` (`None`: without one); `shows` says whether it shows the progress.
     pub fn on(setup: Option<&Setup<'_>>, shows: bool) -> Self {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
-    /// Makes the observer record the stock at many times of the run.
+    /// Lets the observer record the stock at many times of the run, for the viewer.
     pub fn record_stock(&mut self) {
         self.stock = self.cutter.as_ref().map(|cutter| StockFrames::new(cutter.stock()));
     }
 
-    /// Makes the observer write the tables of the run; with a `locator` they contain the lines of the program.
+    /// Lets the observer write the tables of the run (`--trace`); with a `locator` they contain the lines of the
+    /// program.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -86,7 +88,7 @@ impl RunObserver {
     /// Simulates the run to its end.
     ///
     /// # Errors
-    /// The run never ends, the stock takes more memory than it may, or the tables cannot be written.
+    /// The run does not end, the stock needs more memory than permitted, or the tables cannot be written.
     pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
         run_observed(simulation, takes_long, |simulation| self.observe(simulation))?;
@@ -129,7 +131,7 @@ impl RunObserver {
         Ok(())
     }
 
-    /// Processes a period without the workpiece.
+    /// Records the millisecond that the simulation has just executed, without cutting the stock.
     pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
@@ -143,7 +145,7 @@ impl RunObserver {
     }
 }
 
-/// Makes observers write the tables of their runs, if there are files for them.
+/// Lets the observers write the tables of their runs, if there are files for them.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -159,16 +161,15 @@ pub fn write_tables<const N: usize>(
     runs.try_for_each(|((observer, files), locator)| observer.write_tables(files, Some(locator)))
 }
 
-/// Result of a run, and the time of its end.
+/// End of a run: whether it was reached, and when.
 pub struct ObservedEnd {
-    /// Result.
+    /// Whether the run reached its end, or why not.
     pub result: Result<(), Failure>,
-    /// Time of the end.
+    /// Wall time of the end.
     pub ended: Instant,
 }
 
-/// Simulates two runs to their ends, each on a thread of its own where there are threads. Only the first shows its
-/// progress.
+/// Simulates two runs to their ends, at the same time if the system has threads. Only the first shows its progress.
 pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [ObservedEnd; 2] {
     let run = |observer: &mut RunObserver, simulation: &mut Simulation| ObservedEnd {
         result: observer.run(simulation),
@@ -185,11 +186,11 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
     })
 }
 
-/// Simulates a run to its end and passes each period to the observer. A run that takes long is announced, with its
-/// progress.
+/// Simulates a run to its end and calls `observe` after each millisecond. `takes_long` is the name under which a run
+/// that takes long shows its progress; `None`: no progress.
 ///
 /// # Errors
-/// The run never ends, or the observer stops it.
+/// The run does not end, or `observe` fails.
 pub fn run_observed(
     simulation: &mut Simulation<InProcessController>,
     takes_long: Option<&str>,

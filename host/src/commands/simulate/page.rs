@@ -1,4 +1,4 @@
-//! Report page of a run, and the remaining surface, as files.
+//! Report page of a run, and files with the remaining surface of the stock.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -44,26 +44,26 @@ pub enum SurfaceFormat {
 
 /// Content of the report page of a run.
 pub struct PageContent<'a> {
-    /// Headline.
+    /// Headline of the page.
     pub title: &'a str,
-    /// Program's lines, and those of the executed blocks.
+    /// Text of the program, with the line of each executed block.
     pub listing: &'a ProgramListing,
-    /// Figures of the run.
+    /// Results of the run.
     pub report: &'a RunReport,
-    /// Job: its unit of lengths and its target chip load.
+    /// Job, of which the page needs the unit of lengths and the target chip load.
     pub job: &'a Job,
     /// The run and the original program, each with the time of its end.
     pub runs: [(&'a RunObserver, Micros); 2],
-    /// Measured chips of both, move by move.
+    /// Measured chips of each move; first of the run, then of the original program.
     pub chips: [&'a [MoveChips]; 2],
-    /// Deviation, if the job has a target.
+    /// Deviation of the stock from the finished part, if the job describes one.
     pub deviation: Option<(HeightMap, DeviationFigures)>,
-    /// Marks of the edges on walls.
+    /// Marks that the teeth left on walls.
     pub marks: Vec<WallMark>,
 }
 
 impl SurfaceFormat {
-    /// Format by the file's name.
+    /// Format that the ending of the file's name stands for.
     ///
     /// # Errors
     /// The name ends neither in `.stl` nor in `.ply`.
@@ -76,10 +76,10 @@ impl SurfaceFormat {
         }
     }
 
-    /// Writes the remaining stock, in millimetres.
+    /// Writes the surface of the remaining stock; coordinates in mm.
     ///
     /// # Errors
-    /// Nothing is left, or the file cannot be written.
+    /// Nothing is left of the stock, or the file cannot be written.
     pub fn write(self, stock: &Stock, path: &Path) -> Result<(), Failure> {
         let input_failure = |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
         let mesh = surface(stock).map_err(|error| input_failure(&error))?;

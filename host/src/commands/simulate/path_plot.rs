@@ -10,7 +10,7 @@ use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 /// Largest angle between two points of an arc.
 const POINT_RAD: f64 = 0.05;
 
-/// Plot of the cutting moves, seen along Z, each with its largest measured chip over the target.
+/// Plot of the cutting moves, seen along Z; the colour of each shows its largest measured chip divided by the target.
 pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
     let block = |logged: &LoggedMove| {
         let LoggedMove { block, segment, is_governed, .. } = logged;

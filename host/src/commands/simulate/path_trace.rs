@@ -1,4 +1,4 @@
-//! Path of a run with the values along it, in few points: a point ends an interval in which the block stays, the path is
+//! Path of a run with the values along it, reduced to few points: a point ends an interval in which the block stays the same, the path is
 //! straight within a tolerance and the values change little.
 //!
 //! A run of any length has a bounded number of points: if there are too many, those that follow the one before too
@@ -26,7 +26,7 @@ const CHANGE_RATIO: f64 = 1e-2;
 /// Longest interval.
 const INTERVAL_MAX: Micros = Micros::from_ms(250);
 
-/// Axis of a tool that stands along Z.
+/// Direction of the axis of a tool that stands along Z.
 pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Component of the axis at the end of an interval along that at its beginning: 1 degree.
@@ -35,26 +35,26 @@ const SAME_AXIS_RATIO: f64 = 0.999_847_7;
 /// Positions that are compared with the straight line; if there are more, every second one is left out.
 const COMPARED_MAX: usize = 32;
 
-/// Point of the tool's path, with the values on the way to it.
+/// Point of the tool's path, with the values on the way from the preceding point to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePoint {
-    /// End of the interval.
+    /// Machine time at the point.
     pub at: Micros,
     /// X, Y, Z of the tool's tip in the workpiece's coordinates.
     pub position_mm: [f64; 3],
-    /// Direction from the tip to the holder there.
+    /// Unit vector from the tip towards the holder.
     pub axis: [f64; 3],
     /// Tool in the spindle.
     pub tool: ToolInSpindle,
-    /// Blocks executed, up to and including the block in execution.
+    /// Number of blocks executed then, including the block in execution.
     pub block: u32,
-    /// Whether the move is a rapid.
+    /// The move is a rapid.
     pub is_rapid: bool,
     /// Feed along the path, mm/min.
     pub feed_mm_per_min: f64,
-    /// Measured chip load over its target.
+    /// Measured chip load divided by its target; `None` without a measurement.
     pub chip_ratio: Option<f64>,
-    /// Override, %.
+    /// Override that the control uses, %.
     pub percent: u8,
 }
 
@@ -96,12 +96,12 @@ impl PathTrace {
         }
     }
 
-    /// Makes the trace follow the part of a machine, which its rotary axes turn.
+    /// Lets the trace follow the part on the tables of this machine, whose rotary axes turn it.
     pub fn follow(&mut self, machine: Option<Machine>) {
         self.machine = machine;
     }
 
-    /// Processes a millisecond of the run.
+    /// Records the millisecond that the simulation has just executed.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         let (now, control) = (simulation.now(), simulation.control());
         let active = control.active().map(|(block, _)| block);
@@ -146,12 +146,12 @@ impl PathTrace {
         ([0, 1, 2].map(|axis: usize| axes[axis] - origin[axis]), UP)
     }
 
-    /// Processes the end of the run.
+    /// Completes the path at the end of the run.
     pub fn end(&mut self) {
         self.close();
     }
 
-    /// Points in order of time; complete at the end of the run.
+    /// Points in the order of time; complete after [`PathTrace::end`].
     pub fn points(&self) -> &[TracePoint] {
         &self.points
     }

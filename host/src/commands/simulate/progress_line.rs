@@ -3,7 +3,7 @@
 #[cfg(not(target_family = "wasm"))]
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
-/// Line of a simulation.
+/// Line on stderr that shows the progress of a simulation.
 pub struct ProgressLine<'n> {
     /// Word for what is simulated.
     name: &'n str,
@@ -12,7 +12,7 @@ pub struct ProgressLine<'n> {
 }
 
 impl<'n> ProgressLine<'n> {
-    /// Line that begins with a word.
+    /// Shows a line that begins with `name`.
     pub fn begin(name: &'n str) -> Self {
         ProgressLine {
             name,
@@ -21,7 +21,7 @@ impl<'n> ProgressLine<'n> {
         }
     }
 
-    /// Shows the blocks executed and the machine time in s.
+    /// Updates the line: number of executed blocks, and machine time, s.
     pub fn show(&self, blocks: usize, time_s: f64) {
         #[cfg(not(target_family = "wasm"))]
         {

@@ -1,4 +1,4 @@
-//! Figures of a run, for reports.
+//! Results of a run for reports.
 
 use arcfeed_control::interpolator::AxisLimited;
 use arcfeed_hil_sim::override_source::OverrideSource;
@@ -16,7 +16,7 @@ use crate::report::figures::{
 };
 use crate::report::print_output;
 
-/// Adds the figures of the original program.
+/// Adds to a report the results of the original program, for comparison.
 pub fn compare(report: &mut RunReport, baseline: RunReport) {
     // A program that its control does not finish has no time to compare with.
     report.baseline_cycle_time_s = baseline.cycle_time_s.filter(|_| baseline.alarms.is_empty());
@@ -29,7 +29,7 @@ pub fn compare(report: &mut RunReport, baseline: RunReport) {
     }
 }
 
-/// Figures of everything that the simulation has executed so far.
+/// Results of everything that the simulation has executed so far.
 pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunReport {
     let moves: Vec<(&MoveChips, Option<&MoveOverride>)> =
         simulation.meter().moves().iter().zip(simulation.overrides().iter().map(Some)).collect();
@@ -59,7 +59,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
     }
 }
 
-/// Figures of a run for which only chips were measured.
+/// Results of a run of which only chips were measured.
 pub fn of_chips(job: &Job, chips: &[MoveChips]) -> RunReport {
     let moves: Vec<(&MoveChips, Option<&MoveOverride>)> = chips.iter().map(|chips| (chips, None)).collect();
     RunReport {

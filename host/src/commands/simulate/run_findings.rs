@@ -1,4 +1,4 @@
-//! Findings of both runs for the report's list: alarms, limits and warnings, each at its block.
+//! Alarms, exceeded limits and warnings of both runs, each at its block, for the report's list.
 
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_units::LengthUnit;

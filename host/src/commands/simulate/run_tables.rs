@@ -27,7 +27,7 @@ const ORIGINAL: &str = "-original";
 /// Name of a run's tables in memory.
 const IN_MEMORY: &str = "run";
 
-/// Names of the files that `--trace` writes, or of the tables that the caller of a function receives.
+/// Files that `--trace` writes for one run, or the corresponding tables in memory for the caller of a function.
 #[derive(Clone, Debug)]
 pub struct TraceFiles {
     path: PathBuf,
@@ -35,7 +35,7 @@ pub struct TraceFiles {
     format: Option<TraceFormat>,
 }
 
-/// Tables of a run, written while it goes on; state. After a first failure nothing more is written.
+/// Tables of a run, written while it goes on. After a first failure nothing more is written.
 #[derive(Debug)]
 pub struct RunTables {
     samples: OpenTable,
@@ -48,17 +48,17 @@ pub struct RunTables {
     failure: Option<Failure>,
 }
 
-/// Table that grows.
+/// Table to which rows are added, in a file or in memory.
 #[derive(Debug)]
 pub enum OpenTable {
-    /// File, with its name for messages.
+    /// Table in a file, with the file's name for messages.
     File(PathBuf, TableFile),
     /// Table for the caller of a command that runs as a function.
     Memory(MemoryTable),
 }
 
 impl TraceFiles {
-    /// Names of the files beside `path`, in the format of its suffix.
+    /// Names of the files for a path given with `--trace`; its suffix decides the format.
     ///
     /// # Errors
     /// The suffix names no format of this build.
@@ -67,7 +67,8 @@ impl TraceFiles {
         Ok(TraceFiles { path: path.to_owned(), format: Some(format) })
     }
 
-    /// Files of the run and of the original program; without a path, tables in memory if the caller wants them, or none.
+    /// Tables of the run and of the original program: files if a path is given, in memory if the caller of a function wants them,
+    /// otherwise none.
     ///
     /// # Errors
     /// See [`TraceFiles::of`].
@@ -83,7 +84,7 @@ impl TraceFiles {
         Ok(files.into_iter().flat_map(with_original).collect())
     }
 
-    /// Names of all files of a run; none in memory.
+    /// Paths of all files of a run; empty for tables in memory.
     pub fn paths(&self) -> Vec<PathBuf> {
         if self.format.is_none() {
             return Vec::new();
@@ -91,7 +92,7 @@ impl TraceFiles {
         [&SAMPLES, &TEETH, &BLOCKS].map(|table| self.with(table.suffix)).into()
     }
 
-    /// Begins the tables of a run. With `loads` there is one of the teeth, with `locator` lines are known.
+    /// Begins the tables of a run. With `loads` there is a table of tooth passes; with `locator` the tables have the lines of the program.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -147,12 +148,12 @@ impl RunTables {
         self.failure = written.err();
     }
 
-    /// First failure so far.
+    /// Returns the first failure so far, once.
     pub fn take_failure(&mut self) -> Option<Failure> {
         self.failure.take()
     }
 
-    /// Writes the figures of the blocks, and puts the files in their places.
+    /// Writes the table of blocks, and moves the complete files to their final names.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -205,7 +206,7 @@ impl OpenTable {
         }
     }
 
-    /// Puts the file in its place, or the table where the caller takes it.
+    /// Completes the table: moves the file to its final name, or passes the table to the caller of the function.
     ///
     /// # Errors
     /// The file cannot be written.

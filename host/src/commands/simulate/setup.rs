@@ -1,4 +1,4 @@
-//! Workpiece of the job as a stock, and its tool as a solid and as edges.
+//! Workpiece of the job as a stock model, and its tool as a solid and as cutting edges.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,19 +36,19 @@ const TOLERANCE_RATIO: f64 = 1.0 / 50.0;
 pub struct Setup<'a> {
     /// Workpiece as the job describes it.
     pub workpiece: &'a Workpiece,
-    /// Stock before the run, and the tool that cuts it.
+    /// Stock before the run, and the tools that cut it.
     pub settings: StockCutterSettings,
-    /// `file:line:column` of its table.
+    /// Place of the workpiece's table in the job file, as `file:line:column`.
     pub place: String,
     /// Height above the tip up to which the tool cuts.
     depth_mm: f64,
-    /// Edges in the stock before the run, if the job has `[cutting]`.
+    /// Cutting edges and layers of the stock before the run; `None` without `[cutting]` in the job.
     pub loads: Option<LoadSettings>,
-    /// Reference for the marks of those edges.
+    /// Reference from which the marks of these edges are measured.
     pub truth: Option<MarkReference>,
-    /// Tangential force of the edges, if the job has `[cutting]`.
+    /// Tangential force per width of a chip; `None` without `[cutting]` in the job.
     pub force: Option<TangentialForce>,
-    /// Specific cutting force of the workpiece's material, if the job names it.
+    /// Specific cutting force (Kienzle) of the workpiece's material; `None` if the job does not name the material.
     pub material: Option<Kienzle>,
 }
 
@@ -115,13 +115,14 @@ impl<'a> Setup<'a> {
         Ok(Some(Setup { workpiece, settings, place, depth_mm, loads, truth, force: force.transpose()?, material }))
     }
 
-    /// Meter for the loads of the edges in a run.
+    /// New meter for chips and forces of the edges in a run; `None` without `[cutting]`.
     pub fn load_meter(&self) -> Option<LoadMeter> {
         self.loads.clone().map(LoadMeter::new)
     }
 
-    /// Workpiece in layers along Z, and the height above the tip up to which they are cut in levels: the job's cutting
-    /// depth, or else the tool's height in layers as high as the distance of the rays.
+    /// Workpiece as layers along Z, and the height above the tip up to which each layer is cut: the job's cutting
+    /// depth, or the tool's height if there is none. The layers are as high as the distance of the dexel rays unless
+    /// the job says otherwise.
     pub fn layers(&self) -> (Layers, f64) {
         match &self.loads {
             Some(loads) => (loads.process.engagement().layers().clone(), self.depth_mm),
@@ -129,18 +130,19 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// Workpiece for the sections of plunges at all positions of the rotary axes, if the job has them.
+    /// Workpiece in which sections of plunges can be measured at all positions of the rotary axes; `None` if the job
+    /// has no such plunges.
     pub fn tilted_for_plunges(&self, file: &JobFile) -> Option<TiltedWorkpiece> {
         let is_indexed = file.plunge.is_some_and(|plunge| plunge.is_indexed);
         self.loads.as_ref().filter(|_| is_indexed).and_then(|loads| loads.tilted.clone())
     }
 
-    /// Stock cutter for a run.
+    /// New stock model for a run, with the tools that cut it.
     pub fn cutter(&self) -> StockCutter {
         StockCutter::new(self.settings.clone())
     }
 
-    /// Finished part on the same rays as the stock.
+    /// Finished part as a stock with the same rays; `None` if the job names none.
     ///
     /// # Errors
     /// The target's file contains no solid, or it needs too much memory.

@@ -1,4 +1,4 @@
-//! Load of the spindle block by block: from simulated forces, or estimated from the removal rate.
+//! Power and torque of the spindle in each block, from simulated forces or estimated from the removal rate.
 //!
 //! ```text
 //! P = k(h) Q,   k(h) = kc1.1 h^-mc     (1)
@@ -28,7 +28,7 @@ const MEAN_CHIP_RATIO: f64 = 0.5;
 /// N mm per J.
 const N_MM_PER_J: f64 = 1e3;
 
-/// Spindle power of the blocks of a run, W.
+/// Largest power and torque of the spindle in each block of a run.
 pub struct SpindleLoad {
     /// Largest power of each block, W.
     pub power_w: Vec<BlockValue>,
@@ -37,7 +37,7 @@ pub struct SpindleLoad {
 }
 
 impl SpindleLoad {
-    /// Spindle power in a run; `None` if the job describes neither edges nor a material.
+    /// Spindle load in a run; `None` if the job describes neither cutting edges nor a material.
     pub fn of(job: &Job, setup: &Setup<'_>, observer: &RunObserver) -> Option<Self> {
         match (&observer.loads, &setup.material, &observer.cutter) {
             (Some(meter), _, _) => Some(SpindleLoad {
@@ -52,7 +52,7 @@ impl SpindleLoad {
     }
 }
 
-/// Figures of both runs against the job's limits.
+/// Results for both runs (`after`: adapted, `before`: original program), compared with the job's limits.
 pub fn figures(file: &JobFile, setup: &Setup<'_>, [after, before]: [&SpindleLoad; 2]) -> SpindleFigures {
     let limits = file.spindle;
     let own = setup.material.as_ref().map(|material| specific_mpa(material, file.job.tools.first().feed_per_tooth));

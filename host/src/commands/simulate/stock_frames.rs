@@ -28,21 +28,21 @@ const CHANGE_MM: f64 = 1e-3;
 /// Highest material over each cell of a grid, seen along Z, mm; `None` where nothing is left.
 type Heights = Vec<Option<f64>>;
 
-/// Heights that have changed at a time.
+/// Heights of the stock that have changed since the preceding frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StockFrame {
-    /// Time of the run.
+    /// Machine time of the frame.
     pub at: Micros,
-    /// Cells in ascending order, each with its new height, mm.
+    /// Changed cells in ascending order, each with its new height, mm; `None` if nothing is left there.
     pub changes: Vec<(usize, Option<f64>)>,
 }
 
-/// Heights of a stock over a run.
+/// Heights of a stock on a grid in the XY plane, before a run and at many times of it.
 #[derive(Debug)]
 pub struct StockFrames {
     /// Rays along an edge of a cell.
     shared: usize,
-    /// Cells along X.
+    /// Number of grid cells along X.
     pub columns: usize,
     /// Heights before the run.
     pub first: Heights,
@@ -55,7 +55,7 @@ pub struct StockFrames {
 }
 
 impl StockFrames {
-    /// Heights of a stock before its run.
+    /// Records the heights of a stock before its run.
     pub fn new(stock: &Stock) -> Self {
         let [columns, rows] = stock.lattice().size(UPRIGHT);
         let shared = columns.max(rows).div_ceil(CELLS_MAX).max(1);
@@ -64,7 +64,7 @@ impl StockFrames {
         StockFrames { shared, columns, first, last, frames: Vec::new(), interval: INTERVAL, next: INTERVAL, pieces: 0 }
     }
 
-    /// Processes a period of the run, after the stock has been cut.
+    /// Records the stock after it has been cut up to the time `now`.
     pub fn observe(&mut self, now: Micros, cutter: &StockCutter) {
         if now >= self.next {
             self.next = now.after(self.interval);
@@ -72,22 +72,22 @@ impl StockFrames {
         }
     }
 
-    /// Processes the end of the run.
+    /// Records the stock at the end of the run.
     pub fn end(&mut self, now: Micros, cutter: &StockCutter) {
         self.take(now, cutter);
     }
 
-    /// Frames in order of time.
+    /// Frames in the order of time.
     pub fn frames(&self) -> &[StockFrame] {
         &self.frames
     }
 
-    /// Lowest corner of the grid, mm.
+    /// X and Y of the grid's lowest corner, mm.
     pub fn lowest_mm(lattice: &Lattice) -> [f64; 2] {
         Lattice::across(UPRIGHT).map(|axis| lattice.lowest_mm()[axis])
     }
 
-    /// Edge of a cell, mm.
+    /// Length of a cell's edge, mm.
     pub fn step_mm(&self, lattice: &Lattice) -> f64 {
         lattice.step_mm() * self.shared as f64
     }

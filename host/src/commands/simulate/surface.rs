@@ -1,4 +1,4 @@
-//! Meshes from the files that a job names.
+//! Triangle meshes from the STL files that a job names.
 
 use std::fs::File;
 use std::io::BufReader;

@@ -1,4 +1,5 @@
-//! Data of the report's viewer: both runs with their values, findings, tool, remaining heights and NC text.
+//! Data for the report's viewer: both runs with the values along them, list of findings, tools, remaining heights and
+//! NC text.
 
 use arcfeed_dexel::tool::Tool;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
@@ -30,19 +31,20 @@ const HEIGHT_RATIO: f64 = 2.0;
 /// Value over time: beginning, end, value.
 type Window = (Micros, Micros, f64);
 
-/// Input of the viewer: the run and the original program.
+/// Data from which those of the viewer are made. Of two runs, the first is the run itself, the second that of the
+/// original program.
 pub struct ViewerInput<'a> {
     /// Title of the report.
     pub title: &'a str,
-    /// Figures of the run.
+    /// Results of the run.
     pub report: &'a RunReport,
     /// Job.
     pub job: &'a Job,
-    /// Observers of the runs.
+    /// Observers of both runs.
     pub runs: [&'a RunObserver; 2],
-    /// Measured chips, move by move.
+    /// Measured chips of each move, for both runs.
     pub chips: [&'a [MoveChips]; 2],
-    /// Program's lines, and those of the executed blocks.
+    /// Text of the program, with the line of each executed block.
     pub listing: &'a ProgramListing,
 }
 
@@ -67,7 +69,7 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
     }
 }
 
-/// Columns of a path; `lines` has the line of the program for each block.
+/// Values along a path, as columns of the viewer; `lines` has the line of the program for each block.
 pub fn path_columns(job: &Job, points: &[TracePoint], lines: &[Option<usize>]) -> Vec<Column> {
     let unit = job.unit;
     let is_inch = unit == LengthUnit::Inch;
@@ -136,7 +138,7 @@ fn largest(points: &[TracePoint], windows: &[Window]) -> Vec<Option<f64>> {
     begins.zip(points).map(value).collect()
 }
 
-/// Closed outline of each tool of a job.
+/// Closed outline of each tool of a job, as points (radius, height above the tip) in the job's unit.
 pub fn outlines(job: &Job, cutter: Option<&StockCutter>) -> Vec<Vec<[f64; 2]>> {
     let mut solids = cutter.into_iter().flat_map(StockCutter::tools);
     job.tools.iter().map(|setup| outline(&setup.tool, solids.next(), job.unit)).collect()

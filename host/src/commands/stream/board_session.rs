@@ -20,7 +20,7 @@ use crate::dnc::Sender;
 use crate::dnc::sender::Gate;
 use crate::dnc::transmission::Transmission;
 
-/// Word by which a person arms the board.
+/// Word that a person types to arm the board.
 pub const ARM: &str = "arm";
 
 /// Place where a person arms the board.
@@ -34,7 +34,7 @@ pub enum Arming {
     Simulated,
 }
 
-/// Feed board that takes part in a transmission, or none.
+/// Feed board during a transmission, or none.
 pub struct BoardSession<'p> {
     board: Option<BoardRun<'p>>,
     arming: Arming,
@@ -51,7 +51,7 @@ impl<'p> BoardSession<'p> {
         BoardSession { board: None, arming: Arming::Simulated, person: None, outage: None, said: Vec::new() }
     }
 
-    /// Board at the end of a line, with the moves of the transmission.
+    /// Session with the board at the other end of `line`, which gets the moves of the transmission.
     ///
     /// # Errors
     /// The job or a move does not suit a board.
@@ -71,8 +71,8 @@ impl<'p> BoardSession<'p> {
         Ok(BoardSession { board: Some(board), arming, person, outage: None, said: Vec::new() })
     }
 
-    /// Waits until the board has its parameters, is armed, and its override has risen. Nothing is sent before that. `press` operates its panel
-    /// meanwhile, again and again.
+    /// Waits until the board has its parameters, is armed, and its override has risen; before that nothing is sent to the control. Calls
+    /// `press` repeatedly meanwhile, which operates the panel of a simulated board.
     ///
     /// # Errors
     /// The board does not answer or refuses, or the operator stopped it.
@@ -101,7 +101,7 @@ impl<'p> BoardSession<'p> {
         Ok(())
     }
 
-    /// One turn: lets the moves that the board has go to the control. Returns the reason if the run must end.
+    /// Serves the link without waiting, and permits the sender the text whose moves the board has. Returns the reason if the run must end.
     pub fn turn(&mut self, sender: &mut Sender) -> Option<String> {
         self.read_person_command();
         let board = self.board.as_mut()?;
@@ -120,18 +120,18 @@ impl<'p> BoardSession<'p> {
         None
     }
 
-    /// State of the board, if there is one.
+    /// State of the board as text; `None` without a board.
     pub fn state(&self) -> Option<&'static str> {
         Some(self.board.as_ref()?.report().map_or("silent", |report| words::state(report.state)))
     }
 
-    /// Messages for a person, each once.
+    /// Messages for the operator that have not been returned yet.
     pub fn take_messages(&mut self) -> Vec<String> {
         std::mem::take(&mut self.said)
     }
 
-    /// Checks whether the board sees no more ends of moves although the control, which has started `blocks` blocks,
-    /// continues.
+    /// Adds a message if the board sees no more ends of moves although the control continues; `blocks` is the number of blocks that the
+    /// control has started.
     pub fn check_standstill(&mut self, blocks: Option<usize>, sending: &Transmission) {
         let stands = self.board.as_mut().zip(blocks).and_then(|(board, blocks)| board.standstill_line(blocks, sending));
         let Some(line) = stands else { return };
@@ -144,15 +144,15 @@ impl<'p> BoardSession<'p> {
         ));
     }
 
-    /// Whether the board, if there is one, has seen the end of all moves.
+    /// Whether the board has reported the end of all moves; true without a board.
     pub fn is_done(&self) -> bool {
         self.board.as_ref().is_none_or(BoardRun::is_done)
     }
 
-    /// Returns the override and closes the link.
+    /// Disarms the board and closes the link.
     ///
     /// # Errors
-    /// The port is gone.
+    /// The port can no longer be used.
     pub fn release(self) -> Result<(), Failure> {
         match self.board {
             Some(board) => board.release().map_err(|error| Failure::Machine(error.to_string())),
@@ -204,7 +204,7 @@ fn how_to_arm(board: &BoardRun<'_>, arming: Arming) -> String {
     )
 }
 
-/// Channel with the lines that a person types.
+/// Channel that receives the lines which a person types on stdin.
 pub fn typed_lines() -> Receiver<String> {
     let (lines, typed_lines) = channel();
     std::thread::spawn(move || {

@@ -30,7 +30,7 @@ impl<'a> LinuxCncTrace<'a> {
         Ok(LinuxCncTrace { table: TraceFiles::of(path)?.open(&SAMPLES)?, source, has_component })
     }
 
-    /// Adds a servo period that `run` has measured.
+    /// Adds the row of one servo period, with the chip load that `run` has measured.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -75,7 +75,7 @@ impl<'a> LinuxCncTrace<'a> {
         self.table.add(&row)
     }
 
-    /// Puts the file in its place.
+    /// Moves the complete file to its final name.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -48,7 +48,7 @@ struct EventLog {
 }
 
 impl LiveDisplay {
-    /// Progress bar over `total` characters, if stderr is a terminal.
+    /// Progress bar for `total` characters; nothing if stderr is not a terminal.
     pub fn bar(total: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}") {
@@ -62,7 +62,7 @@ impl LiveDisplay {
         LiveDisplay { bar: None, shown: None, log: None }
     }
 
-    /// Screen on the whole terminal.
+    /// Display on the whole terminal (`--tui`).
     ///
     /// # Errors
     /// Stdout is no terminal.
@@ -72,13 +72,13 @@ impl LiveDisplay {
         Ok(LiveDisplay { bar: None, shown: Some(ShownView::new(view, Some(screen))), log: None })
     }
 
-    /// Shows the view on a live page, too.
+    /// Adds a live page in the browser to the display.
     pub fn on_page(mut self, view: View, page: LivePage) -> Self {
         self.shown.get_or_insert_with(|| ShownView::new(view, None)).page = Some(page);
         self
     }
 
-    /// Writes the events into a file, too.
+    /// Adds a log file of all events to the display.
     ///
     /// # Errors
     /// It cannot be written.
@@ -114,7 +114,8 @@ impl LiveDisplay {
         }
     }
 
-    /// Shows the progress; the control has started `executed` blocks, if that is known. Returns the operator's command.
+    /// Updates the display; `executed` is the number of blocks that the control has started, if that is known. Returns
+    /// a command that the operator has given.
     pub fn show(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) -> Option<Command> {
         self.write_events(port, sender);
         if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_hidden()) {
@@ -130,7 +131,7 @@ impl LiveDisplay {
         shown.command()
     }
 
-    /// Shows the last state.
+    /// Updates the display for the last time.
     pub fn show_end(&mut self, port: &dyn Port, sender: &Sender, executed: Option<usize>) {
         self.write_events(port, sender);
         if let Some(shown) = &mut self.shown {
@@ -141,7 +142,7 @@ impl LiveDisplay {
         }
     }
 
-    /// State of the feed board from now on.
+    /// Sets the state of the feed board that is shown; `None` without a board.
     pub fn set_board(&mut self, state: Option<&'static str>) {
         if let Some(shown) = &mut self.shown {
             shown.view.board = state;

@@ -26,10 +26,10 @@ const CHORDS_MAX: f64 = 256.0;
 /// Most points of the path; of a longer one, points within cuts are left out.
 const POINTS_MAX: usize = 1 << 18;
 
-/// Serves the live page at an address, which is printed.
+/// Starts a server of the live page at an address and prints the address.
 ///
 /// # Errors
-/// Nothing can listen there.
+/// The address cannot be used.
 pub fn serve(
     ready: &PreparedProgram,
     sending: &Transmission,

@@ -1,5 +1,5 @@
-//! Journal on disk. A record is written and synced before its characters may leave, in a thread beside the sending, so
-//! that a slow disk does not hold up the line.
+//! Journal file of a transmission. A record is written and synced to disk before its characters may be sent. A separate
+//! thread writes, so that a slow disk does not hold up the line.
 
 use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Read, Write};
@@ -19,7 +19,7 @@ const FIRST_MAX: u64 = 1_024;
 /// Syncs per second of the line's time: one sync permits the characters of this fraction of a second.
 const SYNCS_PER_S: usize = 4;
 
-/// Journal of a transmission while it is written, or none if none is requested.
+/// Writer of a transmission's journal; writes nothing if no journal is requested.
 pub struct Logbook {
     open: Option<OpenJournal>,
 }
@@ -43,7 +43,8 @@ impl Logbook {
         Logbook { open: None }
     }
 
-    /// Begins a journal; an existing one is kept as `.old`. Nothing leaves before the first record is on disk.
+    /// Creates the journal file; an existing journal is kept as `.old`. The sender may send nothing before the first
+    /// record is on disk.
     ///
     /// # Errors
     /// The file cannot be written, or the existing file is no journal.
@@ -83,10 +84,11 @@ impl Logbook {
         })
     }
 
-    /// Writes new records, and permits the blocks that are on disk by now.
+    /// Queues records of what the sender has sent and the control has executed, and permits the sender the blocks whose
+    /// records are on disk.
     ///
     /// # Errors
-    /// The file cannot be written: then nothing more leaves.
+    /// The file cannot be written; the sender then sends nothing more.
     pub fn follow(&mut self, sender: &mut Sender, executed: Option<usize>) -> Result<(), Failure> {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(blocks) = executed.filter(|blocks| *blocks > open.executed) {

@@ -1,4 +1,4 @@
-//! Prepares a transmission from a job: checked completely before the line is opened.
+//! Preparation of a transmission from a job: everything is checked before the line is opened.
 
 use std::collections::HashMap;
 
@@ -33,23 +33,27 @@ use crate::program::Program;
 /// Shortest wait that is reported, s.
 const WAIT_MIN_S: f64 = 0.001;
 
-/// Program ready to be sent.
+/// Program that is checked and ready to be sent.
 pub struct PreparedProgram {
+    /// Job file.
     pub file: JobFile,
+    /// Program of the job, before adaptation.
     pub program: Program,
+    /// Transmission of the whole adapted program.
     pub whole: Transmission,
+    /// Rules by which text becomes the characters on the line.
     pub wire: Wire,
-    /// Fingerprints of the whole program.
+    /// First record of the journal, with the fingerprints of the whole program.
     pub start: Start,
-    /// Reports of the control about the whole program.
+    /// Position reports of the control that are expected for the whole program.
     pub reports: Reports,
-    /// Planned data of the moves that the simulated machine does not know.
+    /// Conditions of moves that the simulated machine cannot know, from the plan.
     pub foreseen: Vec<PlannedConditions>,
-    /// The same for the original program.
+    /// The same for a run of the original program.
     pub foreseen_before: Vec<PlannedConditions>,
-    /// Bounds of moves beside their text, by line of the program's file.
+    /// Limits of moves that their NC text does not show, for a board; by line of the program's file.
     pub bounds: HashMap<usize, MoveBounds>,
-    /// Notes before the first character.
+    /// Notes for the operator before anything is sent.
     pub notes: Vec<String>,
 }
 
@@ -57,7 +61,7 @@ impl PreparedProgram {
     /// Reads and checks job and program.
     ///
     /// # Errors
-    /// Every error of the program, and everything that would not arrive, one per line.
+    /// Every error of the program, and every character that the control would not receive correctly, one per line.
     pub fn load(input: &JobInput, line: &LineArgs, filters: bool) -> Result<Self, Failure> {
         let (mut file, program) = input.load()?;
         line.apply(&mut file)?;
@@ -111,7 +115,7 @@ impl PreparedProgram {
         })
     }
 
-    /// Settings of the line to this port.
+    /// Settings of the line for this port, as the sender needs them.
     pub fn line_use(&self, port: &PortUrl) -> LineUse {
         let (serial, dnc) = (&self.file.serial, &self.file.dnc);
         let reaction = dnc.reaction.unwrap_or_else(|| reaction(port));
@@ -126,12 +130,12 @@ impl PreparedProgram {
         }
     }
 
-    /// State of the control before the program.
+    /// State of the control after power-on, before the program.
     pub fn power_on(&self) -> PowerOn {
         PowerOn { settings: self.file.nc, tables: self.file.tables }
     }
 
-    /// Notes before the first character: a line that cannot be used in full, or is too slow for the program.
+    /// Notes on a line that cannot be used at its full rate, or is too slow for the program.
     pub fn line_notes(&self, line: &LineUse) -> Vec<String> {
         let mut notes = Vec::new();
         let share = line.pace.share();
@@ -160,7 +164,7 @@ impl PreparedProgram {
         notes
     }
 
-    /// Predicted waits of the control for characters.
+    /// Predicted waits of the control for characters, if the fraction `share` of the line's rate can be used.
     pub fn waits(&self, share: f64) -> Vec<Wait> {
         let buffer = control_settings(&self.file).line.buffer;
         predict(&self.loads(&self.whole), self.chars_per_s() * share, buffer)

@@ -1,4 +1,4 @@
-//! Loop around sender and port, with the journal, the display and the control's reports.
+//! Loop that serves sender and port, with the journal, the display, the board and the control's reports.
 
 use std::sync::atomic::Ordering;
 
@@ -20,17 +20,17 @@ use crate::screen::view::Command;
 /// Longest sleep of the loop: largest delay until it sees an XOFF or a Ctrl-C.
 const LOOP_MAX: Micros = Micros::from_ms(20);
 
-/// Reason why sending has ended.
+/// End of the sending, with its cause.
 pub enum End {
-    /// All characters are sent and, as far as the port knows, executed.
+    /// All characters have been sent and, as far as the port knows, executed.
     Complete,
-    /// The operator stopped it.
+    /// The operator stopped it; `at_rest`: the axes have come to rest by feed hold.
     Interrupted { at_rest: bool },
-    /// The sender has given up.
+    /// The sender has given up: the control's signal did not come.
     GivenUp(FailureReason),
-    /// The board has left the run.
+    /// The board has left the run, for this reason.
     WithoutBoard(String),
-    /// The control has reported another program.
+    /// A report of the control differs from the program; `at_rest`: the axes have come to rest by feed hold.
     Differs { what: String, at_rest: bool },
 }
 
@@ -46,17 +46,22 @@ impl End {
 
 /// Services that run beside a sender: journal, display, report check and board.
 pub struct SendServices<'p> {
+    /// Journal of the transmission.
     pub logbook: Logbook,
+    /// Display of the progress.
     pub live: LiveDisplay,
+    /// Check of the control's position reports.
     pub echo: ReportMonitor,
+    /// Feed board that takes part, or none.
     pub board_session: BoardSession<'p>,
 }
 
 /// Check of the control's position reports, if the job requests them.
 #[derive(Default)]
 pub struct ReportMonitor {
+    /// Expected and received position reports.
     pub reports: Reports,
-    /// Most blocks that the control reads ahead.
+    /// Largest number of blocks that the control reads ahead.
     pub read_ahead: usize,
     /// Longest wait for a report; `None`: no limit.
     pub timeout: Option<Micros>,
@@ -66,7 +71,7 @@ pub struct ReportMonitor {
 }
 
 impl ReportMonitor {
-    /// Expects these reports, from a control with this look-ahead.
+    /// Check for these reports, from a control that reads `read_ahead` blocks ahead.
     pub fn new(reports: Reports, read_ahead: usize, timeout: Option<Micros>) -> Self {
         ReportMonitor { reports, read_ahead, timeout, ..ReportMonitor::default() }
     }
@@ -98,10 +103,11 @@ fn executed(port: &dyn Port, sender: &Sender, echo: &ReportMonitor) -> Option<us
     port.blocks_executed().or_else(|| echo.reports.taken_up(sender.transmission(), echo.read_ahead))
 }
 
-/// Sends until everything is out and, if the port can know, executed; closes the journal and restores the terminal.
+/// Sends until everything has been sent and, if the port can know, executed, or the sending ends otherwise. Closes the
+/// journal and restores the terminal.
 ///
 /// # Errors
-/// The line is gone, or the journal cannot be written.
+/// The port can no longer be used, or the journal cannot be written.
 pub fn send(
     port: &mut dyn Port,
     sender: &mut Sender,

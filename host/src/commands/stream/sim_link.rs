@@ -1,4 +1,4 @@
-//! `--board sim:`: the link to the simulated board behind the port interface, in the machine's time.
+//! `--board sim:`: the link to a simulated board as a port, in simulated time.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -11,7 +11,7 @@ use arcfeed_units::Micros;
 use super::sim_port::SimPort;
 use crate::port::{Port, PortError};
 
-/// Bytes on the way between host and simulated board.
+/// Bytes under way between host and simulated board, in both directions.
 #[derive(Debug, Default)]
 pub struct Pipe {
     to_board: Vec<u8>,

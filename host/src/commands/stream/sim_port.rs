@@ -1,4 +1,4 @@
-//! `sim:`: the simulated control behind the port interface, in simulated time.
+//! `sim:`: the serial line to the simulated control as a port, in simulated time.
 
 use std::time::{Duration, Instant};
 
@@ -61,12 +61,12 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Observes the run from here on.
+    /// Lets this observer record the run from now on.
     pub fn observe(&mut self, observer: RunObserver) {
         self.observer = Some(observer);
     }
 
-    /// Observer of the run until now, if there is one.
+    /// Removes the observer, with what it has recorded; `None` if there is none.
     pub fn take_observer(&mut self) -> Option<RunObserver> {
         let mut observer = self.observer.take()?;
         observer.trace.end();
@@ -102,7 +102,7 @@ impl<D: OverrideSource> SimPort<D> {
         }
     }
 
-    /// Figures of the simulated line.
+    /// Statistics of the simulated serial line.
     pub fn link_figures(&self) -> LinkFigures {
         let counters = self.simulation.control().line_counters();
         let busy_s = counters.bytes as f64 * self.bits_per_char / self.line_bits_per_s;

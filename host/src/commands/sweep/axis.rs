@@ -1,4 +1,4 @@
-//! Axis of a campaign: a name with its values, and the choice of one of them for each run.
+//! Axis of a campaign (`sweep`): a name whose value differs from run to run, its possible values, and the choice for each run.
 //!
 //! Random values come from SplitMix64 (Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014),
 //! seeded by the campaign's seed, the name and the number of the run: they depend on nothing else.
@@ -14,62 +14,62 @@ const DRAW_STEP: f64 = 1.0 / (1_u64 << 53) as f64;
 /// Key of the job, or value in the port's URL, that differs from run to run.
 #[derive(Clone, Debug)]
 pub struct SweepAxis {
-    /// Name.
+    /// Key of the job, or name of a placeholder in a URL.
     pub name: String,
-    /// Byte offset of the name.
+    /// Byte offset of the name in the sweep file.
     pub offset: usize,
-    /// Values.
+    /// Possible values.
     pub values: Values,
-    /// Choice of a value.
+    /// Rule by which a run gets one of the values.
     pub choice: Choice,
 }
 
-/// Value as written, with its place.
+/// Value as written in the sweep file, with its place.
 #[derive(Clone, Debug)]
 pub struct Literal {
-    /// TOML on one line.
+    /// Value in TOML, on one line.
     pub text: String,
-    /// Byte offset.
+    /// Byte offset in the sweep file.
     pub offset: usize,
 }
 
-/// Values of an axis.
+/// Possible values of an axis.
 #[derive(Clone, Debug)]
 pub enum Values {
-    /// One after the other.
+    /// List of values, in this order.
     Listed(Vec<Literal>),
     /// Whole numbers, both ends included.
     Whole {
-        /// Smallest.
+        /// Smallest value.
         from: i64,
-        /// Largest.
+        /// Largest value.
         to: i64,
     },
-    /// Numbers at equal distances, both ends included; drawn ones are below `to`.
+    /// Real numbers from `from` to `to`: `steps` numbers at equal distances, both ends included, or random ones below `to`.
     Real {
-        /// Smallest.
+        /// Smallest value.
         from: f64,
-        /// Largest.
+        /// Largest value; random values stay below it.
         to: f64,
-        /// Number of values, unless they are drawn.
+        /// Number of values; of no use for random ones.
         steps: u64,
     },
 }
 
-/// Choice of a value for a run.
+/// Rule by which a run gets a value of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Each with each value of the others; changes after this number of runs.
+    /// Every value is combined with every value of the other axes.
     Grid {
-        /// Number of runs.
+        /// Number of successive runs that have the same value.
         every: u64,
     },
-    /// Together with the lists of other names; changes after this number of runs.
+    /// The value has the same place in its list as the values of the other lists.
     List {
-        /// Number of runs.
+        /// Number of successive runs that have the same value.
         every: u64,
     },
-    /// Drawn for every run.
+    /// A random value for each run.
     Random {
         /// Seed of the campaign.
         seed: u64,
@@ -77,7 +77,7 @@ pub enum Choice {
 }
 
 impl Values {
-    /// Number of values.
+    /// Number of possible values.
     pub fn len(&self) -> u64 {
         match self {
             Values::Listed(values) => values.len() as u64,
@@ -99,7 +99,7 @@ impl Values {
 }
 
 impl SweepAxis {
-    /// Value for a run, in TOML.
+    /// Value of the axis for the run with this number, in TOML.
     pub fn literal(&self, run: u64) -> String {
         let index = run - 1;
         match self.choice {
@@ -114,7 +114,7 @@ impl SweepAxis {
         }
     }
 
-    /// Values that are tried before a campaign, each with its place: all of a list, the ends of a range.
+    /// Values that are checked before a campaign starts, each with its place: all values of a list, the ends of a range.
     pub fn probes(&self) -> Vec<Literal> {
         let end = |text: String| Literal { text, offset: self.offset };
         match &self.values {
@@ -124,7 +124,7 @@ impl SweepAxis {
         }
     }
 
-    /// Type of the values in a table.
+    /// Type of the axis's column in the table of results.
     pub fn kind(&self) -> Kind {
         let Values::Listed(values) = &self.values else {
             return if matches!(self.values, Values::Whole { .. }) { Kind::Integer } else { Kind::Number };

@@ -47,7 +47,8 @@ pub fn check(campaign: &Campaign) -> Result<Vec<PathBuf>, Failure> {
     Ok(inputs.into_iter().collect())
 }
 
-/// Fingerprint of everything that decides the rows: the sweep file, the files that its runs read, and this version.
+/// Hash of everything on which the results depend: the sweep file, the files that its runs read, and the release of
+/// arcfeed.
 ///
 /// # Errors
 /// A file cannot be read.

@@ -1,4 +1,4 @@
-//! Journal of the runs of a shard: a line for each, appended when the run is over.
+//! Journal of the runs of one shard (part of a campaign): a line for each run, appended when it has ended.
 //!
 //! ```text
 //! arcfeed sweep journal 1 FINGERPRINT
@@ -19,14 +19,14 @@ use crate::checksum::CRC_32;
 /// First words of a journal.
 const MAGIC: &str = "arcfeed sweep journal 1";
 
-/// Journal of a shard that this process runs.
+/// Journal of the shard that this process runs, open for appending.
 #[derive(Debug)]
 pub struct Journal {
     file: File,
     path: PathBuf,
 }
 
-/// Place of a row in its journal.
+/// Place of a run's row in its journal file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowPlace {
     /// Number of the run.
@@ -36,7 +36,7 @@ pub struct RowPlace {
 }
 
 impl Journal {
-    /// Opens or creates the journal of a campaign with this fingerprint; also the runs that are in it.
+    /// Opens or creates the journal of the campaign with this fingerprint; also returns the numbers of the runs that it already contains.
     ///
     /// # Errors
     /// It is another campaign's, damaged, or in use by another process; it cannot be written.
@@ -78,7 +78,7 @@ impl Journal {
         self.file.write_all(line).map_err(|error| file_failure(&self.path, &error))
     }
 
-    /// Waits until the rows are on the disk.
+    /// Waits until all rows are on the disk.
     ///
     /// # Errors
     /// It cannot be written.
@@ -87,7 +87,7 @@ impl Journal {
     }
 }
 
-/// Passes the place of every row of a journal; returns the offset behind the last of them.
+/// Calls `take` with the place of every row in a journal; returns the offset after the last row.
 ///
 /// # Errors
 /// The journal is another campaign's, or damaged before its last line.
@@ -128,10 +128,10 @@ pub fn read(path: &Path, fingerprint: u64, take: &mut dyn FnMut(RowPlace)) -> Re
     }
 }
 
-/// The row at a place of an open journal.
+/// Row at a place of a journal file.
 ///
 /// # Errors
-/// It cannot be read, or has changed.
+/// It cannot be read, or the file has changed.
 pub fn row_at(file: &mut BufReader<File>, path: &Path, place: RowPlace) -> Result<Row, Failure> {
     let mut line = Vec::new();
     let read = file.seek(SeekFrom::Start(place.offset)).and_then(|_| file.by_ref().read_until(b'\n', &mut line));

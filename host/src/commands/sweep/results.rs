@@ -21,7 +21,7 @@ use crate::trace::{TableFile, TraceFormat};
 /// Runs of a file of the table.
 const PART_RUNS: u64 = 100_000;
 
-/// Failing runs that are named.
+/// Largest number of failing runs that the summary names.
 pub const NAMED_MAX: usize = 20;
 
 /// Missing runs that are named.
@@ -30,7 +30,7 @@ const MISSING_MAX: usize = 5;
 /// Columns before those of the campaign.
 const RUN_COLUMNS: [&str; 3] = ["run", "status", "message"];
 
-/// Journals of a campaign.
+/// Journals of all shards of a campaign, from which the results are collected.
 pub struct Results<'c> {
     campaign: &'c Campaign,
     journals: Vec<(PathBuf, BufReader<File>)>,
@@ -38,31 +38,31 @@ pub struct Results<'c> {
     places: Vec<(usize, RowPlace)>,
 }
 
-/// Counts of the runs of a campaign.
+/// Summary of a campaign: numbers of its runs by outcome.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Summary {
-    /// Number of runs.
+    /// Number of runs in all.
     pub runs: usize,
-    /// Runs whose end is not one that the campaign accepts.
+    /// Number of runs whose outcome the sweep file does not accept.
     pub unaccepted: usize,
-    /// Runs by their end.
+    /// Number of runs for each outcome, by its name.
     pub ends: BTreeMap<&'static str, usize>,
-    /// The first of the runs that are not accepted.
+    /// First of the runs that are not accepted, at most [`NAMED_MAX`].
     pub failing: Vec<FailingRun>,
-    /// Files of the table.
+    /// Names of the files of the table.
     pub tables: Vec<String>,
 }
 
 /// Run that is not accepted.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FailingRun {
-    /// Number.
+    /// Number of the run, counted from 1.
     pub run: u64,
-    /// End.
+    /// Outcome of the run.
     pub status: RunStatus,
-    /// Message.
+    /// Message of the run's command.
     pub message: String,
-    /// Command that repeats it.
+    /// Command that repeats the run.
     pub repeat: String,
 }
 
@@ -227,7 +227,7 @@ impl Columns {
     }
 }
 
-/// Refuses names of columns that would be there twice.
+/// Rejects figures whose columns in the table would have the same name.
 ///
 /// # Errors
 /// Names the second key, with its place.

@@ -1,20 +1,20 @@
-//! Row of a run: its end and its figures.
+//! Row of a run in the table of a campaign: its outcome and its figures (results as numbers).
 
 use serde::{Deserialize, Serialize};
 
-/// End of a run.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RunStatus {
-    /// It ended, and every assertion holds.
+    /// The run ended, and every assertion holds.
     Passed,
-    /// An assertion does not hold, or its figure is missing.
+    /// The run ended, but an assertion does not hold or its figure is missing.
     Failed,
     /// The control stopped at an alarm, or the line failed.
     Stopped,
-    /// Job or program were refused: nothing ran.
+    /// The job or the program was rejected: nothing ran.
     Refused,
-    /// A defect of arcfeed.
+    /// A defect of arcfeed ended the run.
     Panicked,
 }
 
@@ -34,27 +34,27 @@ impl RunStatus {
         }
     }
 
-    /// The end of this name.
+    /// Outcome with this name; `None` if there is none.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|status| status.name() == name)
     }
 
-    /// All names, for messages.
+    /// Names of all outcomes, for messages.
     pub fn names() -> String {
         Self::ALL.map(RunStatus::name).join(", ")
     }
 }
 
-/// Result of a run.
+/// Result of one run of a campaign.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Number of the run, from 1.
     pub run: u64,
-    /// End.
+    /// Outcome of the run.
     pub status: RunStatus,
     /// Message of the command, in one line; empty for a run that passed.
     pub message: String,
-    /// Bits of the figures of double precision, in the order of the sweep file; `None` where the run has no such figure.
+    /// Figures in the order of the sweep file, each as the bits of a double (`f64::to_bits`); `None` if the run has no such figure.
     pub figures: Vec<Option<u64>>,
 }

@@ -47,24 +47,24 @@ impl Campaign {
         urls.into_iter().flatten()
     }
 
-    /// Values of the job's keys among these.
+    /// Those of these values that belong to keys of the job.
     pub fn key_values(&self, values: &[(&str, String)]) -> Vec<KeyValue> {
         let of_job = values.iter().filter(|(name, _)| !self.is_placeholder(name));
         of_job.map(|(name, value)| KeyValue::new((*name).to_owned(), value.clone())).collect()
     }
 
-    /// A URL with these values.
+    /// URL with these values in place of its placeholders.
     pub fn filled(&self, url: &Placed, values: &[(&str, String)]) -> String {
         let text = |value: &str| value.trim_matches(['"', '\'']).to_owned();
         values.iter().fold(url.text.clone(), |url, (name, value)| url.replace(&format!("{{{name}}}"), &text(value)))
     }
 
-    /// Values of a run with their names.
+    /// Values of the run with this number, with the names of their axes.
     pub fn named_values(&self, run: u64) -> Vec<(&str, String)> {
         self.values(run).map(|(axis, literal)| (axis.name.as_str(), literal)).collect()
     }
 
-    /// Arguments of the command that is this run.
+    /// Arguments of the command that executes the run.
     pub fn arguments(&self, run: u64) -> Vec<String> {
         let values = self.named_values(run);
         let mut arguments = vec![String::new(), self.job.display().to_string()];
@@ -84,13 +84,13 @@ impl Campaign {
         arguments
     }
 
-    /// The command that repeats a run, for a shell.
+    /// Command line that repeats the run, for a shell.
     pub fn repeat(&self, run: u64) -> String {
         let arguments: Vec<String> = self.arguments(run).iter().map(|argument| quoted(argument)).collect();
         format!("arcfeed {}", arguments.join(" "))
     }
 
-    /// Executes a run as the command that repeats it.
+    /// Executes the run as its command does, with printed output.
     ///
     /// # Errors
     /// See the command.
@@ -103,7 +103,7 @@ impl Campaign {
         }
     }
 
-    /// Executes a run and keeps its figures; `None` if the operator has stopped it.
+    /// Executes the run and returns its row; `None` if the operator has stopped it.
     ///
     /// # Errors
     /// A figure of the campaign is no key of a run.

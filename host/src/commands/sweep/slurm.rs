@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::single_run::quoted;
 
-/// The script for `sbatch`.
+/// Text of the script for `sbatch`.
 pub fn script(sweep: &Path, folder: &Path, shards: u32, csv: bool) -> String {
     let [sweep, folder] = [sweep, folder].map(|path| quoted(&path.display().to_string()));
     let csv = if csv { " --csv" } else { "" };

@@ -22,50 +22,50 @@ const RUNS_MAX: u64 = 1_000_000_000;
 /// Keys of `[random]` that are no axes.
 const RANDOM_SETTINGS: [&str; 2] = ["runs", "seed"];
 
-/// Complaint at a byte offset.
+/// Error in the sweep file: byte offset of its place, and message.
 pub type Complaint = (usize, String);
 
 /// Text with its place in the file.
 #[derive(Clone, Debug)]
 pub struct Placed {
-    /// Text.
+    /// The text.
     pub text: String,
-    /// Byte offset.
+    /// Byte offset in the sweep file.
     pub offset: usize,
 }
 
-/// Command of a run.
+/// Command by which the runs of a campaign are executed.
 #[derive(Clone, Debug)]
 pub enum RunKind {
-    /// `simulate`.
+    /// `arcfeed simulate`.
     Simulate,
-    /// `stream` to the control in software.
+    /// `arcfeed stream` to the simulated control.
     Stream {
-        /// Port with `{name}` for values.
+        /// URL of the port, with `{name}` in place of values.
         port: Placed,
-        /// Board with `{name}` for values.
+        /// URL of the board, with `{name}` in place of values; `None` without a board.
         board: Option<Placed>,
     },
 }
 
-/// Campaign.
+/// Campaign as its sweep file describes it: many runs of a job with different values.
 #[derive(Clone, Debug)]
 pub struct Campaign {
-    /// File that describes it.
+    /// Path of the sweep file.
     pub path: PathBuf,
-    /// Text of that file.
+    /// Text of the sweep file.
     pub text: String,
-    /// Job of every run.
+    /// Path of the job file of all runs.
     pub job: PathBuf,
-    /// Place of its name.
+    /// Byte offset of that path in the sweep file.
     pub job_offset: usize,
     /// Command of every run.
     pub kind: RunKind,
-    /// Assertions of every run.
+    /// Assertions on every run.
     pub assertions: Vec<Placed>,
-    /// Keys of figures to keep, in the JSON of a run.
+    /// Results of a run to be kept, as keys of its JSON output.
     pub figures: Vec<Placed>,
-    /// Ends that count as good.
+    /// Outcomes that are accepted.
     pub accept: Vec<RunStatus>,
     /// Axes: the names whose values differ from run to run.
     pub axes: Vec<SweepAxis>,
@@ -98,12 +98,12 @@ impl Campaign {
         refuse_numbers(&text).and_then(|()| parse(path, &text)).map_err(|complaint| at(path, &text, complaint))
     }
 
-    /// The error of a place in the file.
+    /// Error at a byte offset of the sweep file, with this message.
     pub fn complaint(&self, offset: usize, message: String) -> FileError {
         at(&self.path, &self.text, (offset, message))
     }
 
-    /// Values of a run, in the order of the axes.
+    /// Values of the run with this number, in the order of the axes.
     pub fn values(&self, run: u64) -> impl Iterator<Item = (&SweepAxis, String)> {
         self.axes.iter().map(move |axis| (axis, axis.literal(run)))
     }

@@ -12,7 +12,7 @@ use crate::toml_values::walk;
 /// Longest name of a program.
 const NAME_MAX: usize = 64;
 
-/// Value that the job needs from a person.
+/// Value that the job still needs from a person.
 #[derive(Debug, Serialize)]
 pub struct OpenQuestion {
     key: String,
@@ -23,7 +23,7 @@ pub struct OpenQuestion {
     help: String,
 }
 
-/// Values of the form, as options of `arcfeed init`; an empty one is left out.
+/// Values of the page's form, which become options of `arcfeed init`; empty ones are left out.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FormValues {
@@ -37,7 +37,7 @@ pub struct FormValues {
 }
 
 impl FormValues {
-    /// Options, each in one word with its value, so that no value is an option.
+    /// Options of `arcfeed init`. Option and value are one argument, so that no value can be read as an option.
     pub fn options(&self) -> impl Iterator<Item = String> {
         let FormValues { tool, teeth, feed_per_tooth, spindle, max, mode, milling } = self;
         let several = [("tool", tool), ("teeth", teeth), ("feed-per-tooth", feed_per_tooth)];
@@ -51,7 +51,8 @@ impl FormValues {
     }
 }
 
-/// Name of a program without a folder and without characters of meaning; `.toml` is that of jobs.
+/// Name for a dropped program: without folders and special characters; the ending `.toml`, which belongs
+/// to jobs, is removed.
 pub fn plain_name(name: &str) -> String {
     let allowed = |letter: &char| letter.is_ascii_alphanumeric() || matches!(letter, '.' | '-' | '_');
     let name: String =
@@ -63,7 +64,7 @@ pub fn plain_name(name: &str) -> String {
     }
 }
 
-/// First value of a job that is the name of a file outside a folder.
+/// First value in the text of a job that names a file outside `folder`; `None` if there is none.
 pub fn foreign_file(text: &str, folder: &Path) -> Option<String> {
     let mut found = None;
     walk(text, &mut |_, _, value| {

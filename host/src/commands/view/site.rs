@@ -1,4 +1,5 @@
-//! Requests of the page: of browsers to a server, or of the page to the arcfeed inside it (`host/wasm`).
+//! Answers to the requests of the page: from browsers to the server, or from the page to the arcfeed inside it
+//! (`host/wasm`).
 
 use std::io;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ const PROGRAM_MAX: usize = 64 << 20;
 /// Largest job and largest form, bytes.
 const TEXT_MAX: usize = 1 << 20;
 
-/// The page, over a workspace.
+/// The page `arcfeed view` with its requests, over a workspace.
 pub struct ViewSite(pub Arc<Workspace>);
 
 #[cfg(not(target_family = "wasm"))]
@@ -26,7 +27,8 @@ impl crate::web::server::Site for ViewSite {
 }
 
 impl ViewSite {
-    /// Answers a request for a path with a query; `body` reads what was posted, of so many bytes at most.
+    /// Answers a request for a path with a query. `body` reads the posted data, at most as many bytes as its argument
+    /// says.
     ///
     /// # Errors
     /// The browser is gone, or the disk is full.

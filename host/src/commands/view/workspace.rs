@@ -14,7 +14,7 @@ use super::Runner;
 use super::input::{FormValues, OpenQuestion, foreign_file, open_questions, plain_name};
 use crate::files;
 
-/// Folder and state, shared by all browsers.
+/// Folder and state of the page, shared by all browsers that show it.
 pub struct Workspace {
     folder: PathBuf,
     files: Mutex<Files>,
@@ -33,7 +33,7 @@ struct Files {
     messages: String,
 }
 
-/// State for the page.
+/// State that the page shows.
 #[derive(Debug, Serialize)]
 pub struct PageState {
     program: Option<String>,
@@ -70,7 +70,7 @@ impl Workspace {
         Ok(Workspace { folder: folder.to_owned(), files: Mutex::default(), is_taken: AtomicBool::new(false), runner })
     }
 
-    /// Begins with a job or a program of the command line.
+    /// Loads a job or a program given on the command line.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -86,7 +86,7 @@ impl Workspace {
         self.take(&name, &bytes).map_err(|error| file_failure(path, &error))
     }
 
-    /// Takes a program in place of the one before, and proposes a job.
+    /// Stores a dropped program in place of the one before, and proposes a job for it.
     ///
     /// # Errors
     /// The disk is full.
@@ -146,12 +146,12 @@ impl Workspace {
         self.files().messages = messages;
     }
 
-    /// Takes the workspace for a command; `false` if another browser has it.
+    /// Reserves the workspace for a command; `false` if a command of another browser is using it.
     pub fn begin(&self) -> bool {
         !self.is_taken.swap(true, Ordering::Acquire)
     }
 
-    /// Gives the workspace back.
+    /// Ends the reservation.
     pub fn end(&self) {
         self.is_taken.store(false, Ordering::Release);
     }
@@ -161,12 +161,12 @@ impl Workspace {
         self.runner.stop();
     }
 
-    /// Stops everything for good.
+    /// Stops the running command for good: no other can start.
     pub fn close(&self) {
         self.runner.close();
     }
 
-    /// State for the page.
+    /// State that the page shows.
     pub fn state(&self) -> PageState {
         let files = self.files().clone();
         let job = files.job.as_ref().and_then(|path| files::read_to_string(path).ok());
@@ -184,7 +184,7 @@ impl Workspace {
     /// Content of a file, and its name for a download.
     ///
     /// # Errors
-    /// There is none yet.
+    /// The file has not been made yet.
     pub fn read(&self, output: PageFile) -> io::Result<(Vec<u8>, String)> {
         let now = self.files().clone();
         let stem = now.job.as_ref().and_then(|job| job.file_stem()).unwrap_or_default().to_string_lossy().into_owned();

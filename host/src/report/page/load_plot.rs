@@ -16,7 +16,7 @@ const CHIPS: [[f64; 3]; 3] = [[60.0, 110.0, 200.0], [60.0, 160.0, 90.0], [190.0,
 /// Kinds of vibration, and their colours beside the path.
 const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", "#f0a040"), ("chatter", "#f06060")];
 
-/// Plot of a path with a value for each block; all lengths in one unit.
+/// Plot of a tool path, coloured by a value for each block; all lengths in one unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadPlot {
     /// Blocks in order.
@@ -30,11 +30,12 @@ pub struct LoadPlot {
 pub struct PlotBlock {
     /// N of the block, or its number.
     pub name: String,
-    /// Verdict as in [`crate::report::loads::UnstableFigures`]; `None` if the block is steady, or was not judged.
+    /// Kind of vibration, as in [`crate::report::loads::UnstableFigures`]; `None` if the block is steady or was not
+    /// judged.
     pub verdict: Option<&'static str>,
-    /// Largest chip thickness over the target; `None` without chips.
+    /// Largest chip thickness divided by the target; `None` without chips.
     pub chip_ratio: Option<f64>,
-    /// X, Y.
+    /// Lines of the path, each a series of points X, Y.
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 

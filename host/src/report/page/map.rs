@@ -29,13 +29,13 @@ const DEVIATIONS: [[f64; 3]; 5] =
 /// Map of values over a surface as a picture; lengths in one unit.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Cells along X.
+    /// Number of cells along X.
     pub columns: usize,
     /// Values row by row from the lowest Y.
     pub values: Vec<Option<f64>>,
-    /// Lowest corner.
+    /// X and Y of the lowest corner.
     pub lowest: [f64; 2],
-    /// Edge of a cell.
+    /// Length of a cell's edge.
     pub step: f64,
     /// Unit of all lengths.
     pub unit: &'static str,

@@ -9,16 +9,16 @@ const LANE_HEIGHT: f64 = 150.0;
 /// Margins of the lanes: left, right, and above each.
 const MARGINS: [f64; 3] = [70.0, 15.0, 30.0];
 
-/// Lane: a quantity over that of the axis.
+/// Lane of the diagram: one quantity over the quantity of the common axis.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// Title of the lane, with the unit.
     pub title: String,
     /// Curves of the lane.
     pub series: Vec<Series>,
-    /// Value with a line of its own, such as a target.
+    /// Value that is marked by a line, such as a target; `None` without one.
     pub mark: Option<f64>,
-    /// Whether the quantity is unknown between steps, not zero.
+    /// Between the steps the quantity is unknown; otherwise it is zero there.
     pub has_gaps: bool,
 }
 

@@ -10,56 +10,57 @@ use serde::Serialize;
 use super::result::{FinishResult, obstacle_word, part_word};
 use crate::post::finding::Entry;
 
-/// Figures of one plan, `arcfeed plan finish --json` (docs/json.md). Lengths mm, angles degrees, feeds mm/min.
+/// Results of a finishing plan as `arcfeed plan finish --json` prints them (docs/json.md). Lengths are in mm, angles in
+/// degrees, feeds in mm/min.
 #[derive(Debug, Serialize)]
 pub struct FinishFigures {
     /// Name of the part.
     pub name: String,
-    /// The mill keeps all distances, and the machine follows the path.
+    /// The mill keeps all distances, and the machine can follow the path.
     pub safe: bool,
-    /// Blades of the rotor; the program finishes one of them.
+    /// Number of blades of the rotor; the program finishes one of them.
     pub blades: u32,
-    /// Lowest and highest row, as places between hub and tip.
+    /// Lowest and highest row of the path, as places between hub (0) and tip (1).
     pub span: [f64; 2],
-    /// Passes, or turns of the spiral.
+    /// Number of passes, or of turns of a spiral.
     pub passes: usize,
-    /// Points of all passes.
+    /// Number of points of all passes.
     pub points: usize,
-    /// Least and greatest angle between the tool axis and the normal of the surface.
+    /// Smallest and largest angle between the tool's axis and the normal of the surface.
     pub tilt_deg: [f64; 2],
-    /// Wanted feed.
+    /// Target feed at the contact with the surface.
     pub target_feed: f64,
-    /// Least and greatest F of the cutting moves.
+    /// Smallest and largest F of the cutting moves.
     pub feed: Option<[f64; 2]>,
-    /// Moves on which the machine's axes decide the feed.
+    /// Number of moves whose feed the machine's axes limit.
     pub limited_moves: usize,
-    /// Turns of the rotary axes, the one nearer to the part first.
+    /// Total rotation of each rotary axis, first the axis nearer to the part.
     pub rotary_travel_deg: [f64; 2],
-    /// Time of the feed moves.
+    /// Time of the feed moves, min.
     pub minutes: f64,
-    /// Clearances of the mill.
+    /// Clearances between the parts of the mill and the obstacles.
     pub clearances: Vec<FinishClearanceFigures>,
-    /// Findings of the post-processor; their lines are numbers of moves.
+    /// Errors and warnings of the post-processor; their lines are the numbers of moves.
     pub findings: Vec<Entry>,
 }
 
-/// Clearance.
+/// Smallest clearance between a part of the mill and an obstacle over the path.
 #[derive(Debug, Serialize)]
 pub struct FinishClearanceFigures {
-    /// `end`, `flutes`, `neck`, `holder`.
+    /// Part of the mill: `end`, `flutes`, `neck` or `holder`.
     pub part: &'static str,
-    /// `blade`, `stock`, `neighbours`, `hub`, `fixture`.
+    /// Obstacle: `blade`, `stock`, `neighbours`, `hub` or `fixture`.
     pub obstacle: &'static str,
-    /// Lower bound.
+    /// Proven lower bound of the distance.
     pub certified_mm: f64,
-    /// Distance to keep; a negative one is the depth of a gouge within the tolerance.
+    /// Distance that must be kept; a negative one is the depth of a gouge that the tolerance permits.
     pub needed_mm: f64,
-    /// Move with that bound, from 1.
+    /// Number of the move with the smallest bound, counted from 1.
     pub move_number: usize,
 }
 
 impl FinishFigures {
-    /// Figures of a plan.
+    /// Results of a plan.
     pub fn of(result: &FinishResult) -> Self {
         let FinishResult { part, plan, .. } = result;
         FinishFigures {
@@ -93,19 +94,19 @@ pub fn clearances(result: &FinishResult) -> Vec<FinishClearanceFigures> {
     result.clearances.iter().map(figures).collect()
 }
 
-/// Least and greatest F of the cutting moves.
+/// Smallest and largest F of the cutting moves; `None` if there is none.
 pub fn feeds(result: &FinishResult) -> Option<[f64; 2]> {
     let cuts = result.plan.path.iter().zip(&result.cl.points).filter(|(step, _)| step.kind == MoveKind::Cut);
     range(&cuts.filter_map(|(_, point)| point.feed_mm_per_min).collect::<Vec<f64>>())
 }
 
-/// Least and greatest angle between the tool axis and the normal of the surface.
+/// Smallest and largest angle between the tool's axis and the normal of the surface, degrees.
 pub fn tilts_deg(result: &FinishResult) -> [f64; 2] {
     let tilt = |point: &PassPoint| point.contact.normal.angle(&point.location.axis).to_degrees();
     range(&result.plan.passes.iter().flatten().map(tilt).collect::<Vec<f64>>()).unwrap_or([0.0; 2])
 }
 
-/// Least and greatest of some values; `None` of none.
+/// Smallest and largest of the values; `None` if there are none.
 pub fn range(values: &[f64]) -> Option<[f64; 2]> {
     let first = *values.first()?;
     Some(values.iter().fold([first; 2], |[low, high], value| [low.min(*value), high.max(*value)]))
@@ -136,7 +137,7 @@ pub fn text(figures: &FinishFigures) -> String {
     text
 }
 
-/// Writes a line for each clearance.
+/// Appends to `text` one line for each clearance.
 pub fn write_clearances(text: &mut String, clearances: &[FinishClearanceFigures]) {
     let _ = writeln!(text, "  clearances of the whole mill, mm, at least (needed):");
     for found in clearances {

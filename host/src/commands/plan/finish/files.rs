@@ -31,7 +31,7 @@ pub fn write(result: &FinishResult, figures: &FinishFigures, folder: &Path, inpu
     write_files(folder, &files, inputs)
 }
 
-/// File name and text of the program.
+/// Name and text of the program's file.
 ///
 /// # Errors
 /// The program cannot be written for the machine.
@@ -53,7 +53,8 @@ pub fn program(result: &FinishResult) -> Result<(String, String), Failure> {
     Ok((format!("{}.nc", file_stem(&result.part.name)), text))
 }
 
-/// Text of the job file; with `rays_mm` stock and finished part stand beside it.
+/// Text of the job file. With `rays_mm`, the distance of the dexel rays, the job also names files of stock and finished
+/// part.
 pub fn job(result: &FinishResult, program: &str, remark: &str, rays_mm: Option<f64>) -> String {
     let part = &result.part;
     let source = part.machine_source.as_ref();

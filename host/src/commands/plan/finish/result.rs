@@ -19,40 +19,40 @@ use crate::post::cl::{Cl, ClPoint};
 use crate::post::plan::{AxisPlan, Task};
 use crate::program::Severity;
 
-/// Deviations of straight blocks from the planned path.
+/// Largest deviation of the straight blocks of the program from the planned path: of the tip in mm, of the axis in degrees.
 pub const TOLERANCE: Tolerance = Tolerance { tip_mm: 0.001, axis_deg: 0.02 };
 /// Share of the axes' feed that is used: their words are rounded, on short moves by up to a hundredth.
 const ROUNDING: f64 = 0.99;
 /// Retraction at a change of branch, which these programs refuse.
 const RETRACT_MM: f64 = 50.0;
 
-/// Plan of one blade and its evaluation.
+/// Plan for one blade with everything derived from it.
 pub struct FinishResult {
-    /// Part file.
+    /// Content of the part file.
     pub part: FinishPart,
-    /// Plan.
+    /// Path of the mill.
     pub plan: FinishPlan,
-    /// Clearances of the whole mill over the whole path.
+    /// Clearances of all parts of the mill over the whole path.
     pub clearances: Vec<FinishClearance>,
-    /// CL points with feeds that the machine's axes follow.
+    /// CL points, with feeds that the machine's axes can follow.
     pub cl: Cl,
-    /// Task of the post-processor.
+    /// Task for the post-processor: machine, placement, choice of the axis positions.
     pub task: Task,
-    /// Positions of the axes.
+    /// Positions of the machine's axes along the path.
     pub axes: AxisPlan,
-    /// Feed at the contact.
+    /// Target feed at the contact with the surface, mm/min.
     pub target_mm_per_min: f64,
-    /// Moves on which the machine's axes decide the feed.
+    /// Number of moves whose feed the machine's axes limit.
     pub limited: usize,
-    /// Time of the feed moves.
+    /// Time of the feed moves, min.
     pub minutes: f64,
 }
 
 impl FinishResult {
-    /// Plans a part.
+    /// Plans the finishing of the part, and evaluates the plan.
     ///
     /// # Errors
-    /// Describes why there is no plan.
+    /// The reason why there is no plan.
     pub fn of(part: FinishPart) -> Result<Self, String> {
         check_rotor(&part.blisk)?;
         let bodies = obstacles(&part.blisk, &part.fixtures);
@@ -62,7 +62,7 @@ impl FinishResult {
         Ok(FinishResult::proven(part, plan, clearances))
     }
 
-    /// Evaluates a plan of which the clearances are known.
+    /// Evaluates a plan whose clearances have been computed.
     pub fn proven(part: FinishPart, plan: FinishPlan, clearances: Vec<FinishClearance>) -> Self {
         let task = Task {
             machine: part.machine.machine,
@@ -80,7 +80,7 @@ impl FinishResult {
         FinishResult { part, plan, clearances, cl, task, axes, target_mm_per_min, limited, minutes }
     }
 
-    /// Reason for which nothing is written.
+    /// Reason why no files are written for this plan; `None` if they may be.
     pub fn refusal(&self) -> Option<String> {
         let open = self.clearances.iter().find(|found| !found.holds());
         if let Some(found) = open {
@@ -99,7 +99,7 @@ impl FinishResult {
     }
 }
 
-/// Checks that a rotor has no flaw that keeps a planner from it.
+/// Checks that the blades of a rotor have no flaw because of which they cannot be planned.
 ///
 /// # Errors
 /// Describes its flaws.
@@ -168,7 +168,7 @@ fn minutes(cl: &Cl) -> f64 {
     cl.points.windows(2).filter_map(of).sum()
 }
 
-/// Name of a part in messages and JSON.
+/// Name of the part of the mill in messages and JSON.
 pub fn part_word(part: MillPart) -> &'static str {
     match part {
         MillPart::End => "end",
@@ -178,7 +178,7 @@ pub fn part_word(part: MillPart) -> &'static str {
     }
 }
 
-/// Name of an obstacle in messages and JSON.
+/// Name of the obstacle in messages and JSON.
 pub fn obstacle_word(obstacle: FinishObstacle) -> &'static str {
     match obstacle {
         FinishObstacle::Blade => "blade",

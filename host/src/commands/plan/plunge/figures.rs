@@ -10,105 +10,107 @@ use serde::Serialize;
 use super::super::figures::obstacle_word;
 use super::result::PlungeResult;
 
-/// Figures of one plan, `arcfeed plan plunge --json` (docs/json.md). Lengths mm, angles degrees, times minutes; part frame.
+/// Results of a plunging plan as `arcfeed plan plunge --json` prints them (docs/json.md). Lengths are in mm, angles in degrees, times in
+/// minutes, in the coordinates of the part.
 #[derive(Debug, Serialize)]
 pub struct PlungeFigures {
     /// Name of the part.
     pub name: String,
-    /// The mill touches nothing, and keeps the allowance.
+    /// The mill touches nothing that it must not cut, and keeps the allowance.
     pub safe: bool,
     /// Diameter of the mill.
     pub diameter_mm: f64,
-    /// Largest diameter that passes in all planes along the blade.
+    /// Largest diameter of a mill that passes in all planes along the blade; `None` if none was measured.
     pub largest_diameter_mm: Option<f64>,
-    /// Number of passages.
+    /// Number of passages between blades.
     pub passages: u32,
-    /// Plunges of one passage.
+    /// Number of plunges in one passage.
     pub plunges: usize,
-    /// Measures of both sides: pressure, suction.
+    /// Measures of the passage's two sides: pressure side, suction side.
     pub sides: [SideFigures; 2],
-    /// Twist of the camber lines.
+    /// Twist of the blades' camber lines.
     pub camber_twist_deg: f64,
-    /// Least and greatest distance of corresponding points of both sides.
+    /// Smallest and largest distance of corresponding points of both sides.
     pub width_mm: [f64; 2],
-    /// Least distance of both sides.
+    /// Smallest distance of both sides.
     pub free_width_mm: f64,
-    /// Planes in order.
+    /// Section planes with plunges, in the order of machining.
     pub planes: Vec<PlaneFigures>,
-    /// Largest tool in planes along the blade.
+    /// Largest possible tool in planes along the blade.
     pub largest: Vec<LargestToolFigures>,
     /// Clearances of the mill.
     pub clearances: Vec<PlungeClearanceFigures>,
-    /// Greatest lift of the flat end above the floor.
+    /// Largest height by which the flat end of the mill stays above the floor.
     pub lift_max_mm: f64,
     /// Time of the feed moves of one passage.
     pub passage_min: f64,
 }
 
-/// Measures of a side. Pairs: split at the greatest curvature, and at the point farthest from the chord.
+/// Measures of one side of the passage. Pairs of values are for a side that is split at the greatest curvature, and at the point farthest
+/// from the chord.
 #[derive(Debug, Serialize)]
 pub struct SideFigures {
-    /// Greatest twist.
+    /// Largest twist.
     pub twist_deg: [f64; 2],
-    /// Greatest bend.
+    /// Largest bend.
     pub bend_deg: [f64; 2],
-    /// Greatest sag.
+    /// Largest distance from the straight line (sag).
     pub sag_mm: f64,
-    /// Depth.
+    /// Depth of the side, from tip to hub.
     pub depth_mm: f64,
 }
 
-/// Plane.
+/// Section plane with its plunges.
 #[derive(Debug, Serialize)]
 pub struct PlaneFigures {
-    /// `radial`, `lower-face`, `upper-face`.
+    /// Kind of plane: `radial`, `lower-face` or `upper-face`.
     pub family: &'static str,
-    /// Place of its origin along the rotor's axis; 0 for planes along that axis.
+    /// Position of the plane's origin along the rotor's axis; 0 for planes along that axis.
     pub z_mm: f64,
     /// Distance of its origin from the rotor's axis; 0 for planes across it.
     pub radius_mm: f64,
-    /// Widths between the boundary axes at roof and floor.
+    /// Distance between the two boundary axes (plunges nearest to the blades), at the outer end (roof) and at the floor.
     pub width_mm: [f64; 2],
-    /// Tilts of the boundary axes from the middle.
+    /// Angles of both boundary axes from the middle direction of the plane.
     pub tilt_deg: [f64; 2],
-    /// Greatest additional allowance beside the left and the right boundary axis.
+    /// Largest allowance beyond the part's own that remains beside the left and the right boundary axis.
     pub left_over_mm: [f64; 2],
-    /// Columns.
+    /// Number of plunge positions side by side in the plane.
     pub columns: usize,
-    /// Distance of the columns at the roof.
+    /// Distance of neighbouring plunge positions at the outer end.
     pub spacing_mm: f64,
-    /// Step from the plane before over the one of the allowed cusp.
+    /// Distance from the preceding plane, divided by the distance that the permitted cusp allows.
     pub step_ratio: f64,
 }
 
-/// Largest tool of a plane.
+/// Largest tool that fits into the passage in one plane.
 #[derive(Debug, Serialize)]
 pub struct LargestToolFigures {
-    /// Place along the rotor's axis.
+    /// Position of the plane along the rotor's axis.
     pub z_mm: f64,
-    /// Diameter.
+    /// Diameter of that tool.
     pub diameter_mm: f64,
-    /// Points of the blades that it touches.
+    /// Points of the two blades that it touches.
     pub touching_mm: [[f64; 3]; 2],
 }
 
-/// Clearance.
+/// Clearance between a part of the mill and an obstacle over all plunges.
 #[derive(Debug, Serialize)]
 pub struct PlungeClearanceFigures {
-    /// `cutter`, `neck`, `holder`.
+    /// Part of the mill: `cutter`, `neck` or `holder`.
     pub part: String,
-    /// `blades`, `hub`, `fixture`, `blank`.
+    /// Obstacle: `blades`, `hub`, `fixture` or `blank`.
     pub obstacle: String,
-    /// Lower bound.
+    /// Proven lower bound of the distance.
     pub certified_mm: f64,
-    /// Distance found.
+    /// Smallest distance that was found.
     pub found_mm: f64,
-    /// Plunge at that place, from 1.
+    /// Number of the plunge with that distance, counted from 1.
     pub plunge: usize,
 }
 
 impl PlungeFigures {
-    /// Figures of a plan.
+    /// Results of a plan.
     pub fn of(result: &PlungeResult) -> Self {
         let PlungeResult { part, machinability, plan, proof, .. } = result;
         let least_mm = plan.largest.iter().map(|found| found.radius_mm).fold(f64::INFINITY, f64::min);
@@ -154,7 +156,7 @@ impl PlungeFigures {
         }
     }
 
-    /// Greatest additional allowance on the left and on the right.
+    /// Largest allowance beyond the part's own beside the left and the right boundary axis, mm.
     pub fn left_over_mm(&self) -> [f64; 2] {
         [0, 1].map(|side| self.planes.iter().map(|plane| plane.left_over_mm[side]).fold(0.0, f64::max))
     }
@@ -178,7 +180,7 @@ fn family_word(family: PlungeFamily) -> &'static str {
     }
 }
 
-/// Name in the JSON and on the page.
+/// Name of the part of the mill in the JSON and on the page.
 pub fn mill_part_word(part: MillPart) -> &'static str {
     match part {
         MillPart::Cutter => "cutter",
@@ -239,7 +241,7 @@ pub fn text(figures: &PlungeFigures) -> String {
     text
 }
 
-/// Reason for which nothing is written.
+/// Reason why no files are written for this plan, in words.
 pub fn refusal(result: &PlungeResult) -> String {
     let open: Vec<String> = result
         .proof

@@ -14,7 +14,8 @@ const MARGIN: f64 = 45.0;
 /// Width and height of a cell of the map.
 const CELL: [f64; 2] = [24.0, 12.0];
 
-/// Largest diameter along the rotor's axis, and that of the mill; empty where no plane was measured.
+/// SVG plot of the largest possible diameter along the rotor's axis, with the diameter of the mill; empty if no plane
+/// was measured.
 pub fn largest(figures: &PlungeFigures) -> String {
     let places: Vec<[f64; 2]> = figures.largest.iter().map(|found| [found.z_mm, found.diameter_mm]).collect();
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return String::new() };
@@ -43,7 +44,8 @@ pub fn largest(figures: &PlungeFigures) -> String {
     )
 }
 
-/// Map of the allowance beyond the part's own on both blades: planes from left to right, heights from the hub upwards.
+/// SVG map of the allowance beyond the part's own on both blades: planes from left to right, heights from the hub
+/// upwards.
 pub fn left_over(rows: &[LeftOverRow]) -> String {
     let all = rows.iter().flat_map(|row| row.sides_mm.iter().flatten().flatten());
     let most_mm = all.copied().fold(0.0, f64::max);

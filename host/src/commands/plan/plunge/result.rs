@@ -25,41 +25,41 @@ const STEEPEST_RAD: f64 = core::f64::consts::FRAC_PI_2 - 1e-5;
 /// Difference of positions of an axis that are the same, degrees.
 const SAME_DEG: f64 = 0.01;
 
-/// Measures of the passage.
+/// Measures of a passage that decide how it can be machined.
 pub struct Machinability {
-    /// Pressure and suction side.
+    /// Measures of the pressure side and of the suction side.
     pub sides: [SideMeasures; 2],
-    /// Twist of the camber lines.
+    /// Twist of the blades' camber lines, rad.
     pub camber_twist_rad: f64,
-    /// Widths.
+    /// Distances between the two sides.
     pub widths: Widths,
 }
 
-/// Plan of one part and its evaluation.
+/// Plan for one passage with everything derived from it.
 pub struct PlungeResult {
-    /// Part file.
+    /// Content of the part file.
     pub part: PlungePart,
     /// Measures of the passage.
     pub machinability: Machinability,
-    /// Plan of one passage.
+    /// Plunges of one passage.
     pub plan: PassagePlan,
-    /// Allowance that the plunges leave beyond the part's own.
+    /// Allowance beyond the part's own that the plunges leave on the blades.
     pub left_over: Vec<LeftOverRow>,
-    /// Proof of the plan.
+    /// Proof that the mill touches nothing that it must not cut.
     pub proof: PlungeProof,
-    /// A and B.
+    /// Relations of the rotary axes A and B to the angles of the tool in the part.
     pub rotary: [AngleRelation; 2],
-    /// Feeds.
+    /// Feeds of the program.
     pub feeds: PlungeFeeds,
-    /// Time of the feed moves of one passage.
+    /// Time of the feed moves of one passage, min.
     pub passage_min: f64,
 }
 
 impl PlungeResult {
-    /// Plans a part.
+    /// Plans the passages of the part, and evaluates the plan.
     ///
     /// # Errors
-    /// Describes why there is no plan.
+    /// The reason why there is no plan.
     pub fn of(part: PlungePart) -> Result<Self, String> {
         let found = flaws(&part.blisk, part.needs.allowance_mm);
         if !found.is_empty() {

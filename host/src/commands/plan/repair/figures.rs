@@ -11,94 +11,97 @@ use serde::Serialize;
 use super::super::finish::figures::{FinishClearanceFigures, clearances, feeds, range, tilts_deg, write_clearances};
 use super::result::RepairResult;
 
-/// Figures of one plan, `arcfeed plan repair --json` (docs/json.md). Lengths mm, angles degrees.
+/// Results of a repair plan as `arcfeed plan repair --json` prints them (docs/json.md). Lengths are in mm, angles in
+/// degrees.
 #[derive(Debug, Serialize)]
 pub struct RepairFigures {
     /// Name of the repair.
     pub name: String,
-    /// The mill keeps all distances, and the machine follows the path.
+    /// The mill keeps all distances, and the machine can follow the path.
     pub safe: bool,
-    /// Side.
+    /// Side of the blade that is finished: `pressure` or `suction`.
     pub side: &'static str,
     /// Number of the blade.
     pub blade: u32,
-    /// Measured points.
+    /// Number of measured points in the file.
     pub points: usize,
-    /// Points on the side.
+    /// Number of the points that lie on this side.
     pub used_points: usize,
-    /// Registration.
+    /// Registration: position of the measured blade relative to the nominal one.
     pub registration: RegistrationFigures,
-    /// Deviation of the old blade, which stays.
+    /// Deviation of the old blade from the nominal surface, which stays.
     pub old_mm: f64,
-    /// Begin of the transition, least and greatest place of the border, between root (0) and tip (1).
+    /// Start of the transition, and lowest and highest point of the border of the repaired region, as places between
+    /// root (0) and tip (1).
     pub places: [f64; 3],
-    /// Whether the border runs from edge to edge, so that the allowance is that of the source.
+    /// The border runs from edge to edge, so that the allowance of the published method applies.
     pub is_rising: bool,
-    /// Allowance by region.
+    /// Allowance in each of the three regions: norm region, transition, repaired region.
     pub regions: [RegionFigures; 3],
-    /// Finishing passes.
+    /// Number of finishing passes.
     pub passes: usize,
-    /// Points of each pass.
+    /// Number of points of each pass.
     pub points_per_pass: usize,
-    /// Least and greatest distance of passes.
+    /// Smallest and largest distance of neighbouring passes.
     pub stepover_mm: [f64; 2],
-    /// Heights of the rough layers above the nominal surface.
+    /// Heights of the roughing layers above the nominal surface.
     pub layers_mm: Vec<f64>,
-    /// Volume to be taken in the repaired region and in the transition.
+    /// Volume to be removed in the repaired region and in the transition.
     pub removed_mm3: [f64; 2],
-    /// Least and greatest difference between the predicted result and the planned allowance, where something is taken.
+    /// Smallest and largest difference between the predicted result and the planned allowance, where material is
+    /// removed; `None` if nothing is.
     pub predicted_mm: Option<[f64; 2]>,
-    /// Points of the path.
+    /// Number of points of the tool path.
     pub points_of_path: usize,
-    /// Least and greatest angle between the tool axis and the normal of the surface.
+    /// Smallest and largest angle between the tool's axis and the normal of the surface.
     pub tilt_deg: [f64; 2],
-    /// Wanted feed.
+    /// Target feed at the contact with the surface, mm/min.
     pub target_feed: f64,
-    /// Least and greatest F of the cutting moves.
+    /// Smallest and largest F of the cutting moves, mm/min.
     pub feed: Option<[f64; 2]>,
-    /// Time of the feed moves.
+    /// Time of the feed moves, min.
     pub minutes: f64,
     /// Clearances of the mill.
     pub clearances: Vec<FinishClearanceFigures>,
 }
 
-/// Figures of a registration.
+/// Results of a registration: the motion that fits the measured points to the nominal blade.
 #[derive(Debug, Serialize)]
 pub struct RegistrationFigures {
-    /// Directions that the points determined; the others are held at the datum.
+    /// Names of the directions of motion that the points determined; the other directions are held by the datum.
     pub free: Vec<&'static str>,
     /// Rotation about the middle of the blade.
     pub turn_deg: [f64; 3],
-    /// Shift.
+    /// Shift along X, Y and Z.
     pub shift_mm: [f64; 3],
-    /// Root mean square of the distances left.
+    /// Root mean square of the distances that remain.
     pub rms_mm: f64,
-    /// Standard deviations of the free directions: degrees, mm.
+    /// Standard deviations of the free directions, in degrees or mm.
     pub deviations: Vec<f64>,
-    /// Condition; 1 if nothing is free.
+    /// Condition number of the fit; 1 if no direction is free.
     pub condition: f64,
-    /// Points that were left out as outliers, the weld among them.
+    /// Number of points that were left out as outliers, those of the weld included.
     pub outliers: usize,
-    /// Least allowance that the datum's tolerances allow, if they allow any motion.
+    /// Smallest allowance that a motion within the datum's tolerances can give; `None` if they allow no motion.
     pub even_least_mm: Option<f64>,
 }
 
-/// Allowance of a region.
+/// Allowance of one region of a repaired blade.
 #[derive(Debug, Serialize)]
 pub struct RegionFigures {
     /// `norm`, `transition` or `repaired`.
     pub region: &'static str,
-    /// Places of the lattice.
+    /// Number of grid points of the surface in the region.
     pub places: usize,
-    /// Places in holes of the measurement.
+    /// Number of these grid points without a measurement near them.
     pub holes: usize,
-    /// Least, median and greatest allowance before.
+    /// Smallest, median and largest allowance before finishing.
     pub before_mm: Option<[f64; 3]>,
-    /// Least and greatest allowance that is left; null where nothing is taken.
+    /// Smallest and largest allowance after finishing; `None` (null) where nothing is removed.
     pub left_mm: Option<[f64; 2]>,
 }
 
-/// Word for a region.
+/// Name of a region in the JSON and on the page.
 pub fn region_word(region: Region) -> &'static str {
     match region {
         Region::Norm => "norm",
@@ -108,7 +111,7 @@ pub fn region_word(region: Region) -> &'static str {
 }
 
 impl RepairFigures {
-    /// Figures of a plan.
+    /// Results of a plan.
     pub fn of(result: &RepairResult) -> Self {
         let (file, plan) = (&result.file, &result.plan);
         let allowance = &plan.regions.allowance;

@@ -1,4 +1,4 @@
-//! Plan of a repair with the registration before it.
+//! Repair plan with the registration that precedes it.
 
 use arcfeed_plan::finish::access::{BladeAccess, outward};
 use arcfeed_plan::finish::obstacles::{FinishBody, FinishObstacle, around};
@@ -24,31 +24,31 @@ const REGISTERED_MAX: usize = 10_000;
 /// Repetitions of the linear program for the most even allowance.
 const EVEN_ROUNDS: usize = 2;
 
-/// Plan of one repair.
+/// Repair plan of one blade side with everything derived from it.
 pub struct RepairResult {
-    /// Repair file.
+    /// Content of the repair file.
     pub file: RepairFile,
-    /// Registration of the points.
+    /// Registration of the measured points on the nominal blade.
     pub registration: Registration,
-    /// Last motion for the most even allowance, if the datums allow any.
+    /// Additional motion that makes the allowance most even, if the datum's tolerances allow any.
     pub even: Option<EvenMotion>,
-    /// Points on the side.
+    /// Number of measured points on the side.
     pub used: usize,
-    /// Plan.
+    /// Allowances and finishing passes.
     pub plan: RepairPlan,
-    /// Allowance that the finish is predicted to leave at each node.
+    /// Predicted allowance after finishing at each grid point, mm; `None` where it is unknown.
     pub predicted_mm: Vec<Vec<Option<f64>>>,
-    /// The blade as it stands before, and as it will be.
+    /// Blade before and after finishing, as triangles.
     pub solids: [Vec<Triangle>; 2],
-    /// Path of the mill with its proof and its feeds.
+    /// Path of the mill, with its proof and feeds.
     pub path: FinishResult,
 }
 
 impl RepairResult {
-    /// Plans a repair.
+    /// Plans the repair, and evaluates the plan.
     ///
     /// # Errors
-    /// Describes why there is no plan.
+    /// The reason why there is no plan.
     pub fn of(file: RepairFile) -> Result<Self, String> {
         check_rotor(&file.part.blisk)?;
         let faces = sides(&file.part.blisk, file.blade);

@@ -23,9 +23,9 @@ pub struct PlanReport {
     pub name: String,
     /// Unit of all lengths on the page.
     pub unit: LengthUnit,
-    /// Verdict in words.
+    /// Whether the program may be used, in words.
     pub verdict: PlanVerdict,
-    /// Position of the rotor.
+    /// Direction of the tool's axis, and positions of the rotary axes.
     pub axis: Axis,
     /// Tool.
     pub mill: CupMill,
@@ -35,7 +35,7 @@ pub struct PlanReport {
     pub stops: Vec<Stops>,
     /// Limits of the stock.
     pub limits: Vec<StockLimit>,
-    /// Times.
+    /// Times of the planned path and of flank milling.
     pub times: Times,
     /// Clearances between the parts of the tool and the obstacles.
     pub clearances: Vec<Clearance>,
@@ -59,11 +59,11 @@ pub struct PlanVerdict {
 /// Tool axis of a plan, and the rotary positions of the rotor under the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// The tool's axis in the part frame.
+    /// Direction of the tool's axis in the coordinates of the part.
     pub direction: [f64; 3],
-    /// A, the same for all slots.
+    /// Position of the machine's axis A (tilt), the same for all slots, degrees.
     pub tilt_deg: f64,
-    /// B of the first slot.
+    /// Position of the machine's axis B for the first slot, degrees.
     pub first_deg: f64,
     /// Number of slots.
     pub slots: u32,
@@ -98,7 +98,7 @@ pub struct BaselineResult {
     pub time: SlotTime,
 }
 
-/// Least distance between a part of the tool and an obstacle over the whole path.
+/// Smallest distance between a part of the tool and an obstacle over the whole path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clearance {
     /// Part of the tool: `ring`, `body`, `holder`.
@@ -109,18 +109,18 @@ pub struct Clearance {
     pub certified_mm: f64,
     /// Upper bound: a distance that was found.
     pub found_mm: f64,
-    /// Place on the path.
+    /// Place on the path of the distance that was found, in words.
     pub place: String,
 }
 
 /// Volumes that a plan removes from one slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Removed {
-    /// Volume between the allowances, within the blank.
+    /// Volume to be removed from the slot: between the allowances, within the blank.
     pub available_mm3: f64,
-    /// Removed part of it.
+    /// Volume of it that the plan removes.
     pub removed_mm3: f64,
-    /// Part removed by each level, from the top.
+    /// Volume that each level removes, from the top.
     pub levels_mm3: Vec<f64>,
 }
 

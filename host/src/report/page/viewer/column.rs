@@ -19,11 +19,11 @@ pub struct Column {
 /// Description of a column in the header of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ColumnHead {
-    /// Key.
+    /// Key of the column.
     pub name: &'static str,
-    /// Unit for a person; empty for a number without one.
+    /// Unit as text; empty for a number without one.
     pub unit: &'static str,
-    /// Step of the stored values.
+    /// Step of which all stored values are whole multiples (quantum).
     pub quantum: f64,
 }
 

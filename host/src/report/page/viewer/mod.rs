@@ -15,7 +15,7 @@ use serde::Serialize;
 use self::column::{Column, ColumnHead};
 use super::png::base64;
 
-/// Version of the data's layout; a change that an older viewer cannot read has another one.
+/// Version of the data's layout; it changes when an older viewer cannot read the data.
 pub const SCHEMA: u32 = 2;
 
 /// Compression of the data, of 10; higher levels take much longer for 1 % less.
@@ -82,7 +82,7 @@ pub struct HeightGrid {
     pub changes: [Column; 2],
 }
 
-/// Solid as triangles.
+/// Solid body, given by triangles.
 #[derive(Clone, Debug)]
 pub struct Solid {
     /// Name.
@@ -93,19 +93,19 @@ pub struct Solid {
     pub corners: Column,
 }
 
-/// Finding about a block of a run, for the viewer.
+/// Alarm, warning or note about a block of a run, for the viewer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunFinding {
     /// `alarm`, `warning` or `note`.
     pub severity: &'static str,
     /// `before` or `after`.
     pub run: &'static str,
-    /// Blocks executed, up to and including the block.
+    /// Number of blocks executed then, including the block.
     pub block: u32,
-    /// Time of the run, s; without it the beginning of the block.
+    /// Machine time, s; `None`: at the beginning of the block.
     #[serde(rename = "at", skip_serializing_if = "Option::is_none")]
     pub at_s: Option<f64>,
-    /// Place that is marked.
+    /// Position X, Y, Z that is marked; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<[f64; 3]>,
     /// Text.
