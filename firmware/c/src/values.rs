@@ -29,31 +29,31 @@ pub const ARCFEED_PATH_CW_YZ: u8 = 6;
 /// Path of a move: a counter-clockwise arc in YZ.
 pub const ARCFEED_PATH_CCW_YZ: u8 = 7;
 
-/// Signal: cutter compensation (G41 or G42) is active.
+/// Bit of `ArcfeedInput::signals`: cutter compensation (G41 or G42) is active.
 pub const ARCFEED_SIGNAL_CUTTER_COMPENSATION: u32 = 0x1;
-/// Signal: the control ignores the override.
+/// Bit of `ArcfeedInput::signals`: the control ignores the override.
 pub const ARCFEED_SIGNAL_OVERRIDE_OFF: u32 = 0x2;
-/// Signal: a tapping cycle is active.
+/// Bit of `ArcfeedInput::signals`: a tapping cycle is active.
 pub const ARCFEED_SIGNAL_TAPPING: u32 = 0x4;
-/// Signal: thread cutting is active.
+/// Bit of `ArcfeedInput::signals`: thread cutting is active.
 pub const ARCFEED_SIGNAL_THREADING: u32 = 0x8;
-/// Signal: G63 (tapping mode) is active, which holds the feed at 100 %.
+/// Bit of `ArcfeedInput::signals`: G63 (tapping mode) is active, which holds the feed at 100 %.
 pub const ARCFEED_SIGNAL_FEED_FORCED: u32 = 0x10;
-/// Signal: the axes are in rapid traverse.
+/// Bit of `ArcfeedInput::signals`: the axes are in rapid traverse.
 pub const ARCFEED_SIGNAL_RAPID: u32 = 0x20;
-/// Signal: feed hold is active.
+/// Bit of `ArcfeedInput::signals`: feed hold is active.
 pub const ARCFEED_SIGNAL_FEED_HOLD: u32 = 0x40;
-/// Signal: the watchdog has expired.
+/// Bit of `ArcfeedInput::signals`: the watchdog has expired.
 pub const ARCFEED_SIGNAL_FAULT_WATCHDOG: u32 = 0x100;
-/// Signal: stored parameters are corrupt.
+/// Bit of `ArcfeedInput::signals`: stored parameters are corrupt.
 pub const ARCFEED_SIGNAL_FAULT_PARAMETERS: u32 = 0x200;
-/// Signal: a failure of supply, clock, output or dial.
+/// Bit of `ArcfeedInput::signals`: a failure of supply, clock, output or dial.
 pub const ARCFEED_SIGNAL_FAULT_HARDWARE: u32 = 0x400;
-/// Signal: a person arms, so that the laws may set the override; acts once when it rises.
+/// Bit of `ArcfeedInput::signals`: a person arms, so that the laws may set the override; acts once when it rises.
 pub const ARCFEED_SIGNAL_ARM: u32 = 0x1_0000;
-/// Signal: a person takes the override from the laws; acts once when it rises.
+/// Bit of `ArcfeedInput::signals`: a person takes the override from the laws; acts once when it rises.
 pub const ARCFEED_SIGNAL_DISARM: u32 = 0x2_0000;
-/// Signal: a person resets a fault; acts once when it rises.
+/// Bit of `ArcfeedInput::signals`: a person resets a fault; acts once when it rises.
 pub const ARCFEED_SIGNAL_RESET: u32 = 0x4_0000;
 
 /// Output state idle: nobody has armed the laws since the start or a reset of a fault.

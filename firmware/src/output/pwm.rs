@@ -24,7 +24,8 @@ const PLAUSIBLE: i32 = 1_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration {
-    /// Reading at duty 0: zero, or negative if the input has an offset or a live zero.
+    /// Override at duty 0 on the straight line through the readings. Zero, or negative if the control reads 0 % up to some duty (live
+    /// zero); it is then extrapolated. A positive value is rejected.
     pub at_zero_duty_millipercent: i32,
     /// Reading at full duty.
     pub at_full_duty_millipercent: i32,

@@ -183,7 +183,7 @@ fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> 
 }
 
 impl Pass<'_> {
-    /// Lowest and highest corner of the bounding box of the tool's part at the start of the sweep.
+    /// Lowest and highest corner of the box around this part of the tool where the sweep begins, mm; the motion of the sweep is not in it.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
     }

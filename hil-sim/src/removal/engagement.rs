@@ -169,7 +169,7 @@ impl EngagementMeter {
         }
     }
 
-    /// Sampled moves with their engaged arcs, in order of execution.
+    /// Moves under a rule whose law needs engaged arcs, with the arcs sampled along each of them, in order of execution.
     pub fn moves(&self) -> &[EngagedMove] {
         &self.moves
     }

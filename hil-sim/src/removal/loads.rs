@@ -128,7 +128,7 @@ impl LoadMeter {
         }
     }
 
-    /// Processes the end of the run.
+    /// Ends the run: completes the last cut, and drops blocks and windows without cutting time. To be called once, before results are read.
     pub fn end(&mut self) {
         self.lift();
         self.blocks.retain(|(_, statistics)| statistics.time_s > 0.0);

@@ -79,7 +79,8 @@ impl CupMill {
         (beyond_mm <= rounding).then(|| rounding - libm::sqrt(rounding * rounding - beyond_mm * beyond_mm))
     }
 
-    /// Distance, mm, of a point from the wall of the ring alone: rounded at the bottom, ended by the body at the top.
+    /// Distance, mm, of a point from the wall of the ring, without body and holder; negative inside the wall. The point is `radius_mm` from
+    /// the axis and `height_mm` above the lowest point of the ring. The wall is rounded at the bottom and goes up to the top of the body.
     pub fn ring_distance_mm(&self, radius_mm: f64, height_mm: f64) -> f64 {
         let rounding = self.insert_radius_mm;
         let low = [self.inner_radius_mm + rounding, rounding];

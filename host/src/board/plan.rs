@@ -203,7 +203,7 @@ impl BoardPlan {
         Ok(())
     }
 
-    /// Number of moves in the transmission.
+    /// Number of moves in the program as it is sent to the control, whether a law governs them or not.
     pub fn moves(&self) -> usize {
         self.ends.len()
     }

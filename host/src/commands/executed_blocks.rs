@@ -9,8 +9,8 @@ use crate::console::note;
 use crate::job::JobFile;
 use crate::program::{ExecutedPlaces, Program, Source};
 
-/// Checks that the executed blocks can stand for a program with macro statements; reports the program's output, which
-/// the blocks do not produce.
+/// Checks that the executed blocks can replace a program with macro statements. If the program prints text (DPRNT), which plain blocks
+/// cannot do, a warning goes to stderr. `places` is `None` for a program without macro statements, which needs no check.
 ///
 /// # Errors
 /// The program makes the control ignore feed hold or override, which no plain block does.

@@ -46,7 +46,7 @@ pub enum SessionEvent {
 /// Message: the machine has opened the program.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Ready {
-    /// Number of moves that the component `arcfeed` has in force.
+    /// Number of moves of the prepared program that the component `arcfeed` has loaded.
     pub moves: u32,
     /// Servo period, s.
     pub period_s: f64,

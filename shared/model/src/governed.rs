@@ -71,7 +71,7 @@ pub enum Exclusion {
 }
 
 impl<'r> Match<'r> {
-    /// The governing rule and speed; `None` if no rule matches, or if the matching rule does not govern the move.
+    /// The rule that governs the move, with the spindle speed for its law; `None` if no rule matches, or if the matching rule does not govern the move.
     pub fn governing(self) -> Option<Governing<'r>> {
         match self {
             Match::Governed(governing) => Some(governing),
@@ -136,7 +136,8 @@ impl Job {
     }
 
     /// Upper limit of the feed on a move that a law governs: the lowest of the axis limits, the control's arc clamp,
-    /// and the job's ceiling. `programmed` is F in the program, nm/min; `None` if no limit is known.
+    /// and the job's ceiling. Returns `None` if none of them is known.
+    /// `programmed` is F in the program, nm/min, of which a ceiling in per cent is computed; `None` if the program has none there.
     pub fn feed_limit(&self, segment: &Segment, programmed: Option<Nm>) -> Option<FeedLimit> {
         let feed = MmPerMin(self.ceiling.feed_mm_per_min(programmed) as f32);
         let ceiling = Some(FeedLimit { feed, by: LimitedBy::Ceiling }).filter(|_| feed.0.is_finite());

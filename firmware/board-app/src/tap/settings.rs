@@ -1,4 +1,5 @@
-//! Settings of the tap: properties of the line, the control and the machine that it cannot detect.
+//! Settings of the tap, which reads the program on the line between sender and control: properties of the line, the control and the
+//! machine that it cannot detect.
 
 use arcfeed_link::message::page::TappedLine;
 use arcfeed_nc::settings::{Preset, Reading, Scope, Settings};
@@ -35,7 +36,7 @@ pub struct TapSettings {
 pub enum TapSettingsError {
     /// The distance from the path is not positive, so that every position would be off the path.
     OffPath(Nm),
-    /// The number of positions is zero or too large.
+    /// The number of consecutive positions off the path, [`TapSettings::off_path_count`], is 0 or 255.
     OffPathCount(u8),
 }
 

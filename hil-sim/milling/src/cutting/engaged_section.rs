@@ -99,12 +99,14 @@ impl EngagedSection {
         engaged as f64 / self.by_direction.len() as f64 * TAU
     }
 
-    /// Largest sum, over a turn, of the engaged widths of this number of evenly spaced edges, mm.
+    /// Engaged widths of `edges` evenly spaced radial edges, added up at the angle of rotation at which the sum is largest, mm. The engaged
+    /// width of an edge is the length of it that has material below.
     pub fn width_sum_max_mm(&self, edges: usize) -> f64 {
         self.sum_max(edges, |edge| edge.width_mm)
     }
 
-    /// Largest sum, over a turn, of the moments (2) of this number of evenly spaced edges, mm2; it gives the peak torque.
+    /// Moments (2) of `edges` evenly spaced radial edges, added up at the angle of rotation at which the sum is largest, mm2; it gives the
+    /// peak torque.
     pub fn moment_sum_max_mm2(&self, edges: usize) -> f64 {
         self.sum_max(edges, |edge| edge.moment_mm2)
     }

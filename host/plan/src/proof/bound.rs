@@ -37,11 +37,11 @@ use super::section::Section;
 
 /// Point near a section of the tool, with its distance and gradient.
 pub struct NearPoint {
-    /// d, mm; negative inside.
+    /// Distance of the point from the tool, mm; negative inside; d in (1).
     pub distance_mm: f64,
-    /// g, a unit vector.
+    /// Gradient of this distance, a unit vector; g in (4) to (6).
     pub gradient: Vector,
-    /// a
+    /// Distance of the point from the tool's axis, mm; a.
     axis_mm: f64,
     /// Unit vector from the axis to the point.
     outward: Vector,
@@ -49,13 +49,13 @@ pub struct NearPoint {
     across: f64,
 }
 
-/// Size of a piece of a body around its middle point, in three measures.
+/// Size of a piece of a body around its middle point x, in three measures.
 pub struct Extent {
-    /// e
+    /// Largest distance of the piece's points from x, mm; e in (1).
     pub radius_mm: f64,
-    /// f
+    /// The same, seen along the tool's axis (distances square to it), mm; f in (4) and (6).
     pub across_mm: f64,
-    /// s
+    /// Length by which the piece's points are nearer to the tool than x, along the gradient of the distance, mm; s in (4) to (6).
     pub sink_mm: f64,
 }
 

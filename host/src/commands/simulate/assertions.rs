@@ -53,7 +53,7 @@ pub struct Evidence<'a> {
     pub log: &'a MoveLog,
     /// Measured chips of each move.
     pub chips: &'a [MoveChips],
-    /// Power and torque of the spindle; `None` if the job describes neither edges nor material.
+    /// Power and torque of the spindle; `None` if the job has neither edges, for measured forces, nor a material, for an estimate.
     pub spindle: Option<&'a SpindleLoad>,
     /// Gives the line of the program for the number of an executed block; `None` if it has none.
     pub line_of: &'a dyn Fn(u32) -> Option<usize>,

@@ -50,7 +50,7 @@ pub struct PlanReport {
 /// Verdict on a plan: whether its program may be used, with the reasons.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanVerdict {
-    /// The tool collides with nothing, and every question is answered.
+    /// The tool collides with nothing and keeps the allowance on the whole path, and the proof has left no part of it undecided.
     pub is_safe: bool,
     /// Sentences of the verdict.
     pub sentences: Vec<String>,
