@@ -2,7 +2,7 @@
 //! still accepts.
 //!
 //! Handed out at h, character i has arrived at the control at `a_i = max(a_(i-1), h_i) + c`, c being the time of a
-//! character. A sender that sees a DC3 at most r after the control has decided on it keeps within w characters if
+//! character. A sender that stops at most r after the last bit of a DC3 keeps within w characters if
 //!
 //! ```text
 //! h_i >= a_(i-w) + r                                                          (1)
