@@ -255,6 +255,9 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
         figures.removed.slot_mm3 / 1e3,
     );
+    if let Some(hint) = wider_ring(&composed.part.cutter, figures.room_mm) {
+        let _ = writeln!(text, "  {hint}");
+    }
     let slots = f64::from(figures.slots);
     let _ = write!(
         text,
@@ -277,6 +280,21 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         }
     }
     text
+}
+
+/// Fraction of the ring's width: with more room the turns leave a ridge in the middle of the slot.
+const NARROW_RATIO: f64 = 0.25;
+
+/// Advice for a slot that is much wider than the ring: the path has one pass.
+fn wider_ring(cutter: &CupMill, room_mm: f64) -> Option<String> {
+    let width_mm = cutter.outer_radius_mm - cutter.inner_radius_mm;
+    (2.0 * room_mm > NARROW_RATIO * width_mm).then(|| {
+        format!(
+            "the slot is wider than the ring, and one pass leaves a ridge: instead of {width_mm:.2} mm, a ring of this middle radius may be up to \
+             {:.2} mm wide along this axis; `--widths` plans and proves wider ones",
+            width_mm + 2.0 * room_mm
+        )
+    })
 }
 
 /// Reason for which nothing is written.
@@ -360,4 +378,24 @@ pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ring_much_narrower_than_the_slot_gets_the_width_that_passes() {
+        let cutter = CupMill {
+            outer_radius_mm: 128.0,
+            inner_radius_mm: 112.0,
+            insert_radius_mm: 0.5,
+            cavity_depth_mm: 20.0,
+            height_mm: 40.0,
+            holder_mm: Vec::new(),
+            active_teeth: 10,
+        };
+        assert!(wider_ring(&cutter, 5.25).is_some_and(|hint| hint.contains("26.50 mm")));
+        assert!(wider_ring(&cutter, 1.9).is_none());
+    }
 }
