@@ -255,7 +255,8 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
         figures.removed.slot_mm3 / 1e3,
     );
-    if let Some(hint) = wider_ring(&composed.part.cutter, figures.room_mm) {
+    let cutter = &composed.part.cutter;
+    if let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm) {
         let _ = writeln!(text, "  {hint}");
     }
     let slots = f64::from(figures.slots);
@@ -286,8 +287,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
 const NARROW_RATIO: f64 = 0.25;
 
 /// Advice for a slot that is much wider than the ring: the path has one pass.
-fn wider_ring(cutter: &CupMill, room_mm: f64) -> Option<String> {
-    let width_mm = cutter.outer_radius_mm - cutter.inner_radius_mm;
+fn wider_ring(width_mm: f64, room_mm: f64) -> Option<String> {
     (2.0 * room_mm > NARROW_RATIO * width_mm).then(|| {
         format!(
             "the slot is wider than the ring, and one pass leaves a ridge: instead of {width_mm:.2} mm, a ring of this middle radius may be up to \
@@ -386,16 +386,7 @@ mod tests {
 
     #[test]
     fn a_ring_much_narrower_than_the_slot_gets_the_width_that_passes() {
-        let cutter = CupMill {
-            outer_radius_mm: 128.0,
-            inner_radius_mm: 112.0,
-            insert_radius_mm: 0.5,
-            cavity_depth_mm: 20.0,
-            height_mm: 40.0,
-            holder_mm: Vec::new(),
-            active_teeth: 10,
-        };
-        assert!(wider_ring(&cutter, 5.25).is_some_and(|hint| hint.contains("26.50 mm")));
-        assert!(wider_ring(&cutter, 1.9).is_none());
+        assert!(wider_ring(16.0, 5.25).is_some_and(|hint| hint.contains("26.50 mm")));
+        assert!(wider_ring(16.0, 1.9).is_none());
     }
 }
