@@ -90,3 +90,13 @@ fn files_are_read_beside_the_part_and_their_faults_are_reported_there() {
         "{message}"
     );
 }
+
+#[test]
+fn too_many_levels_are_refused_before_the_files_of_the_rotor_are_read() {
+    let missing = "sections = { file = \"none.csv\", blades = 19, hub_radius = \"70 mm\" }";
+    let lines = EXAMPLE.lines().map(|line| if line.starts_with("generate") { missing } else { line });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    assert!(parse(&text).unwrap_err().to_string().contains("none.csv"));
+    let message = parse(&text.replace("axial_depth_max = 0.1", "axial_depth_max = 0.0001")).unwrap_err().to_string();
+    assert!(message.contains("with levels of 0.0025 mm") && message.contains("0.099 mm at least"), "{message}");
+}

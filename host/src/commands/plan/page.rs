@@ -60,9 +60,11 @@ fn verdict(composed: &PlanResult) -> PlanVerdict {
     if plan.room == plan.blade_room {
         sentences.push("The tool lies along the blade's edge (LN3).".into());
     } else {
+        let degrees = plan.blade_axis.direction.angle(&plan.tool_axis()).to_degrees();
         sentences.push(format!(
-            "The tool does not lie along the blade's edge: there the ring has {:.2} mm of room, here {:.2} mm.",
-            plan.blade_room.room_mm, plan.room.room_mm
+            "The tool is tilted by {degrees:.1} degrees from the blade's edge (LN3): the ring has {:.2} mm of room on each side, {:.2} mm along \
+             the edge.",
+            plan.room.room_mm, plan.blade_room.room_mm
         ));
     }
     sentences.push(format!("The ring turns near the blades' {} edges.", edge_word(plan.start)));
