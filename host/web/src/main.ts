@@ -5,6 +5,7 @@ import { Curves, type Along, type Quantity } from './curves';
 import { read, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
 import { Live, type Follower } from './live';
+import { Measure, type Place } from './measure';
 import { Pairing, Run } from './run';
 import { PathScene, type ViewName } from './scene';
 
@@ -35,8 +36,9 @@ class Viewer implements Follower {
     private readonly quantities: Quantity[];
     private readonly pairing: Pairing | null;
     private readonly scene: PathScene | null;
-    private readonly curves: Curves;
-    private readonly listing: Listing;
+    /** Absent until the first picture. */
+    private curves?: Curves;
+    private listing?: Listing;
     private readonly ranges = new Map<string, [number, number]>();
     /** The moment: a time of this run. */
     private run: Run;
@@ -45,6 +47,8 @@ class Viewer implements Follower {
     private along: Along = 'time';
     private playing = 0;
     private finding = -1;
+    /** Places that are being measured. */
+    private measure: Measure | null = null;
 
     constructor(private readonly data: ReportData) {
         this.runs = data.runs.map((run) => new Run(run)).filter((run) => run.points > 1);
@@ -59,15 +63,24 @@ class Viewer implements Follower {
         });
         element('viewer').hidden = false;
         this.scene = this.createScene();
-        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.abscissa, (place, along) => this.point(this.timeAt(place, along)));
-        this.listing = new Listing(element('listing'), data.lines, (line) => this.pointLine(line));
         this.controls();
-        this.findings();
         this.theme(matchMedia('(prefers-color-scheme: dark)').matches);
         this.show(this.runs.length === 2 ? 'after' : (this.run.name as Shown));
         this.paint();
         const cutting = this.run.rapid.findIndex((rapid, index) => index > 0 && rapid === 0);
-        this.select(this.run, this.run.middle(Math.max(cutting, 1)), 'start');
+        this.time = this.run.middle(Math.max(cutting, 1));
+        this.moveTools();
+        this.scene?.render();
+    }
+
+    /** Adds what needs more time than the path: the stock, the curves, the text, the findings. */
+    complete(): void {
+        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.abscissa, (place, along) => this.point(this.timeAt(place, along)));
+        this.restyle();
+        this.listing = new Listing(element('listing'), this.data.lines, (line) => this.pointLine(line));
+        this.listing.setSide(this.shown === 'before' ? 'before' : 'after');
+        this.findings();
+        this.select(this.run, this.time, 'start');
     }
 
     private createScene(): PathScene | null {
@@ -86,6 +99,7 @@ class Viewer implements Follower {
                 pointer = event;
             });
             canvas.addEventListener('click', (event) => {
+                if (this.measure) return this.measurePlace(scene.placeAt(event.clientX, event.clientY));
                 const found = scene.pick(event.clientX, event.clientY);
                 if (found) this.select(found.run, found.time, 'scene');
             });
@@ -145,7 +159,7 @@ class Viewer implements Follower {
         const { run } = this;
         const first = line === null ? undefined : run.ofLine.get(line);
         if (first !== undefined) this.select(run, place ? run.nearest(first, place) : run.middle(first), 'machine');
-        else if (line !== null) this.listing.mark(line, true);
+        else if (line !== null) this.listing?.mark(line, true);
         if (place) this.scene?.moveTool(run, place);
     }
 
@@ -153,15 +167,12 @@ class Viewer implements Follower {
     private select(run: Run, time: number, source: 'scene' | 'curves' | 'listing' | 'scrub' | 'start' | 'machine'): void {
         this.run = run;
         this.time = Math.min(Math.max(time, run.begin), run.end);
-        for (const run of this.runs) {
-            const time = this.timeOf(run);
-            this.scene?.moveTool(run, run.placeAt(time), run.toolAt(run.indexAt(time)), run.axisAt(time));
-        }
+        this.moveTools();
         this.scene?.moveStock(this.timeOf(this.runs[this.runs.length - 1]));
-        this.curves.mark(new Map(this.runs.map((run) => [run, this.timeOf(run)])));
+        this.curves?.mark(new Map(this.runs.map((run) => [run, this.timeOf(run)])));
         const index = run.indexAt(this.time);
         const line = run.line[index];
-        this.listing.mark(Number.isNaN(line) ? 0 : line, source !== 'listing');
+        this.listing?.mark(Number.isNaN(line) ? 0 : line, source !== 'listing');
         const scrub = element<HTMLInputElement>('scrub');
         scrub.min = String(run.begin);
         scrub.max = String(run.end);
@@ -169,6 +180,13 @@ class Viewer implements Follower {
         const place = Number.isNaN(line) ? '' : `, line ${line}`;
         scrub.setAttribute('aria-valuetext', `${(this.time - run.begin).toFixed(2)} s of ${run.name}${place}`);
         this.values();
+    }
+
+    private moveTools(): void {
+        for (const run of this.runs) {
+            const time = this.timeOf(run);
+            this.scene?.moveTool(run, run.placeAt(time), run.toolAt(run.indexAt(time)), run.axisAt(time));
+        }
     }
 
     /** Table with the values of the moment. */
@@ -263,7 +281,7 @@ class Viewer implements Follower {
             name.textContent = run.name;
             return name;
         }));
-        this.listing.setSide(shown === 'before' ? 'before' : 'after');
+        this.listing?.setSide(shown === 'before' ? 'before' : 'after');
         if (!runs.includes(this.run)) this.select(runs[0], this.timeOf(runs[0]), 'scrub');
     }
 
@@ -277,7 +295,7 @@ class Viewer implements Follower {
         const style = getComputedStyle(document.documentElement);
         const color = (name: string) => style.getPropertyValue(name).trim();
         this.scene?.setBackground(color('--scene'));
-        this.curves.setColors(color('--text'), color('--line'));
+        this.curves?.setColors(color('--text'), color('--line'));
     }
 
     private drawTriad(): void {
@@ -312,11 +330,12 @@ class Viewer implements Follower {
         element('stock-label').hidden = !this.data.heights && this.data.solids.length === 0;
         if (!this.data.heights) element('stock-name').textContent = 'Part';
         document.querySelectorAll<HTMLElement>('#curves-bar .key').forEach((key) => (key.hidden = this.runs.length < 2));
+        element('measure').addEventListener('click', () => this.toggleMeasure());
         element('theme').addEventListener('click', () => this.theme(document.documentElement.dataset.theme !== 'dark'));
         const along = element<HTMLSelectElement>('along');
         along.addEventListener('change', () => {
             this.along = along.value as Along;
-            this.curves.setAlong(this.along);
+            this.curves?.setAlong(this.along);
             this.select(this.run, this.time, 'scrub');
         });
         const scrub = element<HTMLInputElement>('scrub');
@@ -324,13 +343,26 @@ class Viewer implements Follower {
         element('play').addEventListener('click', () => this.play());
         element('search').addEventListener('submit', (event) => {
             event.preventDefault();
-            const line = this.listing.find(element<HTMLInputElement>('find').value);
+            const line = this.listing?.find(element<HTMLInputElement>('find').value);
             element('found').textContent = line ? `line ${line}` : 'not found';
             if (line) this.pointLine(line);
         });
         element('viewer').addEventListener('keydown', (event) => this.key(event));
         addEventListener('beforeprint', () => this.restyle());
         addEventListener('afterprint', () => this.restyle());
+    }
+
+    private toggleMeasure(): void {
+        this.measure = this.measure ? null : new Measure();
+        element('measure').setAttribute('aria-pressed', String(this.measure !== null));
+        element('measured').hidden = !this.measure;
+        this.measurePlace(null);
+    }
+
+    private measurePlace(place: Place | null): void {
+        if (place) this.measure?.take(place);
+        this.scene?.rule(this.measure?.places ?? []);
+        element('measured').textContent = this.measure?.text(this.data.unit) ?? '';
     }
 
     private findings(): void {
@@ -397,7 +429,8 @@ class Viewer implements Follower {
         const target = event.target as HTMLElement;
         const isTyping = target.matches('input[type="search"], select') || event.ctrlKey || event.altKey || event.metaKey;
         const isOwn = target.matches('input') && event.key.startsWith('Arrow');
-        if (isTyping || isOwn || (event.key === ' ' && target.matches('button, summary, input'))) return;
+        if (isTyping || isOwn || ([' ', 'Enter'].includes(event.key) && target.matches('button, summary, input'))) return;
+        if (event.key === 'Enter' && !this.measure) return;
         const press = (id: string) => element(id).click();
         const next = (id: string) => {
             const select = element<HTMLSelectElement>(id);
@@ -415,6 +448,8 @@ class Viewer implements Follower {
             c: () => next('quantity'),
             x: () => next('along'),
             d: () => press('theme'),
+            m: () => press('measure'),
+            Enter: () => this.measurePlace(this.run.placeAt(this.time)),
             n: () => count > 0 && this.goTo((this.finding + 1) % count),
             p: () => count > 0 && this.goTo((this.finding - 1 + count) % count),
         };
@@ -426,6 +461,17 @@ class Viewer implements Follower {
     }
 }
 
+/** Time after which a page that is not seen, and gets no pictures, goes on, ms. */
+const UNSEEN = 250;
+
+/** The next picture is on its way to the screen. */
+function picture(): Promise<void> {
+    return new Promise((done) => {
+        setTimeout(done, UNSEEN);
+        requestAnimationFrame(() => setTimeout(done));
+    });
+}
+
 async function start(): Promise<void> {
     const state = element('viewer-state');
     const isLive = document.getElementById('live') !== null;
@@ -433,7 +479,12 @@ async function start(): Promise<void> {
     let [data, viewer]: [ReportData | null, Viewer | null] = [null, null];
     try {
         data = await read(element('arcfeed-data').textContent ?? '');
+        performance.mark('data');
         viewer = new Viewer(data);
+        await picture();
+        performance.mark('picture');
+        viewer.complete();
+        performance.mark('complete');
         state.remove();
         document.documentElement.dataset.viewer = 'ready';
     } catch (error) {

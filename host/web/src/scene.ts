@@ -1,7 +1,7 @@
 // The path in three dimensions: lines coloured by a quantity, the tool, the remaining heights, axes and views.
 import {
     AmbientLight, Box3, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, LatheGeometry, LineBasicMaterial,
-    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Scene, Vector2, Vector3, WebGLRenderer,
+    LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
@@ -10,7 +10,8 @@ import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeome
 import { NO_VALUE } from './colors';
 import type { ReportData, Solid } from './data';
 import type { Run } from './run';
-import { axisLine, boxOf, chordsOf, point } from './shapes';
+import type { Place } from './measure';
+import { axisLine, boxOf, chordsOf, point, Ruler } from './shapes';
 import { Stock } from './stock';
 
 export type ViewName = 'iso' | 'XY' | 'XZ' | 'YZ';
@@ -64,6 +65,7 @@ export class PathScene {
     private readonly stockOf: Stock | null;
     private readonly solids: Mesh[];
     private readonly place = point(0x1457d9, 15);
+    private readonly ruler = new Ruler();
     private readonly center = new Vector3();
     private readonly low = new Vector3();
     private readonly high = new Vector3();
@@ -91,7 +93,7 @@ export class PathScene {
         this.solids = data.solids.map((solid) => this.solid(solid));
         this.solids.forEach((solid) => this.scene.add(solid));
         this.place.visible = false;
-        this.scene.add(this.place);
+        this.scene.add(this.place, this.ruler);
         const light = new DirectionalLight(0xffffff, 2.2);
         light.position.set(0.5, -1, 1.5);
         this.scene.add(light, new AmbientLight(0xffffff, 1.2));
@@ -184,20 +186,45 @@ export class PathScene {
         this.move();
     }
 
-    /** Run and time of the path nearest to the pointer, if it is near. */
-    pick(clientX: number, clientY: number): { run: Run; time: number } | null {
+    /** Shows the places that are measured. */
+    rule(places: readonly Place[]): void {
+        this.ruler.set(places.map((place) => this.local(...place)));
+        this.request();
+    }
+
+    /** Place at the pointer: on the path if it is near, otherwise on the stock or part. */
+    placeAt(clientX: number, clientY: number): Place | null {
+        const found = this.pick(clientX, clientY);
+        if (found) return found.run.placeAt(found.time);
+        const { px, py, width, height } = this.aim(clientX, clientY);
+        const rays = new Raycaster();
+        rays.setFromCamera(new Vector2((2 * px) / width - 1, 1 - (2 * py) / height), this.camera);
+        // The stock reaches behind the eye (see `view`).
+        rays.ray.origin.addScaledVector(rays.ray.direction, this.camera.near);
+        const surfaces = [this.heights, ...this.solids].filter((mesh) => mesh !== null).filter((mesh) => mesh.visible);
+        const hit = rays.intersectObjects(surfaces, false)[0];
+        return hit ? hit.point.add(this.center).toArray() : null;
+    }
+
+    /** The picture under the pointer, with the camera set for it, and the place in it, pixels. */
+    private aim(clientX: number, clientY: number): { index: number; px: number; py: number; width: number; height: number } {
         const box = this.canvas.getBoundingClientRect();
         const width = box.width / this.shown.length;
         const index = Math.min(Math.floor((clientX - box.left) / width), this.shown.length - 1);
+        this.setFrustum(width, box.height);
+        return { index, px: clientX - box.left - index * width, py: clientY - box.top, width, height: box.height };
+    }
+
+    /** Run and time of the path nearest to the pointer, if it is near. */
+    pick(clientX: number, clientY: number): { run: Run; time: number } | null {
+        const { index, px, py, width, height } = this.aim(clientX, clientY);
         const drawn = this.drawn.find((drawn) => drawn.run === this.shown[index]);
         if (!drawn) return null;
-        const [px, py] = [clientX - box.left - index * width, clientY - box.top];
-        this.setFrustum(width, box.height);
         const m = this.camera.projectionMatrix.clone().multiply(this.camera.matrixWorldInverse).elements;
         const { run, segments } = drawn;
         const [xs, ys, zs] = run.place;
         const { x: cx, y: cy, z: cz } = this.center;
-        const [halfWidth, halfHeight] = [width / 2, box.height / 2];
+        const [halfWidth, halfHeight] = [width / 2, height / 2];
         const across = (i: number) => (m[0] * (xs[i] - cx) + m[4] * (ys[i] - cy) + m[8] * (zs[i] - cz) + m[12] + 1) * halfWidth;
         const down = (i: number) => (1 - m[1] * (xs[i] - cx) - m[5] * (ys[i] - cy) - m[9] * (zs[i] - cz) - m[13]) * halfHeight;
         let best = { distance: NEAR, time: NaN };
@@ -252,7 +279,8 @@ export class PathScene {
         });
     }
 
-    private render(): void {
+    /** Draws at once. */
+    render(): void {
         const size = this.renderer.getSize(new Vector2());
         const width = size.x / this.shown.length;
         this.renderer.setScissorTest(true);
@@ -378,7 +406,7 @@ export class PathScene {
         return { run, group, cutting, segments, coarse, chords, rapids, tool, shapes };
     }
 
-    /** Surface through the middles of the cells. */
+    /** Surface through the middles of the cells; it is seen from the first `moveStock` on. */
     private surface({ columns, lowest, step, values }: NonNullable<ReportData['heights']>): Mesh {
         const rows = values.length / columns;
         const [bottom, top] = this.stockOf?.range() ?? [0, 0];
@@ -392,7 +420,6 @@ export class PathScene {
         const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
         geometry.setIndex(new BufferAttribute(new Uint32Array(6 * Math.max(rows - 1, 0) * Math.max(columns - 1, 0)), 1));
         geometry.userData = { columns, rows };
-        this.setHeights(geometry, values);
         // The path runs in and behind the material, and stays visible.
         const glass = { transparent: true, opacity: 0.45, depthWrite: false };
         const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
@@ -420,6 +447,8 @@ export class PathScene {
         index.needsUpdate = true;
         geometry.getAttribute('position').needsUpdate = true;
         geometry.computeVertexNormals();
+        // Measured again when a place on it is looked for.
+        geometry.boundingSphere = null;
     }
 
     private solid({ x, y, z, corners }: Solid): Mesh {

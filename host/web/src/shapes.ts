@@ -1,6 +1,9 @@
 // Parts of the picture: chords of a path, boxes, marks and lines.
-import { Box3, BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Points, PointsMaterial, Vector3 } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, LineSegments, Points, PointsMaterial, Vector3 } from 'three';
 import type { Solid } from './data';
+
+/** Colour of what is measured. */
+const RULER = 0x1457d9;
 
 /** Begins and ends of about so many chords, each over segments that follow each other. */
 export function chordsOf(segments: Int32Array, most: number): [Int32Array, Int32Array] {
@@ -45,4 +48,28 @@ export function axisLine(length: number): LineSegments {
     const line = new LineSegments(new BufferGeometry().setAttribute('position', ends), new LineBasicMaterial({ color: 0xe0301e }));
     line.frustumCulled = false;
     return line;
+}
+
+/** Marks at two places and the line between them, always seen. */
+export class Ruler extends Group {
+    private readonly marks = [point(RULER, 11), point(RULER, 11)];
+    private readonly line = new Line(new BufferGeometry(), new LineBasicMaterial({ color: RULER, depthTest: false, transparent: true }));
+
+    constructor() {
+        super();
+        this.line.renderOrder = 1;
+        this.line.frustumCulled = false;
+        this.add(this.line, ...this.marks);
+        this.set([]);
+    }
+
+    /** Shows none, one or two places. */
+    set(places: Vector3[]): void {
+        this.marks.forEach((mark, index) => {
+            mark.visible = index < places.length;
+            if (mark.visible) mark.position.copy(places[index]);
+        });
+        this.line.visible = places.length === 2;
+        if (this.line.visible) this.line.geometry.setFromPoints(places);
+    }
 }

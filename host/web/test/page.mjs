@@ -24,11 +24,33 @@ async function values(run) {
 
 const colors = () => pixels(page);
 
+/** Pixel of the red mark at the tip of the tool. */
+const mark = () => page.evaluate(() => {
+    const path = document.getElementById('path');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [path.width, path.height];
+    const context = copy.getContext('2d');
+    context.drawImage(path, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    let [sx, sy, count] = [0, 0, 0];
+    for (let at = 0; at < data.length; at += 4) {
+        if (data[at] < 200 || data[at + 1] > 90 || data[at + 2] > 70) continue;
+        sx += (at / 4) % copy.width;
+        sy += Math.floor(at / 4 / copy.width);
+        count += 1;
+    }
+    const scale = path.clientWidth / copy.width;
+    return [(sx / count + 0.5) * scale, (sy / count + 0.5) * scale];
+});
+
 const close = (actual, wanted, tolerance, what) =>
     assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual}, not ${wanted} within ${tolerance}`);
 
 async function opens() {
     await open(page, report);
+    const times = await page.evaluate(() => Object.fromEntries(performance.getEntriesByType('mark').map(({ name, startTime }) => [name, Math.round(startTime)])));
+    console.log(`after the page was asked for, ms: ${JSON.stringify(times)}`);
+    assert.ok(times.data <= times.picture && times.picture <= times.complete, 'the path is seen before the rest is made');
     const drawn = await colors();
     console.log(`picture: ${drawn.drawn} pixels drawn in ${drawn.colors} colours`);
     assert.ok(drawn.drawn > 2_000 && drawn.colors > 20, 'the picture is empty');
@@ -98,23 +120,7 @@ async function links() {
     await set(at);
     await page.locator('[data-view=XY]').click();
     await settle();
-    const tip = await page.evaluate(() => {
-        const path = document.getElementById('path');
-        const copy = document.createElement('canvas');
-        [copy.width, copy.height] = [path.width, path.height];
-        const context = copy.getContext('2d');
-        context.drawImage(path, 0, 0);
-        const { data } = context.getImageData(0, 0, copy.width, copy.height);
-        let [sx, sy, count] = [0, 0, 0];
-        for (let at = 0; at < data.length; at += 4) {
-            if (data[at] < 200 || data[at + 1] > 90 || data[at + 2] > 70) continue;
-            sx += (at / 4) % copy.width;
-            sy += Math.floor(at / 4 / copy.width);
-            count += 1;
-        }
-        const scale = path.clientWidth / copy.width;
-        return [(sx / count + 0.5) * scale, (sy / count + 0.5) * scale];
-    });
+    const tip = await mark();
     await set(await scrub.evaluate((scrub) => scrub.min));
     await page.locator('#path').hover({ position: { x: tip[0], y: tip[1] } });
     await settle();
@@ -152,6 +158,72 @@ async function switches() {
     await choose('along', 'time');
 }
 
+/** Moves the slider to a part of the run. */
+async function moment(part) {
+    await page.locator('#scrub').evaluate((scrub, part) => {
+        scrub.value = String(Number(scrub.min) + (Number(scrub.max) - Number(scrub.min)) * part);
+        scrub.dispatchEvent(new Event('input'));
+    }, part);
+    await settle();
+}
+
+/** Distance, dX, dY, dZ that the page shows. */
+async function measured() {
+    const shown = /^Distance (\S+) \S+: dX (\S+), dY (\S+), dZ (\S+)$/.exec(await text('#measured'));
+    assert.ok(shown, await text('#measured'));
+    return shown.slice(1).map(Number);
+}
+
+/** Two moments by the keyboard, whose places are in the table; then two places on the stock by the pointer, seen from above. */
+async function measures() {
+    const tip = async (part) => {
+        await moment(part);
+        await page.locator('#path').focus();
+        await page.keyboard.press('Enter');
+        const { X, Y, Z } = await values('after');
+        return [X, Y, Z];
+    };
+    await page.locator('#path').focus();
+    await page.keyboard.press('m');
+    const [from, to] = [await tip(0.3), await tip(0.7)];
+    const way = to.map((value, axis) => value - from[axis]);
+    const [distance, ...shown] = await measured();
+    for (const axis of [0, 1, 2]) close(shown[axis], way[axis], 2e-3, `d${'XYZ'[axis]} by the keyboard`);
+    close(distance, Math.hypot(...way), 2e-3, 'distance by the keyboard');
+    if (facts.stock) {
+        await page.locator('#stock').check();
+        // Parallel rays: all that is drawn has the same scale. Before the first cut the top is even.
+        await page.locator('[data-view=XY]').click();
+        await moment(0);
+        for (const at of facts.stock.at) await page.locator('#path').click({ position: await pixelAt(at) });
+        const [, dx, dy, dz] = await measured();
+        const [[x1, y1], [x2, y2]] = facts.stock.at;
+        const width = (await page.locator('#path').boundingBox()).width;
+        assert.ok(Math.abs(dz) <= 1e-3, `dZ on the stock's top: ${dz}`);
+        const perPixel = Math.abs(dx) / Math.abs((x2 - x1) * width);
+        close(perPixel, await scaleAt(), 0.02 * perPixel, 'length of a pixel on the stock and on the path');
+        assert.ok(dx > 0 === x2 > x1 && dy < 0 === y2 > y1, 'X to the right, Y up');
+        console.log(`on the stock: ${dx} ${dy} ${dz}, ${perPixel} a pixel`);
+    }
+    await page.keyboard.press('m');
+    assert.ok(await page.locator('#measured').isHidden());
+}
+
+const pixelAt = async ([x, y]) => {
+    const { width, height } = await page.locator('#path').boundingBox();
+    return { x: x * width, y: y * height };
+};
+
+/** Length that a pixel has, by the mark of the tool at two moments. */
+async function scaleAt() {
+    const ends = [];
+    for (const part of facts.stock.moments) {
+        await moment(part);
+        ends.push([(await values('after')).X, (await mark())[0]]);
+    }
+    return Math.abs((ends[1][0] - ends[0][0]) / (ends[1][1] - ends[0][1]));
+}
+
 /** Each finding leads to its block. */
 async function findings() {
     const buttons = page.locator('#findings button');
@@ -185,7 +257,7 @@ async function inBothThemes() {
 }
 
 try {
-    for (const step of [opens, agrees, links, switches, findings, keys, inBothThemes]) {
+    for (const step of [opens, agrees, links, switches, measures, findings, keys, inBothThemes]) {
         await step();
         console.log(`${step.name}: passed`);
     }

@@ -170,6 +170,8 @@ fn a_report_shows_forces_and_leads_to_each_block_above_a_limit() {
             "find": "N4G1",
             "line": 6,
             "place": { "Y": 0, "Z": -4, "tolerance": 1e-3 },
+            // Parts of the picture's width and height, away from the path; parts of the run with the tool on its way along X.
+            "stock": { "at": [[0.25, 0.3], [0.7, 0.75]], "moments": [0.55, 0.85] },
             "pixel": 0.2,
             "pixel_s": 0.02,
             "findings": above[0] + above[1],
