@@ -212,8 +212,8 @@ impl<'a> MeasuredRun<'a> {
         self.meter.begin(self.count, &block.segment, governing.as_ref());
     }
 
-    /// Figures of the run; the last block is over.
-    pub fn report(mut self) -> RunReport {
+    /// Ends the last block; returns the figures of the run.
+    pub fn end(&mut self) -> RunReport {
         let end = self.count + 1;
         if let Some(block) = self.current {
             self.meter.begin(end, &block.segment, None);
