@@ -37,7 +37,8 @@ fn in_linuxcnc(machine: &Machine, python: &str) {
 
 /// Runs a job; types the word that arms the component where that is requested.
 fn streamed(machine: &Machine, job: &str) -> Value {
-    let limits = format!("--assert \"chip<=1.005\" --assert \"time<=60s\" --assert \"feed<=200in/min\" --junit {OUTCOMES}");
+    let limits =
+        format!("--assert \"chip<=1.005\" --assert \"time<=60s\" --assert \"feed<=200in/min\" --junit {OUTCOMES}");
     let mut child = stream(machine, job, &format!("--json --trace {TRACE} {limits}"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

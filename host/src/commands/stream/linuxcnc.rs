@@ -139,7 +139,8 @@ impl Stream {
                 "{option}: LinuxCNC reads the program as a file, not over a line; drop the option"
             ))),
             None if self.report.is_some() => Err(Failure::Usage(
-                "--report: only for sim:; with linuxcnc: --json, --trace and --assert have the figures of the run".into(),
+                "--report: only for sim:; with linuxcnc: --json, --trace and --assert have the figures of the run"
+                    .into(),
             )),
             None => Ok(()),
         }

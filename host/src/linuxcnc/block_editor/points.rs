@@ -23,8 +23,7 @@ const ONE_SHOT: &str = "under G16, G51, G51.1 or G68 LinuxCNC goes to another po
 const UNKNOWN: &str =
     "where this move begins under G16, G51, G51.1 or G68 is unknown; move all axes of the plane before it";
 const SIDE: &str = "a mirror image exchanges G41 and G42, and LinuxCNC has none; post the contour without it";
-const HOLES: &str =
-    "under G16, G51, G51.1 or G68 holes are written for LinuxCNC in G17, and under G51 or G51.1 one a block and under G90; write them so";
+const HOLES: &str = "under G16, G51, G51.1 or G68 holes are written for LinuxCNC in G17, and under G51 or G51.1 one a block and under G90; write them so";
 
 impl BlockEditor<'_> {
     /// Writes the points of a block to which a transformation applies, or which follows one. Returns whether the motion of the
