@@ -187,10 +187,8 @@ fn compare(original: &[Segment], adapted: &[Segment], by_hand: &[Segment], figur
     let mut sent = adapted.iter().peekable();
     for (own, hand) in original.iter().zip(by_hand) {
         let mut parts = vec![*sent.next().unwrap_or_else(|| panic!("a move is missing\n{text}"))];
-        let apart_nm = |part: &Segment| {
-            let apart = |axis: usize| (part.end.linear[axis].0 - own.end.linear[axis].0).abs();
-            apart(0).max(apart(1))
-        };
+        let apart = |part: &Segment, axis: usize| (part.end.linear[axis].0 - own.end.linear[axis].0).abs();
+        let apart_nm = |part: &Segment| apart(part, 0).max(apart(part, 1));
         while apart_nm(&parts[parts.len() - 1]) > SAME_POINT_NM {
             parts.push(*sent.next().unwrap_or_else(|| panic!("{own:?} is not finished\n{text}")));
         }
