@@ -62,7 +62,7 @@ pub use block_delete::BlockDeleteEffect;
 pub use contour_check::may_have_contours;
 pub use conventions::{DecimalSurvey, fitting_convention};
 pub use corner_moves::{CornerMove, CornerMoves};
-pub use diagnostic::{Diagnostic, FeedKept, Severity};
+pub use diagnostic::{Diagnostic, FeedDeparture, Severity};
 pub use executed_places::ExecutedPlaces;
 pub use expansion::{Expansion, RunBounds};
 pub use library::Folder;

@@ -143,6 +143,28 @@ fn the_file_has_the_structure_that_ci_servers_read() {
 }
 
 #[test]
+fn a_run_over_the_line_writes_its_outcomes_and_refuses_figures_that_it_does_not_have() {
+    let scratch = Scratch::new("assert-stream");
+    let path = scratch.path("result.xml");
+    let limits = ["--assert", "chip<=1.05", "--assert", "time<=10s", "--junit", &path];
+    let output = run(&[&["stream", JOB][..], &limits].concat());
+    let (code, found) = (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned());
+    assert!(code == Some(1) && found.contains("N410: time is 1"), "{found}");
+    let held = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(held.contains("--assert chip<=1.05: holds, at most 1.0"), "{held}");
+    let xml = std::fs::read_to_string(&path).expect("it is written although a limit is broken");
+    let elements = elements(&xml);
+    let names: Vec<&str> = elements.iter().map(|element| element.name).collect();
+    assert_eq!(names, ["testsuites", "testsuite", "testcase", "testcase", "failure"]);
+    assert_eq!(elements[1].attribute("name"), format!("arcfeed stream {JOB}"));
+    for port in ["sim:", "linuxcnc:"] {
+        let output = run(&["stream", JOB, "--port", port, "--assert", "power<=9kW"]);
+        let found = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && found.contains("give this one to `arcfeed simulate`"), "{found}");
+    }
+}
+
+#[test]
 fn a_run_that_ends_in_an_alarm_passes_no_assertion() {
     let scratch = Scratch::new("assert-alarm");
     let text = |path: &str| std::fs::read_to_string(root().join(path)).expect("the example");

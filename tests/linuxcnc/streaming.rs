@@ -13,8 +13,9 @@ use super::slot::{Levels, job};
 /// Largest chip over its target.
 const OVER: f64 = 0.005;
 
-/// Name of the table of a run.
+/// Names of the table of a run, and of the outcomes of its assertions.
 const TRACE: &str = "run.csv";
+const OUTCOMES: &str = "outcomes.xml";
 
 fn stream(machine: &Machine, job: &str, options: &str) -> Command {
     machine.command(&format!("exec {} stream {job} --port linuxcnc: {options}", arcfeed().display()))
@@ -36,7 +37,9 @@ fn in_linuxcnc(machine: &Machine, python: &str) {
 
 /// Runs a job; types the word that arms the component where that is requested.
 fn streamed(machine: &Machine, job: &str) -> Value {
-    let mut child = stream(machine, job, &format!("--json --trace {TRACE}"))
+    let limits =
+        format!("--assert \"chip<=1.005\" --assert \"time<=60s\" --assert \"feed<=200in/min\" --junit {OUTCOMES}");
+    let mut child = stream(machine, job, &format!("--json --trace {TRACE} {limits}"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -87,6 +90,8 @@ fn streaming_to_linuxcnc_runs_the_program_and_reports_as_the_simulated_control_d
         assert!(fabs(number(&cnc, "/override/max") - number(&sim, "/override/max")) <= 1.0, "{mode}: whole percent");
         assert!(number(&cnc, "/cycle_time_s") > 5.0, "{mode}");
         check_trace(&machine, mode, &cnc);
+        let outcomes = std::fs::read_to_string(machine.path(OUTCOMES)).expect("the outcomes");
+        assert!(outcomes.contains("tests=\"3\" failures=\"0\" errors=\"0\""), "{mode}: {outcomes}");
     }
     check_interrupt(&machine);
     check_refusals(&mut machine);

@@ -143,6 +143,8 @@ fn remedies_name_what_to_write() {
     for (line, words) in [
         ("X#5410", &["LinuxCNC", "#13001", "#4120"][..]),
         ("#1=#5063", &["G31"]),
+        ("G1X10,5Y2.F100.", &["PS0009", "a decimal point", "comma"]),
+        ("G1Z-2,F100.", &["a decimal point", "comma"]),
         ("M98P9010", &["PS0078", "--library", "M99"]),
         ("o100 sub", &["LinuxCNC", "M98 P"]),
         ("o<pocket> call [1] [2]", &["LinuxCNC", "G65 P"]),

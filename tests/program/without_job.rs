@@ -4,6 +4,8 @@ mod given;
 
 mod measured;
 
+mod tool_changes;
+
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

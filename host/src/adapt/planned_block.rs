@@ -23,7 +23,7 @@ use super::range::DemandRange;
 use super::reason::PlanReason;
 use super::rewrite;
 use super::split::{ChipError, SentPiece, Whole};
-use crate::program::{Diagnostic, FeedKept, ProgramLine};
+use crate::program::{Diagnostic, FeedDeparture, ProgramLine};
 
 /// Why a descending move under G93 keeps its feed.
 const INVERSE_TIME: &str = "its F is an inverse time (G93), and the law needs a feed per minute";
@@ -219,18 +219,19 @@ impl PlannedBlock {
         sent < programmed && self.segment.length_mm() < (from * from - to * to) / (2.0 * acceleration_mm_per_s2)
     }
 
-    /// Warning for a move that keeps its programmed feed although a rule of the job selects it; `None` for other
-    /// moves.
-    pub fn left_alone(&self, line: &ProgramLine) -> Option<Diagnostic> {
+    /// Warning for a move that a rule of the job selects and that keeps its programmed feed, or has the lowest feed of its law;
+    /// `None` for other moves.
+    pub fn departure(&self, line: &ProgramLine) -> Option<Diagnostic> {
         if self.rule.is_none() && !self.is_descent {
             return None;
         }
         let why = match (self.reason, self.under) {
-            (PlanReason::Special, Some(under)) => FeedKept::Under(under),
-            (PlanReason::InverseTime, _) if self.is_descent => FeedKept::Because(INVERSE_TIME),
-            (reason, _) => FeedKept::Because(reason.keeps_feed()?),
+            (PlanReason::Special, Some(under)) => FeedDeparture::Under(under),
+            (PlanReason::LawFloor, _) => FeedDeparture::AtFloor,
+            (PlanReason::InverseTime, _) if self.is_descent => FeedDeparture::Because(INVERSE_TIME),
+            (reason, _) => FeedDeparture::Because(reason.keeps_feed()?),
         };
-        Some(Diagnostic::of_feed_kept(self.line, line, why))
+        Some(Diagnostic::of_feed_departure(self.line, line, why))
     }
 
     /// Name of the kind of move in tables and JSON.

@@ -130,6 +130,9 @@ impl PlanReason {
             PlanReason::Unmapped => Some(
                 "the engagement map has no sections of it: make it anew with `arcfeed engage`, or see its warnings",
             ),
+            PlanReason::Short => Some(
+                "it is shorter than the distance in which the axes brake to the feed of the law, so slowing down would gain nothing",
+            ),
             PlanReason::StartUnknown => Some("no block before it states X and Y: where it starts is unknown"),
             _ => None,
         }

@@ -53,8 +53,9 @@ pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Resul
         check_expanded(&program.path, Some(places))?;
         let path = program.path.display();
         note(format_args!(
-            "{path}: the adapted program is run as the {} lines of `arcfeed adapt --expand`: {refusal}",
-            places.len()
+            "{path}: the adapted program is run as the {} lines of `arcfeed adapt --expand`: {}",
+            places.len(),
+            refusal.replace("error: ", "")
         ));
         Ok(adapted.into())
     })

@@ -123,7 +123,7 @@ impl Init {
         if let Some(first) = found.next() {
             // Some values that `check` assumes are refused here, so its errors may be fewer.
             let path = program.path.display();
-            let more = if errors > 1 { format!("; and {} errors more", errors - 1) } else { String::new() };
+            let more = if errors > 1 { format!("; and {}", counted(errors - 1, "more error")) } else { String::new() };
             note(format_args!("{path}:{first}{more}: arcs behind them may be missing from the job"));
         }
         wording::unknown_radius(&self.program, &survey).iter().for_each(|found| note(format_args!("{found}")));

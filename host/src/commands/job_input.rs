@@ -142,7 +142,7 @@ pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     adapted
 }
 
-/// Moves that keep their programmed feed although a cut rule selects them, counted by reason.
+/// Moves that do not have the feed that their law demands, counted by reason.
 #[derive(Debug, Default)]
 pub struct KeptMoves {
     reasons: Vec<KeptReason>,
@@ -174,8 +174,7 @@ impl KeptMoves {
         KeptMoves { places, ..KeptMoves::default() }
     }
 
-    /// Adds a block if it keeps its programmed feed although a cut rule matches it; of the executions of a line, the
-    /// first.
+    /// Adds a block if it does not have the feed that its law demands; of the executions of a line, the first.
     pub fn add(&mut self, block: &PlannedBlock, line: &ProgramLine) {
         let (reason, under) = (block.reason, block.under);
         let corner = block.inserted.as_ref().and_then(|inserted| inserted.demand);
@@ -198,7 +197,7 @@ impl KeptMoves {
         match self.reasons.iter_mut().find(|known| (known.reason, known.under) == (reason, under)) {
             Some(known) if known.lines.len() < KEPT_LINES => known.lines.push(number),
             Some(known) => known.count += 1,
-            None => self.reasons.extend(block.left_alone(line).map(|first| KeptReason {
+            None => self.reasons.extend(block.departure(line).map(|first| KeptReason {
                 reason,
                 under,
                 first,

@@ -64,7 +64,7 @@ impl Measure {
             run.add(row, blocks.get(&row.line).copied());
         }
         let title = format!("{}: measured in {}", file.program.display(), self.positions.display());
-        finish(&run.report(), self.json, title)
+        finish(&run.end(), self.json, title)
     }
 
     fn fault(&self, index: usize, message: &str) -> Failure {

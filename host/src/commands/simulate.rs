@@ -227,7 +227,8 @@ impl Simulate {
             self.assertions.iter().map(|assertion| assertion.after(evidence, has_ended)).collect();
         if let Some(path) = &self.junit {
             let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
-            write_whole(path, TestSuite { job, outcomes: &outcomes, time_s }.to_string().as_bytes())?;
+            let suite = TestSuite { command: "simulate", job, outcomes: &outcomes, time_s };
+            write_whole(path, suite.to_string().as_bytes())?;
         }
         let (held, broken): (Vec<_>, Vec<_>) = outcomes.iter().partition(|outcome| outcome.verdict == Verdict::Passed);
         if !self.json {

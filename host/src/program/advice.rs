@@ -81,6 +81,7 @@ const EQUALS: &str = "an address with = is the spelling of a Siemens: write the 
 const NESTED: &str = "the first ) ends a comment, so comments cannot be nested: remove the inner brackets";
 const COMMENT: &str = "a comment is written in ( ) on a Fanuc";
 const FAR_SYSTEM: &str = "a 16i and a 0i have G54.1 P1 to P48, a 31i P1 to P300 (--control fanuc-31i)";
+const DECIMAL_COMMA: &str = "a number has a decimal point: write a point in place of the comma";
 const CAPITALS: &str = "write capitals";
 
 /// Remedy for a fault that depends on the text of the line; `None` if the fault's own remedy is the best.
@@ -104,11 +105,25 @@ pub fn advice(text: &[u8], fault: Fault) -> Option<&'static str> {
             if is_behind_nested_comment(before) {
                 return Some(NESTED);
             }
+            if is_decimal_comma(before, rest) {
+                return Some(DECIMAL_COMMA);
+            }
             foreign_text(text).or((rest.first() == Some(&b'=')).then_some(EQUALS))
         }
         Alarm::OffsetNumber => (rest.first() == Some(&b'P')).then_some(FAR_SYSTEM),
         _ => None,
     }
+}
+
+/// Whether a comma at the beginning of `rest`, or before it, is in a number: not the one of `,C`, `,R` and `,A`.
+fn is_decimal_comma(before: &[u8], rest: &[u8]) -> bool {
+    let (before, behind) = match (before.split_last(), rest.split_first()) {
+        (_, Some((b',', behind))) => (before, behind),
+        (Some((b',', before)), _) => (before, rest),
+        _ => return false,
+    };
+    let begins_corner = behind.first().is_some_and(|byte| b"CRA".contains(&byte.to_ascii_uppercase()));
+    before.last().is_some_and(u8::is_ascii_digit) && !begins_corner
 }
 
 /// Whether a line is flow control of LinuxCNC: `o100 sub`, `o<name> call`.

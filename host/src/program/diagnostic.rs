@@ -47,14 +47,20 @@ pub enum Severity {
     Warning,
 }
 
-/// Reason why a move keeps its programmed feed although a law should govern it.
+/// Reason why a move does not have the feed that its law demands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FeedKept {
-    /// A function is in force there that no law covers (G43.4, G95 and the like).
+pub enum FeedDeparture {
+    /// It keeps its programmed feed: a function is in force there that no law covers (G43.4, G95 and the like).
     Under(NotModelled),
-    /// Other reason, in words.
+    /// It keeps its programmed feed for another reason, in words.
     Because(&'static str),
+    /// It has the lowest feed that the law allows.
+    AtFloor,
 }
+
+/// Explanation of a move at the contour law's floor.
+const AT_FLOOR: &str = "the contour law sets its lowest feed here (`floor` in [law]): the arc is so tight that the feed at the contour stays \
+                        above the target; the chip does not, as it is at most the path of the centre per tooth";
 
 impl Diagnostic {
     pub(super) fn of_fault(line: usize, text: &[u8], fault: Fault) -> Self {
@@ -88,21 +94,22 @@ impl Diagnostic {
         diagnostic
     }
 
-    /// Diagnostic for a move that a law should govern but cannot, for the reason `why`.
-    pub fn of_feed_kept(line: usize, of: &ProgramLine, why: FeedKept) -> Self {
+    /// Warning about a move that does not have the feed that its law demands, for the reason `why`.
+    pub fn of_feed_departure(line: usize, of: &ProgramLine, why: FeedDeparture) -> Self {
         let words = of.meaning.iter().flat_map(|meaning| &meaning.parsed.block.words);
         let axis = words.into_iter().find(|word| b"XYZABC".contains(&word.letter));
-        let cause = if let FeedKept::Under(under) = why { under } else { NotModelled::MoveUnder(0) };
+        let cause = if let FeedDeparture::Under(under) = why { under } else { NotModelled::MoveUnder(0) };
         let fault = Fault::not_modelled(cause, axis.map_or(0, |word| word.column));
         let mut diagnostic = Diagnostic::of_fault(line, &of.text, fault);
         diagnostic.severity = Severity::Warning;
         diagnostic.message = match why {
-            FeedKept::Under(under) => {
+            FeedDeparture::Under(under) => {
                 format!("a cut rule matches {under}, but no law describes it: it keeps its programmed feed")
             }
-            FeedKept::Because(why) => {
+            FeedDeparture::Because(why) => {
                 format!("a law of the job is for this move, but it keeps its programmed feed: {why}")
             }
+            FeedDeparture::AtFloor => AT_FLOOR.into(),
         };
         diagnostic
     }

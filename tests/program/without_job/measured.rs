@@ -61,6 +61,17 @@ fn chip_before_and_after_scales_with_the_programmed_feed() {
 }
 
 #[test]
+fn a_circle_behind_a_helix_about_its_centre_has_its_chip_before_and_after() {
+    let scratch = Scratch::new("without-job-helix");
+    // Centre radius 4, tool radius 4: twice the feed of the tool centre at the contour, of a target that is half of F.
+    let text = "G90G94G21G17\nS6000M3\nG0X4.Y0Z1.\nG3X-4.Y0Z-1.I-4.J0F300.\nX4.Y0Z-2.5I4.J0\nX-4.Y0I-4.J0F900.\nX4.Y0I4.J0\nG0Z9.\nM30\n";
+    let path = scratch.write("p.nc", text);
+    let said = text_of(&run(&["simulate", &path, "--tool", "8", "--teeth", "3", "--feed-per-tooth", "0.05"]).stdout);
+    let inside = said.lines().find(|line| line.trim_start().starts_with("1 ccw inside")).expect("a movement");
+    assert!(inside.contains(" 2  0.05000  0.10000 .. 0.10000  0.05000 .. 0.05000 "), "{said}");
+}
+
+#[test]
 fn rounded_corners_alone_make_a_tool_an_end_mill_with_arcs() {
     let scratch = Scratch::new("without-job-rounded");
     let frame = "G90G94G21G17\nS5000M3\nG0X0Y0\nG1X50.F1000.,R3.\nY40.,R8.\nX0\nM30\n";

@@ -213,8 +213,8 @@ impl<'a> MeasuredRun<'a> {
         self.meter.begin(self.count, &block.segment, governing.as_ref());
     }
 
-    /// Results of the whole run; ends its last block.
-    pub fn report(mut self) -> RunReport {
+    /// Ends the last block; returns the results of the whole run.
+    pub fn end(&mut self) -> RunReport {
         let end = self.count + 1;
         if let Some(block) = self.current {
             self.meter.begin(end, &block.segment, None);

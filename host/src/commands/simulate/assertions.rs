@@ -113,6 +113,19 @@ impl Assertion {
         }
     }
 
+    /// Judges the assertion on what ran, to its end or not: a limit that is broken before the end is broken.
+    pub fn so_far(&self, evidence: &Evidence<'_>, has_ended: bool) -> AssertionOutcome {
+        let outcome = self.judge(evidence);
+        let is_open = !has_ended && !matches!(outcome.verdict, Verdict::Failed(_));
+        if is_open { self.without_run("see the message of the command") } else { outcome }
+    }
+
+    /// Name of the figure, if it comes from the material that the simulated tool removes.
+    pub fn of_material(&self) -> Option<&'static str> {
+        let is_load = matches!(self.figure, AssertedFigure::Power | AssertedFigure::Torque | AssertedFigure::Force);
+        is_load.then(|| self.figure.name())
+    }
+
     /// Judges the assertion on the data of a run that has ended.
     pub fn judge(&self, evidence: &Evidence<'_>) -> AssertionOutcome {
         let (verdict, largest) = match self.figure.values(self.limit, evidence) {

@@ -3,7 +3,8 @@
 //!
 //! Comments are those that posts write for a viewer, `(STOCK/BLOCK, 100, 80, 20, 0, 0, 20)`: lengths along X, Y and Z, then
 //! the program's zero point from the lowest corner. Extents are widened by the tool's radius: then all that the side of the
-//! tool can reach is material. Their top is Z0 if the program cuts below it, otherwise its highest cut across Z.
+//! tool can reach is material. Only end mills that take material count. Their top is Z0, or their highest cut across Z where more of
+//! the path across Z lies above Z0 than below: then the zero point is at the bottom of the part or below it.
 
 use std::str::FromStr;
 
@@ -64,17 +65,26 @@ impl StockBlock {
         })
     }
 
-    /// Block about the cutting moves of a tool of this radius, mm; `None` if they have no length along an axis.
-    fn about(program: &Program, radius_mm: f64, unit: LengthUnit) -> Option<Self> {
+    /// Block about the cutting moves of end mills, the largest of this radius, mm; `None` if they have no length along an axis.
+    fn about(program: &Program, mills: &[ToolInSpindle], radius_mm: f64, unit: LengthUnit) -> Option<Self> {
         let mut path = PathSummary::new(LengthUnit::Mm);
-        program.lines.iter().for_each(|line| path.add_line(line));
+        let lines = || program.lines.iter().filter(|line| mills.contains(&line.machining.tool));
+        lines().for_each(|line| path.add_line(line));
         let [Some(x), Some(y), Some([low, _]), ..] = path.extents else { return None };
-        let levels = program.lines.iter().filter_map(|line| {
-            let segment = line.segment().filter(|segment| segment.path != Path::Rapid)?;
+        let (mut above_mm, mut below_mm, mut highest_mm) = (0.0, 0.0, low);
+        for segment in lines().filter_map(|line| line.segment()).filter(|segment| segment.path != Path::Rapid) {
             let [start, end] = [segment.start, segment.end].map(|pose| pose.linear);
-            (start[..2] != end[..2] || segment.arc().is_some()).then(|| end[2].to_mm())
-        });
-        let top = if low < 0.0 { 0.0 } else { levels.fold(low, f64::max) };
+            if start[..2] == end[..2] && segment.arc().is_none() {
+                continue;
+            }
+            highest_mm = f64::max(highest_mm, end[2].to_mm());
+            match start[2].0 + end[2].0 {
+                1.. => above_mm += segment.length_mm(),
+                0 => {}
+                _ => below_mm += segment.length_mm(),
+            }
+        }
+        let top = if above_mm > below_mm { highest_mm } else { 0.0 };
         let lowest = [x[0] - radius_mm, y[0] - radius_mm, low - FLOOR_RATIO * 2.0 * radius_mm];
         let highest = [x[1] + radius_mm, y[1] + radius_mm, top];
         let [lowest, highest] = [lowest, highest].map(|corner| corner.map(|mm| mm / unit.mm()));
@@ -127,10 +137,14 @@ impl StockArgs {
                 "--material: the estimate of the power needs the feed per tooth: add --teeth and --feed-per-tooth";
             return Err(Failure::Usage(message.into()));
         }
-        let found = mill_radii_mm(file, program)
-            .and_then(|radii @ [_, largest_mm]| Ok((self.block(file, program, largest_mm)?, radii)));
+        let found = mills(file, program).and_then(|mills| {
+            let radii = || mills.iter().map(|(_, radius_mm)| *radius_mm);
+            let [smallest_mm, largest_mm] = [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)];
+            let tools: Vec<ToolInSpindle> = mills.iter().map(|(tool, _)| *tool).collect();
+            Ok((self.block(file, program, (&tools, largest_mm))?, smallest_mm))
+        });
         match found {
-            Ok(((source, block), [smallest_mm, _])) => {
+            Ok(((source, block), smallest_mm)) => {
                 let assumed = AssumedStock { source, from: block.lowest, to: block.highest };
                 file.workpiece = Some(self.workpiece(assumed, smallest_mm, file));
                 Ok(())
@@ -146,14 +160,20 @@ impl StockArgs {
         }
     }
 
-    fn block(&self, file: &JobFile, program: &Program, radius_mm: f64) -> Result<(StockSource, StockBlock), String> {
+    /// The stock, for these end mills, the largest of which has this radius.
+    fn block(
+        &self,
+        file: &JobFile,
+        program: &Program,
+        (mills, radius_mm): (&[ToolInSpindle], f64),
+    ) -> Result<(StockSource, StockBlock), String> {
         if let Some(block) = self.stock {
             return Ok((StockSource::Option, block));
         }
         if let Some((block, line)) = StockBlock::commented(program) {
             return Ok((StockSource::Comment { line }, block));
         }
-        let block = StockBlock::about(program, radius_mm, file.job.unit);
+        let block = StockBlock::about(program, mills, radius_mm, file.job.unit);
         block
             .map(|block| (StockSource::Extents, block))
             .ok_or("its cutting moves have no extents (--stock gives it)".into())
@@ -179,8 +199,8 @@ impl StockArgs {
     }
 }
 
-/// Radii of the smallest and the largest end mill that cuts, mm. The other tools of several take no material.
-fn mill_radii_mm(file: &JobFile, program: &Program) -> Result<[f64; 2], String> {
+/// End mills that cut, each with its radius, mm. The other tools of several take no material.
+fn mills(file: &JobFile, program: &Program) -> Result<Vec<(ToolInSpindle, f64)>, String> {
     let cuts = program.lines.iter().filter(|line| line.segment().is_some_and(|segment| segment.path != Path::Rapid));
     let mut tools: Vec<ToolInSpindle> = Vec::new();
     cuts.for_each(|line| {
@@ -193,14 +213,13 @@ fn mill_radii_mm(file: &JobFile, program: &Program) -> Result<[f64; 2], String> 
         [_] => Some(file.job.tools.first()),
         _ => file.job.tools.get(file.job.tool_in(*tool)?),
     };
-    let radius_mm = |tool: &ToolInSpindle| match setup(tool)?.tool {
-        Tool::EndMill(mill) if !file.job.rules.is_empty() => Some(mill.radius.to_mm()),
+    let mill = |tool: &ToolInSpindle| match setup(tool)?.tool {
+        Tool::EndMill(mill) if !file.job.rules.is_empty() => Some((*tool, mill.radius.to_mm())),
         _ => None,
     };
-    let radii = tools.iter().filter_map(radius_mm).map(|radius_mm| [radius_mm; 2]);
-    radii
-        .reduce(|[low, high], [radius_mm, _]| [low.min(radius_mm), high.max(radius_mm)])
-        .ok_or("no end mill of known diameter has arcs in G17 that a law governs".into())
+    let mills: Vec<_> = tools.iter().filter_map(mill).collect();
+    let none = "no end mill of known diameter has arcs in G17 that a law governs";
+    if mills.is_empty() { Err(none.into()) } else { Ok(mills) }
 }
 
 #[cfg(test)]
@@ -248,11 +267,20 @@ mod tests {
     fn a_block_about_the_cuts_reaches_as_far_as_the_tools_side() {
         // An arc whose highest Y is between its ends; rapids do not count.
         let cuts = "G90G21G17G54\nG0X-99.Y0Z50.\nG0X0\nG1Z-4.F100.\nX20.\nG3X0Y0I-10.J0\nG0Z50.\nM30\n";
-        let about = |text: &str| StockBlock::about(&program(text), 5.0, LengthUnit::Mm);
-        assert_eq!(about(cuts), Some(block([-5.0, -5.0, -5.0], [25.0, 15.0, 0.0])));
-        // Zero point below the part: the top is that of the highest cut across Z.
+        let about = |text: &str| {
+            StockBlock::about(&program(text), &[ToolInSpindle::Unstated, ToolInSpindle::Number(1)], 5.0, LengthUnit::Mm)
+        };
+        let cut = Some(block([-5.0, -5.0, -5.0], [25.0, 15.0, 0.0]));
+        assert_eq!(about(cuts), cut);
+        // A lead-in above the part, and a drill beside it, change nothing.
+        assert_eq!(about(&cuts.replace("G1Z-4.F100.", "G1Z1.F100.\nX1.\nX0Z-4.")), cut);
+        let drill = "T2M6\nG0X-50.Y0Z5.\nG1Z-30.F90.\nG0Z5.\nM30";
+        assert_eq!(about(&cuts.replace("G0X-99.", "T1M6\nG0X-99.").replace("M30", drill)), cut);
+        // Zero point below the part: the top is that of the highest cut across Z, also where the last cut goes through.
         let above = cuts.replace("Z-4.", "Z12.").replace("X20.\n", "X20.\nG1Z8.\n");
         assert_eq!(about(&above), Some(block([-5.0, -5.0, 7.0], [25.0, 15.0, 12.0])));
+        let through = above.replace("G0Z50.\nM30", "G1Z-0.5\nX1.\nG0Z50.\nM30");
+        assert_eq!(about(&through), Some(block([-5.0, -5.0, -1.5], [25.0, 15.0, 12.0])));
         assert_eq!(about("G90G21\nG0X0Y0\nG1X10.F100.\nM30\n"), None);
     }
 }

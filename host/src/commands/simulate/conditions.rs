@@ -3,6 +3,7 @@
 use std::iter;
 
 use arcfeed_hil_sim::simulation::PlannedConditions;
+use arcfeed_model::job::FeedPolicy;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::PERCENT;
 
@@ -17,11 +18,12 @@ pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<Pla
     foreseen_where(program, adapted, file, |_| true)
 }
 
-/// Conditions of moves for a run of the original program: only for the moves whose chip meter needs them.
+/// Conditions of moves for a run of the original program: only for the moves whose chip meter needs them. Where arcs are written in
+/// pieces, for all moves: without its conditions, an arc about the centre of the arc before it would count as a piece of that.
 pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
-    let has_scopes = has_scopes(file);
+    let needs_all = has_scopes(file) || matches!(file.job.policy, FeedPolicy::RewriteOnly(_));
     foreseen_where(program, adapted, file, |block| {
-        has_scopes || block.along.is_some() || block.contour.is_some() || block.is_cut_off
+        needs_all || block.along.is_some() || block.contour.is_some() || block.is_cut_off
     })
 }
 

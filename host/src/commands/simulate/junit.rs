@@ -7,6 +7,8 @@ use crate::report::page::escaped;
 
 /// Assertions of a run as a JUnit test suite.
 pub struct TestSuite<'a> {
+    /// Command of arcfeed that made the run.
+    pub command: &'static str,
     /// Path of the job file, the name of the suite.
     pub job: String,
     /// Outcomes of the assertions, in order.
@@ -17,11 +19,11 @@ pub struct TestSuite<'a> {
 
 impl fmt::Display for TestSuite<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let TestSuite { job, outcomes, time_s } = self;
+        let TestSuite { command, job, outcomes, time_s } = self;
         let count = |choose: &dyn Fn(&Verdict) -> bool| outcomes.iter().filter(|case| choose(&case.verdict)).count();
         let failures = count(&|verdict| matches!(verdict, Verdict::Failed(_)));
         let errors = count(&|verdict| matches!(verdict, Verdict::Missing(_)));
-        f.write_str(&begin(&format!("arcfeed simulate {job}"), [outcomes.len(), failures, errors], *time_s))?;
+        f.write_str(&begin(&format!("arcfeed {command} {job}"), [outcomes.len(), failures, errors], *time_s))?;
         // The run is one for all assertions, so none has a time of its own.
         outcomes.iter().try_for_each(|outcome| f.write_str(&case(&outcome.text, job, &outcome.verdict)))?;
         f.write_str(END)
@@ -82,7 +84,9 @@ mod tests {
             outcome("time<=1s", Verdict::Failed("a&b.nc:3: N10: \u{7}".into())),
             outcome("power<=1kW", Verdict::Missing("add [cutting]".into())),
         ];
-        let xml = TestSuite { job: "\"a\"<b>.toml".into(), outcomes: &outcomes, time_s: 0.25 }.to_string();
+        let job = "\"a\"<b>.toml".into();
+        let xml = TestSuite { command: "simulate", job, outcomes: &outcomes, time_s: 0.25 }.to_string();
+        assert!(xml.contains("<testsuite name=\"arcfeed simulate &quot;a&quot;"), "{xml}");
         assert!(xml.contains("<testsuites tests=\"3\" failures=\"1\" errors=\"1\" time=\"0.250\">"), "{xml}");
         assert!(xml.contains("classname=\"&quot;a&quot;&lt;b&gt;.toml\""), "{xml}");
         assert!(xml.contains("<testcase name=\"chip&lt;=1.05\"") && xml.contains("time=\"0\"/>"), "{xml}");

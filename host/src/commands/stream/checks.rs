@@ -4,6 +4,7 @@ use arcfeed_model::job::FeedPolicy;
 
 use super::Stream;
 use crate::commands::outcome::Failure;
+use crate::commands::simulate::assertions::Assertion;
 use crate::features::not_built_in;
 use crate::port::url::Base;
 
@@ -36,6 +37,16 @@ impl Stream {
                 let message = "--speed: only the control in software (sim:) has a speed; drop the option";
                 Err(Failure::Usage(message.into()))
             }
+        }
+    }
+
+    /// Checks that a run has the figures that are asserted.
+    pub(super) fn check_assertions(&self) -> Result<(), Failure> {
+        match self.assertions.iter().find_map(Assertion::of_material) {
+            None => Ok(()),
+            Some(figure) => Err(Failure::Usage(format!(
+                "--assert {figure}: stream removes no material, so it has no {figure}; give this one to `arcfeed simulate`"
+            ))),
         }
     }
 

@@ -4,20 +4,24 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use arcfeed_units::S_PER_MIN;
+use arcfeed_nc::segment::Path as MovePath;
+use arcfeed_units::{Micros, S_PER_MIN, US_PER_S};
 use indicatif::{ProgressBar, ProgressDrawTarget};
 
 use super::super::for_control::{TargetControl, check_for_linuxcnc, feed_source, prepared_path, write_for_linuxcnc};
 use super::super::job_input::adapted;
 use super::super::measure::measured_run::{MeasuredRun, MeasuredSample, blocks_by_line};
 use super::super::outcome::{Failure, on_interrupt, refuse_inputs};
+use super::super::simulate::assertions::Evidence;
 use super::super::simulate::finish;
+use super::super::simulate::move_log::{LoggedMove, MoveLog};
 use super::Stream;
 use super::board_session::{ARM, typed_lines};
 use super::linuxcnc_trace::LinuxCncTrace;
 use crate::adapt::PlannedBlock;
+use crate::clock::Instant;
 use crate::console::note;
 use crate::linuxcnc::codes::FeedSource;
 use crate::linuxcnc::session::{MachineSample, Ready, Session, SessionEvent, Status};
@@ -51,6 +55,11 @@ struct LinuxCncRun<'a> {
     last_line: usize,
     bar: ProgressBar,
     trace: Option<LinuxCncTrace<'a>>,
+    /// Moves, and the line of each in the program, by the count of blocks.
+    log: MoveLog,
+    lines: Vec<usize>,
+    /// Assertions need the samples.
+    needs_samples: bool,
 }
 
 impl Stream {
@@ -63,7 +72,8 @@ impl Stream {
         let (file, source, _) = self.input.load_text()?;
         let output = self.input.job.with_extension("linuxcnc.ngc");
         let output = std::path::absolute(&output).map_err(|error| Failure::Input(error.to_string()))?;
-        let outputs = [Some(output.as_path()), Some(&prepared_path(&output)), self.trace.as_deref()];
+        let prepared = prepared_path(&output);
+        let outputs = [Some(output.as_path()), Some(&prepared), self.trace.as_deref(), self.junit.as_deref()];
         refuse_inputs(&outputs, &file.inputs(&self.input.job))?;
         check_for_linuxcnc(&source, &file)?;
         let program = source.whole().map_err(Failure::Input)?;
@@ -87,12 +97,27 @@ impl Stream {
             last_line: 0,
             bar: self.line_bar(),
             trace,
+            log: MoveLog::default(),
+            lines: Vec::new(),
+            needs_samples: !self.assertions.is_empty(),
         };
+        let started = Instant::now();
         let end = run.follow(session, has_component)?;
         let traced = run.trace.take().map_or(Ok(()), LinuxCncTrace::finish);
         let title = format!("{} to {}", file.program.display(), self.port.text);
         let ended = run.ended(&output, &end);
-        finish(&run.report(), self.json, title).and(traced).and(ended)
+        let report = run.report();
+        let printed = finish(&report, self.json, title);
+        let evidence = Evidence {
+            report: &report,
+            log: &run.log,
+            chips: run.measured.meter().moves(),
+            spindle: None,
+            line_of: &|count| Some(source.line_in_file(*run.lines.get((count as usize).checked_sub(1)?)?)),
+            program: file.program.display().to_string(),
+        };
+        // A limit that is broken before the end of a run that fails anyway is broken all the same.
+        self.judge(&evidence, ended.is_ok(), started).and(printed).and(traced).and(ended)
     }
 
     /// Checks that no option for a line is set.
@@ -109,17 +134,15 @@ impl Stream {
             ("--speed", self.speed.is_some()),
             ("--executed", self.executed.is_some()),
         ];
-        let figures = [("--report", self.report.is_some()), ("--assert", !self.assertions.is_empty())];
-        let is_set =
-            |options: &[(&'static str, bool)]| options.iter().find(|(_, is_set)| *is_set).map(|(option, _)| *option);
-        match (is_set(&options), is_set(&figures)) {
-            (None, None) => Ok(()),
-            (Some(option), _) => Err(Failure::Usage(format!(
+        match options.iter().find(|(_, is_set)| *is_set) {
+            Some((option, _)) => Err(Failure::Usage(format!(
                 "{option}: LinuxCNC reads the program as a file, not over a line; drop the option"
             ))),
-            (None, Some(option)) => Err(Failure::Usage(format!(
-                "{option}: only for sim:; with linuxcnc: --json and --trace have the figures of the run"
-            ))),
+            None if self.report.is_some() => Err(Failure::Usage(
+                "--report: only for sim:; with linuxcnc: --json, --trace and --assert have the figures of the run"
+                    .into(),
+            )),
+            None => Ok(()),
         }
     }
 
@@ -140,7 +163,7 @@ impl LinuxCncRun<'_> {
                 Some(SessionEvent::Fault(message)) => return Err(Failure::Machine(message)),
                 Some(SessionEvent::Note(message)) => self.say(&message),
                 Some(SessionEvent::Idle {}) | None => {}
-                Some(SessionEvent::Ready(ready)) => self.begin(ready, has_component),
+                Some(SessionEvent::Ready(ready)) => self.begin(ready, has_component)?,
                 Some(SessionEvent::Sample(sample)) => self.add(&sample)?,
                 Some(SessionEvent::Status(status)) => {
                     self.bar.set_position(status.line as u64);
@@ -182,8 +205,14 @@ impl LinuxCncRun<'_> {
         }
     }
 
-    fn begin(&mut self, ready: Ready, has_component: bool) {
+    fn begin(&mut self, ready: Ready, has_component: bool) -> Result<(), Failure> {
         self.unit_ratio *= ready.mm_per_unit;
+        if self.needs_samples && !ready.no_samples.is_empty() {
+            return Err(Failure::Machine(format!(
+                "--assert: LinuxCNC gives no samples: {}; the program is open, and was not started",
+                ready.no_samples
+            )));
+        }
         if !ready.no_samples.is_empty() {
             self.say(&format!("note: chips are not measured: LinuxCNC gives no samples: {}", ready.no_samples));
         }
@@ -192,6 +221,7 @@ impl LinuxCncRun<'_> {
         }
         self.bar.set_length(self.blocks.keys().max().map_or(0, |line| *line as u64));
         self.ready = Some(ready);
+        Ok(())
     }
 
     fn add(&mut self, sample: &MachineSample) -> Result<(), Failure> {
@@ -207,15 +237,36 @@ impl LinuxCncRun<'_> {
             override_ratio: Some(sample.ratio),
         };
         self.measured.add(measured, self.blocks.get(&sample.line).copied());
-        self.trace.as_mut().map_or(Ok(()), |trace| trace.add(sample, ready, &self.measured))
+        let traced = self.trace.as_mut().map_or(Ok(()), |trace| trace.add(sample, ready, &self.measured));
+        let feed_mm_per_min = sample.speed * S_PER_MIN * ready.mm_per_unit;
+        self.log_move(measured.time_s, feed_mm_per_min);
+        traced
     }
 
-    fn report(self) -> RunReport {
+    /// Adds a servo period to the log of moves.
+    fn log_move(&mut self, time_s: f64, feed_mm_per_min: f64) {
+        let (count, Some(block)) = (self.measured.count(), self.measured.block()) else { return };
+        if self.log.moves.last().is_none_or(|last| last.block != count) {
+            self.log.moves.push(LoggedMove {
+                block: count,
+                segment: block.segment,
+                is_governed: block.demand.is_some(),
+                began: Micros((time_s * US_PER_S as f64).round() as u64),
+                feed_max_mm_per_min: 0.0,
+            });
+            self.lines.resize(count as usize, block.line);
+        }
+        if let Some(last) = self.log.moves.last_mut().filter(|last| last.segment.path != MovePath::Rapid) {
+            last.feed_max_mm_per_min = last.feed_max_mm_per_min.max(feed_mm_per_min);
+        }
+    }
+
+    fn report(&mut self) -> RunReport {
         if self.samples > 0 {
             let Self { samples, missing, .. } = self;
             note(format_args!("{samples} samples of servo periods, {missing} missing"));
         }
-        self.measured.report()
+        self.measured.end()
     }
 
     /// Result of the run, in words.

@@ -24,6 +24,8 @@ mod simulator;
 
 mod checks;
 
+mod judgement;
+
 mod linuxcnc_trace;
 
 mod linuxcnc;
@@ -101,10 +103,13 @@ pub struct Stream {
     /// Write the tables of the run here, .parquet or .csv: OUT and OUT-blocks; with linuxcnc: OUT alone (docs/traces.md)
     #[arg(long, value_name = "OUT.parquet|OUT.csv")]
     trace: Option<PathBuf>,
-    /// Require a limit of the run, as far as it went, for example chip<=1.05 or feed<=5000mm/min; may be given several
-    /// times (sim: only; docs/simulate.md)
+    /// Require a limit of the run, as far as it went: chip<=1.05, feed<=5000mm/min or time<=120s; may be given several
+    /// times (sim: and linuxcnc: only; docs/simulate.md)
     #[arg(long = "assert", value_name = "FIGURE<=LIMIT")]
     assertions: Vec<Assertion>,
+    /// Write the outcomes of the assertions here, as JUnit XML
+    #[arg(long, value_name = "OUT.xml", requires = "assertions")]
+    junit: Option<PathBuf>,
     /// Print one JSON object, with --resume two (docs/json.md)
     #[arg(long)]
     json: bool,
@@ -118,6 +123,7 @@ impl Stream {
     /// # Errors
     /// The job or the program is at fault, the line or the machine failed, or the operator stopped it.
     pub fn run(&self) -> Result<(), Failure> {
+        self.check_assertions()?;
         if self.port.base == Base::LinuxCnc {
             return self.to_linuxcnc();
         }
@@ -129,8 +135,8 @@ impl Stream {
         self.check_mode(&ready.file.job.policy)?;
         let is_sim = self.port.base == Base::Sim;
         let journal = (!is_sim || self.journal.is_some()).then(|| self.journal_path());
-        let mut outputs =
-            vec![journal.as_deref(), self.log.as_deref(), self.executed.as_deref(), self.report.as_deref()];
+        let written = [&self.log, &self.executed, &self.report, &self.junit].map(Option::as_deref);
+        let mut outputs = [&[journal.as_deref()], &written[..]].concat();
         let trace = self.trace.as_deref().map(TraceFiles::of).transpose()?;
         let tables = trace.as_ref().map(TraceFiles::paths).into_iter().flatten().collect::<Vec<_>>();
         outputs.extend(tables.iter().map(|path| Some(path.as_path())).chain(self.port.files().map(Some)));

@@ -21,7 +21,7 @@ use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_link::message::codes::{ModeCode, ResetCode};
 
 use super::super::outcome::Failure;
-use super::super::simulate::assertions::{Evidence, Verdict};
+use super::super::simulate::assertions::Evidence;
 use super::super::simulate::control::control_settings;
 use super::super::simulate::listing::locators;
 use super::super::simulate::observer::RunObserver;
@@ -42,7 +42,7 @@ use crate::dnc::reports;
 use crate::dnc::{Sender, State};
 use crate::port::open::wrap;
 use crate::port::url::Base;
-use crate::report::figures::{ReportFigures, RunReport};
+use crate::report::figures::ReportFigures;
 
 /// Moves that the simulated board holds ahead, plus one.
 const AHEAD: usize = 65;
@@ -130,8 +130,15 @@ impl Stream {
         report.real_time_factor = Some(simulation.now().to_s() / started.elapsed().as_secs_f64());
         let waits_for_more = matches!(end, End::Complete) && !simulation.is_done();
         let is_whole = matches!(end, End::Complete) && simulation.is_done() && report.alarms.is_empty();
-        let asserted =
-            observer.as_ref().map_or(Ok(()), |observer| self.judge(ready, (&report, is_whole), observer, simulation));
+        let evidence = observer.as_ref().map(|observer| Evidence {
+            report: &report,
+            log: &observer.log,
+            chips: simulation.meter().moves(),
+            spindle: None,
+            line_of: &|_| None,
+            program: file.program.display().to_string(),
+        });
+        let asserted = evidence.map_or(Ok(()), |evidence| self.judge(&evidence, is_whole, started));
         // The report of the transmission is printed even if this fails.
         let traced = observer.as_mut().map_or(Ok(()), |observer| observer.finish_tables(simulation));
         let written =
@@ -155,34 +162,6 @@ impl Stream {
             }));
         }
         Ok(())
-    }
-
-    /// Judges the assertions on what ran, to its end or not.
-    fn judge<D: OverrideSource>(
-        &self,
-        ready: &PreparedProgram,
-        (report, is_whole): (&RunReport, bool),
-        observer: &RunObserver,
-        simulation: &Simulation<D>,
-    ) -> Result<(), Failure> {
-        let evidence = Evidence {
-            report,
-            log: &observer.log,
-            chips: simulation.meter().moves(),
-            spindle: None,
-            line_of: &|_| None,
-            program: ready.file.program.display().to_string(),
-        };
-        let outcomes = self.assertions.iter().map(|assertion| assertion.judge(&evidence));
-        // A run that ended before it cut has no chip, and broke no limit; it does not pass anyway.
-        let holds = |verdict: &Verdict| match verdict {
-            Verdict::Passed => true,
-            Verdict::Failed(_) => false,
-            Verdict::Missing(_) => !is_whole,
-        };
-        let broken = outcomes.filter(|outcome| !holds(&outcome.verdict));
-        let broken: Vec<String> = broken.map(|outcome| outcome.to_string()).collect();
-        if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
     }
 
     /// Observer of the run, with the tables of `--trace`.

@@ -10,6 +10,8 @@ use crate::linuxcnc::codes::CodeGroup;
 
 /// Decimals of a length that is written anew; in inches all that a Fanuc's least increment has.
 const DECIMALS: usize = 6;
+/// Most holes of a block that are listed.
+const HOLES_MAX: u32 = 1_000;
 const INHERITED: &str = "LinuxCNC keeps no R, Z and Q from one cycle to the next; write them here, under G90";
 
 impl BlockEditor<'_> {
@@ -56,45 +58,50 @@ impl BlockEditor<'_> {
         Ok(())
     }
 
-    /// Writes two kinds of holes in a block of their own. One to which rotary axes turn: behind a rapid in all axes, as a Fanuc does
-    /// it in one block. One under G91 that inherits R or Z: under G90, as LinuxCNC counts inherited words from where the tool is.
+    /// Writes three kinds of holes in blocks of their own. One to which rotary axes turn: behind a rapid in all axes, as a Fanuc does
+    /// it in one block. Those under G91 that inherit R or Z: under G90, as LinuxCNC counts inherited words from where the tool is.
+    /// Those under G91, and repeated ones, under G16 or G68: at their points along LinuxCNC's axes.
     /// Returns whether the block is written so.
     ///
     /// # Errors
-    /// Repeated holes that inherit R or Z.
+    /// Such holes to which rotary axes turn, and more than a thousand of them.
     pub(super) fn edit_hole(&mut self, theirs: &mut LinuxCncState) -> Result<bool, RefusedWord> {
         let (Some(cycle), Some(Series::Drill(drill))) = (self.modal.cycle, self.line.step.series) else {
             return Ok(false);
         };
-        if theirs.is_transformed || drill.plane != Plane::Xy || self.tapping_cycle().is_some() {
+        let is_single = self.modal.absolute && drill.holes == 1;
+        if drill.plane != Plane::Xy || self.tapping_cycle().is_some() || theirs.is_transformed && is_single {
             return Ok(false);
         }
         let turns = self.words().iter().any(|word| b"ABC".contains(&word.letter));
-        let is_turned = turns && self.modal.absolute && !drill.returns_to_r && drill.holes == 1;
+        let is_turned = turns && is_single && !drill.returns_to_r;
         let inherits = !self.modal.absolute && [b'R', b'Z'].iter().any(|letter| self.word(*letter).is_none());
-        if inherits && (turns || drill.holes > 1) {
+        let is_listed = inherits || theirs.is_transformed;
+        if is_listed && (turns || drill.holes > HOLES_MAX) {
             return Err((self.words().first().map_or(1, |word| word.column), INHERITED));
         }
-        if !is_turned && !inherits {
+        if !is_turned && !is_listed {
             return Ok(false);
         }
         self.turns = turns;
-        let removed: &[u8] = if inherits { b"XYZRPQKL" } else { b"ZRPQKL" };
+        let removed: &[u8] = if is_listed { b"XYZRPQKL" } else { b"ZRPQKL" };
         let hole: Vec<Word> = self.words().iter().filter(|word| removed.contains(&word.letter)).copied().collect();
         hole.iter()
             .chain(self.code(CodeGroup::Cycle).map(|(word, _)| word).iter())
             .for_each(|word| self.drop_word(word));
         self.insert += if turns { "G0 " } else { "" };
-        self.behind.push(self.hole_text(&cycle, &drill));
-        self.behind.extend(inherits.then(|| "G91".to_owned()));
+        for hole in 0..drill.holes {
+            self.behind.push(self.hole_text(&cycle, &drill, hole));
+        }
+        self.behind.extend((!self.modal.absolute).then(|| "G91".to_owned()));
         theirs.motion = Some(i64::from(cycle.code));
         Ok(true)
     }
 
     /// Block with a whole hole, under G90.
-    fn hole_text(&self, cycle: &Cycle, drill: &Drill) -> String {
+    fn hole_text(&self, cycle: &Cycle, drill: &Drill, hole: u32) -> String {
         let unit = self.modal.unit;
-        let [x, y, _] = hole_point(drill).linear.map(|value| length(value, unit));
+        let [x, y, _] = hole_point(drill, hole).linear.map(|value| length(value, unit));
         let [bottom, r] = [drill.levels.bottom, drill.levels.r].map(|value| length(value, unit));
         let mut text = format!("G90 G{} X{x} Y{y} Z{bottom} R{r}", cycle.code);
         if matches!(cycle.code, 73 | 83) {
@@ -156,9 +163,10 @@ impl BlockEditor<'_> {
     }
 }
 
-/// Point of the first hole along LinuxCNC's axes: the path without the shift of `shared/nc/src/frame.rs`.
-pub(super) fn hole_point(drill: &Drill) -> Pose {
-    drill.frame.to_path(drill.first).minus(drill.frame.shift())
+/// Point of a hole, counted from 0, along LinuxCNC's axes: the path without the shift of `shared/nc/src/frame.rs`.
+pub(super) fn hole_point(drill: &Drill, hole: u32) -> Pose {
+    let up_to = Drill { holes: hole + 1, ..*drill };
+    drill.frame.to_path(up_to.end()).minus(drill.frame.shift())
 }
 
 /// Length in the program's unit.

@@ -23,8 +23,7 @@ const ONE_SHOT: &str = "under G16, G51, G51.1 or G68 LinuxCNC goes to another po
 const UNKNOWN: &str =
     "where this move begins under G16, G51, G51.1 or G68 is unknown; move all axes of the plane before it";
 const SIDE: &str = "a mirror image exchanges G41 and G42, and LinuxCNC has none; post the contour without it";
-const HOLES: &str =
-    "under G16, G51, G51.1 or G68 holes are written for LinuxCNC one a block, under G90 and in G17; write them so";
+const HOLES: &str = "under G16, G51, G51.1 or G68 holes are written for LinuxCNC in G17, and under G51 or G51.1 one a block and under G90; write them so";
 
 impl BlockEditor<'_> {
     /// Writes the points of a block to which a transformation applies, or which follows one. Returns whether the motion of the
@@ -74,13 +73,17 @@ impl BlockEditor<'_> {
 
     /// Writes the point of a hole; the cycle keeps its other words.
     fn write_hole_point(&mut self, drill: &Drill, column: u16) -> Result<(), RefusedWord> {
-        if drill.holes > 1 || !self.modal.absolute || drill.plane != Plane::Xy {
+        let is_single = drill.holes == 1 && self.modal.absolute;
+        if drill.plane != Plane::Xy || !is_single && self.modal.frame.scaling().is_some() {
             return Err((column, HOLES));
+        }
+        if !is_single {
+            return Ok(());
         }
         // A tap is written with its own point.
         if self.tapping_cycle().is_none() {
             self.drop_words(b"XY");
-            let [x, y, _] = hole_point(drill).linear.map(|value| length(value, self.modal.unit));
+            let [x, y, _] = hole_point(drill, 0).linear.map(|value| length(value, self.modal.unit));
             self.insert += &format!("X{x} Y{y} ");
         }
         Ok(())

@@ -80,7 +80,7 @@ impl BlockEditor<'_> {
 
     fn write_hole(&mut self, drill: &Drill, pitch: f64) {
         let unit = self.modal.unit;
-        let [x, y, _] = hole_point(drill).linear.map(|value| length(value, unit));
+        let [x, y, _] = hole_point(drill, 0).linear.map(|value| length(value, unit));
         let [initial, r, bottom] =
             [drill.levels.initial, drill.levels.r, drill.levels.bottom].map(|value| length(value, unit));
         self.behind.push(format!("G0 X{x} Y{y}"));
