@@ -23,3 +23,5 @@ mod blade;
 mod command;
 
 mod chain;
+
+mod peers;

@@ -8,7 +8,7 @@ use super::surfaces::{Plain, Sheet};
 use crate::plunge::table::{Worst, rows};
 
 /// Largest normal curvature, of either sign.
-fn curvature_per_mm(surface: &impl Surface, at: [f64; 2]) -> f64 {
+pub fn curvature_per_mm(surface: &impl Surface, at: [f64; 2]) -> f64 {
     let jet = surface.jet(at);
     let normal = jet.u.cross(&jet.v).normalize();
     let (e, f, g) = (jet.u.norm_squared(), jet.u.dot(&jet.v), jet.v.norm_squared());

@@ -10,11 +10,11 @@ use arcfeed_plan::vector::{Point, Vector};
 use super::surfaces::Sheet;
 use crate::plunge::table::{Worst, rows};
 
-fn settings(free: [bool; 6]) -> RegistrationSettings {
+pub fn settings(free: [bool; 6]) -> RegistrationSettings {
     RegistrationSettings { centre: Point::origin(), free, is_robust: false, uncertainty_mm: 0.0 }
 }
 
-fn sheet_foot(point: &Point) -> NominalFoot {
+pub fn sheet_foot(point: &Point) -> NominalFoot {
     let seeds = [[0.2, 0.25], [0.2, 0.75], [0.7, 0.25], [0.7, 0.75]];
     let off = |seed: &[f64; 2]| (Sheet.jet(*seed).point - point).norm();
     let seed = seeds.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
