@@ -10,6 +10,7 @@
 //! torque  f(s z S / Z) * end + f(s C) * side <= min(T, P / (2 pi n))                 (2)
 //! entry   s <= a / 2 in the air, and while the section of a plunge grows             (3)
 //! exit    s <= a / 2 in the last millimetre of a plunge                              (4)
+//! floor   end >= that of the whole end there, if the way down ends with it           (6)
 //! ```
 //!
 //! On a ramp an edge passes a place at the radius r later than the one before by more than a pitch, because the tool has
@@ -28,6 +29,9 @@
 //! of both moves if it holds for each with the moments of the joint, and with the larger S and the larger C of both:
 //! both keep the limit of the joint within a path per tooth of it.
 //!
+//! A plunge may end below the flat bottoms that its neighbours have left at other tilts. There its section grows to the whole
+//! end within less than a dexel, so (6) does not rely on the map. Levels of a ring are parallel: it has no such floor.
+//!
 //! In (2) both moments are the largest over a turn, so T and
 //! P hold for every tooth, not only in the mean. On the end of a ring all inserts count: thin chips have the larger specific
 //! force. With the mean moment Z area / (2 pi) and f = kc h, (2) is the torque kc F area / (2 pi n) and the power kc area F.
@@ -39,7 +43,7 @@ use std::f64::consts::TAU;
 use arcfeed_law::table::Table;
 use arcfeed_model::knots::{Knot, TABLE_KNOTS_MAX};
 use arcfeed_model::tool::Tool;
-use arcfeed_units::{MM_PER_M, Mm, MmPerTooth, S_PER_MIN};
+use arcfeed_units::{MM_PER_M, Mm, MmPerTooth, Nm, S_PER_MIN};
 
 use crate::engagement::sections::{MappedDescent, MappedJoint, MappedSection, TangentialForce};
 
@@ -103,6 +107,19 @@ pub struct AxialLaw {
     pub force: TangentialForce,
     /// Largest torque at the tool's speed, N m: the lower one of the spindle's torque limit and its power divided by the angular speed.
     pub torque_max_n_m: f64,
+    /// Least moment of the end where the way down ends: that of all edges over their whole length. (6)
+    pub floor_mm2: f64,
+}
+
+/// Moment of all edges of a tool's end in material over their whole length; 0 for a ring. (6)
+pub fn floor_mm2(tool: &Tool) -> f64 {
+    match tool {
+        Tool::CupMill(_) => 0.0,
+        Tool::EndMill(mill) => {
+            let radius_mm = Nm::to_mm(mill.radius);
+            Edges::of(tool).end * radius_mm * radius_mm / 2.0
+        }
+    }
 }
 
 /// Largest torque at a spindle speed, N m, by the spindle's limits of torque and power; infinite without limits.
@@ -149,9 +166,13 @@ impl AxialLaw {
         // Each sample stands for its surroundings up to the neighbours.
         let near = |index: usize| &sections[index.saturating_sub(1)..(index + 2).min(sections.len())];
         let ends_mm = [sections.first()?.at_mm, sections.last()?.at_mm];
+        let is_last = moved.joints[1].is_none();
         let values = (0..sections.len()).map(|index| {
             let of = |section: &MappedSection| {
-                let is_gentle = section.at_mm <= entry_mm || section.at_mm > gentle_from_mm;
+                let is_exit = section.at_mm > gentle_from_mm;
+                let is_gentle = section.at_mm <= entry_mm || is_exit;
+                let floor_mm2 = if is_exit && is_last { self.floor_mm2 } else { 0.0 };
+                let section = &MappedSection { end_mm2: section.end_mm2.max(floor_mm2), ..*section };
                 let most_mm = self.feed_per_tooth_mm * if is_gentle { GENTLE_RATIO } else { 1.0 };
                 let is_at = |end_mm: &f64| (section.at_mm - end_mm).abs() <= self.feed_per_tooth_mm;
                 let joints = ends_mm.iter().zip(&moved.joints).filter(|(end_mm, _)| is_at(end_mm));
@@ -218,7 +239,7 @@ mod tests {
     fn law(torque_max_n_m: f64) -> AxialLaw {
         let force = TangentialForce { specific_mpa: 2_000.0, exponent_ratio: 0.25, edge_n_per_mm: 0.0 };
         let edges = Edges { side: 4.0, end: 4.0 };
-        AxialLaw { feed_per_tooth_mm: 0.1, edges, diameter_mm: 10.0, force, torque_max_n_m }
+        AxialLaw { feed_per_tooth_mm: 0.1, edges, diameter_mm: 10.0, force, torque_max_n_m, floor_mm2: 0.0 }
     }
 
     fn moved(sections: &[MappedSection], joints: [Option<MappedJoint>; 2]) -> MappedDescent {
@@ -253,6 +274,18 @@ mod tests {
             }
             assert!((most / largest - 1.0).abs() < 0.02, "{most} {largest}");
         }
+    }
+
+    #[test]
+    fn where_the_way_down_ends_the_whole_end_counts() {
+        let law = AxialLaw { floor_mm2: 50.0, ..law(4.0) };
+        let sections: Vec<MappedSection> =
+            (0..=20).map(|at| MappedSection { at_mm: f64::from(at) / 2.0, end_mm2: 10.0, side_mm2: 0.0 }).collect();
+        let joint = MappedJoint { end_mm2: 10.0, side_mm2: 0.0, sine_ratio: 1.0, cosine_ratio: 0.0 };
+        let last = |joints| at(&law.table(&moved(&sections, joints), 10.0, (1.0, true)).expect("a table"), 10.0);
+        let whole = MappedSection { at_mm: 0.0, end_mm2: 50.0, side_mm2: 0.0 };
+        assert!((law.torque_n_m(last([None; 2]), &whole, Inclination::PLUNGE) / 4.0 - 1.0).abs() < 1e-5);
+        assert!((last([None, Some(joint)]) / 0.05 - 1.0).abs() < 1e-5, "the way down goes on");
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct ReadBlock {
     pub contour: ContourCommand,
 }
 
-/// What a block makes the control do: a move, a dwell, a stop, or nothing.
+/// Action that a block makes the control do: a move, a dwell, a stop, or nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A comment, a title or modal words only: takes no time, and the axes do not stop for it.

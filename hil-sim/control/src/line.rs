@@ -23,7 +23,7 @@ pub struct LineSettings {
     pub xon_above: usize,
     /// Number of characters that the control accepts after DC3; one more is alarm PS0087.
     pub after_dc3_max: u32,
-    /// How the received characters are decoded and checked.
+    /// Settings by which the received characters are decoded and checked.
     pub tape: TapeSettings,
 }
 

@@ -74,7 +74,7 @@ pub fn never(line: u32) -> ReadBlock {
     ReadBlock::new(line, Vec::new(), Action::Fault(fault))
 }
 
-/// How the axes move to the start position of a program restart.
+/// Way in which the axes move to the start position of a program restart.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
     /// Present position of the axes.

@@ -9,7 +9,7 @@ use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Nm, RevPerMin};
 
 use super::PlanReason;
-use crate::axial_law::{AxialLaw, Edges, torque_max_n_m};
+use crate::axial_law::{AxialLaw, Edges, floor_mm2, torque_max_n_m};
 use crate::engagement::EngagementMap;
 use crate::engagement::sections::{DescentLookup, MappedDescent, TangentialForce};
 use crate::job::{Plunge, SpindleLimits};
@@ -79,6 +79,7 @@ impl Descending<'_> {
             diameter_mm: 2.0 * Nm::to_mm(radius),
             force,
             torque_max_n_m: torque_max_n_m(limits.torque_n_m, limits.power_w, f64::from(spindle.0)),
+            floor_mm2: floor_mm2(&setup.tool),
         };
         law.table(self.mapped?, self.length_mm, (self.descent.sine_ratio, self.descent.is_plunge()))
     }

@@ -24,6 +24,7 @@ fn feeds_by_chip_power_and_torque_are_those_of_an_independent_program() {
             diameter_mm: 2.0 * row.number("R_mm"),
             force: TangentialForce { specific_mpa: row.number("kc_N_mm2"), exponent_ratio: 0.0, edge_n_per_mm: 0.0 },
             torque_max_n_m: torque_max_n_m(Some(torque_n_m), Some(power_w), rev_per_min),
+            floor_mm2: 0.0,
         };
         // The data limits the mean over a turn.
         let end_mm2 = teeth * row.number("area_mm2") / TAU;
@@ -71,6 +72,7 @@ fn along_the_plunges_of_a_fan_power_and_torque_stay_within_their_limits() {
             diameter_mm: 2.0 * radius_mm,
             force: TangentialForce { specific_mpa, exponent_ratio: 0.0, edge_n_per_mm: 0.0 },
             torque_max_n_m: torque_max_n_m(Some(torque_n_m), Some(power_w), rev_per_min),
+            floor_mm2: 0.0,
         };
         let moved = MappedDescent { line: 1, sequence: None, key: 0, sections: sections(0.25), joints: [None; 2] };
         let table = law.table(&moved, depth_mm, (1.0, true)).expect("a table");

@@ -44,7 +44,7 @@ pub enum Verdict {
     },
 }
 
-/// How the tool's position is sampled, and from which change on a cut counts as unstable.
+/// Sampling of the tool's position, and the change from which on a cut counts as unstable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Teeth per turn.

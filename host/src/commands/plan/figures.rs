@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
+use super::refusal::wider_ring;
 
 /// Results of a cup-mill plan as `arcfeed plan cup-mill --json` prints them (docs/json.md). Lengths are in mm, angles
 /// in degrees, volumes in mm3, times in minutes; coordinates are those of the slot unless stated.
@@ -284,20 +285,6 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     text
 }
 
-/// Fraction of the ring's width: with more room the turns leave a ridge in the middle of the slot.
-const NARROW_RATIO: f64 = 0.25;
-
-/// Advice for a slot that is much wider than the ring: the path has one pass.
-fn wider_ring(width_mm: f64, room_mm: f64) -> Option<String> {
-    (2.0 * room_mm > NARROW_RATIO * width_mm).then(|| {
-        format!(
-            "the slot is wider than the ring, and one pass leaves a ridge: instead of {width_mm:.2} mm, a ring of this middle radius may be up to \
-             {:.2} mm wide along this axis; `--widths` plans and proves wider ones",
-            width_mm + 2.0 * room_mm
-        )
-    })
-}
-
 /// Reason why no files are written for this plan, in words.
 pub fn refusal(composed: &PlanResult) -> String {
     let allowance_mm = composed.part.roughing.allowance_mm;
@@ -379,15 +366,4 @@ pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_ring_much_narrower_than_the_slot_gets_the_width_that_passes() {
-        assert!(wider_ring(16.0, 5.25).is_some_and(|hint| hint.contains("26.50 mm")));
-        assert!(wider_ring(16.0, 1.9).is_none());
-    }
 }

@@ -1,4 +1,4 @@
-//! Refusal of a plan: the remedy for each reason, as text and as JSON, and what happens to the files of an earlier
+//! Refusal of a plan, and advice about its ring: the remedy for each reason, as text and as JSON, and what happens to the files of an earlier
 //! plan.
 
 use std::path::Path;
@@ -12,6 +12,8 @@ use crate::console::note;
 
 /// Smallest fraction of a slot that a plan must remove to be accepted.
 pub const SHARE_MIN_RATIO: f64 = 0.01;
+/// Fraction of the ring's width: with more room the turns leave a ridge in the middle of the slot.
+const NARROW_RATIO: f64 = 0.25;
 
 /// Refusal of a cup-mill plan, as `arcfeed plan cup-mill --json` prints it (docs/json.md).
 #[derive(Debug, Serialize)]
@@ -20,6 +22,17 @@ pub struct RefusalFigures<'r> {
     pub safe: bool,
     /// Reason and remedy, as on stderr.
     pub refused: &'r str,
+}
+
+/// Advice for a slot that is much wider than the ring: the path has one pass.
+pub fn wider_ring(width_mm: f64, room_mm: f64) -> Option<String> {
+    (2.0 * room_mm > NARROW_RATIO * width_mm).then(|| {
+        format!(
+            "the slot is wider than the ring, and one pass leaves a ridge: instead of {width_mm:.2} mm, a ring of this middle radius may be up to \
+             {:.2} mm wide along this axis; `--widths` plans and proves wider ones",
+            width_mm + 2.0 * room_mm
+        )
+    })
 }
 
 /// Reason why there is no plan, with the smallest change of part or tool that would help, if it is known.
@@ -88,6 +101,12 @@ mod tests {
         assert!(!at("job.toml").exists() && !at("a.nc").exists());
         assert!(at("job.toml.old").exists() && at("a.nc.old").exists());
         set_aside(&at("none"));
+    }
+
+    #[test]
+    fn a_ring_much_narrower_than_the_slot_gets_the_width_that_passes() {
+        assert!(wider_ring(16.0, 5.25).is_some_and(|hint| hint.contains("26.50 mm")));
+        assert!(wider_ring(16.0, 1.9).is_none());
     }
 
     #[test]

@@ -15,7 +15,7 @@ const WHOLE_RATIO: f64 = 1e-9;
 /// Number of slices above which the slice height is taken for a mistake.
 const SLICES_MAX: f64 = 1e5;
 
-/// How a cutting edge is divided into pieces: by length along the edge, or by height along the axis.
+/// Way in which a cutting edge is divided into pieces: by length along the edge, or by height along the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pieces {
     /// About this many pieces of equal length along the edge.
