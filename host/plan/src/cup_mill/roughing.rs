@@ -16,11 +16,11 @@ pub struct Roughing {
     pub interior_contact: f64,
     /// Distance by which the tool approaches above everything that turns with the rotor, mm.
     pub clearance_mm: f64,
-    /// How the tool's axis is chosen.
+    /// Choice of the tool's axis.
     pub axis: AxisChoice,
 }
 
-/// How the tool's axis is chosen for a slot.
+/// Way in which the tool's axis is chosen for a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AxisChoice {
     /// Along the blade's edge (the source's LN3) or, if the ring does not pass there, the nearest direction in which it does.

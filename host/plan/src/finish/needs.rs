@@ -17,7 +17,7 @@ pub struct FinishNeeds {
     /// Lowest and highest row of the passes, as positions between hub (0) and tip (1). If the lowest is `None`, it is the first that
     /// clears the hub.
     pub span: [Option<f64>; 2],
-    /// How the spacing of the passes is computed.
+    /// Way in which the spacing of the passes is computed.
     pub spacing: Spacing,
     /// Order of the passes: a spiral, or one side only.
     pub course: Course,

@@ -63,7 +63,7 @@ pub struct Workpiece<'a> {
     pub step_mm: f64,
 }
 
-/// Where the job file takes the machine's description from.
+/// Source of the machine's description in the job file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine<'a> {
     /// Machine file, relative to the job file.

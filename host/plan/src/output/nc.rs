@@ -45,7 +45,7 @@ pub struct Setup {
     pub slots_deg: Vec<f64>,
     /// Feeds by the purpose of a move.
     pub feeds: Feeds,
-    /// How the rotor is indexed from slot to slot.
+    /// Way in which the rotor is indexed from slot to slot.
     pub indexing: Indexing,
     /// Whether comments such as `(LEVEL 3 MOVEMENT 1)` are written.
     pub labels: bool,
@@ -79,7 +79,7 @@ impl Feeds {
     }
 }
 
-/// How the rotor is indexed (turned) from slot to slot.
+/// Way in which the rotor is indexed (turned) from slot to slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Indexing {
     /// The rotor turns while the tool is above it.

@@ -36,7 +36,7 @@ pub struct PlungeClearance {
     pub bounds_mm: [f64; 2],
     /// Index of the plunge with the smallest lower bound.
     pub plunge: usize,
-    /// Where that distance occurs, in the frame of that plunge; `None` without an obstacle.
+    /// Place where that distance occurs, in the frame of that plunge; `None` without an obstacle.
     pub place: Option<Place>,
 }
 

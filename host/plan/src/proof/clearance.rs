@@ -50,7 +50,7 @@ pub struct Clearance {
     /// Lower bound of the distance, and the distance at the place, mm. A negative value is the depth of a point of the
     /// obstacle's surface inside the part. Infinite if there is no obstacle.
     pub bounds_mm: [f64; 2],
-    /// Where the distance occurs; steps count as in [`SlotPath::steps`](crate::path::SlotPath::steps). `None` without an obstacle.
+    /// Place where the distance occurs; steps count as in [`SlotPath::steps`](crate::path::SlotPath::steps). `None` without an obstacle.
     pub place: Option<Place>,
     /// Number of pieces of path and obstacle that the search has bounded.
     pub pieces: usize,

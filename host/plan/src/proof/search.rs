@@ -36,7 +36,7 @@ pub struct Search<'s> {
     pub turns: &'s [Rotation3<f64>],
 }
 
-/// Where the least distance occurs: point of the path and point of the body.
+/// Place where the least distance occurs: point of the path and point of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Index of the step of the path.
@@ -56,7 +56,7 @@ pub struct Place {
 pub struct LeastDistance {
     /// Lower bound of the distance, and a distance that occurs, mm; infinite if there is no body.
     pub bounds_mm: [f64; 2],
-    /// Where that distance occurs; `None` if there is no body.
+    /// Place where that distance occurs; `None` if there is no body.
     pub place: Option<Place>,
     /// Number of pieces of path and body that the search has bounded.
     pub pieces: usize,

@@ -15,7 +15,7 @@
 //! v - f, so that neither D(u1, 0) = D_max nor D(u, 1) of their own conditions holds, and a step stands along c_b. (1) to (5) are continuous with kinks
 //! along c1 and c_b; (6) with q' = 0 at both ends, and (7), are ours.
 
-/// How the allowance changes across the transition, the strip between old surface and repair.
+/// Way in which the allowance changes across the transition, the strip between old surface and repair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BlendShape {
     /// Linearly, as published; with kinks at both ends.
@@ -40,7 +40,7 @@ pub struct FinishAllowance {
     pub old_mm: f64,
     /// Allowance D_min that stays in the repaired region.
     pub least_mm: f64,
-    /// How the allowance changes across the transition.
+    /// Way in which the allowance changes across the transition.
     pub shape: BlendShape,
 }
 

@@ -18,7 +18,7 @@ const SLOPE_MAX: f64 = 1.0 / 20.0;
 /// Requirements on the milling of a repaired side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairSettings {
-    /// How regions are found, and what finishing leaves in them.
+    /// Way in which regions are found, and what finishing leaves in them.
     pub regions: RegionSettings,
     /// Ball mill, and the errors that the finishing passes may have.
     pub passes: PassSettings,

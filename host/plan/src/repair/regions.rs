@@ -28,7 +28,7 @@ pub struct RegionSettings {
     pub width_mm: f64,
     /// Allowance D_min that stays in the repaired region.
     pub least_mm: f64,
-    /// How the allowance changes across the transition.
+    /// Way in which the allowance changes across the transition.
     pub shape: BlendShape,
 }
 
