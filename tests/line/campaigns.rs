@@ -243,25 +243,6 @@ fn the_script_for_slurm_runs_every_shard() {
 }
 
 #[test]
-fn the_examples_are_campaigns_whose_runs_are_accepted() {
-    let scratch = Scratch::new("sweep-examples");
-    for (name, runs) in [("dnc-faults", 210), ("pocket-feeds", 40)] {
-        let folder = scratch.path(name);
-        // Of 210 runs every fifth: the first of five shards.
-        let shard: &[&str] =
-            if name == "dnc-faults" { of_full_set(&["--shard", "1/1"], &["--shard", "1/5"]) } else { &[] };
-        let sweep = format!("examples/campaigns/{name}.toml");
-        let (code, _, err) = ended(&[&[sweep.as_str(), "-o", &folder, "--csv"], shard].concat());
-        assert_eq!((code, err.as_str()), (Some(0), ""), "{name}");
-        let journal = if shard.contains(&"1/5") { "shard-1-of-5" } else { "shard-1-of-1" };
-        let text = std::fs::read_to_string(format!("{folder}/{journal}.journal")).expect("a journal");
-        let accepted =
-            text.lines().skip(1).filter(|line| line.contains("\"passed\"") || line.contains("\"stopped\"")).count();
-        assert_eq!(accepted, if shard.contains(&"1/5") { runs / 5 } else { runs }, "{name}");
-    }
-}
-
-#[test]
 fn a_value_that_is_set_is_that_of_a_job_with_it() {
     let scratch = Scratch::new("set-value");
     let text = std::fs::read_to_string(root().join(POCKET)).expect("the job");

@@ -10,6 +10,8 @@ mod control_timing;
 
 mod dnc;
 
+mod example_campaigns;
+
 mod json_docs;
 
 mod live_page;

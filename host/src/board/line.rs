@@ -64,10 +64,17 @@ impl<'p> BoardLine<'p> {
     /// # Errors
     /// The rate of the port is too low for the link.
     pub fn new(port: Box<dyn Port + 'p>, bits_per_s: u32) -> Result<Self, PortError> {
+        // A new session number at each start.
+        BoardLine::of_session(port, bits_per_s, RandomState::new().hash_one(std::process::id()) as u32)
+    }
+
+    /// Link to a board with this session number: for a simulated board, whose runs are to be repeatable to the byte.
+    ///
+    /// # Errors
+    /// As [`BoardLine::new`].
+    pub fn of_session(port: Box<dyn Port + 'p>, bits_per_s: u32, session: u32) -> Result<Self, PortError> {
         let ahead = Span::from(TURN_MAX);
         let settings = LinkSettings { bits_per_s, ahead, ..link_settings(Role::Host) };
-        // A new session number at each start.
-        let session = RandomState::new().hash_one(std::process::id()) as u32;
         let link = Link::new(settings, session).map_err(|error| {
             PortError::in_words("board link", format!("{bits_per_s} bit/s is too slow for a board: {error:?}"))
         })?;

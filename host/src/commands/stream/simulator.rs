@@ -41,13 +41,15 @@ use crate::dnc::outbox::Outbox;
 use crate::dnc::reports;
 use crate::dnc::{Sender, State};
 use crate::port::open::wrap;
-use crate::port::url::Base;
+use crate::port::url::{Base, PortUrl};
 use crate::report::figures::ReportFigures;
 
 /// Moves that the simulated board holds ahead, plus one.
 const AHEAD: usize = 65;
 /// Identification of the simulated board.
 const IDENTITY: Identity = Identity { name: "sim:", version: [0, 1, 0], reset: ResetCode::Power, starts: 1 };
+/// Session number of the link to the simulated board.
+const SESSION: u32 = 1;
 
 impl Stream {
     /// Sends to the simulated control.
@@ -66,7 +68,7 @@ impl Stream {
                 sim.simulation_mut().set_planned_conditions(ready.foreseen.iter().cloned());
                 self.send_simulated(ready, sender, (logbook, BoardSession::none()), &Rc::new(RefCell::new(sim)))
             }
-            Some(url) if url.base == Base::Sim => self.with_board_in_software(ready, sender, logbook),
+            Some(url) if url.base == Base::Sim => self.with_board_in_software(url, ready, sender, logbook),
             Some(_) => Err(Failure::Usage(
                 "--board: the machine in software has no line to that board; give --board sim: or another --port"
                     .into(),
@@ -74,23 +76,30 @@ impl Stream {
         }
     }
 
-    fn with_board_in_software(&self, ready: &PreparedProgram, sender: Sender, logbook: Logbook) -> Result<(), Failure> {
+    fn with_board_in_software(
+        &self,
+        board: &PortUrl,
+        ready: &PreparedProgram,
+        sender: Sender,
+        logbook: Logbook,
+    ) -> Result<(), Failure> {
         let file = &ready.file;
         let mut queues = Box::new(Queues::<AHEAD>::new());
         let config = Config { supply: Supply::Link, settings: Settings::default(), identity: IDENTITY, fault: None };
         let parts = assemble(&mut queues, config).map_err(|error| Failure::Input(format!("{error:?}")))?;
         let pipe = Rc::new(RefCell::new(Pipe::default()));
-        let board = Board::new(
+        let in_process = Board::new(
             InProcess::new(Untapped::new(parts.0, None), parts.1),
             BoardEnd(Rc::clone(&pipe)),
             ModeCode::Lockstep,
         );
-        let mut simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, board);
+        let mut simulation = Simulation::new(Control::on_line(control_settings(file)), &file.job, in_process);
         if has_scopes(file) {
             simulation.set_planned_conditions(ready.foreseen.iter().cloned());
         }
         let sim = Rc::new(RefCell::new(SimPort::of(simulation, file, self.tempo())));
-        let link = BoardLine::new(Box::new(SimLink::new(Rc::clone(&sim), pipe)), BAUDRATE)?;
+        let line = wrap(board, Box::new(SimLink::new(Rc::clone(&sim), pipe)))?;
+        let link = BoardLine::of_session(line, BAUDRATE, SESSION)?;
         let mut board_session = BoardSession::with(link, ready, sender.transmission(), Arming::Simulated)?;
         // The start of the simulation counts as arming: there is no panel.
         let mut is_pressed = false;
