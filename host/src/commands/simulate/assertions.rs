@@ -114,6 +114,7 @@ impl Assertion {
     }
 
     /// Judges the assertion on what ran, to its end or not: a limit that is broken before the end is broken.
+    #[cfg(not(target_family = "wasm"))]
     pub fn so_far(&self, evidence: &Evidence<'_>, has_ended: bool) -> AssertionOutcome {
         let outcome = self.judge(evidence);
         let is_open = !has_ended && !matches!(outcome.verdict, Verdict::Failed(_));
@@ -121,6 +122,7 @@ impl Assertion {
     }
 
     /// Name of the figure, if it comes from the material that the simulated tool removes.
+    #[cfg(not(target_family = "wasm"))]
     pub fn of_material(&self) -> Option<&'static str> {
         let is_load = matches!(self.figure, AssertedFigure::Power | AssertedFigure::Torque | AssertedFigure::Force);
         is_load.then(|| self.figure.name())
