@@ -23,7 +23,7 @@ use super::{FeedDemand, FeedLaw, NoDemand, Place};
 /// Limits of the contour law, which keeps the feed along the finished contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourLimits {
-    /// Whether outside arcs keep the programmed feed instead of a raised one (CFIN, M110).
+    /// Whether outside arcs have the target feed per tooth at the centre instead of a raised one (CFIN, M110).
     pub inside_only: bool,
     /// Smallest feed of the tool's centre, as a fraction of the feed at the contour; it acts on tight inside arcs.
     pub floor_ratio: f32,
