@@ -48,43 +48,43 @@
 // Path of a move: a counter-clockwise arc in YZ.
 #define ARCFEED_PATH_CCW_YZ 7
 
-// Signal: cutter compensation (G41 or G42) is active.
+// Bit of `ArcfeedInput::signals`: cutter compensation (G41 or G42) is active.
 #define ARCFEED_SIGNAL_CUTTER_COMPENSATION 1
 
-// Signal: the control ignores the override.
+// Bit of `ArcfeedInput::signals`: the control ignores the override.
 #define ARCFEED_SIGNAL_OVERRIDE_OFF 2
 
-// Signal: a tapping cycle is active.
+// Bit of `ArcfeedInput::signals`: a tapping cycle is active.
 #define ARCFEED_SIGNAL_TAPPING 4
 
-// Signal: thread cutting is active.
+// Bit of `ArcfeedInput::signals`: thread cutting is active.
 #define ARCFEED_SIGNAL_THREADING 8
 
-// Signal: G63 (tapping mode) is active, which holds the feed at 100 %.
+// Bit of `ArcfeedInput::signals`: G63 (tapping mode) is active, which holds the feed at 100 %.
 #define ARCFEED_SIGNAL_FEED_FORCED 16
 
-// Signal: the axes are in rapid traverse.
+// Bit of `ArcfeedInput::signals`: the axes are in rapid traverse.
 #define ARCFEED_SIGNAL_RAPID 32
 
-// Signal: feed hold is active.
+// Bit of `ArcfeedInput::signals`: feed hold is active.
 #define ARCFEED_SIGNAL_FEED_HOLD 64
 
-// Signal: the watchdog has expired.
+// Bit of `ArcfeedInput::signals`: the watchdog has expired.
 #define ARCFEED_SIGNAL_FAULT_WATCHDOG 256
 
-// Signal: stored parameters are corrupt.
+// Bit of `ArcfeedInput::signals`: stored parameters are corrupt.
 #define ARCFEED_SIGNAL_FAULT_PARAMETERS 512
 
-// Signal: a failure of supply, clock, output or dial.
+// Bit of `ArcfeedInput::signals`: a failure of supply, clock, output or dial.
 #define ARCFEED_SIGNAL_FAULT_HARDWARE 1024
 
-// Signal: a person arms, so that the laws may set the override; acts once when it rises.
+// Bit of `ArcfeedInput::signals`: a person arms, so that the laws may set the override; acts once when it rises.
 #define ARCFEED_SIGNAL_ARM 65536
 
-// Signal: a person takes the override from the laws; acts once when it rises.
+// Bit of `ArcfeedInput::signals`: a person takes the override from the laws; acts once when it rises.
 #define ARCFEED_SIGNAL_DISARM 131072
 
-// Signal: a person resets a fault; acts once when it rises.
+// Bit of `ArcfeedInput::signals`: a person resets a fault; acts once when it rises.
 #define ARCFEED_SIGNAL_RESET 262144
 
 // Output state idle: nobody has armed the laws since the start or a reset of a fault.
