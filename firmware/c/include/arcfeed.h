@@ -87,7 +87,7 @@
 // Bit of `ArcfeedInput::signals`: a person resets a fault; acts once when it rises.
 #define ARCFEED_SIGNAL_RESET 262144
 
-// Output state idle: nobody has armed the laws since the start or a reset of a fault.
+// Output state idle: the laws have not been armed since the start or a reset of a fault.
 #define ARCFEED_STATE_IDLE 0
 
 // Output state armed: a law sets the override as soon as a move begins.

@@ -56,7 +56,7 @@ pub const ARCFEED_SIGNAL_DISARM: u32 = 0x2_0000;
 /// Bit of `ArcfeedInput::signals`: a person resets a fault; acts once when it rises.
 pub const ARCFEED_SIGNAL_RESET: u32 = 0x4_0000;
 
-/// Output state idle: nobody has armed the laws since the start or a reset of a fault.
+/// Output state idle: the laws have not been armed since the start or a reset of a fault.
 pub const ARCFEED_STATE_IDLE: u8 = 0;
 /// Output state armed: a law sets the override as soon as a move begins.
 pub const ARCFEED_STATE_ARMED: u8 = 1;

@@ -33,11 +33,11 @@ pub enum Reason {
     Stale,
     /// The laws may set the override, but no segment is in execution on which one can act.
     Waiting,
-    /// Nobody has armed the laws since the start.
+    /// The laws have not been armed since the start.
     NotArmed,
     /// The axes are at standstill, by feed hold or an override of 0 %.
     Held(Hold),
-    /// Position or link was lost; nobody has armed the laws since.
+    /// Position or link was lost, and the laws have not been armed since.
     Lost(Source),
     /// The board has a fault.
     Fault(BoardFault),

@@ -35,7 +35,7 @@ use super::signals::{BoardFault, Condition, Inhibit};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
-    /// Nobody has armed the laws since the start: the override follows the operator's dial.
+    /// The laws have not been armed since the start: the override follows the operator's dial.
     #[default]
     Idle,
     /// The laws may set the override, and do so as soon as a segment begins; until then 100 %, or the dial if it is

@@ -69,7 +69,7 @@ use arcfeed_units::LengthUnit;
 
 use super::executed_blocks::for_memory;
 use super::job_input::{JobInput, adapted};
-use super::outcome::{Failure, json_text, refuse_inputs, say, write_whole};
+use super::outcome::{Failure, json_text, refuse_inputs};
 use crate::clock::Instant;
 use crate::console::{note, print, without_notes};
 use crate::job::{JobFile, SpindleLimits};
@@ -225,17 +225,9 @@ impl Simulate {
     fn judge(&self, evidence: &Evidence<'_>, has_ended: bool, started: Instant) -> Result<(), Failure> {
         let outcomes: Vec<AssertionOutcome> =
             self.assertions.iter().map(|assertion| assertion.after(evidence, has_ended)).collect();
-        if let Some(path) = &self.junit {
-            let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
-            let suite = TestSuite { command: "simulate", job, outcomes: &outcomes, time_s };
-            write_whole(path, suite.to_string().as_bytes())?;
-        }
-        let (held, broken): (Vec<_>, Vec<_>) = outcomes.iter().partition(|outcome| outcome.verdict == Verdict::Passed);
-        if !self.json {
-            held.iter().for_each(|outcome| say(format_args!("{outcome}")));
-        }
-        let broken: Vec<String> = broken.into_iter().map(AssertionOutcome::to_string).collect();
-        if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
+        let (job, time_s) = (self.input.job.display().to_string(), started.elapsed().as_secs_f64());
+        let suite = TestSuite { command: "simulate", job, outcomes: &outcomes, time_s };
+        suite.conclude(self.junit.as_deref(), self.json, |verdict| *verdict != Verdict::Passed)
     }
 
     /// Path and format of the surface file; checked before the run.

@@ -37,16 +37,20 @@ export async function accessible(page, name) {
     assert.deepEqual(lines, []);
 }
 
+/** What a function of the picture's bytes (RGBA), its width and its element returns; it runs in the page. */
+export const measured = (page, measure) => page.evaluate(`(() => {
+    const path = document.getElementById('path');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [path.width, path.height];
+    const context = copy.getContext('2d');
+    context.drawImage(path, 0, 0);
+    return (${measure})(context.getImageData(0, 0, copy.width, copy.height).data, copy.width, path);
+})()`);
+
 /** Pixels of the picture that are not of its most frequent colour, and the number of colours, with few steps each. */
 export async function pixels(page) {
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-    const counts = await page.evaluate(() => {
-        const path = document.getElementById('path');
-        const copy = document.createElement('canvas');
-        [copy.width, copy.height] = [path.width, path.height];
-        const context = copy.getContext('2d');
-        context.drawImage(path, 0, 0);
-        const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    const counts = await measured(page, (data) => {
         const counts = {};
         for (let at = 0; at < data.length; at += 4) {
             const color = [data[at] >> 4, data[at + 1] >> 4, data[at + 2] >> 4].join();

@@ -2,7 +2,7 @@
 // is known about the program itself: a line, the places and the chips on it.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { accessible, launch, open, pixels, watch } from './browser.mjs';
+import { accessible, launch, measured, open, pixels, watch } from './browser.mjs';
 
 const [report, factsFile, screenshot] = process.argv.slice(2);
 const facts = JSON.parse(readFileSync(factsFile, 'utf8'));
@@ -25,21 +25,15 @@ async function values(run) {
 const colors = () => pixels(page);
 
 /** Pixel of the red mark at the tip of the tool. */
-const mark = () => page.evaluate(() => {
-    const path = document.getElementById('path');
-    const copy = document.createElement('canvas');
-    [copy.width, copy.height] = [path.width, path.height];
-    const context = copy.getContext('2d');
-    context.drawImage(path, 0, 0);
-    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+const mark = () => measured(page, (data, width, path) => {
     let [sx, sy, count] = [0, 0, 0];
     for (let at = 0; at < data.length; at += 4) {
         if (data[at] < 200 || data[at + 1] > 90 || data[at + 2] > 70) continue;
-        sx += (at / 4) % copy.width;
-        sy += Math.floor(at / 4 / copy.width);
+        sx += (at / 4) % width;
+        sy += Math.floor(at / 4 / width);
         count += 1;
     }
-    const scale = path.clientWidth / copy.width;
+    const scale = path.clientWidth / width;
     return [(sx / count + 0.5) * scale, (sy / count + 0.5) * scale];
 });
 

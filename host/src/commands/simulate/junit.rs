@@ -1,7 +1,9 @@
 //! Outcomes in JUnit XML, which CI servers read: one `testsuite` with a `testcase` for each assertion or run.
 
 use std::fmt::{self, Write};
+use std::path::Path;
 
+use super::super::outcome::{Failure, say, write_whole};
 use super::assertions::{AssertionOutcome, Verdict};
 use crate::report::page::escaped;
 
@@ -15,6 +17,30 @@ pub struct TestSuite<'a> {
     pub outcomes: &'a [AssertionOutcome],
     /// Time that the command took, s.
     pub time_s: f64,
+}
+
+impl TestSuite<'_> {
+    /// Writes the suite to the file of `--junit`, and prints the assertions that hold, unless the command prints JSON.
+    ///
+    /// # Errors
+    /// The file cannot be written, or an assertion's verdict is one for which `is_broken` is true: all of these, a line each.
+    pub fn conclude(
+        &self,
+        junit: Option<&Path>,
+        has_json: bool,
+        is_broken: impl Fn(&Verdict) -> bool,
+    ) -> Result<(), Failure> {
+        if let Some(path) = junit {
+            write_whole(path, self.to_string().as_bytes())?;
+        }
+        if !has_json {
+            let held = self.outcomes.iter().filter(|outcome| outcome.verdict == Verdict::Passed);
+            held.for_each(|outcome| say(format_args!("{outcome}")));
+        }
+        let broken = self.outcomes.iter().filter(|outcome| is_broken(&outcome.verdict));
+        let broken: Vec<String> = broken.map(AssertionOutcome::to_string).collect();
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Input(broken.join("\n"))) }
+    }
 }
 
 impl fmt::Display for TestSuite<'_> {

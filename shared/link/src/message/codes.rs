@@ -200,7 +200,7 @@ codes! {
     }
     /// State of the supervisor, which decides whether the feed laws may have the override; docs/safety.md#states.
     StateCode {
-        /// Not armed since the start: nobody has given the override to the laws.
+        /// Not armed since the start: the override has not been given to the laws.
         Idle = 0,
         /// Armed: the laws set the override as soon as a segment begins.
         Armed = 1,
