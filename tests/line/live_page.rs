@@ -127,7 +127,7 @@ fn with_browsers(stream: Running) -> (Ended, Vec<Seen>) {
     (ended, browsers.into_iter().map(|browser| browser.join().expect("a client")).collect())
 }
 
-/// Every client saw nearly every snapshot, no more of them than is promised, and the last one.
+/// Every client saw nearly every snapshot, at the promised rate, and the last one.
 fn check_updates(seen: &[Seen]) {
     for browser in seen {
         let [first, .., last] = browser.as_slice() else { panic!("no updates: {browser:?}") };
@@ -138,7 +138,10 @@ fn check_updates(seen: &[Seen]) {
         assert!(last.1["is_over"] == true && browser.windows(2).all(|pair| number(&pair[0].1) < number(&pair[1].1)));
         // The last one does not wait for its turn. A computer that is busy makes fewer.
         let most = UPDATES_PER_S * span_s;
-        assert!(made as f64 <= most + 3.0 && got * 10 >= made * 9, "{got} of {made} in {span_s} s");
+        assert!(
+            made as f64 <= most + 3.0 && made as f64 >= most / 2.0 && got * 10 >= made * 9,
+            "{got} of {made} in {span_s} s"
+        );
     }
 }
 
