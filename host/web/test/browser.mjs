@@ -38,7 +38,7 @@ export async function accessible(page, name) {
 }
 
 /** What a function of the picture's bytes (RGBA), its width and its element returns; it runs in the page. */
-export const measured = (page, measure) => page.evaluate(`(() => {
+export const inPicture = (page, measure) => page.evaluate(`(() => {
     const path = document.getElementById('path');
     const copy = document.createElement('canvas');
     [copy.width, copy.height] = [path.width, path.height];
@@ -50,7 +50,7 @@ export const measured = (page, measure) => page.evaluate(`(() => {
 /** Pixels of the picture that are not of its most frequent colour, and the number of colours, with few steps each. */
 export async function pixels(page) {
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-    const counts = await measured(page, (data) => {
+    const counts = await inPicture(page, (data) => {
         const counts = {};
         for (let at = 0; at < data.length; at += 4) {
             const color = [data[at] >> 4, data[at + 1] >> 4, data[at + 2] >> 4].join();

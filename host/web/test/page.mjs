@@ -2,7 +2,7 @@
 // is known about the program itself: a line, the places and the chips on it.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
-import { accessible, launch, measured, open, pixels, watch } from './browser.mjs';
+import { accessible, launch, inPicture, open, pixels, watch } from './browser.mjs';
 
 const [report, factsFile, screenshot] = process.argv.slice(2);
 const facts = JSON.parse(readFileSync(factsFile, 'utf8'));
@@ -25,7 +25,7 @@ async function values(run) {
 const colors = () => pixels(page);
 
 /** Pixel of the red mark at the tip of the tool. */
-const mark = () => measured(page, (data, width, path) => {
+const mark = () => inPicture(page, (data, width, path) => {
     let [sx, sy, count] = [0, 0, 0];
     for (let at = 0; at < data.length; at += 4) {
         if (data[at] < 200 || data[at + 1] > 90 || data[at + 2] > 70) continue;
