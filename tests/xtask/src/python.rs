@@ -1,7 +1,7 @@
 //! The Python package: built and installed by pip in a fresh environment, as its users do; then installed into an environment with
 //! the packages of its tests, checked and tested there.
 //!
-//! It has the profile of the tests, so that it shares with them what both need in the same form. Only the fresh environment builds:
+//! It has the profile of the tests and the features of their dependencies, so that it shares with them what both need. Only the fresh environment builds:
 //! pyo3 depends on the path of the interpreter, and would be compiled again for another.
 
 use std::path::{Path, PathBuf};
@@ -101,7 +101,7 @@ fn install_fresh() -> Result<PathBuf, Failure> {
         |words: &[&str]| python(&fresh, &[&["-m", "pip", "--quiet", "--disable-pip-version-check"], words].concat());
     let mut build = pip(&["wheel", "--no-deps"]);
     build.arg("--wheel-dir").arg(&wheels).arg(folder());
-    run(build.env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked"))?;
+    run(build.env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked --features as-tests"))?;
     let wheel = wheel_in(&wheels)?;
     run(pip(&["install"]).arg(&wheel))?;
     run(&mut python(&fresh, &["-c", FIRST_USE, env!("CARGO_PKG_VERSION")]))?;
