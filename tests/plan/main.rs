@@ -53,7 +53,7 @@ mod method;
 
 mod method_levels;
 
-mod method_room;
+mod free_width;
 
 mod symmetry;
 

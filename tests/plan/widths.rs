@@ -87,7 +87,7 @@ fn compare_widths(rotor: &Rotor) {
     let best = by_width.iter().max_by(|a, b| a.worth().total_cmp(&b.worth())).expect("a width");
     let most = best.worth();
 
-    let limit_mm = 15.875 + 2.0 * own.plan.room.room_mm;
+    let limit_mm = 15.875 + 2.0 * own.plan.free_width.per_side_mm;
     let middle_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
     let sweep: Vec<(f64, f64)> = (0..)
         .map(|k| 8.0 + STEP_MM * f64::from(k))

@@ -5,9 +5,9 @@
 
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
+use crate::cup_mill::free_width::{DirectionGrid, FreeWidth, LEAN_MAX_RAD, LEAN_STEP_RAD, leans};
 use crate::cup_mill::plan::PreparedSlot;
-use crate::cup_mill::room::{DirectionGrid, LEAN_MAX_RAD, LEAN_STEP_RAD, Room, leans};
-use crate::cup_mill::side::RAISES;
+use crate::cup_mill::side::EIGHTHS;
 use crate::cutter::CupMill;
 
 /// One combination of start edge, tool direction and depth that the search has tried, with the share of the slot that its plan removes.
@@ -16,9 +16,9 @@ pub struct Candidate {
     /// Index of the edges from which the path starts: 0 for the leading, 1 for the trailing edges.
     pub edge: usize,
     /// Direction of the tool, with the free width on both sides of the ring between the blades.
-    pub room: Room,
+    pub free_width: FreeWidth,
     /// Number of the eighths of the blades' height, from the hub up, beside which the ring does not pass; they stay uncut.
-    pub raise: usize,
+    pub uncut_eighths: usize,
     /// Fraction of the slot's volume that the plan removes, 0 to 1.
     pub share_ratio: f64,
     /// Lean and tilt, as coordinates of the search.
@@ -48,7 +48,7 @@ pub struct AxisSearch<'s, V> {
     pub value: V,
 }
 
-impl<V: Fn(usize, Room, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
+impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
     /// Best directions, at a minimum distance from each other.
     pub fn best(&self) -> Vec<Candidate> {
         // Every second place, as on a chessboard.
@@ -64,22 +64,24 @@ impl<V: Fn(usize, Room, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
     fn candidate(&self, edge: usize, at: [f64; 2]) -> Option<Candidate> {
         let prepared = &self.prepared[edge];
         let direction = DirectionGrid::new(prepared.walls(0))?.direction(at);
-        let room = |raise: usize| prepared.walls(raise).room(self.cutter, &direction).filter(|room| room.room_mm > 0.0);
-        let (mut short, mut passed) = (0, RAISES - 1);
-        let mut found = room(0).map(|room| (room, 0));
+        let free_width = |uncut_eighths: usize| {
+            prepared.walls(uncut_eighths).free_width(self.cutter, &direction).filter(|width| width.per_side_mm > 0.0)
+        };
+        let (mut short, mut passed) = (0, EIGHTHS - 1);
+        let mut found = free_width(0).map(|width| (width, 0));
         if found.is_none() {
-            found = Some((room(passed)?, passed));
+            found = Some((free_width(passed)?, passed));
             while passed - short > 1 {
                 let middle = (short + passed) / 2;
-                match room(middle) {
-                    Some(room) => (found, passed) = (Some((room, middle)), middle),
+                match free_width(middle) {
+                    Some(width) => (found, passed) = (Some((width, middle)), middle),
                     None => short = middle,
                 }
             }
         }
-        let (room, raise) = found?;
-        let share_ratio = (self.value)(edge, room, raise)?;
-        Some(Candidate { edge, room, raise, share_ratio, at })
+        let (free_width, uncut_eighths) = found?;
+        let share_ratio = (self.value)(edge, free_width, uncut_eighths)?;
+        Some(Candidate { edge, free_width, uncut_eighths, share_ratio, at })
     }
 
     fn refined(&self, start: Candidate) -> Candidate {

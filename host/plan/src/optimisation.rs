@@ -6,11 +6,11 @@
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::axis_search::{AxisSearch, Candidate};
+use crate::cup_mill::free_width::FreeWidth;
 use crate::cup_mill::infeasibility::{Infeasible, check_levels};
 use crate::cup_mill::neighbours::NEARER_RATIO;
 use crate::cup_mill::normal_form::{GRAIN_MM, StartEdge};
 use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Request, Roughing, SlotPlan};
-use crate::cup_mill::room::Room;
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
@@ -179,15 +179,16 @@ impl<'p> Problem<'p> {
         cutter: &CupMill,
         admits: &(impl Fn(&SlotPlan) -> bool + Sync),
     ) -> Result<Vec<ValuedPlan>, Infeasible> {
-        let value = |edge: usize, room: Room, raise: usize| {
-            let roughing = Roughing { axis: AxisChoice::Found(room), ..*self.roughing };
-            let request = Request { raise, levels_max: Some(COARSE_LEVELS), ..Request::whole(cutter, &roughing) };
+        let value = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
+            let roughing = Roughing { axis: AxisChoice::Found(free_width), ..*self.roughing };
+            let request =
+                Request { uncut_eighths, levels_max: Some(COARSE_LEVELS), ..Request::whole(cutter, &roughing) };
             let valued = self.valued(edge, &request, COARSE_CELL_MM).ok()?;
             (valued.share_ratio >= LEAST_RATIO && admits(&valued.plan)).then_some(valued.share_ratio)
         };
         let search = AxisSearch { prepared: &self.prepared, cutter, value };
         let (found, roomiest) = rayon::join(|| search.best(), || self.along_with(cutter, AxisChoice::Roomiest));
-        let full = |one: &Candidate| self.full(cutter, one.edge, AxisChoice::Found(one.room), one.raise);
+        let full = |one: &Candidate| self.full(cutter, one.edge, AxisChoice::Found(one.free_width), one.uncut_eighths);
         let (found, blade) = rayon::join(
             || found.par_iter().map(full).collect::<Vec<_>>(),
             || self.along_with(cutter, AxisChoice::Blade),
@@ -199,9 +200,15 @@ impl<'p> Problem<'p> {
     }
 
     /// Plan with all levels.
-    fn full(&self, cutter: &CupMill, edge: usize, axis: AxisChoice, raise: usize) -> Result<ValuedPlan, Infeasible> {
+    fn full(
+        &self,
+        cutter: &CupMill,
+        edge: usize,
+        axis: AxisChoice,
+        uncut_eighths: usize,
+    ) -> Result<ValuedPlan, Infeasible> {
         let roughing = Roughing { axis, ..*self.roughing };
-        self.valued(edge, &Request { raise, ..Request::whole(cutter, &roughing) }, CELL_MM)
+        self.valued(edge, &Request { uncut_eighths, ..Request::whole(cutter, &roughing) }, CELL_MM)
     }
 
     fn valued(&self, edge: usize, request: &Request<'_>, cell_mm: f64) -> Result<ValuedPlan, Infeasible> {

@@ -4,8 +4,8 @@ use thiserror::Error;
 
 use crate::vector::Point;
 
+use super::free_width::FreeWidth;
 use super::normal_form::StartEdge;
-use super::room::Room;
 use super::side::OffsetSide;
 
 /// Most levels of a path: more are a mistake in the greatest axial depth.
@@ -84,8 +84,8 @@ pub fn check_levels(depth_mm: f64, depth_max_mm: f64) -> Result<(), Infeasible> 
 }
 
 /// Description of the place where the ring is blocked.
-pub fn narrow(room: &Room, pressure: &OffsetSide, suction: &OffsetSide, start: StartEdge) -> Infeasible {
-    let off = |point: &Point| (point.xy() - room.centre).norm();
+pub fn narrow(free_width: &FreeWidth, pressure: &OffsetSide, suction: &OffsetSide, start: StartEdge) -> Infeasible {
+    let off = |point: &Point| (point.xy() - free_width.centre).norm();
     let tightest = [(pressure, 1.0, "pressure"), (suction, -1.0, "suction")].map(|(side, sign, name)| {
         let least = side.patch.least(|point| sign * off(point));
         least.map_or(String::new(), |least| {
@@ -95,7 +95,10 @@ pub fn narrow(room: &Room, pressure: &OffsetSide, suction: &OffsetSide, start: S
             format!("the {name} side's {} {:.0} % up the blade", along(share), 100.0 * v)
         })
     });
-    Infeasible::TooNarrow { missing_mm: -2.0 * room.room_mm, place: format!("between {}", tightest.join(" and ")) }
+    Infeasible::TooNarrow {
+        missing_mm: -2.0 * free_width.per_side_mm,
+        place: format!("between {}", tightest.join(" and ")),
+    }
 }
 
 /// Part of a side in words.

@@ -8,7 +8,7 @@ pub mod neighbours;
 
 pub mod axis;
 
-pub mod room;
+pub mod free_width;
 
 pub mod base;
 

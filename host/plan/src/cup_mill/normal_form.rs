@@ -21,9 +21,9 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::axis::Axis;
 use super::base::Base;
+use super::free_width::FreeWidth;
 use super::interior::InteriorPivot;
 use super::level::{Stop, StopSurface};
-use super::room::Room;
 
 /// Edges of the slot's two blades near which the ring turns, and from which the path starts. The pivots are A at the pressure side's
 /// edge, and B1 near the suction side's.
@@ -114,8 +114,12 @@ impl NormalForm {
     }
 
     /// Converts a free width with its centre and direction from the normal form to the frames of part and slot.
-    pub fn room(&self, room: &Room) -> Room {
-        Room { centre: self.place(room.centre), direction: self.direction(&room.direction), ..*room }
+    pub fn free_width(&self, free_width: &FreeWidth) -> FreeWidth {
+        FreeWidth {
+            centre: self.place(free_width.centre),
+            direction: self.direction(&free_width.direction),
+            ..*free_width
+        }
     }
 
     /// Converts a base position from the normal form to the slot frame.

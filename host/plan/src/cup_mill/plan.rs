@@ -14,14 +14,14 @@ use crate::vector::{Point, Vector};
 use super::axis::{Axis, axis};
 use super::base::Base;
 use super::depth::top_mm;
+use super::free_width::{FreeWidth, SidePoints};
 use super::infeasibility::{Infeasible, narrow};
 use super::interior::InteriorPivot;
 use super::level::Stop;
 use super::neighbours::{Reach, WholeBlade};
 use super::normal_form::{NormalForm, StartEdge};
 use super::patch::Patch;
-use super::room::{Room, SidePoints};
-use super::side::{FarEdge, Hub, OffsetSide, RAISES, SideRange, floor, roof};
+use super::side::{EIGHTHS, FarEdge, Hub, OffsetSide, SideRange, floor, roof};
 use super::turns::Surroundings;
 
 pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
@@ -31,14 +31,14 @@ pub use super::roughing::{AxisChoice, BaseLimits, Request, Roughing};
 pub struct SlotPlan {
     /// Edges of the blades near which the ring turns.
     pub start: StartEdge,
-    /// Number of the eighths ([`RAISES`]) of the sides' height, from the hub up, beside which the ring does not pass; 0: the whole depth.
-    pub raise: usize,
+    /// Number of the eighths ([`EIGHTHS`]) of the sides' height, from the hub up, beside which the ring does not pass; 0: the whole depth.
+    pub uncut_eighths: usize,
     /// Tool axis along the blade's edge (the source's line LN3), in the rotor's own frame.
     pub blade_axis: Axis,
     /// Free width of the ring between the blades along that axis.
-    pub blade_room: Room,
+    pub blade_free_width: FreeWidth,
     /// Free width of the ring between the blades along the chosen axis.
-    pub room: Room,
+    pub free_width: FreeWidth,
     /// Rotation from the part frame (that of the rotor) into the slot frame, whose z is the chosen axis.
     pub turn: Rotation3<f64>,
     /// Base position, in which the ring touches both blades.
@@ -57,7 +57,7 @@ pub struct SlotPlan {
 const TRAVEL_MM: f64 = 40.0;
 /// Stride through the samples of surfaces for a comparison of plans.
 const COARSE_STRIDE: usize = 2;
-/// Room below which another direction is searched, mm: rooms are computed on samples of the sides.
+/// Free width below which another direction is searched, mm: widths are computed on samples of the sides.
 const ENOUGH_MM: f64 = 0.1;
 
 /// Data of a slot that are the same for all cutters and tool axes, in normal form (turned and mirrored, see [`NormalForm`]).
@@ -69,7 +69,7 @@ pub struct PreparedSlot {
     /// Pressure and suction side.
     ranges: [SideRange; 2],
     blade_axis: Axis,
-    walls: [OnceLock<SidePoints>; RAISES],
+    walls: [OnceLock<SidePoints>; EIGHTHS],
     fine: Shapes,
     coarse: Shapes,
 }
@@ -77,7 +77,7 @@ pub struct PreparedSlot {
 /// Surfaces about a slot.
 struct Shapes {
     /// Pressure and suction side above a number of parts of their height.
-    sides: [OnceLock<[OffsetSide; 2]>; RAISES],
+    sides: [OnceLock<[OffsetSide; 2]>; EIGHTHS],
     blade: WholeBlade,
     hub: Patch,
     roof: Patch,
@@ -134,20 +134,21 @@ impl PreparedSlot {
         Ok(PreparedSlot { start, form, blisk, ranges, blade_axis, walls: Default::default(), fine, coarse })
     }
 
-    fn fine_sides(&self, raise: usize) -> &[OffsetSide; 2] {
+    fn fine_sides(&self, uncut_eighths: usize) -> &[OffsetSide; 2] {
         let lying = Rotation3::identity();
-        self.fine.sides[raise].get_or_init(|| [0, 1].map(|side: usize| self.ranges[side].raised(raise).side(&lying)))
+        self.fine.sides[uncut_eighths]
+            .get_or_init(|| [0, 1].map(|side: usize| self.ranges[side].above(uncut_eighths).side(&lying)))
     }
 
-    fn coarse_sides(&self, raise: usize) -> &[OffsetSide; 2] {
-        let of = |side: usize| self.fine_sides(raise)[side].coarse(COARSE_STRIDE);
-        self.coarse.sides[raise].get_or_init(|| [0, 1].map(of))
+    fn coarse_sides(&self, uncut_eighths: usize) -> &[OffsetSide; 2] {
+        let of = |side: usize| self.fine_sides(uncut_eighths)[side].coarse(COARSE_STRIDE);
+        self.coarse.sides[uncut_eighths].get_or_init(|| [0, 1].map(of))
     }
 
-    /// Sample points of the slot's sides without the lowest `raise` eighths of their height, for choosing directions.
-    pub fn walls(&self, raise: usize) -> &SidePoints {
-        self.walls[raise].get_or_init(|| {
-            let [pressure, suction] = self.fine_sides(raise);
+    /// Sample points of the slot's sides without the lowest `uncut_eighths` eighths of their height, for choosing directions.
+    pub fn walls(&self, uncut_eighths: usize) -> &SidePoints {
+        self.walls[uncut_eighths].get_or_init(|| {
+            let [pressure, suction] = self.fine_sides(uncut_eighths);
             SidePoints::new(pressure, suction)
         })
     }
@@ -159,67 +160,91 @@ impl PreparedSlot {
     /// # Errors
     /// The ring does not fit into the slot, or does not reach the hub.
     pub fn plan(&self, request: &Request<'_>) -> Result<(SlotPlan, Surroundings), Infeasible> {
-        let Request { cutter, roughing, raise, .. } = *request;
-        let room = self.room(request).ok_or(Infeasible::NoAxis)?;
-        let turn = slot_frame(&room.direction).ok_or(Infeasible::NoAxis)?;
-        let around = self.around(request, &room, &turn)?;
-        let level_context = around.level_context(request).ok_or(Infeasible::NoBase { room_mm: room.room_mm })?;
+        let Request { cutter, roughing, uncut_eighths, .. } = *request;
+        let free_width = self.free_width(request).ok_or(Infeasible::NoAxis)?;
+        let turn = slot_frame(&free_width.direction).ok_or(Infeasible::NoAxis)?;
+        let around = self.around(request, &free_width, &turn)?;
+        let level_context =
+            around.level_context(request).ok_or(Infeasible::NoBase { room_mm: free_width.per_side_mm })?;
         let (base, interior) = (level_context.base, level_context.interior);
         let roof = if request.is_coarse() { &self.coarse.roof } else { &self.fine.roof };
         let top_mm = top_mm(cutter, base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
         let clear_mm = top_mm.max(highest_mm(&self.blisk.blank, &[], &turn)) + roughing.clearance_mm;
         let (stops, path) = level_context.path(request, top_mm, clear_mm)?;
         let blade_axis = self.blade_axis;
-        let blade_room = self.walls(0).room(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
+        let blade_free_width = self.walls(0).free_width(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let start = self.start;
-        let plan = SlotPlan { start, raise, blade_axis, blade_room, room, turn, base, interior, stops, top_mm, path };
+        let plan = SlotPlan {
+            start,
+            uncut_eighths,
+            blade_axis,
+            blade_free_width,
+            free_width,
+            turn,
+            base,
+            interior,
+            stops,
+            top_mm,
+            path,
+        };
         Ok((plan, around))
     }
 
-    fn room(&self, request: &Request<'_>) -> Option<Room> {
-        let (cutter, walls) = (request.cutter, self.walls(request.raise));
+    fn free_width(&self, request: &Request<'_>) -> Option<FreeWidth> {
+        let (cutter, walls) = (request.cutter, self.walls(request.uncut_eighths));
         match request.roughing.axis {
-            AxisChoice::Blade => self.near_blade(cutter, request.raise, || walls.roomiest(cutter)),
+            AxisChoice::Blade => self.near_blade(cutter, request.uncut_eighths, || walls.roomiest(cutter)),
             AxisChoice::Roomiest => walls.roomiest(cutter),
             AxisChoice::Given(direction) => {
                 let axis = self.form.normal(&direction).try_normalize(0.0)?;
-                walls.room(cutter, &axis)
+                walls.free_width(cutter, &axis)
             }
-            AxisChoice::Found(room) => Some(room),
+            AxisChoice::Found(width) => Some(width),
         }
     }
 
     /// Surroundings of the slot, if the ring passes between its sides.
-    fn around(&self, request: &Request<'_>, room: &Room, turn: &Rotation3<f64>) -> Result<Surroundings, Infeasible> {
-        let sides = |raise: usize| {
-            let lying = if request.is_coarse() { self.coarse_sides(raise) } else { self.fine_sides(raise) };
+    fn around(
+        &self,
+        request: &Request<'_>,
+        free_width: &FreeWidth,
+        turn: &Rotation3<f64>,
+    ) -> Result<Surroundings, Infeasible> {
+        let sides = |uncut_eighths: usize| {
+            let lying =
+                if request.is_coarse() { self.coarse_sides(uncut_eighths) } else { self.fine_sides(uncut_eighths) };
             [0, 1].map(|side: usize| lying[side].turned(turn))
         };
         let shapes = if request.is_coarse() { &self.coarse } else { &self.fine };
         let [pressure, suction] = sides(0);
-        let raised = (request.raise > 0).then(|| sides(request.raise));
+        let raised = (request.uncut_eighths > 0).then(|| sides(request.uncut_eighths));
         let points = [&pressure, &suction].into_iter().flat_map(|side| side.patch.samples());
         let bottom_mm = points.map(|point| point.z).fold(f64::MAX, f64::min);
-        let reach = Reach { centre: room.centre, travel_mm: TRAVEL_MM, bottom_mm };
+        let reach = Reach { centre: free_width.centre, travel_mm: TRAVEL_MM, bottom_mm };
         let blades = shapes.blade.about(turn, request.cutter, &reach);
         let around = Surroundings { pressure, suction, raised, hub: shapes.hub.turned(turn), blades };
-        if room.room_mm < 0.0 {
+        if free_width.per_side_mm < 0.0 {
             let [pressure, suction] = around.upper();
-            return Err(narrow(room, pressure, suction, self.start));
+            return Err(narrow(free_width, pressure, suction, self.start));
         }
         Ok(around)
     }
 
     /// First direction with enough free width on the way from the blade's axis to the direction with the most,
     /// at worst that one; `None` if the free width of neither can be computed.
-    pub fn near_blade(&self, cutter: &CupMill, raise: usize, roomiest: impl Fn() -> Option<Room>) -> Option<Room> {
-        let walls = self.walls(raise);
-        let blade = walls.room(cutter, &self.blade_axis.direction)?;
-        if blade.room_mm >= ENOUGH_MM {
+    pub fn near_blade(
+        &self,
+        cutter: &CupMill,
+        uncut_eighths: usize,
+        roomiest: impl Fn() -> Option<FreeWidth>,
+    ) -> Option<FreeWidth> {
+        let walls = self.walls(uncut_eighths);
+        let blade = walls.free_width(cutter, &self.blade_axis.direction)?;
+        if blade.per_side_mm >= ENOUGH_MM {
             return Some(blade);
         }
         let roomiest = roomiest()?;
-        Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.room_mm / 2.0)))
+        Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.per_side_mm / 2.0)))
     }
 
     /// Converts a plan from the normal form to the frames of the part and the slot.
@@ -227,8 +252,8 @@ impl PreparedSlot {
         let form = &self.form;
         SlotPlan {
             blade_axis: form.axis(&plan.blade_axis),
-            blade_room: form.room(&plan.blade_room),
-            room: form.room(&plan.room),
+            blade_free_width: form.free_width(&plan.blade_free_width),
+            free_width: form.free_width(&plan.free_width),
             turn: form.turn(&plan.turn),
             base: form.base(&plan.base),
             interior: form.interior(&plan.interior),
@@ -251,11 +276,11 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 impl SlotPlan {
     /// Fraction of the sides' height, from the tip down, beside which the ring passes.
     pub fn depth_ratio(&self) -> f64 {
-        1.0 - self.raise as f64 / RAISES as f64
+        1.0 - self.uncut_eighths as f64 / EIGHTHS as f64
     }
 
     /// Chosen tool axis, in the rotor's own frame.
     pub fn tool_axis(&self) -> Vector {
-        self.room.direction
+        self.free_width.direction
     }
 }

@@ -3,7 +3,7 @@
 use crate::cutter::CupMill;
 use crate::vector::Vector;
 
-use super::room::Room;
+use super::free_width::FreeWidth;
 
 /// Requirements on a roughing path: allowance, depth of the levels, tool axis, clearance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub enum AxisChoice {
     /// Given direction, in the rotor's own frame.
     Given(Vector),
     /// Direction that a search has found, with its free width, in the slot's normal form.
-    Found(Room),
+    Found(FreeWidth),
 }
 
 /// Surfaces that the ring touches at the base position.
@@ -53,8 +53,8 @@ pub struct Request<'r> {
     /// Surfaces that the ring touches at the base position.
     pub limits: BaseLimits,
     /// Number of the eighths of the sides' height, from the hub up, beside which the ring does not pass; below
-    /// [`RAISES`](super::side::RAISES), 0 for the whole depth.
-    pub raise: usize,
+    /// [`EIGHTHS`](super::side::EIGHTHS), 0 for the whole depth.
+    pub uncut_eighths: usize,
     /// Greatest number of levels, for a fast comparison of plans; levels may then be deeper than allowed. `None`: no limit.
     pub levels_max: Option<u32>,
 }
@@ -62,7 +62,7 @@ pub struct Request<'r> {
 impl<'r> Request<'r> {
     /// Request for a path over the whole depth, as in the source.
     pub fn whole(cutter: &'r CupMill, roughing: &'r Roughing) -> Self {
-        Request { cutter, roughing, limits: BaseLimits::Sides, raise: 0, levels_max: None }
+        Request { cutter, roughing, limits: BaseLimits::Sides, uncut_eighths: 0, levels_max: None }
     }
 
     /// Whether the plan is only compared with others, on fewer samples of the surfaces.

@@ -22,7 +22,7 @@ const SIDE_STEPS: [usize; 2] = [48, 32];
 /// Search steps of the hub: a ring that cuts a few hundredths into it does so on a few millimetres of it.
 const HUB_STEPS: [usize; 2] = [32, 128];
 /// Number of equal parts into which the height of a slot's sides is divided; the ring passes beside all of them, or the upper ones.
-pub const RAISES: usize = 8;
+pub const EIGHTHS: usize = 8;
 /// Number of sections on which the edges are searched.
 const SECTIONS: i32 = 8;
 /// Steps from the middle of a side outwards.
@@ -87,9 +87,9 @@ impl SideRange {
         self.foot
     }
 
-    /// The same side without the lowest `raise` of the [`RAISES`] equal parts of its height.
-    pub fn raised(&self, raise: usize) -> Self {
-        let foot = self.foot + (1.0 - self.foot) * raise as f64 / RAISES as f64;
+    /// The same side without the lowest `uncut_eighths` of the [`EIGHTHS`] of of its height.
+    pub fn above(&self, uncut_eighths: usize) -> Self {
+        let foot = self.foot + (1.0 - self.foot) * uncut_eighths as f64 / EIGHTHS as f64;
         SideRange { face: self.face.clone(), foot, ..*self }
     }
 

@@ -126,7 +126,7 @@ impl Figures {
             tilt_deg: composed.placement.tilt_deg,
             index_deg: composed.placement.index_deg,
             slots: composed.part.blisk.blades,
-            room_mm: plan.room.room_mm,
+            room_mm: plan.free_width.per_side_mm,
             start_edge: edge_word(plan.start),
             depth_ratio: plan.depth_ratio(),
             base_mm: plan.base.centre.into(),

@@ -57,14 +57,14 @@ fn verdict(composed: &PlanResult) -> PlanVerdict {
         sentences.push(refusal(composed));
     }
     let plan = &composed.valued.plan;
-    if plan.room == plan.blade_room {
+    if plan.free_width == plan.blade_free_width {
         sentences.push("The tool lies along the blade's edge (LN3).".into());
     } else {
         let degrees = plan.blade_axis.direction.angle(&plan.tool_axis()).to_degrees();
         sentences.push(format!(
             "The tool is tilted by {degrees:.1} degrees from the blade's edge (LN3): the ring has {:.2} mm of room on each side, {:.2} mm along \
              the edge.",
-            plan.room.room_mm, plan.blade_room.room_mm
+            plan.free_width.per_side_mm, plan.blade_free_width.per_side_mm
         ));
     }
     sentences.push(format!("The ring turns near the blades' {} edges.", edge_word(plan.start)));

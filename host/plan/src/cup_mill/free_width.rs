@@ -1,15 +1,15 @@
-//! Room: free width of a ring in a slot over its whole depth, for one direction of the tool.
+//! Free width of a ring in a slot over its whole depth, for one direction of the tool.
 //!
 //! ```text
-//! room(C) = min( min |p - C| - R,  r - max |s - C| )                          (1)
+//! free_width(C) = min( min |p - C| - R,  r - max |s - C| )                          (1)
 //! ```
 //!
-//! over the points p of the pressure and s of the suction side, seen along the tool; the room of a direction is the
-//! largest value of (1) over all centres. A ring wider by twice the room has none left; a negative room is the missing
+//! over the points p of the pressure and s of the suction side, seen along the tool; the free width of a direction is the
+//! largest value of (1) over all centres. A ring wider by twice the free width has none left; a negative free width is the missing
 //! width.
 //!
 //! The published axis lies along one blade. The other blade leans over it by the pitch, less its twist: with 19 blades
-//! 1 mm in 3 of depth. [`SidePoints::roomiest`] is the direction with the most room, [`SidePoints::nearest`] one with enough room
+//! 1 mm in 3 of depth. [`SidePoints::roomiest`] is the direction with the most free width, [`SidePoints::nearest`] one with enough free width
 //! on the way there.
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
@@ -21,24 +21,24 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
 
-/// Room of a ring in a slot, for one direction of the tool: the free width on each side of the ring.
+/// Free width of a ring in a slot, for one direction of the tool: the free width on each side of the ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room {
+pub struct FreeWidth {
     /// Width by which the ring could be wider on each side, mm; negative: the width that is missing. Value of (1) at the best centre.
-    pub room_mm: f64,
-    /// Centre of the ring with the most room, slot frame.
+    pub per_side_mm: f64,
+    /// Centre of the ring with the most free width, slot frame.
     pub centre: Flat,
     /// Direction of the tool's axis, in the rotor's own frame.
     pub direction: Vector,
 }
 
-/// Room of a ring for many directions of the tool.
+/// Free width of a ring for many directions of the tool.
 #[derive(Clone, Debug)]
-pub struct Rooms {
+pub struct FreeWidths {
     /// Rooms for the directions of a grid.
-    pub grid: Vec<Room>,
-    /// Room of the direction that has the most.
-    pub roomiest: Room,
+    pub grid: Vec<FreeWidth>,
+    /// Free width of the direction that has the most.
+    pub roomiest: FreeWidth,
 }
 
 /// Sample points of both sides of a slot, in the rotor's own frame.
@@ -74,7 +74,7 @@ impl SidePoints {
     }
 
     /// Free space along a direction; `None` along the rotor's axis.
-    pub fn room(&self, cutter: &CupMill, direction: &Vector) -> Option<Room> {
+    pub fn free_width(&self, cutter: &CupMill, direction: &Vector) -> Option<FreeWidth> {
         let turn = slot_frame(direction)?;
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
         let (pressure, suction) = (seen(&self.pressure), seen(&self.suction));
@@ -97,21 +97,22 @@ impl SidePoints {
         let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
         let everywhere = [[f64::MIN, f64::MAX]; 2];
         let found = descend(everywhere, start, [2.0, 2.0], short_mm);
-        Some(Room { room_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
+        Some(FreeWidth { per_side_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
     }
 
     /// First direction on the way from `from` to `to` with at least `enough_mm` of free space; `to` if there is none
     /// before.
-    pub fn nearest(&self, cutter: &CupMill, from: &Room, to: &Room, enough_mm: f64) -> Room {
-        if from.room_mm >= enough_mm {
+    pub fn nearest(&self, cutter: &CupMill, from: &FreeWidth, to: &FreeWidth, enough_mm: f64) -> FreeWidth {
+        if from.per_side_mm >= enough_mm {
             return *from;
         }
-        let at = |share: f64| self.room(cutter, &(from.direction * (1.0 - share) + to.direction * share).normalize());
+        let at =
+            |share: f64| self.free_width(cutter, &(from.direction * (1.0 - share) + to.direction * share).normalize());
         let (mut short, mut best, mut best_share) = (0.0, *to, 1.0);
         for _ in 0..HALVINGS {
             let middle = (short + best_share) / 2.0;
-            match at(middle).filter(|room| room.room_mm >= enough_mm) {
-                Some(room) => (best, best_share) = (room, middle),
+            match at(middle).filter(|width| width.per_side_mm >= enough_mm) {
+                Some(width) => (best, best_share) = (width, middle),
                 None => short = middle,
             }
         }
@@ -119,22 +120,22 @@ impl SidePoints {
     }
 
     /// Direction with the most free space, and that space.
-    pub fn roomiest(&self, cutter: &CupMill) -> Option<Room> {
-        self.rooms(cutter).map(|rooms| rooms.roomiest)
+    pub fn roomiest(&self, cutter: &CupMill) -> Option<FreeWidth> {
+        self.free_widths(cutter).map(|found| found.roomiest)
     }
 
     /// Free space for a grid of directions, and the largest one, which a local search from the best of them finds.
-    pub fn rooms(&self, cutter: &CupMill) -> Option<Rooms> {
+    pub fn free_widths(&self, cutter: &CupMill) -> Option<FreeWidths> {
         let about = DirectionGrid::new(self)?;
-        let room = |at: [f64; 2]| self.room(cutter, &about.direction(at));
-        let missing = |room: Option<Room>| room.map_or(f64::INFINITY, |room| -room.room_mm);
+        let free_width = |at: [f64; 2]| self.free_width(cutter, &about.direction(at));
+        let missing = |width: Option<FreeWidth>| width.map_or(f64::INFINITY, |width| -width.per_side_mm);
         let places: Vec<[f64; 2]> = leans().collect();
-        let grid: Vec<Option<Room>> = places.par_iter().map(|at| room(*at)).collect();
-        let starts = places.into_iter().zip(&grid).map(|(at, room)| Minimum { at, value: missing(*room) });
+        let grid: Vec<Option<FreeWidth>> = places.par_iter().map(|at| free_width(*at)).collect();
+        let starts = places.into_iter().zip(&grid).map(|(at, free_width)| Minimum { at, value: missing(*free_width) });
         let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
-        let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(room(at)));
-        Some(Rooms { grid: grid.into_iter().flatten().collect(), roomiest: room(found.at)? })
+        let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(free_width(at)));
+        Some(FreeWidths { grid: grid.into_iter().flatten().collect(), roomiest: free_width(found.at)? })
     }
 }
 

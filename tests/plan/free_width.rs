@@ -1,6 +1,6 @@
-//! The room of a ring against plain grids of directions and centres.
+//! The free width of a ring against plain grids of directions and centres.
 
-use arcfeed_plan::cup_mill::room::{Room, SidePoints};
+use arcfeed_plan::cup_mill::free_width::{FreeWidth, SidePoints};
 use arcfeed_plan::cup_mill::side::{FarEdge, Hub, OffsetSide};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blisk, Slot};
@@ -51,14 +51,14 @@ fn best_of(start: [f64; 2], [count, step]: [f64; 2], finest: f64, f: impl Fn([f6
     best
 }
 
-/// The room along a direction. For each bearing of the centre the one distance that spares as much outside as inside, found by secants: farther off,
+/// The free width along a direction. For each bearing of the centre the one distance that spares as much outside as inside, found by secants: farther off,
 /// the outer circle has more and the inner one less. Bearings by a grid, and by thirds about its best.
 fn room_mm(points: &[Vec<Point>; 2], cutter: &CupMill, direction: &Vector) -> f64 {
     let seen = seen(points, direction);
     let middle = |side: &[Flat]| side.iter().fold(Vector2::zeros(), |sum, p| sum + p.coords) / side.len() as f64;
     let (from, to) = (middle(&seen[0]), middle(&seen[1]));
     let bearing = libm::atan2(to.y - from.y, to.x - from.x);
-    let room = |turn: f64| {
+    let free_width = |turn: f64| {
         let (sin, cos) = libm::sincos(bearing + turn);
         let spare = |off_mm: f64| spare_mm(&seen, cutter, Flat::from(from + Vector2::new(cos, sin) * off_mm));
         let uneven = |[outer, inner]: [f64; 2]| outer - inner;
@@ -76,13 +76,13 @@ fn room_mm(points: &[Vec<Point>; 2], cutter: &CupMill, direction: &Vector) -> f6
         outer_mm.min(inner_mm)
     };
     let bearings = (-24..=24).map(|k| f64::from(k) * 0.03);
-    let best = bearings.map(|turn| (room(turn), turn)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1;
+    let best = bearings.map(|turn| (free_width(turn), turn)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap().1;
     let [mut low, mut high] = [best - 0.03, best + 0.03];
     for _ in 0..40 {
         let third = (high - low) / 3.0;
-        if room(low + third) < room(high - third) { low += third } else { high -= third }
+        if free_width(low + third) < free_width(high - third) { low += third } else { high -= third }
     }
-    room((low + high) / 2.0)
+    free_width((low + high) / 2.0)
 }
 
 #[test]
@@ -103,17 +103,21 @@ fn the_roomiest_direction_is_that_of_a_grid_of_directions_and_centres() {
             let samples = Dense::side(face, far, Rotation3::identity()).samples;
             samples.into_iter().map(|(_, point)| point).collect::<Vec<Point>>()
         });
-        let sampled_mm = room_mm(&dense, &ring(), &roomiest.direction) - roomiest.room_mm;
+        let sampled_mm = room_mm(&dense, &ring(), &roomiest.direction) - roomiest.per_side_mm;
         println!(
             "{}: roomiest {:.4} mm, grid {:.1e}, centres along it {:.1e}; dense samples {sampled_mm:.1e}",
             rotor.name,
-            roomiest.room_mm,
-            roomiest.room_mm - found_mm,
-            roomiest.room_mm - along_mm,
+            roomiest.per_side_mm,
+            roomiest.per_side_mm - found_mm,
+            roomiest.per_side_mm - along_mm,
         );
-        // It claims the room that there is. The room has edges over the directions, on which both searches end a little off the peak.
-        assert!((roomiest.room_mm - along_mm).abs() < 1e-4 && found_mm - roomiest.room_mm < 5e-3, "{}", rotor.name);
-        // Rooms are judged on samples: what counts as enough is wider than what lies between them.
+        // It claims the free width that there is. The free width has edges over the directions, on which both searches end a little off the peak.
+        assert!(
+            (roomiest.per_side_mm - along_mm).abs() < 1e-4 && found_mm - roomiest.per_side_mm < 5e-3,
+            "{}",
+            rotor.name
+        );
+        // Free widths are judged on samples: what counts as enough is wider than what lies between them.
         assert!(sampled_mm < 1e-6 && sampled_mm > -0.1, "{}", rotor.name);
     }
 }
@@ -128,15 +132,15 @@ fn a_wider_ring_has_less_room_by_what_it_is_wider_on_each_side() {
         let plain = walls.roomiest(&ring()).unwrap();
         let aside = (plain.direction + Vector::z() * 0.1).normalize();
         for direction in [plain.direction, aside] {
-            let room = |cutter: &CupMill| -> Room { walls.room(cutter, &direction).unwrap() };
+            let free_width = |cutter: &CupMill| -> FreeWidth { walls.free_width(cutter, &direction).unwrap() };
             for wider_mm in [-1.5, 0.3, 1.0, 2.5] {
-                let plain = room(&ring());
-                let wide = room(&CupMill {
+                let plain = free_width(&ring());
+                let wide = free_width(&CupMill {
                     outer_radius_mm: ring().outer_radius_mm + wider_mm,
                     inner_radius_mm: ring().inner_radius_mm - wider_mm,
                     ..ring()
                 });
-                worst_mm = worst_mm.max((wide.room_mm + wider_mm - plain.room_mm).abs());
+                worst_mm = worst_mm.max((wide.per_side_mm + wider_mm - plain.per_side_mm).abs());
             }
         }
     }
