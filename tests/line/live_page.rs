@@ -268,6 +268,6 @@ fn a_hold_needs_a_resume_and_an_abort_is_a_ctrl_c() {
     assert_eq!(by_page, end("key", by_key.end()));
     assert_eq!((by_page.0, by_page.1.as_deref()), (Some(130), Some("aborted")));
     let log = std::fs::read_to_string(scratch.path("page-log")).expect("a log");
-    let places = ["held\n", "resumed\n", "cut"].map(|event| log.find(event));
+    let places = ["held\n", "resumed\n", "aborted"].map(|event| log.find(event));
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{log}");
 }

@@ -20,7 +20,7 @@ use arcfeed_nc::modal::Pose;
 use arcfeed_units::{PERCENT, RevPerMin, Span};
 
 use crate::adaptive::AdaptiveFeed;
-use crate::moves::{InWork, LineMove, Slots, push};
+use crate::moves::{ExecutingLine, LineMove, Slots, push};
 use crate::status::ArcfeedStatus;
 use crate::values::{
     ARCFEED_NO_RULE, ARCFEED_SIGNAL_ARM, ARCFEED_STATE_FAULTED, ArcfeedAdaptiveInput, ArcfeedAdaptiveOutput,
@@ -39,7 +39,7 @@ pub struct Controller {
     /// Whether the moves are those of a prepared program, and count only when it is complete.
     is_prepared: bool,
     used: usize,
-    in_work: InWork,
+    executing: ExecutingLine,
     adaptive: AdaptiveFeed,
     override_ratio: f32,
     fault: Signals,
@@ -66,7 +66,7 @@ impl Controller {
             reader: PreparedReader::new(),
             is_prepared: false,
             used: 0,
-            in_work: InWork::Nothing,
+            executing: ExecutingLine::Nothing,
             adaptive: AdaptiveFeed::default(),
             override_ratio: 1.0,
             fault: Signals::NONE,
@@ -150,8 +150,8 @@ impl Controller {
         }
         input.signals = input.signals.with(core::mem::take(&mut self.fault));
         let moves = slots.get(..self.used).unwrap_or_default();
-        self.in_work = self.in_work.update(line.filter(|_| is_ready), input.measured.position.as_ref(), moves);
-        let begun = self.in_work.begun(moves);
+        self.executing = self.executing.update(line.filter(|_| is_ready), input.measured.position.as_ref(), moves);
+        let begun = self.executing.begun(moves);
         let work = begun.and_then(LineMove::work);
         let output = self.supervisor.tick(&mut self.memory, work, &input);
         let mut values = values(&output, begun, input.measured.spindle);
@@ -185,7 +185,7 @@ impl Controller {
     fn forget(&mut self) {
         self.buffers.clear();
         self.used = 0;
-        self.in_work = InWork::Nothing;
+        self.executing = ExecutingLine::Nothing;
     }
 
     fn take_limits(&mut self) -> Result<(), RefusalCode> {

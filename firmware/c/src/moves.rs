@@ -33,7 +33,7 @@ pub type Slots = [Option<LineMove>];
 
 /// The move in execution, found from the line that the control reports; the index is that of its slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum InWork {
+pub enum ExecutingLine {
     /// No line is in execution.
     #[default]
     Nothing,
@@ -59,29 +59,29 @@ pub fn push(slots: &mut Slots, used: usize, added: LineMove) -> Result<(), Refus
     Ok(())
 }
 
-impl InWork {
+impl ExecutingLine {
     /// Processes the reported line and the position of a tick (`None` if it is not new); `moves` are the slots in use.
-    pub fn update(self, line: Option<u32>, position: Option<&Pose>, moves: &Slots) -> InWork {
-        let Some(line) = line else { return InWork::Nothing };
+    pub fn update(self, line: Option<u32>, position: Option<&Pose>, moves: &Slots) -> ExecutingLine {
+        let Some(line) = line else { return ExecutingLine::Nothing };
         let awaited = match self {
-            InWork::Ungoverned(same) | InWork::Begun(same, _) if same == line => return self,
-            InWork::Awaited(same, slot) if same == line => Some(slot),
+            ExecutingLine::Ungoverned(same) | ExecutingLine::Begun(same, _) if same == line => return self,
+            ExecutingLine::Awaited(same, slot) if same == line => Some(slot),
             _ => moves.binary_search_by_key(&line, |slot| slot.as_ref().map_or(0, |found| found.line)).ok(),
         };
-        let Some(slot) = awaited else { return InWork::Ungoverned(line) };
+        let Some(slot) = awaited else { return ExecutingLine::Ungoverned(line) };
         let found = moves.get(slot).and_then(Option::as_ref);
         match (found, position) {
-            (Some(found), Some(position)) if is_near(position, &found.start) => InWork::Begun(line, slot),
-            (Some(_), None) => InWork::Awaited(line, slot),
-            _ => InWork::Ungoverned(line),
+            (Some(found), Some(position)) if is_near(position, &found.start) => ExecutingLine::Begun(line, slot),
+            (Some(_), None) => ExecutingLine::Awaited(line, slot),
+            _ => ExecutingLine::Ungoverned(line),
         }
     }
 
     /// The move in execution, if it was begun at its start; otherwise `None`.
     pub fn begun(self, moves: &Slots) -> Option<&LineMove> {
         match self {
-            InWork::Begun(_, slot) => moves.get(slot).and_then(Option::as_ref),
-            InWork::Nothing | InWork::Ungoverned(_) | InWork::Awaited(..) => None,
+            ExecutingLine::Begun(_, slot) => moves.get(slot).and_then(Option::as_ref),
+            ExecutingLine::Nothing | ExecutingLine::Ungoverned(_) | ExecutingLine::Awaited(..) => None,
         }
     }
 }

@@ -67,7 +67,7 @@ pub struct ProcessStep {
     /// Removed volume as the rays along each axis of the layers measure it, mm3.
     pub removed_mm3: [f64; 2],
     /// Whether the iteration of force and displacement converged in this step.
-    pub agrees: bool,
+    pub has_converged: bool,
 }
 
 /// Edges at one time, with the force model.
@@ -161,8 +161,8 @@ impl Process {
 
     fn moment(&self, step: &VibrationStep, (loads, end_mm): (Loads, f64), removed_mm3: [f64; 2]) -> ProcessStep {
         let thickest_mm = self.chips_mm.iter().copied().fold(0.0, f64::max);
-        let (displacement_mm, agrees) = (step.displacement_mm, step.agrees);
-        ProcessStep { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, agrees }
+        let (displacement_mm, has_converged) = (step.displacement_mm, step.has_converged);
+        ProcessStep { loads, displacement_mm, thickest_mm, end_mm, removed_mm3, has_converged }
     }
 }
 

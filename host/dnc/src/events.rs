@@ -60,7 +60,7 @@ impl Events {
             match state {
                 State::Held => new.push("held".into()),
                 State::Sent => new.push("all sent".into()),
-                State::Cut => new.push("cut".into()),
+                State::Aborted => new.push("aborted".into()),
                 State::Failed(why) => new.push(format!("given up: {why}")),
                 State::Sending | State::Stopped if self.state == State::Held => new.push("resumed".into()),
                 State::Waiting | State::Sending | State::Stopped => {}

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!            DC1                 DC3                            hold, resume: from Sending and Stopped and back
-//! Waiting ---------> Sending ---------> Stopped                 abort: to the end of the block under way, then Cut
+//! Waiting ---------> Sending ---------> Stopped                 abort: to the end of the block under way, then Aborted
 //!    |                 |  ^     DC1        |
 //!    |                 |  +----------------+
 //!    | no request      | last character    | no DC1

@@ -210,7 +210,8 @@ impl Reports {
     }
 
     /// Number of blocks that the control must have started at least, by its latest report, if it reads at most
-    /// `read_ahead` blocks ahead. `None` if that says nothing: no report yet, or none before the look-ahead.
+    /// `read_ahead` blocks ahead. `None` if nothing is known: no report yet, or the block of the latest one is closer to the program's begin than
+    /// `read_ahead`.
     pub fn taken_up(&self, sent: &Transmission, read_ahead: usize) -> Option<usize> {
         let (_, index) = self.last?;
         Some(sent.blocks_before(index + 1).saturating_sub(read_ahead)).filter(|blocks| *blocks > 0)

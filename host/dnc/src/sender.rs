@@ -98,7 +98,7 @@ pub enum State {
     /// All characters have been handed out.
     Sent,
     /// Aborted by the user with [`Sender::abort`].
-    Cut,
+    Aborted,
     /// Ended because the control's signal did not come in time.
     Failed(FailureReason),
 }
@@ -219,7 +219,7 @@ impl Sender {
         self.over = match (self.intent, self.flow) {
             _ if self.sent == self.transmission.frames().len() => Some(State::Sent),
             (Intent::Abort { since }, _) => {
-                (!self.is_within_block() || now.since(since) >= ABORT_MAX).then_some(State::Cut)
+                (!self.is_within_block() || now.since(since) >= ABORT_MAX).then_some(State::Aborted)
             }
             (_, Flow::Silent) => {
                 is_late(self.line.start_timeout).map(|limit| State::Failed(FailureReason::NoStart(limit)))

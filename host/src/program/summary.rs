@@ -28,7 +28,7 @@ pub struct ProgramSummary {
 }
 
 impl ProgramSummary {
-    /// Counts these lines.
+    /// Counts what these lines contain.
     pub fn new<'a>(lines: impl IntoIterator<Item = &'a ProgramLine>) -> Self {
         let mut summary = ProgramSummary::default();
         lines.into_iter().for_each(|line| summary.add(line));

@@ -255,7 +255,7 @@ impl View {
             State::Stopped => "the control's buffer is full",
             State::Held => "HELD: sending stopped, the axes NOT: FEED HOLD at the machine stops them",
             State::Sent => "all sent; the control executes what it has",
-            State::Cut => "aborted",
+            State::Aborted => "aborted",
             State::Failed(_) => "given up",
         }
     }

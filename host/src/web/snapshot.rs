@@ -101,7 +101,7 @@ fn name(state: State) -> &'static str {
         State::Stopped => "stopped",
         State::Held => "held",
         State::Sent => "sent",
-        State::Cut => "aborted",
+        State::Aborted => "aborted",
         State::Failed(_) => "failed",
     }
 }

@@ -16,7 +16,7 @@ const SPACED_MAX: usize = DIGITS_MAX + 3;
 /// Number of possible positions of the decimal point, including none.
 pub(super) const PLACES_MAX: usize = DIGITS_MAX + 2;
 
-/// A decimal number of at most [`DIGITS_MAX`] digits, `mantissa * 10^-decimals`.
+/// A decimal number of at most [`DIGITS_MAX`] digits, `mantissa * 10^-(point - 1)`, or `mantissa` without a decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Number {
     mantissa: i32,

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 
 /// Nearly at once.
 const DAMPING: f64 = 0.7;
-const STEPPING: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-12, passes_max: 5 };
+const STEPPING: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-12, iterations_max: 5 };
 const FORCE_N: [f64; 3] = [0.5, 10.0, 1.0];
 
 /// Displacement of a node under the force on it, by K^-1.

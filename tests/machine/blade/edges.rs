@@ -76,7 +76,7 @@ fn process(modes: Vec<Mode>) -> Process {
     let wall = Block { lowest_mm: [-half_mm, -THICKNESS_MM, 0.0], highest_mm: [half_mm, 0.5, HEIGHT_MM] };
     let layers = Layers::of_solid(&wall, 2, RISE_MM, RAY_MM).expect("layers");
     let cutting = Cutting::linear([0.1, 0.0, 0.0], [0.0, PUSH_N_PER_MM, 0.0]);
-    let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-9, passes_max: 20 };
+    let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-9, iterations_max: 20 };
     Process::new(
         EdgeEngagement::new(cutter, layers, 1.0).expect("slices as layers"),
         cutting,

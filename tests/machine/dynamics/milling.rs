@@ -19,7 +19,7 @@ fn assert_same(name: &str, ratio: f64) -> Run {
     let row = finest(name);
     let turns = row.number("nrev") as usize;
     let run = run_of(name).run(turns, 1000, EXACT);
-    let passes = run.passes as f64 / (turns * 1000 * row.number("N") as usize) as f64;
+    let passes = run.iterations as f64 / (turns * 1000 * row.number("N") as usize) as f64;
     println!("{name}: {passes:.2} passes a step, {} steps open", run.open);
     assert_eq!(run.open, 0);
     let check = |what: &str, found: f64, there: f64, scale: f64| {

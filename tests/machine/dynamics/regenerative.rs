@@ -37,7 +37,7 @@ pub struct Run {
     pub forces_n: Vec<Vector3<f64>>,
     /// Once a tooth.
     pub samples_mm: Vec<Vector3<f64>>,
-    pub passes: usize,
+    pub iterations: usize,
     /// Steps in which force and displacement did not come to agree.
     pub open: usize,
 }
@@ -59,7 +59,8 @@ impl Milling {
         let places = self.places(steps_per_tooth);
         let (all, seen) = (turns * self.teeth * steps_per_tooth, TURNS_SEEN * self.teeth * steps_per_tooth);
         let mut path = vec![Vector3::zeros(); MEMORY * steps_per_tooth + 1];
-        let mut run = Run { displacements_mm: path.clone(), forces_n: vec![], samples_mm: vec![], passes: 0, open: 0 };
+        let mut run =
+            Run { displacements_mm: path.clone(), forces_n: vec![], samples_mm: vec![], iterations: 0, open: 0 };
         run.displacements_mm.clear();
         for at in 1..=all {
             let here = &places[at % places.len()];
@@ -68,8 +69,8 @@ impl Milling {
                 here.iter().map(|place| self.force_n(place, now, before)).sum()
             });
             path.push(step.displacement_mm);
-            run.passes += step.passes;
-            run.open += usize::from(!step.agrees);
+            run.iterations += step.iterations;
+            run.open += usize::from(!step.has_converged);
             if at > all - seen {
                 run.displacements_mm.push(step.displacement_mm);
                 run.forces_n.push(step.force_n);

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use crate::dynamics::regenerative::Milling;
 
-pub const EXACT: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-9, passes_max: 20 };
+pub const EXACT: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-9, iterations_max: 20 };
 pub const NEWMARK: Stepping = Stepping { rule: Rule::Newmark, ..EXACT };
 
 /// One mode of set A.

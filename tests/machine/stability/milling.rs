@@ -95,7 +95,7 @@ impl Milling {
                 turned_rad: TAU * teeth / self.teeth as f64,
             };
             let moment = process.step(tooth_s / steps as f64, &stand);
-            open += usize::from(!moment.agrees);
+            open += usize::from(!moment.has_converged);
             ways_mm.push(moment.displacement_mm);
         }
         // At the border of the material the force may have two solutions, with the edge in or out, or none.
@@ -126,7 +126,7 @@ impl Milling {
         let [tangential, normal] = self.specific_mpa;
         let engagement =
             EdgeEngagement::new(cutter, Layers::alike(&layer, 0.0, depth_mm, 1), 0.3).expect("a tool in its layer");
-        let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-10, passes_max: 20 };
+        let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-10, iterations_max: 20 };
         let cutting = Cutting::linear([tangential, normal, 0.0], [0.0; 3]);
         Process::new(engagement, cutting, Vibration::new(self.modes.clone(), stepping))
     }

@@ -158,7 +158,7 @@ impl FinishingPass {
         let pieces = Pieces::Slices { rise_mm: self.resolution.rise_mm };
         let cutter = Cutter::end_mill(&self.mill, pieces).map_err(|_| MillError)?;
         let engagement = EdgeEngagement::new(cutter, self.layers(), RAKE_MM).map_err(|_| MillError)?;
-        let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 12 };
+        let stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, iterations_max: 12 };
         Ok(Process::new(engagement, self.cutting, Vibration::new(modes, stepping)))
     }
 
@@ -205,7 +205,7 @@ impl FinishingPass {
                 displacement_mm = moment.displacement_mm;
                 swing_mm = swing_mm.max(displacement_mm.xy().norm());
                 force_n = force_n.max(moment.loads.bending_n());
-                open += usize::from(!moment.agrees);
+                open += usize::from(!moment.has_converged);
             }
             teeth.push(Tooth { along_mm, displacement_mm, swing_mm, force_n });
         }

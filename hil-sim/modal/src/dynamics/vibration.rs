@@ -33,7 +33,7 @@ pub struct Stepping {
     /// Largest change of the displacement in an iteration at which the step counts as converged.
     pub tolerance_mm: f64,
     /// Largest number of iterations in a step, at least one.
-    pub passes_max: usize,
+    pub iterations_max: usize,
 }
 
 /// Vibrating structure as a sum of its modes. Keeps its state between calls.
@@ -70,12 +70,12 @@ pub struct VibrationStep {
     pub displacement_mm: Vector3<f64>,
     /// Force on the structure at the end of the step; the sum over all points.
     pub force_n: Vector3<f64>,
-    /// Number of evaluations of the force in the step.
-    pub passes: usize,
+    /// Number of iterations of the step, each with one evaluation of the force.
+    pub iterations: usize,
     /// Change of the displacement in the last iteration.
     pub change_mm: f64,
     /// Whether that change is within the tolerance.
-    pub agrees: bool,
+    pub has_converged: bool,
 }
 
 impl Places {
@@ -146,16 +146,22 @@ impl Vibration {
         self.advance_free(dt_s);
         let free_mm = self.displacement_mm();
         let mut displacement_mm = free_mm + self.shaped(|n| self.mode_compliance(n) * self.drives[n]);
-        let (mut force_n, mut change_mm, mut passes) = (Vector3::zeros(), f64::INFINITY, 0);
-        while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
+        let (mut force_n, mut change_mm, mut iterations) = (Vector3::zeros(), f64::INFINITY, 0);
+        while change_mm > self.stepping.tolerance_mm && iterations < self.stepping.iterations_max.max(1) {
             force_n = force(&displacement_mm);
             let next_mm = free_mm + self.compliance * force_n; // (1)
             change_mm = (next_mm - displacement_mm).norm();
             displacement_mm = next_mm;
-            passes += 1;
+            iterations += 1;
         }
         self.push(|_, mode| mode.drive(&force_n));
-        VibrationStep { displacement_mm, force_n, passes, change_mm, agrees: change_mm <= self.stepping.tolerance_mm }
+        VibrationStep {
+            displacement_mm,
+            force_n,
+            iterations,
+            change_mm,
+            has_converged: change_mm <= self.stepping.tolerance_mm,
+        }
     }
 
     /// Advances by `dt_s` as [`Vibration::step`], with forces at several points: `force` writes the forces into its second argument for
@@ -172,8 +178,8 @@ impl Vibration {
         places.forces_n.clear();
         places.forces_n.resize(places.count(), Vector3::zeros());
         self.move_places(places);
-        let (mut change_mm, mut passes) = (f64::INFINITY, 0);
-        while change_mm > self.stepping.tolerance_mm && passes < self.stepping.passes_max.max(1) {
+        let (mut change_mm, mut iterations) = (f64::INFINITY, 0);
+        while change_mm > self.stepping.tolerance_mm && iterations < self.stepping.iterations_max.max(1) {
             places.forces_n.fill(Vector3::zeros());
             force(&places.moved_mm, &mut places.forces_n);
             let drives = &mut places.drives;
@@ -182,15 +188,15 @@ impl Vibration {
                 drives.iter_mut().zip(shapes).for_each(|(drive, shape)| *drive += shape.dot(force_n) * MM_PER_M);
             }
             change_mm = self.move_places(places); // (3)
-            passes += 1;
+            iterations += 1;
         }
         self.push(|n, _| places.drives[n]);
         VibrationStep {
             displacement_mm: self.displacement_mm(),
             force_n: places.forces_n.iter().sum(),
-            passes,
+            iterations,
             change_mm,
-            agrees: change_mm <= self.stepping.tolerance_mm,
+            has_converged: change_mm <= self.stepping.tolerance_mm,
         }
     }
 

@@ -189,7 +189,8 @@ impl<'a> SheetSection<'a> {
         Ok(SheetSection { middle, inset_mm })
     }
 
-    /// Evenly spaced points, from the beginning of the sides or further in: on the lower side and on the upper.
+    /// `places` pairs of points, one on the lower and one on the upper side, at equal distances along the middle line, from `inset_mm` within one end
+    /// of the section to `inset_mm` within the other.
     ///
     /// # Errors
     /// The same as for [`Self::of`].

@@ -125,7 +125,7 @@ fn an_abort_ends_with_the_block_under_way() {
     assert_eq!(run(&mut sender, LATER, 1), b"%\nG0");
     sender.abort(LATER);
     assert_eq!(run(&mut sender, LATER, 20), b"X1.\n");
-    assert_eq!((sender.state(), sender.half_block()), (State::Cut, None));
+    assert_eq!((sender.state(), sender.half_block()), (State::Aborted, None));
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn abort_within_a_block_reports_the_part_already_sent() {
     sender.abort(LATER);
     assert_eq!((run(&mut sender, LATER, 20), sender.state()), (vec![], State::Stopped));
     run(&mut sender, LATER.after(ABORT_MAX), 1);
-    assert_eq!((sender.state(), sender.half_block()), (State::Cut, Some(b"G0".as_slice())));
+    assert_eq!((sender.state(), sender.half_block()), (State::Aborted, Some(b"G0".as_slice())));
 }
 
 #[test]

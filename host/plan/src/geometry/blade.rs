@@ -27,7 +27,7 @@ pub enum RotorAxis {
 }
 
 impl RotorAxis {
-    /// Converts a place of the file to the part frame by a cyclic change of axes, which mirrors no rotor.
+    /// Converts a place of the file to the part frame by a cyclic change of axes, so that no rotor is mirrored.
     pub fn to_part(self, [x, y, z]: [f64; 3]) -> Point {
         match self {
             RotorAxis::X => Point::new(y, z, x),

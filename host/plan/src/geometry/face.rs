@@ -166,7 +166,8 @@ impl Face {
         Face { u, v: self.v.clone(), net, outward }
     }
 
-    /// The same surface with control points rounded to `grain_mm`, and knots to a power of two below 1e-9.
+    /// The same surface with control points rounded to `grain_mm`, and knots to multiples of the largest power of two below 1e-9, so that mirror images
+    /// and renumbered blades have exactly the same numbers.
     pub fn rounded(&self, grain_mm: f64) -> Self {
         let net = self.net.iter().map(|p| p.xyz().map(|mm| libm::round(mm / grain_mm) * grain_mm).push(p.w));
         Face { u: self.u.rounded(), v: self.v.rounded(), net: net.collect(), outward: self.outward }

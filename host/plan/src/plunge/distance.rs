@@ -9,7 +9,7 @@
 //! than the surface, its slab does not. (1) decides the order, (2) leaves out what cannot be nearer. Our own.
 
 use crate::geometry::mesh::Triangle;
-use crate::proof::spheres::{Branch, Tree};
+use crate::proof::spheres::{Node, Tree};
 use crate::vector::{Point, Vector};
 
 /// More than rounding of (2), mm: no piece with the nearest point is left out.
@@ -56,11 +56,11 @@ impl SlabTree {
         best.1.map(|found| (best.0, found))
     }
 
-    /// Adds the slabs of a branch, in the order of the spheres' numbers: halves come before their whole. Appends its triangles.
-    fn add_slabs(&mut self, branch: Branch, numbers: &mut Vec<usize>) {
-        let number = match branch {
-            Branch::Triangle(number) => return numbers.push(number),
-            Branch::Sphere(number) => number,
+    /// Adds the slabs of a node, in the order of the spheres' numbers: halves come before their whole. Appends its triangles.
+    fn add_slabs(&mut self, node: Node, numbers: &mut Vec<usize>) {
+        let number = match node {
+            Node::Triangle(number) => return numbers.push(number),
+            Node::Sphere(number) => number,
         };
         let sphere = *self.tree.sphere(number);
         let first = numbers.len();
@@ -76,16 +76,16 @@ impl SlabTree {
         self.slabs.push(Slab { normal, heights_mm });
     }
 
-    fn search(&self, branch: Branch, point: &Point, best: &mut (f64, Option<Point>)) {
-        match branch {
-            Branch::Triangle(number) => {
+    fn search(&self, node: Node, point: &Point, best: &mut (f64, Option<Point>)) {
+        match node {
+            Node::Triangle(number) => {
                 let found = on_triangle(&self.tree.triangles()[number], point);
                 let distance_mm = (found - point).norm();
                 if distance_mm < best.0 {
                     *best = (distance_mm, Some(found));
                 }
             }
-            Branch::Sphere(number) => {
+            Node::Sphere(number) => {
                 let mut halves = self.tree.sphere(number).halves.map(|half| (self.no_less_mm(half, point), half));
                 if halves[1].0 < halves[0].0 {
                     halves.swap(0, 1);
@@ -99,20 +99,20 @@ impl SlabTree {
         }
     }
 
-    /// Lower bound of the distance of a branch (1).
-    fn no_less_mm(&self, branch: Branch, point: &Point) -> f64 {
-        match branch {
-            Branch::Triangle(_) => 0.0,
-            Branch::Sphere(number) => {
+    /// Lower bound of the distance of a node (1).
+    fn no_less_mm(&self, node: Node, point: &Point) -> f64 {
+        match node {
+            Node::Triangle(_) => 0.0,
+            Node::Sphere(number) => {
                 let sphere = self.tree.sphere(number);
                 (point - sphere.centre).norm() - sphere.radius_mm
             }
         }
     }
 
-    /// Whether a branch may have a point nearer than `within_mm` (2).
-    fn may_be_nearer(&self, branch: Branch, point: &Point, within_mm: f64) -> bool {
-        let Branch::Sphere(number) = branch else { return true };
+    /// Whether a node may have a point nearer than `within_mm` (2).
+    fn may_be_nearer(&self, node: Node, point: &Point, within_mm: f64) -> bool {
+        let Node::Sphere(number) = node else { return true };
         let (sphere, Slab { normal, heights_mm: [low_mm, high_mm] }) = (self.tree.sphere(number), &self.slabs[number]);
         let off = point - sphere.centre;
         let height_mm = normal.dot(&off);

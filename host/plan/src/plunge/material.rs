@@ -34,7 +34,8 @@ pub fn exit_mm(blank: &Blank, from: &Point, along: &Vector) -> Option<f64> {
     (enter < leave).then_some(leave)
 }
 
-/// Highest and lowest end of the blank's material over a mill's end, along its axis from the rotor's origin, mm; twice the end's own place if there is none.
+/// Greatest and least height of the blank's upper surface over the disc of a mill's tip, along the mill's axis from the rotor's origin, mm; both are the
+/// height of the tip if it has no material above it.
 /// The hub's bore is not looked at: the mill does not reach it.
 pub fn roof_mm(blank: &Blank, tip: &Point, axis: &Vector, radius_mm: f64) -> [f64; 2] {
     let across = axis.cross(&Vector::z()).try_normalize(1e-9).unwrap_or(Vector::x());

@@ -1,4 +1,4 @@
-//! Least distance of a part of the tool from a body along its whole path, by branch and bound over path and body at
+//! Least distance of a part of the tool from a body along its whole path, by node and bound over path and body at
 //! once.
 //!
 //! The pair of an interval of the path and a piece of the body with the least bound is examined first; of the two, the
@@ -16,7 +16,7 @@ use crate::vector::Point;
 use super::bound::{Extent, NearPoint};
 use super::motion::Motion;
 use super::section::Section;
-use super::spheres::{Branch, Tree};
+use super::spheres::{Node, Tree};
 
 /// Number of pieces after which a search ends with its present result: its lower bound is true at any time.
 const MOST_PIECES: usize = 4_000_000;
@@ -117,10 +117,10 @@ impl Search<'_> {
         least
     }
 
-    fn shape(&self, branch: Branch, copy: usize) -> Shape {
-        match branch {
-            Branch::Sphere(number) => Shape::Sphere(number),
-            Branch::Triangle(number) => {
+    fn shape(&self, node: Node, copy: usize) -> Shape {
+        match node {
+            Node::Sphere(number) => Shape::Sphere(number),
+            Node::Triangle(number) => {
                 Shape::Triangle(self.tree.triangles()[number].map(|corner| self.turns[copy] * corner))
             }
         }

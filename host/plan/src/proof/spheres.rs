@@ -14,12 +14,12 @@ pub struct Sphere {
     /// Radius, mm.
     pub radius_mm: f64,
     /// Both halves of its triangles, each a sphere or a single triangle.
-    pub halves: [Branch; 2],
+    pub halves: [Node; 2],
 }
 
 /// Node of the tree: a sphere about several triangles, or a single triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Branch {
+pub enum Node {
     /// Single triangle, by its index.
     Triangle(usize),
     /// Sphere, by its index.
@@ -31,7 +31,7 @@ pub enum Branch {
 pub struct Tree {
     triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
-    root: Option<Branch>,
+    root: Option<Node>,
 }
 
 impl Tree {
@@ -44,7 +44,7 @@ impl Tree {
     }
 
     /// Top of the tree, which contains all triangles; `None` without triangles.
-    pub fn root(&self) -> Option<Branch> {
+    pub fn root(&self) -> Option<Node> {
         self.root
     }
 
@@ -59,10 +59,10 @@ impl Tree {
     }
 
     /// Adds the node that contains these triangles.
-    fn grown(&mut self, order: &mut [usize]) -> Option<Branch> {
+    fn grown(&mut self, order: &mut [usize]) -> Option<Node> {
         let first = *order.first()?;
         if order.len() == 1 {
-            return Some(Branch::Triangle(first));
+            return Some(Node::Triangle(first));
         }
         let corners = || order.iter().flat_map(|number| self.triangles[*number]);
         let start = self.triangles[first][0];
@@ -76,7 +76,7 @@ impl Tree {
         let (left, right) = order.split_at_mut(half);
         let halves = [self.grown(left)?, self.grown(right)?];
         self.spheres.push(Sphere { centre, radius_mm: libm::sqrt(square), halves });
-        Some(Branch::Sphere(self.spheres.len() - 1))
+        Some(Node::Sphere(self.spheres.len() - 1))
     }
 }
 
@@ -84,11 +84,11 @@ impl Tree {
 mod tests {
     use super::*;
 
-    /// Triangles below a branch; each lies in all spheres above it.
-    fn below(tree: &Tree, branch: Branch) -> Vec<usize> {
-        let number = match branch {
-            Branch::Triangle(number) => return vec![number],
-            Branch::Sphere(number) => number,
+    /// Triangles below a node; each lies in all spheres above it.
+    fn below(tree: &Tree, node: Node) -> Vec<usize> {
+        let number = match node {
+            Node::Triangle(number) => return vec![number],
+            Node::Sphere(number) => number,
         };
         let sphere = tree.sphere(number);
         let found = sphere.halves.map(|half| below(tree, half)).concat();

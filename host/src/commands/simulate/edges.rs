@@ -33,10 +33,10 @@ const STEP_RAD: f64 = 3.0 / 180.0 * PI;
 const STEPS_A_PERIOD: f64 = 25.0;
 
 /// Time stepping with displacements that agree with their forces to this tolerance.
-const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, passes_max: 20 };
+const FLEXIBLE: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 1e-7, iterations_max: 20 };
 
 /// A rigid tool does not move: one pass.
-const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, passes_max: 1 };
+const RIGID: Stepping = Stepping { rule: Rule::Exact, tolerance_mm: 0.0, iterations_max: 1 };
 
 /// Cutting process (edges, layers, forces, vibration) of a job in its blank before a run, and the blank as a flexible
 /// workpiece if the job describes one.

@@ -221,7 +221,7 @@ fn words(state: State) -> &'static str {
         State::Sending => "sending",
         State::Stopped => "the control's buffer is full (XOFF)",
         State::Held => "held",
-        State::Cut | State::Failed(_) => "ended",
+        State::Aborted | State::Failed(_) => "ended",
         State::Sent => "all sent, the control executes what it has",
     }
 }

@@ -186,12 +186,14 @@ fn send_all(
             damage.check(now, || port.line_errors()).into_iter().chain(echo.read_printed(now, &sender.take_printed()));
         warnings.chain(board_session.take_messages()).for_each(|warning| live.warn(now, warning));
         let stops = interrupted.load(Ordering::Relaxed) || echo.differs.is_some() || without_board.is_some();
-        let is_over = matches!(sender.state(), State::Cut | State::Sent) && outbox.is_empty();
+        let is_over = matches!(sender.state(), State::Aborted | State::Sent) && outbox.is_empty();
         if is_over && let Some(why) = without_board.take() {
             return Ok(End::WithoutBoard(why));
         }
         match sender.state() {
-            State::Cut | State::Sent if stops && outbox.is_empty() => return Ok(stopped(port, echo.differs.take())),
+            State::Aborted | State::Sent if stops && outbox.is_empty() => {
+                return Ok(stopped(port, echo.differs.take()));
+            }
             State::Failed(why) => return Ok(End::GivenUp(why)),
             _ if stops => sender.abort(now),
             _ => {}
