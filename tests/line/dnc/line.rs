@@ -222,7 +222,7 @@ pub fn send(mut line: Line, sender: &mut Sender, mut stop: impl FnMut(&Line, &mu
         if let Err(failed) = outbox.turn(&mut line, sender) {
             error = Some(failed);
         }
-        if matches!(sender.state(), State::Cut | State::Failed(_)) || line.is_over() {
+        if matches!(sender.state(), State::Aborted | State::Failed(_)) || line.is_over() {
             break;
         }
         let latest = line.now.after(Micros::from_ms(20));

@@ -41,7 +41,7 @@ pub fn sender(input: &[u8], seed: u64) {
         let before = sender.state();
         let len = sender.poll_transmit(now, &mut out);
         assert!(
-            len == 0 || !matches!(before, State::Stopped | State::Held | State::Sent | State::Cut | State::Failed(_))
+            len == 0 || !matches!(before, State::Stopped | State::Held | State::Sent | State::Aborted | State::Failed(_))
         );
         assert!(len <= AFTER_DC3_MAX);
         sent.extend_from_slice(&out[..len]);
@@ -57,7 +57,7 @@ pub fn sender(input: &[u8], seed: u64) {
         now = now.max(at);
         sender.poll_transmit(now, &mut out);
     }
-    assert!(matches!(sender.state(), State::Sent | State::Cut | State::Failed(_)), "{:?}", sender.state());
+    assert!(matches!(sender.state(), State::Sent | State::Aborted | State::Failed(_)), "{:?}", sender.state());
 }
 
 /// A journal, cut and corrupted: what it says lies within what was written, or it is refused.
