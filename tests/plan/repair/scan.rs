@@ -61,6 +61,19 @@ fn heights_and_distances_are_those_the_points_were_made_with() {
 }
 
 #[test]
+fn the_surface_beside_a_weld_stays_between_the_measured_heights() {
+    // A weld whose flank is as wide as the distance of the points.
+    let weld = |[u, _]: [f64; 2]| 0.05 + 0.85 * ((u - 0.5) / 0.0125).clamp(0.0, 1.0);
+    let nominal = NominalSurface::new(Sheet);
+    let heights = nominal.height_field(&nominal.heights(&cloud(6, 6_000, 0.0, weld), 0.0), None);
+    let at = |k: usize| [0.1 + 0.8 * (k % 400) as f64 / 400.0, 0.1 + 0.8 * (k / 400) as f64 / 50.0];
+    let found = (0..20_000).filter_map(|k| heights.height_mm(at(k)));
+    let (low, high) = found.fold((f64::INFINITY, 0.0_f64), |(low, high), mm| (low.min(mm), high.max(mm)));
+    println!("20000 places between {low:.4} and {high:.4} mm");
+    assert!(low >= 0.05 - 1e-9 && high <= 0.9 + 1e-9);
+}
+
+#[test]
 fn ball_centres_are_corrected_by_the_stylus() {
     let nominal = NominalSurface::new(Sheet);
     let samples = nominal.heights(&cloud(2, 2_000, 0.0, |at| wave(at) + 1.5), 1.5);
