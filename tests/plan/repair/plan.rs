@@ -213,6 +213,18 @@ fn point_6_missing_material_is_refused_with_its_place_and_amount() {
 }
 
 #[test]
+fn a_dense_cloud_may_end_beside_the_edges() {
+    let nominal = NominalSurface::new(Sheet);
+    let mut samples = nominal.heights(&cloud(8, 120_000, 0.005, weld), 0.0);
+    samples.retain(|sample| sample.at.iter().all(|t| (0.008..0.992).contains(t)));
+    // In the corners the nearest point lies 0.45 mm away: more than three spacings, less than the lattice's.
+    assert!(nominal.usual_hole_mm(samples.len()) < 0.4);
+    assert!(plan(&nominal, &samples, &SETTINGS).is_ok());
+    let strict = RepairSettings { hole_mm: Some(0.35), ..SETTINGS };
+    assert!(matches!(plan(&nominal, &samples, &strict), Err(RepairInfeasible::Unmeasured { .. })));
+}
+
+#[test]
 fn a_nick_in_an_edge_blends_by_distance() {
     let nick = |[u, v]: [f64; 2]| {
         let t = ((1.0 - libm::hypot((u - 0.5) / 0.12, v / 0.15)) * 8.0).clamp(0.0, 1.0);

@@ -112,16 +112,16 @@ impl<S: Surface + Sync> NominalSurface<S> {
         points.par_iter().filter_map(sample).collect()
     }
 
-    /// Height field of samples; `hole_mm` is the farthest distance from a point that is no hole, by default three mean spacings.
-    pub fn height_field(&self, samples: &[HeightSample], hole_mm: Option<f64>) -> HeightField {
-        let spacing_mm = libm::sqrt(self.area_mm2 / samples.len().max(1) as f64);
+    /// Three mean spacings of so many samples, mm: the farthest distance from a sample that is no hole, if nothing else is required.
+    pub fn usual_hole_mm(&self, samples: usize) -> f64 {
+        HOLE_SPACINGS * libm::sqrt(self.area_mm2 / samples.max(1) as f64)
+    }
+
+    /// Height field of samples; `hole_mm` is the farthest distance from a sample that is no hole.
+    pub fn height_field(&self, samples: &[HeightSample], hole_mm: f64) -> HeightField {
         let place = |sample: &HeightSample| scaled(sample.at, self.lengths_mm);
         let samples = samples.iter().map(|sample| GeomWithData::new(place(sample), sample.height_mm)).collect();
-        HeightField {
-            samples: RTree::bulk_load(samples),
-            lengths_mm: self.lengths_mm,
-            hole_mm: hole_mm.unwrap_or(HOLE_SPACINGS * spacing_mm),
-        }
+        HeightField { samples: RTree::bulk_load(samples), lengths_mm: self.lengths_mm, hole_mm }
     }
 }
 
