@@ -1,9 +1,11 @@
 """Points as a measuring machine would take them on a repaired blade of examples/blisk-19. It shares nothing with the planner.
 
 The blade is NACA 65-010 on circular arcs, laid on cylinders (docs/plan.md, generated rotors). Its pressure side stands 0.05 mm above the nominal surface; a
-weld 0.9 mm high covers it above a line from 55 % of the height at the leading edge to 75 % at the trailing edge. Noise: 5 um. Prints the table.
+weld 0.9 mm high covers it above a line from 55 % of the height at the leading edge to 75 % at the trailing edge. Noise: 5 um. Prints the table; an argument
+asks for about as many points, spread in the same way, instead of 4028.
 """
 
+import sys
 from math import asin, cos, pi, radians, sin, sqrt
 from random import Random
 
@@ -61,8 +63,9 @@ def stands_mm(x, s):
     return OLD_MM + (WELD_MM - OLD_MM) * t * t * (3.0 - 2.0 * t)
 
 
-def main():
-    random = Random(27)
+def main(points):
+    random, scale = Random(27), points / 4028
+    rows, columns = round(64 * sqrt(scale)), round(52 * sqrt(scale))
     print("# a repaired blade, synthetic (make_points.py)\nside,x_mm,y_mm,z_mm")
 
     def put(name, point, direction, height):
@@ -70,16 +73,16 @@ def main():
         print(name, *(f"{p + d * height:.4f}" for p, d in zip(point, direction)), sep=",")
 
     # Stratified: one point at random in each cell, as dense as a scanner's after thinning.
-    for i in range(64):
-        for j in range(52):
-            x, s = 0.004 + 0.992 * (j + random.random()) / 52, 0.005 + 0.99 * (i + random.random()) / 64
+    for i in range(rows):
+        for j in range(columns):
+            x, s = 0.004 + 0.992 * (j + random.random()) / columns, 0.005 + 0.99 * (i + random.random()) / rows
             put("PS", surface(-1, x, s), normal(-1, x, s), stands_mm(x, s))
-    for _ in range(500):
+    for _ in range(round(500 * scale)):
         x, s = random.uniform(0.01, 0.99), random.uniform(0.03, 0.97)
         put("SS", surface(1, x, s), normal(1, x, s), 0.0)
-    for _ in range(200):
+    for _ in range(round(200 * scale)):
         angle, z = random.choice((-1, 1)) * random.uniform(0.1, 0.14), random.uniform(-5.0, 5.0)
         put("HUB", (HUB_MM * cos(angle), HUB_MM * sin(angle), z), (cos(angle), sin(angle), 0.0), 0.0)
 
 
-main()
+main(int(sys.argv[1]) if len(sys.argv) > 1 else 4028)

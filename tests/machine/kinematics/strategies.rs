@@ -55,6 +55,8 @@ struct Outcome {
     a_deg: [f64; 2],
     is_fault: bool,
     c_travel_deg: f64,
+    /// Greatest speeds of C and A that 2 m/min asks for.
+    asked_deg_per_min: [f64; 2],
     least_feed: f64,
     seconds: f64,
 }
@@ -77,6 +79,15 @@ fn timed(mikron: &Machine, poses: &[ToolPose], course: &[[f64; 2]]) -> (f64, f64
     let moves: Vec<(f64, f64)> = (0..poses.len() - 1).map(of).collect();
     let least = moves.iter().map(|(feed, _)| *feed).fold(FEED, f64::min);
     (least, moves.iter().map(|(_, seconds)| seconds).sum())
+}
+
+/// Greatest speeds of both rotary axes at 2 m/min of the tip.
+fn asked_deg_per_min(poses: &[ToolPose], course: &[[f64; 2]]) -> [f64; 2] {
+    let of = |axis: usize, k: usize| {
+        let way = Vector::from(poses[k + 1].tip_mm) - Vector::from(poses[k].tip_mm);
+        (course[k + 1][axis] - course[k][axis]).abs() / way.norm() * FEED
+    };
+    [0, 1].map(|axis| (0..poses.len() - 1).map(|k| of(axis, k)).fold(0.0, f64::max))
 }
 
 fn outcome(number: u8) -> Outcome {
@@ -105,6 +116,7 @@ fn outcome(number: u8) -> Outcome {
         a_deg: [a.clone().fold(f64::INFINITY, f64::min), a.fold(f64::NEG_INFINITY, f64::max)],
         is_fault: found.iter().any(|interval| interval.is_fault()),
         c_travel_deg: travels(&course)[0],
+        asked_deg_per_min: asked_deg_per_min(&poses, &course),
         least_feed,
         seconds,
     }
@@ -114,10 +126,11 @@ fn outcome(number: u8) -> Outcome {
 fn the_papers_statements_about_its_strategies() {
     let outcomes: Vec<Outcome> = (1..=4).map(outcome).collect();
     for (at, outcome) in outcomes.iter().enumerate() {
-        let Outcome { amplitude_deg, a_deg: [low, high], is_fault, c_travel_deg, least_feed, seconds } = outcome;
+        let Outcome { amplitude_deg, a_deg: [low, high], is_fault, c_travel_deg, least_feed, seconds, .. } = outcome;
+        let [c_speed, a_speed] = outcome.asked_deg_per_min;
         println!(
             "strategy {}: axis turns {amplitude_deg:.1} deg, A {low:.1} to {high:.1}, fault: {is_fault}, C travels {c_travel_deg:.1} deg, \
-             least feed {least_feed:.0} mm/min, {seconds:.2} s",
+             asked of C {c_speed:.0} and of A {a_speed:.0} deg/min, least feed {least_feed:.0} mm/min, {seconds:.2} s",
             at + 1
         );
     }
@@ -132,6 +145,9 @@ fn the_papers_statements_about_its_strategies() {
     // turn beside the pole instead, which is reported, too. The yaw angles of strategy 4 are not published; without them C turns back there.
     assert_eq!([one, two, three].map(|outcome| outcome.is_fault), [false, true, false]);
     // 2 m/min is not reached, as the rotary axes are too slow; least of all where C moves incoherently.
+    let limits = machine("mikron-ucp710").rotary().each_ref().map(|axis| axis.speed_deg_per_min.expect("a limit"));
+    let exceeds = |outcome: &Outcome| (0..2).any(|axis| outcome.asked_deg_per_min[axis] > limits[axis]);
+    assert!(outcomes.iter().all(exceeds));
     assert!(outcomes.iter().all(|outcome| outcome.least_feed < FEED));
     assert!([one, three, four].iter().all(|other| two.least_feed < other.least_feed));
 }

@@ -44,7 +44,7 @@ fn rounding(inputs: [f64; 8], value: impl Fn([f64; 8]) -> f64) -> f64 {
 }
 
 #[test]
-fn allowances_are_those_of_the_corrected_equations() {
+fn point_1_allowances_are_those_of_the_corrected_equations() {
     let table = rows(include_str!("data/feng_blend.csv"));
     let mut worst = Worst::default();
     for row in &table {
@@ -71,7 +71,7 @@ fn allowances_are_those_of_the_corrected_equations() {
 }
 
 #[test]
-fn the_printed_equations_miss_their_own_border_values() {
+fn point_1_the_printed_equations_miss_their_own_border_values() {
     let table = rows(include_str!("data/feng_blend.csv"));
     let mut worst = Worst::default();
     let mut farthest_mm: f64 = 0.0;

@@ -3,6 +3,10 @@
 
 use std::collections::HashMap;
 
+use arcfeed_dexel::mesh::Mesh;
+use arcfeed_dexel::motion::{Move, Pose};
+use arcfeed_dexel::tool::Tool;
+use arcfeed_dexel::workpiece::Stock;
 use arcfeed_plan::vector::{Point, Vector};
 use arcfeed_tests::{Scratch, run};
 
@@ -25,14 +29,20 @@ fn cell(point: &Point) -> [i32; 3] {
     [point.x, point.y, point.z].map(|value| libm::floor(value / CELL_MM) as i32)
 }
 
+/// Corners of the triangles of a binary STL file: a header of 84 bytes, then 50 bytes a triangle.
+fn triangles(path: &str) -> Vec<[Point; 3]> {
+    let bytes = std::fs::read(path).unwrap();
+    let triangle = |facet: &[u8]| {
+        let value = |at: usize| f64::from(f32::from_le_bytes(facet[at..at + 4].try_into().unwrap()));
+        [12, 24, 36].map(|at| Point::new(value(at), value(at + 4), value(at + 8)))
+    };
+    bytes[84..].chunks_exact(50).map(triangle).collect()
+}
+
 impl Facets {
-    /// Binary STL: a header of 84 bytes, then 50 bytes a triangle.
     fn read(path: &str) -> Self {
-        let bytes = std::fs::read(path).unwrap();
         let mut cells: HashMap<[i32; 3], Vec<[Point; 3]>> = HashMap::new();
-        for facet in bytes[84..].chunks_exact(50) {
-            let value = |at: usize| f64::from(f32::from_le_bytes(facet[at..at + 4].try_into().unwrap()));
-            let corners = [12, 24, 36].map(|at| Point::new(value(at), value(at + 4), value(at + 8)));
+        for corners in triangles(path) {
             let mut at = corners.map(|corner| cell(&corner)).to_vec();
             at.sort_unstable();
             at.dedup();
@@ -74,19 +84,23 @@ fn met([a, b, c]: &[Point; 3], from: &Point, along: &Vector) -> Option<f64> {
 /// The balls of a mill on its way: straight lines of their centres.
 struct Balls(Vec<[Point; 2]>);
 
-impl Balls {
-    /// `GOTO` words of a CL file: tip, then axis where it changes.
-    fn read(path: &str) -> Self {
-        let text = std::fs::read_to_string(path).unwrap();
-        let mut axis = Vector::zeros();
-        let mut centres = Vec::new();
-        for words in text.lines().filter_map(|line| line.strip_prefix("GOTO/")) {
-            let values: Vec<f64> = words.split(',').map(|word| word.parse().unwrap()).collect();
-            if let [i, j, k] = values[3..] {
-                axis = Vector::new(i, j, k);
-            }
-            centres.push(Point::new(values[0], values[1], values[2]) + BALL_MM * axis);
+/// Tips and axes of the `GOTO` words of a CL file, which has the axis where it changes.
+fn locations(path: &str) -> Vec<(Point, Vector)> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut axis = Vector::zeros();
+    let mut location = |words: &str| {
+        let values: Vec<f64> = words.split(',').map(|word| word.parse().unwrap()).collect();
+        if let [i, j, k] = values[3..] {
+            axis = Vector::new(i, j, k);
         }
+        (Point::new(values[0], values[1], values[2]), axis)
+    };
+    text.lines().filter_map(|line| line.strip_prefix("GOTO/")).map(&mut location).collect()
+}
+
+impl Balls {
+    fn read(path: &str) -> Self {
+        let centres: Vec<Point> = locations(path).into_iter().map(|(tip, axis)| tip + BALL_MM * axis).collect();
         Balls(centres.windows(2).map(|ends| [ends[0], ends[1]]).collect())
     }
 
@@ -177,24 +191,47 @@ fn check(places: &[Place]) {
     assert!(low >= -TOLERANCE_MM && high <= SCALLOP_MM + TOLERANCE_MM, "{low} {high}");
 }
 
-/// The largest step across c1: from the last place of the norm region to the first of the transition on a column.
-fn step_mm(places: &[Place]) -> f64 {
-    let mut steps = 0.0_f64;
-    for place in places.iter().filter(|place| place.region == "transition") {
-        let below = places
-            .iter()
-            .find(|other| other.row + 1 == place.row && other.column == place.column && other.region == "norm");
-        if let (Some(below), Some(planned_mm)) = (below, place.planned_mm) {
-            // The plan itself falls by less than 0.001 mm over the first half millimetre of the transition.
-            steps = steps.max((place.after_mm - below.after_mm).abs());
-            assert!((planned_mm - 0.05).abs() < 0.003, "{planned_mm}");
+/// The largest step across a border: from the last place below it to the first above it, half a millimetre apart, on every column.
+fn step_mm(places: &[Place], [below, above]: [&str; 2]) -> f64 {
+    let (mut steps, mut count) = (0.0_f64, 0);
+    for place in places.iter().filter(|place| place.region == above) {
+        let is_below = |other: &&Place| other.row + 1 == place.row && other.column == place.column;
+        if let Some(other) = places.iter().find(is_below).filter(|other| other.region == below) {
+            // The plan itself falls by less than 0.0015 mm in that half millimetre.
+            steps = steps.max((place.after_mm - other.after_mm).abs());
+            count += 1;
         }
     }
+    println!("step from {below} to {above}: {:.2} um at most on {count} columns", 1000.0 * steps);
+    assert!(count > 40, "{count}");
     steps
 }
 
+/// Volumes that dexels lose on the approaches of the CL file, mm3: the only long moves towards the rotor's axis.
+fn approaches_mm3(folder: &str) -> Vec<f64> {
+    let corners = triangles(&format!("{folder}/stock.stl")).into_iter().map(|corners| corners.map(Into::into));
+    let mut stock = Stock::new(&Mesh::from_corners(corners).unwrap(), 0.1, 1 << 30).unwrap();
+    let tool = Tool::ball(BALL_MM, 6.0, 1e-3).unwrap();
+    let mut taken = Vec::new();
+    for pair in locations(&format!("{folder}/repair.apt")).windows(2) {
+        let [from, to] = [&pair[0], &pair[1]].map(|(tip, axis)| Pose { tip_mm: (*tip).into(), axis: (*axis).into() });
+        let removed = stock.cut(&tool, &Move::Straight { from, to }.sweeps(&tool, 0.01).unwrap()).unwrap();
+        let falls_mm = pair[0].0.coords.xy().norm() - pair[1].0.coords.xy().norm();
+        if falls_mm > 1.5 {
+            taken.push(removed.mean_mm3());
+        }
+    }
+    taken
+}
+
+/// Largest distance of the corners of a solid from the rotor's axis.
+fn radius_mm(facets: &Facets) -> f64 {
+    let corners = facets.0.values().flatten().flatten();
+    corners.map(|corner| libm::hypot(corner.x, corner.y)).fold(0.0, f64::max)
+}
+
 #[test]
-fn what_is_left_of_the_example_is_what_was_planned_and_the_old_surface() {
+fn point_3_what_is_left_of_the_example_is_what_was_planned_and_the_old_surface() {
     let scratch = Scratch::new("repair-chain");
     let folder = scratch.path("out");
     let planned = run(&["plan", "repair", "examples/repaired-blade/REPAIR.toml", "-o", &folder]);
@@ -219,7 +256,20 @@ fn what_is_left_of_the_example_is_what_was_planned_and_the_old_surface() {
     });
     println!("by rays on the simulated stock:");
     check(&simulated);
-    let step = step_mm(&simulated);
-    println!("step across the border of the norm region: {:.2} um at most", 1000.0 * step);
-    assert!(step <= 0.01, "{step}");
+    for border in [["norm", "transition"], ["transition", "repaired"]] {
+        let step = step_mm(&simulated, border);
+        assert!(step <= 0.01, "{border:?} {step}");
+    }
+    // Weld that leans over the tip's face stays: less than the tolerance of the finish is thick.
+    let finished = Facets::read(&format!("{folder}/finished.stl"));
+    let [over_before, over_after] = [&before, &after].map(|facets| radius_mm(facets) - radius_mm(&finished));
+    println!("above the tip's face: {over_before:.4} mm before, {over_after:.4} mm after");
+    assert!(over_after < 0.02 + TOLERANCE_MM, "{over_after}");
+
+    // A layer is 0.25 mm deep, and the finish 0.28: an approach takes less than the cap of the ball that deep.
+    let taken = approaches_mm3(&folder);
+    let most_mm3 = taken.iter().copied().fold(0.0, f64::max);
+    println!("{} approaches take {:.2} mm3, the most {most_mm3:.3}", taken.len(), taken.iter().sum::<f64>());
+    let cap_mm3 = core::f64::consts::PI * 0.28 * 0.28 * (BALL_MM - 0.28 / 3.0);
+    assert!(taken.len() > 100 && most_mm3 < cap_mm3 / 2.0, "{most_mm3} {cap_mm3}");
 }

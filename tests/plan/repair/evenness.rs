@@ -19,7 +19,7 @@ fn places(case: &str) -> Vec<AllowancePlace> {
 }
 
 #[test]
-fn the_greatest_least_allowance_is_that_of_another_linear_program() {
+fn point_1_the_greatest_least_allowance_is_that_of_another_linear_program() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_localise.csv")) {
         let places = places(row.word("case"));

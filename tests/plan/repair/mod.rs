@@ -14,6 +14,8 @@ mod evenness;
 
 mod regions;
 
+mod dexels;
+
 mod scan;
 
 mod plan;

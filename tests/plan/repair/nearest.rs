@@ -19,7 +19,7 @@ pub fn curvature_per_mm(surface: &impl Surface, at: [f64; 2]) -> f64 {
 }
 
 #[test]
-fn feet_are_those_constructed_also_where_gauss_newton_fails() {
+fn point_1_feet_are_those_constructed_also_where_gauss_newton_fails() {
     let mut worst = Worst::default();
     let mut failing = 0;
     for row in rows(include_str!("data/feng_projection.csv")) {
@@ -52,7 +52,7 @@ fn feet_are_those_constructed_also_where_gauss_newton_fails() {
 }
 
 #[test]
-fn the_sheet_s_nearest_point_is_found_from_any_seed_and_beyond_its_borders() {
+fn point_1_the_sheet_s_nearest_point_is_found_from_any_seed_and_beyond_its_borders() {
     let mut random = fastrand::Rng::with_seed(17);
     let (mut off_mm, mut on_border): (f64, usize) = (0.0, 0);
     for _ in 0..300 {

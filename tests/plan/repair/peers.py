@@ -14,6 +14,15 @@ def nearest(given):
     return trimesh.proximity.closest_point(mesh, given["points"])[1].tolist()
 
 
+def signed(given):
+    """Distances of points from a mesh with the sign of their side, by libigl."""
+    import igl
+
+    corners, faces = numpy.array(given["vertices"]), numpy.array(given["faces"], dtype=numpy.int64)
+    sides = igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL
+    return igl.signed_distance(numpy.array(given["points"]), corners, faces, sides)[0].tolist()
+
+
 def drops(given):
     """Heights of the lowest place of a ball above a mesh, by opencamlib."""
     import opencamlib
@@ -48,4 +57,4 @@ def step(given):
     return estimation.compute_transformation(cloud(given["points"]), feet, pairs)[:3].tolist()
 
 
-print(json.dumps({"nearest": nearest, "drops": drops, "step": step}[sys.argv[1]](json.load(sys.stdin))))
+print(json.dumps({"nearest": nearest, "signed": signed, "drops": drops, "step": step}[sys.argv[1]](json.load(sys.stdin))))

@@ -1,4 +1,4 @@
-//! Repairs against programs of others: trimesh, opencamlib and Open3D of the Python Package Index.
+//! Repairs against programs of others: trimesh, libigl, opencamlib and Open3D of the Python Package Index.
 
 use std::io::Write;
 use std::process::Stdio;
@@ -7,6 +7,7 @@ use arcfeed_plan::finish::contact::Contact;
 use arcfeed_plan::finish::mill::FinishMill;
 use arcfeed_plan::geometry::surface::Surface;
 use arcfeed_plan::repair::registration::fit;
+use arcfeed_plan::repair::scan::NominalSurface;
 use arcfeed_plan::vector::{Point, Vector};
 use arcfeed_tests::python::python_with;
 use arcfeed_tests::{root, skip_loudly};
@@ -23,7 +24,7 @@ fn answer(test: &str, modules: &str, question: &str, numbers: &Value) -> Option<
         skip_loudly(
             test,
             &format!(
-                "no Python with {modules} (`python3 -m pip install --target` the folder tools/python of the build directory has them)"
+                "no Python with {modules} (`cargo xtask test` installs them where there are wheels for this Python)"
             ),
         );
         return None;
@@ -67,28 +68,53 @@ fn mesh(surface: &impl Surface, count: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>
     (corners, faces, chord_mm)
 }
 
+/// Points up to 2 mm off the sheet on either side.
+fn about_the_sheet(seed: u64) -> Vec<Point> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut point = || {
+        let (on, normal) = Sheet.point_and_normal([0.1 + 0.8 * random.f64(), 0.1 + 0.8 * random.f64()]);
+        on + normal * (4.0 * random.f64() - 2.0)
+    };
+    (0..500).map(|_| point()).collect()
+}
+
+/// Distances from the sheet's mesh by a question to the script, and the depth of the mesh's chords.
+fn by_mesh(test: &str, modules: &str, question: &str, points: &[Point]) -> Option<(Vec<f64>, f64)> {
+    let (vertices, faces, chord_mm) = mesh(&Sheet, 120);
+    let points: Vec<[f64; 3]> = points.iter().map(|point| (*point).into()).collect();
+    let given = json!({ "vertices": vertices, "faces": faces, "points": points });
+    Some((numbers(&answer(test, modules, question, &given)?), chord_mm))
+}
+
 /// Point 8 of the method's list: trimesh.
 #[test]
 fn point_8_nearest_points_are_those_of_trimesh_to_the_chords_of_its_mesh() {
-    let mut random = fastrand::Rng::with_seed(8);
-    let (vertices, faces, chord_mm) = mesh(&Sheet, 120);
-    let points: Vec<Point> = (0..500)
-        .map(|_| {
-            let jet = Sheet.jet([0.1 + 0.8 * random.f64(), 0.1 + 0.8 * random.f64()]);
-            jet.point + jet.u.cross(&jet.v).normalize() * (4.0 * random.f64() - 2.0)
-        })
-        .collect();
-    let given: Vec<[f64; 3]> = points.iter().map(|point| (*point).into()).collect();
     let name = "point_8_nearest_points_are_those_of_trimesh_to_the_chords_of_its_mesh";
-    let question = json!({ "vertices": vertices, "faces": faces, "points": given });
-    let Some(answer) = answer(name, "numpy, trimesh, rtree, scipy", "nearest", &question) else { return };
+    let points = about_the_sheet(8);
+    let Some((found, chord_mm)) = by_mesh(name, "numpy, trimesh, rtree, scipy", "nearest", &points) else { return };
     let off = points
         .iter()
-        .zip(numbers(&answer))
+        .zip(found)
         .map(|(point, by_mesh_mm)| ((sheet_foot(point).point - point).norm() - by_mesh_mm).abs());
     let worst_mm = off.fold(0.0, f64::max);
     println!("500 distances: {worst_mm:.1e} mm off those from the mesh, whose chords are {chord_mm:.1e} mm deep");
     assert!(worst_mm <= chord_mm && chord_mm < 0.01, "{worst_mm} {chord_mm}");
+}
+
+/// Point 8 of the method's list: libigl.
+#[test]
+fn point_8_heights_have_the_signs_and_values_of_libigl() {
+    let name = "point_8_heights_have_the_signs_and_values_of_libigl";
+    let points = about_the_sheet(10);
+    let Some((found, chord_mm)) = by_mesh(name, "numpy, igl", "signed", &points) else { return };
+    let heights = NominalSurface::new(Sheet).heights(&points, 0.0);
+    assert_eq!(heights.len(), found.len());
+    // The triangles run as u x v does, against which the sheet faces.
+    let off = heights.iter().zip(&found).map(|(sample, by_mesh_mm)| (sample.height_mm + by_mesh_mm).abs());
+    let worst_mm = off.fold(0.0, f64::max);
+    let below = heights.iter().filter(|sample| sample.height_mm < 0.0).count();
+    println!("500 heights, {below} of them below: {worst_mm:.1e} mm off, chords {chord_mm:.1e} mm deep");
+    assert!(worst_mm <= chord_mm && (200..300).contains(&below), "{worst_mm} {below}");
 }
 
 /// Point 8 of the method's list: opencamlib, an upright ball on a blade that lies.

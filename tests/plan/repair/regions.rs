@@ -7,7 +7,7 @@ use super::surfaces::Sheet;
 use crate::plunge::table::{Worst, rows};
 
 #[test]
-fn the_transition_begins_where_another_program_finds_it() {
+fn point_2_the_transition_begins_where_another_program_finds_it() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_regions.csv")) {
         let [u2, u3, p, width_mm] = row.numbers(["u2", "u3", "p", "width_mm"]);
@@ -33,7 +33,7 @@ fn a_border_that_turns_back_is_no_function() {
 }
 
 #[test]
-fn volumes_of_a_plane_blade_are_those_of_quadrature() {
+fn point_2_volumes_of_a_plane_blade_are_those_of_quadrature() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_plate_volume.csv")) {
         let [from_u, leading_u, trailing_u] = row.numbers(["u1", "u2", "u3"]);

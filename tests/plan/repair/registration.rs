@@ -23,7 +23,7 @@ pub fn sheet_foot(point: &Point) -> NominalFoot {
 }
 
 #[test]
-fn motions_deviations_and_conditions_are_those_of_least_squares() {
+fn point_1_motions_deviations_and_conditions_are_those_of_least_squares() {
     let all = rows(include_str!("data/feng_registration_points.csv"));
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_registration.csv")) {

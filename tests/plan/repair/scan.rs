@@ -42,7 +42,8 @@ fn heights_and_distances_are_those_the_points_were_made_with() {
     assert!(off < 1e-9 && clean.len() > 19_000);
     for (noise_mm, limit_mm) in [(0.0, 3e-4), (0.005, 0.025)] {
         let samples = nominal.heights(&cloud(1, 20_000, noise_mm, wave), 0.0);
-        let field = AllowanceField::new(&nominal, &nominal.height_field(&samples, None), 1.0).unwrap();
+        let heights = nominal.height_field(&samples, nominal.usual_hole_mm(samples.len()));
+        let field = AllowanceField::new(&nominal, &heights, 1.0).unwrap();
         let (mut worst, mut steep, mut count): (f64, f64, usize) = (0.0, 0.0, 0);
         for node in field.nodes().filter(|node| node.at.iter().all(|t| (0.02..=0.98).contains(t))) {
             let (along_mm, nearest_mm) = (node.along_mm.unwrap(), node.nearest_mm.unwrap());
@@ -61,6 +62,20 @@ fn heights_and_distances_are_those_the_points_were_made_with() {
 }
 
 #[test]
+fn the_surface_beside_a_weld_stays_between_the_measured_heights() {
+    // A weld whose flank is as wide as the distance of the points.
+    let weld = |[u, _]: [f64; 2]| 0.05 + 0.85 * ((u - 0.5) / 0.0125).clamp(0.0, 1.0);
+    let nominal = NominalSurface::new(Sheet);
+    let samples = nominal.heights(&cloud(6, 6_000, 0.0, weld), 0.0);
+    let heights = nominal.height_field(&samples, nominal.usual_hole_mm(samples.len()));
+    let at = |k: usize| [0.1 + 0.8 * (k % 400) as f64 / 400.0, 0.1 + 0.8 * (k / 400) as f64 / 50.0];
+    let found = (0..20_000).filter_map(|k| heights.height_mm(at(k)));
+    let (low, high) = found.fold((f64::INFINITY, 0.0_f64), |(low, high), mm| (low.min(mm), high.max(mm)));
+    println!("20000 places between {low:.4} and {high:.4} mm");
+    assert!(low >= 0.05 - 1e-9 && high <= 0.9 + 1e-9);
+}
+
+#[test]
 fn ball_centres_are_corrected_by_the_stylus() {
     let nominal = NominalSurface::new(Sheet);
     let samples = nominal.heights(&cloud(2, 2_000, 0.0, |at| wave(at) + 1.5), 1.5);
@@ -75,7 +90,7 @@ fn a_hole_of_the_measurement_has_no_height() {
     let is_hole = |sample: &[f64; 2]| libm::hypot(sample[0] - 0.5, sample[1] - 0.5) < 0.15;
     let mut samples = nominal.heights(&cloud(3, 5_000, 0.0, wave), 0.0);
     samples.retain(|sample| !is_hole(&sample.at));
-    let heights = nominal.height_field(&samples, None);
+    let heights = nominal.height_field(&samples, nominal.usual_hole_mm(samples.len()));
     assert_eq!(heights.height_mm([0.5, 0.5]), None);
     assert!((heights.height_mm([0.2, 0.2]).unwrap() - wave([0.2, 0.2])).abs() < 1e-3);
     let field = AllowanceField::new(&nominal, &heights, 1.0).unwrap();

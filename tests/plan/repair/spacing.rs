@@ -10,7 +10,7 @@ use super::surfaces::Sheet;
 use crate::plunge::table::{Row, Worst, rows};
 
 #[test]
-fn equal_arcs_are_those_of_quadrature() {
+fn point_1_equal_arcs_are_those_of_quadrature() {
     let table = rows(include_str!("data/feng_arc_length.csv"));
     let mut cases: BTreeMap<&str, Vec<&Row<'_>>> = BTreeMap::new();
     for row in &table {
@@ -40,7 +40,7 @@ fn equal_arcs_are_those_of_quadrature() {
 }
 
 #[test]
-fn passes_follow_the_longest_cross_line() {
+fn point_1_passes_follow_the_longest_cross_line() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_stepover.csv")) {
         let lengths_mm = row.numbers(["l0", "l1", "l2", "l3", "l4", "l5", "l6", "l7", "l8"]);
@@ -64,7 +64,7 @@ fn passes_follow_the_longest_cross_line() {
 }
 
 #[test]
-fn chords_are_those_of_the_ball_s_centre() {
+fn point_1_chords_are_those_of_the_ball_s_centre() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/feng_chord.csv")) {
         let sign = if row.word("wall") == "convex" { 1.0 } else { -1.0 };

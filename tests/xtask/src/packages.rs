@@ -1,6 +1,6 @@
 //! Programs of the operating system that the tests run: present, or installed from Debian's packages; and what
-//! `tests/line/wire/decode.py` decodes with, from the Python Package Index, into the build directory; and the packages of npm that build
-//! and test the viewer of reports, into its folder.
+//! `tests/line/wire/decode.py` decodes with, and the programs of others that repairs are compared with, from the Python Package Index, into
+//! the build directory; and the packages of npm that build and test the viewer of reports, into its folder.
 //!
 //! No package is ever removed, and a person at a terminal is asked before anything runs as root.
 
@@ -120,17 +120,56 @@ const NEEDS: [Need; 9] = [
 /// Folder of the viewer of reports.
 const WEB: &str = "host/web";
 
-/// Packages that the scripts need which decode the link and read traces.
-const PYTHON_PACKAGES: [&str; 3] = ["cobs==1.2.2", "crc==8.0.0", "duckdb==2.0.1"];
-/// Modules of these packages.
-const PYTHON_MODULES: &str = "import cobs.cobs, crc, duckdb";
+/// Packages of the Python Package Index that scripts of the tests need.
+struct PythonNeed {
+    what: &'static str,
+    packages: &'static [&'static str],
+    /// Modules of these packages.
+    modules: &'static str,
+    /// Whether the tests that need them skip themselves, with a message, where they are missing.
+    is_optional: bool,
+}
+
+const PYTHON_NEEDS: [PythonNeed; 5] = [
+    PythonNeed {
+        what: "to decode the link and to read traces with",
+        packages: &["cobs==1.2.2", "crc==8.0.0", "duckdb==2.0.1"],
+        modules: "cobs.cobs, crc, duckdb",
+        is_optional: false,
+    },
+    PythonNeed {
+        what: "to compare nearest points with",
+        packages: &["numpy==2.4.6", "scipy==1.17.1", "rtree==1.4.1", "trimesh==5.2.0"],
+        modules: "numpy, scipy, rtree, trimesh",
+        is_optional: true,
+    },
+    PythonNeed {
+        what: "to compare signed distances with",
+        packages: &["numpy==2.4.6", "libigl==2.6.3"],
+        modules: "numpy, igl",
+        is_optional: true,
+    },
+    PythonNeed {
+        what: "to drop balls with",
+        packages: &["numpy==2.4.6", "opencamlib==2023.1.11"],
+        modules: "numpy, opencamlib",
+        is_optional: true,
+    },
+    PythonNeed {
+        what: "to compare registrations with",
+        packages: &["numpy==2.4.6", "open3d-cpu==0.20.0"],
+        modules: "numpy, open3d",
+        is_optional: true,
+    },
+];
 
 /// Installs what is missing.
 ///
 /// # Errors
 /// Not there and not to be had; says what was tried and what to do.
 pub fn install() -> Result<(), Failure> {
-    let needs = NEEDS.iter().map(install_one).fold(Ok(()), Result::and).and(install_python_packages());
+    let needs = NEEDS.iter().map(install_one).fold(Ok(()), Result::and);
+    let needs = PYTHON_NEEDS.iter().map(install_python_packages).fold(needs, Result::and);
     if let Err(failure) = install_node_packages() {
         announce(&format!(
             "WITHOUT the packages of npm for the viewer ({}). With npm and the network, run `npm ci` in {WEB}.",
@@ -163,27 +202,34 @@ pub fn install_linuxcnc() -> Result<(), Failure> {
     needs.map(|need| install_one(&Need { is_optional: false, ..*need })).fold(Ok(()), Result::and)
 }
 
-/// Into `tools/python` of the build directory, where `tests/python` looks: no Python of the system is touched.
-fn install_python_packages() -> Result<(), Failure> {
-    announce("Python packages to decode the link and to read traces with");
+/// Into `tools/python` of the build directory, where `tests/python` looks: no Python of the system is touched, and nothing is compiled.
+fn install_python_packages(need: &PythonNeed) -> Result<(), Failure> {
+    announce(&format!("Python packages {}", need.what));
     let folder = build_dir()?.join("tools/python");
     let mut import = Command::new("python3");
-    import.args(["-c", PYTHON_MODULES]).env("PYTHONPATH", &folder);
+    import.args(["-c", &format!("import {}", need.modules)]).env("PYTHONPATH", &folder);
     if import.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()) {
         return Ok(());
     }
-    let mut pip = program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--target"]);
-    run(pip.arg(&folder).args(PYTHON_PACKAGES)).map_err(|failure| {
-        let what = format!(
-            "{} of the Python Package Index are missing ({}). With pip and the network, run `python3 -m pip install --target \
-             {} {}`.",
-            PYTHON_PACKAGES.join(" and "),
-            failure.what,
-            folder.display(),
-            PYTHON_PACKAGES.join(" ")
-        );
-        Failure { what, ..failure }
-    })
+    let words =
+        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "--target"];
+    let packages = need.packages.join(" ");
+    let failure = match run(program("python3", &words).arg(&folder).args(need.packages)) {
+        Ok(()) => return Ok(()),
+        Err(failure) => failure,
+    };
+    let what = format!(
+        "{packages} of the Python Package Index, {}: missing ({}). With pip and the network, run `python3 -m pip install --target {} \
+         {packages}`.",
+        need.what,
+        failure.what,
+        folder.display(),
+    );
+    if need.is_optional {
+        announce(&format!("WITHOUT {what}"));
+        return Ok(());
+    }
+    Err(Failure { what, ..failure })
 }
 
 fn install_one(need: &Need) -> Result<(), Failure> {

@@ -24,12 +24,26 @@ pub struct RepairSettings {
     pub passes: PassSettings,
     /// Largest distance between the nodes at which the allowance is measured.
     pub spacing_mm: f64,
-    /// Distance from the nearest measured point above which a place counts as a hole; `None`: three mean spacings of the points.
+    /// Distance from the nearest measured point above which a place counts as a hole; `None`: three mean spacings of the points, and
+    /// `spacing_mm` at least.
     pub hole_mm: Option<f64>,
     /// Allowance D_r that roughing leaves.
     pub rough_mm: f64,
     /// Depth a_p of a layer in roughing.
     pub depth_mm: f64,
+}
+
+impl RepairSettings {
+    /// Measured heights of a side.
+    pub fn height_field<S: Surface + Sync>(
+        &self,
+        nominal: &NominalSurface<S>,
+        samples: &[HeightSample],
+    ) -> HeightField {
+        // Dense clouds end farther than three spacings beside the edges; what is smaller than the lattice's cells is in no place of it.
+        let usual_mm = || nominal.usual_hole_mm(samples.len()).max(self.spacing_mm);
+        nominal.height_field(samples, self.hole_mm.unwrap_or_else(usual_mm))
+    }
 }
 
 /// Reason why a repair cannot be planned.
@@ -131,7 +145,7 @@ pub fn plan<S: Surface + Sync>(
     settings: &RepairSettings,
 ) -> Result<RepairPlan, RepairInfeasible> {
     let surface = nominal.surface();
-    let heights = nominal.height_field(samples, settings.hole_mm);
+    let heights = settings.height_field(nominal, samples);
     let field = AllowanceField::new(nominal, &heights, settings.spacing_mm)?;
     let threshold_mm = settings.regions.threshold_mm;
     let found =

@@ -3,10 +3,10 @@
 //! ```text
 //! D = n.(P - S(u, v)) - r          (u, v) the nearest nominal point, r the stylus radius of ball centres      (1)
 //! D(u, v) = a0 + a1 x + a2 y + a3 x2 + a4 xy + a5 y2,  x, y in mm from the place,
-//!           over the 24 nearest points with the weights (1 - (d/d24)^3)^3                                     (2)
+//!           over the 24 nearest points with the weights (1 - (d/d24)^3)^3, within their heights                (2)
 //! ```
 //!
-//! Fewer neighbours than 24 amplify the noise of a point. Places farther than a limit from every point are holes. The measured surface is S + D n; Feng et al. construct it as a B-spline through scan lines,
+//! At the foot of a weld the polynomial alone would run below the old surface. Fewer neighbours than 24 amplify the noise of a point. Places farther than a limit from every point are holes. The measured surface is S + D n; Feng et al. construct it as a B-spline through scan lines,
 //! which scattered points do not have.
 
 use nalgebra::{SMatrix, SVector};
@@ -112,16 +112,16 @@ impl<S: Surface + Sync> NominalSurface<S> {
         points.par_iter().filter_map(sample).collect()
     }
 
-    /// Height field of samples; `hole_mm` is the farthest distance from a point that is no hole, by default three mean spacings.
-    pub fn height_field(&self, samples: &[HeightSample], hole_mm: Option<f64>) -> HeightField {
-        let spacing_mm = libm::sqrt(self.area_mm2 / samples.len().max(1) as f64);
+    /// Three mean spacings of so many samples, mm: the farthest distance from a sample that is no hole, if nothing else is required.
+    pub fn usual_hole_mm(&self, samples: usize) -> f64 {
+        HOLE_SPACINGS * libm::sqrt(self.area_mm2 / samples.max(1) as f64)
+    }
+
+    /// Height field of samples; `hole_mm` is the farthest distance from a sample that is no hole.
+    pub fn height_field(&self, samples: &[HeightSample], hole_mm: f64) -> HeightField {
         let place = |sample: &HeightSample| scaled(sample.at, self.lengths_mm);
         let samples = samples.iter().map(|sample| GeomWithData::new(place(sample), sample.height_mm)).collect();
-        HeightField {
-            samples: RTree::bulk_load(samples),
-            lengths_mm: self.lengths_mm,
-            hole_mm: hole_mm.unwrap_or(HOLE_SPACINGS * spacing_mm),
-        }
+        HeightField { samples: RTree::bulk_load(samples), lengths_mm: self.lengths_mm, hole_mm }
     }
 }
 
@@ -150,7 +150,7 @@ impl HeightField {
     }
 }
 
-/// Value of (2) at its place, by the polynomial of highest degree that hardly amplifies the noise of a point: points in a row or on one side
+/// Value of (2) at its place, within the heights of the points, by the polynomial of highest degree that hardly amplifies the noise of a point: points in a row or on one side
 /// of the place determine less.
 fn fitted(place: [f64; 2], near: &[([f64; 2], f64, f64)]) -> Option<f64> {
     let reach_mm = near.last().map_or(0.0, |(_, _, square)| libm::sqrt(*square)).max(f64::MIN_POSITIVE) * 1.001;
@@ -161,7 +161,11 @@ fn fitted(place: [f64; 2], near: &[([f64; 2], f64, f64)]) -> Option<f64> {
         (SVector::from([1.0, x, y, x * x, x * y, y * y]), rest * rest * rest)
     };
     let rows: Vec<(SVector<f64, UNKNOWNS>, f64)> = near.iter().map(row).collect();
-    value::<UNKNOWNS>(&rows, near).or_else(|| value::<3>(&rows, near)).or_else(|| value::<1>(&rows, near))
+    let heights = near.iter().map(|(_, height_mm, _)| *height_mm);
+    let (low, high) =
+        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), height| (low.min(height), high.max(height)));
+    let found = value::<UNKNOWNS>(&rows, near).or_else(|| value::<3>(&rows, near)).or_else(|| value::<1>(&rows, near));
+    found.map(|height_mm| height_mm.max(low).min(high))
 }
 
 /// Value at the place of the polynomial with the first `N` terms; `None` if it amplifies noise too much.

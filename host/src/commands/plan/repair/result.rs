@@ -121,7 +121,7 @@ fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Res
 fn evened(file: &RepairFile, blade: &NominalBlade<'_>, points: &[Point], centre: &Point) -> Result<EvenMotion, String> {
     let nominal = blade.side(file.side);
     let samples = blade.heights(points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
-    let heights = nominal.height_field(&samples, file.settings.hole_mm);
+    let heights = file.settings.height_field(nominal, &samples);
     let field = AllowanceField::new(nominal, &heights, file.settings.spacing_mm).map_err(|error| error.to_string())?;
     let found = regions(nominal.surface(), &field, &file.settings.regions).ok_or("nothing is repaired on this side")?;
     let of_repair =
