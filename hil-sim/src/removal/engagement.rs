@@ -6,6 +6,10 @@
 //! Material behind the circle, where its edges recede, does not count. Several arcs are reported as one, from the first
 //! to the last.
 //!
+//! The first tooth of a descending move cuts what the move before has left in front of it, in addition to its own chip. Where
+//! the plunge law governs the descending move, the arcs at the end of the move before are reported as whole, so that a law
+//! raises no feed there and the chip that remains is the programmed one.
+//!
 //! Source: own; omissions: docs/engagement.md.
 
 use std::f64::consts::TAU;
@@ -28,7 +32,7 @@ use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 use super::cutter::LeftOut;
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
-use super::sections::{SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
+use super::sections::{JOINED_MM, SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
 use super::tilted::{TiltedLayers, TiltedSide, TiltedWorkpiece};
 use super::trail::BlockRef;
 
@@ -153,8 +157,11 @@ impl EngagementMeter {
         if let Some(block) = in_execution.filter(|block| self.is_sampled(block)) {
             self.open(block);
         }
-        if let Some(((block, segment), descents)) = executed.zip(self.descents.as_mut()) {
-            descents.open(&block, segment);
+        if let Some((block, segment)) = executed {
+            let has_arcs = self.is_sampled(&block);
+            if self.descents.as_mut().is_some_and(|descents| descents.open(&block, segment, has_arcs)) {
+                self.widen_end();
+            }
         }
         if let Some(period) = self.periods.observe(simulation) {
             self.process_period(&period);
@@ -167,6 +174,14 @@ impl EngagementMeter {
             self.sample(&reached, END_RATIO * self.settings.every_mm);
             self.sample_section(&reached, END_RATIO * self.settings.every_mm);
         }
+    }
+
+    /// Reports the arcs at the end of the last move as whole.
+    fn widen_end(&mut self) {
+        let Some(samples) = self.moves.last_mut().map(|moved| &mut moved.samples) else { return };
+        let from_mm = samples.last().map_or(0.0, |last| last.at_mm) - JOINED_MM;
+        let near_end = samples.iter_mut().filter(|sample| sample.at_mm >= from_mm);
+        near_end.flat_map(|sample| sample.intervals_deg.iter_mut().flatten()).for_each(|arc_deg| *arc_deg = AHEAD_DEG);
     }
 
     /// Moves under a rule whose law needs engaged arcs, with the arcs sampled along each of them, in order of execution.
