@@ -117,7 +117,7 @@ fn the_program_of_blisk_19_is_executed_by_the_simulated_control_and_read_by_anot
 }
 
 #[test]
-fn a_plan_that_cannot_be_made_names_its_place_and_writes_nothing() {
+fn point_3_a_plan_that_cannot_be_made_names_its_place_and_writes_nothing() {
     let scratch = Scratch::new("plunge-refused");
     let text = std::fs::read_to_string(arcfeed_tests::root().join(PART)).unwrap();
     let sections = arcfeed_tests::root().join("examples/impeller-13/rotor-b.csv");
