@@ -168,10 +168,10 @@ impl TiltedLayers {
         // Where the tool's place is unknown, its material stays.
         let sweeps = placement.sweeps(section, tool, machine, *tolerance_mm).unwrap_or_default();
         for sweep in sweeps.iter().filter(|sweep| sweep.from_mm != sweep.to_mm) {
-            match self.sweeps.last_mut().filter(|last| continues(last, sweep)) {
-                Some(last) => last.to_mm = sweep.to_mm,
-                None if self.sweeps.last().is_some_and(|last| covers(last, sweep)) => {}
-                None => self.sweeps.push(*sweep),
+            match self.sweeps.last_mut() {
+                Some(last) if continues(last, sweep) => last.to_mm = sweep.to_mm,
+                Some(last) if covers(last, sweep) => {}
+                _ => self.sweeps.push(*sweep),
             }
         }
     }
