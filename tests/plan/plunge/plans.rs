@@ -5,7 +5,6 @@ use std::sync::OnceLock;
 use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::generator::{Hand, Rotor};
 use arcfeed_plan::plunge::assembly::ball_mm;
-use arcfeed_plan::plunge::boundary::{Circles, boundary};
 use arcfeed_plan::plunge::field::Field;
 use arcfeed_plan::plunge::infeasibility::PlungeInfeasible;
 use arcfeed_plan::plunge::line::Fit;
@@ -181,6 +180,11 @@ fn point_5_mirrored_and_turned_rotors_have_images_of_the_plan() {
     };
     let (right, left, turned) = (of(Hand::Right, 0.0), of(Hand::Left, 0.0), of(Hand::Right, TURN_RAD));
     let back = Rotation3::from_axis_angle(&Vector::z_axis(), -TURN_RAD);
+    // The image of a passage may be the next one of the mirrored rotor.
+    let pitch_rad = core::f64::consts::TAU / 19.0;
+    let [one_rad, image_rad] = [&right, &left].map(|plan| plan.planes[0].boundary.middle_rad);
+    let passages = libm::round((one_rad + image_rad) / pitch_rad);
+    let to_passage = Rotation3::from_axis_angle(&Vector::z_axis(), passages * pitch_rad);
     let mut off_mm = [0.0_f64; 2];
     // In the mirror image a plane begins at the other blade: its columns come in reversed order.
     for (number, plane) in right.planes.iter().enumerate() {
@@ -197,13 +201,14 @@ fn point_5_mirrored_and_turned_rotors_have_images_of_the_plan() {
             image.reverse();
         }
         for (index, plunge) in one.iter().enumerate() {
-            let mirror = |point: &Point| Point::new(point.x, -point.y, point.z);
-            let (mirrored, moved) = (mirror(&image[index].tip), back * same[index].tip);
-            off_mm[0] = off_mm[0].max((plunge.tip - mirrored).norm());
-            off_mm[1] = off_mm[1].max((plunge.tip - moved).norm());
-            let image_axis = Vector::new(image[index].axis.x, -image[index].axis.y, image[index].axis.z);
-            off_mm[0] = off_mm[0].max((plunge.axis - image_axis).norm() * 98.6);
-            off_mm[1] = off_mm[1].max((plunge.axis - back * same[index].axis).norm() * 98.6);
+            let mirror = |vector: Vector| to_passage * Vector::new(vector.x, -vector.y, vector.z);
+            let pairs = [
+                (mirror(image[index].tip.coords), mirror(image[index].axis)),
+                (back * same[index].tip.coords, back * same[index].axis),
+            ];
+            for (off_mm, (tip, axis)) in off_mm.iter_mut().zip(pairs) {
+                *off_mm = off_mm.max((plunge.tip.coords - tip).norm()).max((plunge.axis - axis).norm() * 98.6);
+            }
         }
     }
     println!(
