@@ -9,9 +9,10 @@ use crate::vector::{Point, Vector};
 use super::boundary::LargestTool;
 use super::column::{Column, columns, spacing_max_mm};
 use super::infeasibility::PlungeInfeasible;
-use super::material::{is_open, roof_mm};
+use super::material::roof_mm;
 use super::passage::Passage;
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
+use super::removed::is_open;
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionFamily, SectionPlane};
 

@@ -3,15 +3,9 @@
 use crate::geometry::blisk::Blank;
 use crate::vector::{Point, Vector};
 
-use super::passage_plan::Plunge;
-
 /// Circles of a mill's end at which the material is looked for, and points of each.
 const CIRCLES: u32 = 8;
 const POINTS: u32 = 64;
-/// Distance of the heights at which the material beside a mill is looked for, mm.
-const HEIGHT_MM: f64 = 0.5;
-/// Distance from a mill's circle within which material does not count, mm.
-const SKIN_MM: f64 = 0.005;
 
 /// Way along a direction up to which a point sees the blank; `None` if the ray passes the blank by.
 pub fn exit_mm(blank: &Blank, from: &Point, along: &Vector) -> Option<f64> {
@@ -56,62 +50,9 @@ pub fn roof_mm(blank: &Blank, tip: &Point, axis: &Vector, radius_mm: f64) -> [f6
     [tip_mm + high, tip_mm + low.min(high)]
 }
 
-/// Whether a mill that steps aside by `relief_mm` at its lowest place, and is withdrawn there, meets nothing but what it and the plunges before it have cut.
-pub fn is_open(blank: &Blank, plunge: &Plunge, before: &[Plunge], radius_mm: f64) -> bool {
-    let to_part = plunge.to_tool.inverse();
-    let [_, low, off, _] = plunge.places();
-    let heights = libm::ceil((plunge.roof_mm[0] - off.z).max(0.0) / HEIGHT_MM) as u32;
-    let is_cut = |point: &Point| {
-        before.iter().any(|other| {
-            let way = point - other.tip;
-            let up_mm = way.dot(&other.axis);
-            up_mm >= 0.0 && way.norm_squared() - up_mm * up_mm <= radius_mm * radius_mm
-        })
-    };
-    let is_free = |place: [u32; 2]| {
-        let [height, point] = place;
-        let (sin, cos) = libm::sincos(f64::from(point) / f64::from(POINTS) * core::f64::consts::TAU);
-        let (x, y) = (off.x + radius_mm * cos, off.y + radius_mm * sin);
-        let at = to_part * Point::new(x, y, off.z + HEIGHT_MM * f64::from(height));
-        let is_in_blank =
-            libm::hypot(at.x, at.y) <= blank.radius_mm && (blank.faces_mm[0]..=blank.faces_mm[1]).contains(&at.z);
-        !is_in_blank || libm::hypot(x - low.x, y - low.y) <= radius_mm + SKIN_MM || is_cut(&at)
-    };
-    (0..=heights).all(|height| (0..POINTS).all(|point| is_free([height, point])))
-}
-
 #[cfg(test)]
 mod tests {
-    use nalgebra::Rotation3;
-
     use super::*;
-
-    #[test]
-    fn a_mill_steps_aside_only_into_what_is_cut() {
-        // Plunges along z into the upper face of a block, x across.
-        let blank = Blank { radius_mm: 100.0, faces_mm: [-20.0, 20.0] };
-        let plunge = |x: f64, y: f64, relief_mm: f64| Plunge {
-            plane: 0,
-            axis: Vector::z(),
-            to_tool: Rotation3::identity(),
-            tip: Point::new(x, y, 0.0),
-            clear_mm: 30.0,
-            roof_mm: [20.0, 20.0],
-            relief_mm,
-            lift_mm: 0.0,
-            lean_rad: 0.0,
-        };
-        let is_open = |plunge: &Plunge, before: &[Plunge]| super::is_open(&blank, plunge, before, 5.0);
-        assert!(!is_open(&plunge(0.0, 0.0, 0.2), &[]) && is_open(&plunge(0.0, 0.0, 0.0), &[]));
-        let beside = [-3.0, -1.0, 0.0, 1.0, 3.0].map(|y| plunge(3.0, y, 0.0));
-        assert!(is_open(&plunge(0.0, 0.0, 0.2), &beside) && !is_open(&plunge(0.0, 0.0, -0.2), &beside));
-        assert!(!is_open(&plunge(0.0, 0.0, 0.2), &beside[2..3]), "cusps beside one plunge");
-        // A plunge that ends higher leaves material below its end.
-        let higher = beside.map(|other| Plunge { tip: other.tip + Vector::z(), ..other });
-        assert!(!is_open(&plunge(0.0, 0.0, 0.2), &higher));
-        // Half of the disc is outside of the blank.
-        assert!(is_open(&plunge(100.0, 0.0, 0.2), &[]));
-    }
 
     #[test]
     fn material_ends_at_faces_and_rim() {

@@ -13,7 +13,7 @@ pub struct Comparison {
     pub name: &'static str,
     /// Time of the feed moves and volume, min and mm3, or the reason why there are none.
     pub outcome: Result<[f64; 2], String>,
-    /// What it leaves.
+    /// Allowance that is left on the blades, in words.
     pub left: String,
 }
 
