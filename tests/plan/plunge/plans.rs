@@ -217,5 +217,5 @@ fn point_5_mirrored_and_turned_rotors_have_images_of_the_plan() {
         off_mm[0],
         off_mm[1]
     );
-    assert!(right.plunges.len() == left.plunges.len() && off_mm.into_iter().all(|off_mm| off_mm < 1e-8));
+    assert!(right.plunges.len() == left.plunges.len() && off_mm.into_iter().all(|off_mm| off_mm < 1e-9));
 }
