@@ -282,7 +282,7 @@ mod tests {
         for (to, expected) in
             [("version = 1", "these sections are of another version"), ("", "missing field `version`")]
         {
-            let (_, said) = EngagementMap::parse(&map.text(77).replacen("version = 2", to, 1), 77).unwrap_err();
+            let (_, said) = EngagementMap::parse(&map.text(77).replacen("version = 3", to, 1), 77).unwrap_err();
             assert!(said.contains(expected) && said.contains("arcfeed engage"), "{said}");
         }
     }

@@ -37,7 +37,7 @@ fn a_plan_whose_proof_fails_gives_way_to_the_next_one() {
     assert!(ranked.windows(2).all(|pair| pair[0].share_ratio >= pair[1].share_ratio) && ranked.len() > 1);
     // A point of the best plan's ring from which another plan stays away.
     let first = &ranked[0].plan;
-    let lowest = poses(&first.path.steps()[1], 5.0)[0];
+    let lowest = poses(&first.path.steps()[2], 5.0)[0];
     let middle_mm = (tool.outer_radius_mm + tool.inner_radius_mm) / 2.0;
     let around = (0..72).map(|k| {
         let (sin, cos) = libm::sincos(f64::from(k) * core::f64::consts::TAU / 72.0);

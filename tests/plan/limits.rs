@@ -54,7 +54,15 @@ pub fn path(mirror: bool) -> SlotPath {
         interior_end: turned(interior, 9.0 - index as f64),
     };
     let outward = if mirror { Turn::Ccw } else { Turn::Cw };
-    SlotPath { exterior, interior, base, outward, levels: (0..6).map(level).collect(), clear_mm: 210.0 }
+    SlotPath {
+        exterior,
+        interior,
+        base,
+        outward,
+        levels: (0..6).map(level).collect(),
+        clear_mm: 210.0,
+        contact_mm: f64::MIN,
+    }
 }
 
 /// A tool axis in the part frame that leans towards the rotor's.

@@ -93,6 +93,7 @@ fn path(slot: &[Block]) -> SlotPath {
         outward: Turn::Cw,
         levels,
         clear_mm: -26.7876 * MM_PER_INCH,
+        contact_mm: f64::MIN,
     }
 }
 

@@ -43,6 +43,8 @@ mod rise;
 
 mod job;
 
+mod approach;
+
 mod twisted;
 
 mod dense;

@@ -49,7 +49,10 @@ impl Solid for Machined<'_> {
 
     fn grid(&self, lattice: &Lattice, axis: usize) -> Grid {
         let mut grid = self.solid.grid(lattice, axis);
-        grid.cut(&passes(self.tool, self.sweeps, axis));
+        let mut passes = passes(self.tool, self.sweeps, axis);
+        // A lattice may be one layer of many, of which most sweeps meet few.
+        passes.retain(|pass| Lattice::across(axis).iter().all(|across| !pass.cells(lattice, *across).is_empty()));
+        grid.cut(&passes);
         grid
     }
 }

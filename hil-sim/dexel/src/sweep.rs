@@ -188,6 +188,14 @@ impl Pass<'_> {
         self.corners_mm
     }
 
+    /// Whether the pass can meet a box, given by its lowest and highest corner.
+    pub fn meets(&self, corners_mm: &[Vector; 2]) -> bool {
+        (0..3).all(|axis| {
+            let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
+            from_mm <= corners_mm[1][axis] && to_mm >= corners_mm[0][axis]
+        })
+    }
+
     /// Indices of the rows of the lattice that the pass can meet.
     pub fn rows(&self, lattice: &Lattice) -> Range<usize> {
         let [_, row_axis] = Lattice::across(self.ray_axis);

@@ -6,16 +6,16 @@
 //! Material behind the circle, where its edges recede, does not count. Several arcs are reported as one, from the first
 //! to the last.
 //!
+//! The first tooth of a descending move cuts what the move before has left in front of it, in addition to its own chip. Where
+//! the plunge law governs the descending move, the arcs at the end of the move before are reported as whole, so that a law
+//! raises no feed there and the chip that remains is the programmed one.
+//!
 //! Source: own; omissions: docs/engagement.md.
-
-use std::f64::consts::TAU;
 
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::{Vector, difference, length};
 use arcfeed_model::tool::Edge;
-use arcfeed_nc::modal::Plane;
 use arcfeed_nc::segment::Segment;
-use arcfeed_units::Nm;
 use nalgebra::Vector2;
 
 use crate::override_source::OverrideSource;
@@ -26,18 +26,16 @@ use arcfeed_milling::cutting::engaged_arcs::EdgeCircle;
 use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 use super::cutter::LeftOut;
+use super::heading::{AHEAD_DEG, Heading, hull};
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
-use super::sections::{SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
+use super::sections::{JOINED_MM, SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
 use super::tilted::{TiltedLayers, TiltedSide, TiltedWorkpiece};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. A circle
 /// leaves a fiftieth of its square over the radius.
 const CLEAR_RATIO: f64 = 0.1;
-/// Angles in front of the circle, from one side to the other.
-const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
-const TURN_DEG: f64 = 360.0;
 /// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
@@ -113,13 +111,6 @@ struct Reached {
     is_tilted: bool,
 }
 
-/// Direction of a tool on its move.
-struct Heading {
-    travelled_mm: f64,
-    towards: Vector2<f64>,
-    motion: Vector2<f64>,
-}
-
 impl EngagementMeter {
     /// Engagement meter before the run.
     pub fn new(settings: EngagementSettings) -> Self {
@@ -153,8 +144,11 @@ impl EngagementMeter {
         if let Some(block) = in_execution.filter(|block| self.is_sampled(block)) {
             self.open(block);
         }
-        if let Some(((block, segment), descents)) = executed.zip(self.descents.as_mut()) {
-            descents.open(&block, segment);
+        if let Some((block, segment)) = executed {
+            let has_arcs = self.is_sampled(&block);
+            if self.descents.as_mut().is_some_and(|descents| descents.open(&block, segment, has_arcs)) {
+                self.widen_end();
+            }
         }
         if let Some(period) = self.periods.observe(simulation) {
             self.process_period(&period);
@@ -167,6 +161,14 @@ impl EngagementMeter {
             self.sample(&reached, END_RATIO * self.settings.every_mm);
             self.sample_section(&reached, END_RATIO * self.settings.every_mm);
         }
+    }
+
+    /// Reports the arcs at the end of the last move as whole.
+    fn widen_end(&mut self) {
+        let Some(samples) = self.moves.last_mut().map(|moved| &mut moved.samples) else { return };
+        let from_mm = samples.last().map_or(0.0, |last| last.at_mm) - JOINED_MM;
+        let near_end = samples.iter_mut().filter(|sample| sample.at_mm >= from_mm);
+        near_end.flat_map(|sample| sample.intervals_deg.iter_mut().flatten()).for_each(|arc_deg| *arc_deg = AHEAD_DEG);
     }
 
     /// Moves under a rule whose law needs engaged arcs, with the arcs sampled along each of them, in order of execution.
@@ -332,11 +334,6 @@ impl EngagementMeter {
     }
 }
 
-/// Interval from the lower beginning to the higher end.
-fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    [a.min(c), b.max(d)]
-}
-
 /// Slice of the tool at a height; `None` if no part of the tool cuts there.
 fn slice(tool: &Tool, height_mm: f64) -> Option<Slice> {
     let slab = tool.slabs().iter().find(|slab| (slab.heights_mm[0]..slab.heights_mm[1]).contains(&height_mm))?;
@@ -344,84 +341,4 @@ fn slice(tool: &Tool, height_mm: f64) -> Option<Slice> {
     let part = (height_mm - low_mm) / (high_mm - low_mm);
     let at = |[low_mm, high_mm]: [f64; 2]| low_mm + (high_mm - low_mm) * part;
     Some(Slice { height_mm, inner_mm: inner_mm.map_or(0.0, at), outer_mm: at(outer_mm) })
-}
-
-impl Heading {
-    /// Direction of the tool; `None` if a move has no direction in the plane of the layers.
-    fn of(segment: &Segment, axes: &[f64; AXES]) -> Option<Self> {
-        let [x, y, _] = segment.start.linear.map(Nm::to_mm);
-        let Some(arc) = segment.arc() else {
-            let way = difference(segment.end.linear.map(Nm::to_mm), segment.start.linear.map(Nm::to_mm));
-            let from = difference([axes[0], axes[1], axes[2]], segment.start.linear.map(Nm::to_mm));
-            let travelled_mm = (0..3).map(|axis| from[axis] * way[axis]).sum::<f64>() / length(way);
-            let motion = Vector2::new(way[0], way[1]).try_normalize(1e-9)?;
-            return Some(Heading { travelled_mm, towards: Vector2::new(-motion.y, motion.x), motion });
-        };
-        if arc.plane != Plane::Xy {
-            return None;
-        }
-        let [center_x, center_y] = arc.center.map(Nm::to_mm);
-        let (begin, turn) = (Vector2::new(x - center_x, y - center_y), f64::from(arc.turn.sign()));
-        let arm = Vector2::new(axes[0] - center_x, axes[1] - center_y).try_normalize(1e-9)?;
-        let turned_rad = turn * libm::atan2(begin.perp(&arm), begin.dot(&arm));
-        // Either a little before the start, or far along a long arc: the nearer one counts.
-        let is_far = turned_rad < 0.0 && arc.sweep_rad() > TAU + 2.0 * turned_rad;
-        let turned_rad = if is_far { turned_rad + TAU } else { turned_rad };
-        Some(Heading {
-            travelled_mm: arc.radius_mm() * turned_rad,
-            towards: -arm,
-            motion: Vector2::new(-arm.y, arm.x) * turn,
-        })
-    }
-
-    /// Part of an arc (counter-clockwise, radians) in front of a circle, in the angles of the laws.
-    fn in_front_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
-        let advance = self.motion * f64::from(side.advance());
-        let base_rad = libm::atan2(self.towards.y, self.towards.x);
-        let [from_deg, to_deg] = arc_rad.map(|end_rad| (end_rad - base_rad).to_degrees());
-        let [from_deg, to_deg] =
-            if self.towards.perp(&advance) > 0.0 { [from_deg, to_deg] } else { [-to_deg, -from_deg] };
-        let part = |turns: i8| {
-            let [from_deg, to_deg] = [from_deg, to_deg].map(|deg| deg + TURN_DEG * f64::from(turns));
-            let part = [from_deg.max(AHEAD_DEG[0]), to_deg.min(AHEAD_DEG[1])];
-            (part[0] < part[1]).then_some(part)
-        };
-        (-2..=2).filter_map(part).reduce(hull)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn heading(towards_deg: f64, turn: f64) -> Heading {
-        let (sin, cos) = libm::sincos(towards_deg.to_radians());
-        let towards = Vector2::new(cos, sin);
-        Heading { travelled_mm: 0.0, towards, motion: Vector2::new(towards.y, -towards.x) * turn }
-    }
-
-    #[test]
-    fn angles_are_counted_from_the_centre_to_where_the_edges_advance() {
-        let arc = |from: f64, to: f64| [from.to_radians(), to.to_radians()];
-        // Counter-clockwise about a centre to the left of the motion: straight ahead is clockwise of it.
-        let ccw = heading(120.0, 1.0);
-        for (side, [from, to], expected) in [
-            (Edge::Outer, [80.0, 100.0], Some([20.0, 40.0])),
-            (Edge::Inner, [140.0, 160.0], Some([20.0, 40.0])),
-            (Edge::Outer, [130.0, 290.0], None),
-            (Edge::Outer, [100.0, 460.0], Some([0.0, 180.0])),
-            (Edge::Outer, [110.0, 130.0], Some([0.0, 10.0])),
-            (Edge::Outer, [290.0, 320.0], Some([160.0, 180.0])),
-        ] {
-            let found = ccw.in_front_deg(side, &arc(from, to));
-            let is_it = match (found, expected) {
-                (Some(found), Some(expected)) => found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
-                (None, None) => true,
-                _ => false,
-            };
-            assert!(is_it, "{side:?} {from} {to}: {found:?}");
-        }
-        let mirrored = heading(120.0, -1.0).in_front_deg(Edge::Outer, &arc(140.0, 160.0)).expect("in front");
-        assert!((mirrored[0] - 20.0).abs() < 1e-9 && (mirrored[1] - 40.0).abs() < 1e-9, "{mirrored:?}");
-    }
 }

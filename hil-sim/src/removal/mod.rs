@@ -36,4 +36,6 @@ pub mod loads;
 
 pub mod sections;
 
+mod heading;
+
 pub mod engagement;

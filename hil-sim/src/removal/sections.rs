@@ -15,6 +15,9 @@
 //! from that of the one move to that of the other, and on the sides the chips of both directions overlap. The section of
 //! the joint has the larger end of both moves, and the sides in material in front of either direction.
 //!
+//! A descending move directly behind a move with engaged arcs meets the chip that this one has left; see
+//! [`super::engagement`].
+//!
 //! Source: geometry; the moments are those of [`arcfeed_milling::cutting::engaged_section`].
 
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -32,8 +35,8 @@ use nalgebra::Vector2;
 
 use super::trail::BlockRef;
 
-/// Path between two descending moves within which the second meets the chip of the first: more than any tooth goes.
-const JOINED_MM: f64 = 2.0;
+/// Path between two moves within which the second meets the chip of the first: more than any tooth goes.
+pub(super) const JOINED_MM: f64 = 2.0;
 
 /// Settings for computing the engaged sections of descending moves (plunges and ramps).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +95,8 @@ pub(super) struct SectionMeter {
     block: Option<u32>,
     /// Path since the last descending move; infinite behind a rapid.
     apart_mm: f64,
+    /// The same since the last move with engaged arcs.
+    since_arcs_mm: f64,
 }
 
 /// Engaged section of the tool at one position of a descending move.
@@ -122,7 +127,8 @@ pub(super) struct ToolAt<'a> {
 impl SectionMeter {
     /// State before the run.
     pub fn new(settings: SectionSettings) -> Self {
-        SectionMeter { settings, moves: Vec::new(), descent: None, block: None, apart_mm: f64::INFINITY }
+        let (apart_mm, since_arcs_mm) = (f64::INFINITY, f64::INFINITY);
+        SectionMeter { settings, moves: Vec::new(), descent: None, block: None, apart_mm, since_arcs_mm }
     }
 
     /// Descending moves so far.
@@ -130,14 +136,18 @@ impl SectionMeter {
         &self.moves
     }
 
-    /// Processes the block in execution.
-    pub fn open(&mut self, block: &BlockRef, segment: &Segment) {
+    /// Processes the block in execution; `has_arcs` states that engaged arcs are sampled on it. Returns whether a descending move begins
+    /// that meets the chip of a move with engaged arcs.
+    pub fn open(&mut self, block: &BlockRef, segment: &Segment, has_arcs: bool) -> bool {
         if self.block.replace(block.count) == Some(block.count) {
-            return;
+            return false;
         }
+        let length_mm = if block.is_rapid { f64::INFINITY } else { segment.length_mm() };
+        let before_mm = self.since_arcs_mm;
+        self.since_arcs_mm = if has_arcs { 0.0 } else { before_mm + length_mm };
         let Some(descent) = self.settings.descent(segment) else {
-            self.apart_mm += if block.is_rapid { f64::INFINITY } else { segment.length_mm() };
-            return;
+            self.apart_mm += length_mm;
+            return false;
         };
         let mut joints = [None; 2];
         if let Some(before) = self.moves.last_mut().filter(|_| self.apart_mm <= JOINED_MM) {
@@ -150,6 +160,7 @@ impl SectionMeter {
         self.moves.push(SectionedMove { segment: *segment, samples: Vec::new(), joints });
         self.descent = Some(block.count);
         self.apart_mm = 0.0;
+        before_mm <= JOINED_MM
     }
 
     /// Whether a block is the last descending move.

@@ -21,6 +21,7 @@ use arcfeed_dexel::grid::Grid;
 use arcfeed_dexel::lattice::{Lattice, LatticeError};
 use arcfeed_dexel::section::Sweep;
 use arcfeed_dexel::solid::{InitialSolid, Machined, Solid};
+use arcfeed_dexel::sweep::passes;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::{Vector, cross, difference, dot, length};
@@ -135,8 +136,9 @@ impl TiltedLayers {
         let tool = &self.workpiece.tool;
         let [rise_mm, step_mm] = self.sizes_mm;
         // The outermost rays stand up to a step beyond the corners.
-        let reach_mm = tool.middle_mm().abs() + tool.reach_mm() + step_mm;
-        let sweeps: Vec<Sweep> = sweeps.filter(|sweep| comes_near(sweep, reach_mm, &corners_mm)).collect();
+        let around_mm = [0, 1].map(|side: usize| corners_mm[side].map(|at| at + [-step_mm, step_mm][side]));
+        let is_near = |sweep: &Sweep| passes(tool, &[*sweep], 2).iter().any(|pass| pass.meets(&around_mm));
+        let sweeps: Vec<Sweep> = sweeps.filter(is_near).collect();
         let machined = Machined { solid: &*solid, tool, sweeps: &sweeps };
         let layers = Layers::of_solid(&PartOf { solid: &machined, corners_mm }, 2, rise_mm, step_mm)?;
         (self.frame, self.about_mm, self.tip_mm) = (chord.frame, about_mm, None);
@@ -160,26 +162,31 @@ impl TiltedLayers {
         })
     }
 
-    /// Adds the sweeps of a path section. A sweep that continues the last one extends it.
+    /// Adds the sweeps of a path section. A sweep that continues the last one extends it; one that only goes back over it adds nothing.
     pub fn add(&mut self, section: &PathSection, placement: &WorkpiecePlacement, machine: Option<&Machine>) {
         let TiltedWorkpiece { tool, tolerance_mm, .. } = &self.workpiece;
         // Where the tool's place is unknown, its material stays.
         let sweeps = placement.sweeps(section, tool, machine, *tolerance_mm).unwrap_or_default();
         for sweep in sweeps.iter().filter(|sweep| sweep.from_mm != sweep.to_mm) {
-            match self.sweeps.last_mut().filter(|last| continues(last, sweep)) {
-                Some(last) => last.to_mm = sweep.to_mm,
-                None => self.sweeps.push(*sweep),
+            match self.sweeps.last_mut() {
+                Some(last) if continues(last, sweep) => last.to_mm = sweep.to_mm,
+                Some(last) if covers(last, sweep) => {}
+                _ => self.sweeps.push(*sweep),
             }
         }
     }
 }
 
-/// Whether a tool, no farther from its tip than its reach, comes beside a box in the plane of the layers.
-fn comes_near(sweep: &Sweep, reach_mm: f64, corners_mm: &[Vector; 2]) -> bool {
-    [0, 1].into_iter().all(|axis: usize| {
-        let (from, to) = (sweep.from_mm[axis], sweep.to_mm[axis]);
-        from.min(to) - reach_mm <= corners_mm[1][axis] && from.max(to) + reach_mm >= corners_mm[0][axis]
-    })
+/// Whether a sweep lies within another one, under the same axis.
+fn covers(last: &Sweep, next: &Sweep) -> bool {
+    let (whole, whole_mm) = (last.motion_mm(), length(last.motion_mm()));
+    let is_within = |place_mm: Vector| {
+        let way = difference(place_mm, last.from_mm);
+        let along_mm = dot(way, whole) / whole_mm;
+        (-STRAIGHT_MM..=whole_mm + STRAIGHT_MM).contains(&along_mm)
+            && length(cross(way, whole)) / whole_mm <= STRAIGHT_MM
+    };
+    last.axis == next.axis && is_within(next.from_mm) && is_within(next.to_mm)
 }
 
 /// Whether a sweep goes on where another ends, straight ahead under the same axis.

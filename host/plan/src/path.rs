@@ -7,6 +7,8 @@
 //! the last one     and back to C
 //! ```
 //!
+//! The way down to the first level changes to the feed of the lines between levels 2 mm above the blank.
+//!
 //! Places are those of the tool's axis in the slot frame, heights those of its bottom.
 
 use arcfeed_nc::modal::Turn;
@@ -15,6 +17,8 @@ use crate::vector::Flat;
 
 /// An arc that ends this little before its start has no length.
 const SWEEP_NOISE_RAD: f64 = 1e-9;
+/// Height above the blank at which the approach ends: a control whose axes lag behind it by a tenth of a second has slowed down from 1.2 m/min.
+const ENTRY_MM: f64 = 2.0;
 
 /// Path of a cup mill through a slot, level by level. Points are in the slot frame, whose z is the tool's axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +35,9 @@ pub struct SlotPath {
     pub levels: Vec<Level>,
     /// Height of the tool between slots, above all that turns, mm.
     pub clear_mm: f64,
+    /// Height of the tool's bottom at which the ring meets the blank on its way down at the base position, mm; the height of the first
+    /// level if it meets nothing above that.
+    pub contact_mm: f64,
 }
 
 /// One level of a slot's path.
@@ -47,8 +54,10 @@ pub struct Level {
 /// Purpose of a piece of the path, such as a movement of the ring or a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Purpose {
-    /// Line down to the first level, at the base position.
+    /// Line down to above the blank, at the base position.
     Approach,
+    /// Line from there into the blank, down to the first level.
+    Entry,
     /// Turn about B1 towards the base position; the outer circle cuts.
     Movement1,
     /// Turn about A away from the base position; the outer circle cuts.
@@ -106,7 +115,7 @@ impl Purpose {
             Purpose::Movement2 => Some(2),
             Purpose::Movement3 => Some(3),
             Purpose::Movement4 => Some(4),
-            Purpose::Approach | Purpose::Link | Purpose::Retract => None,
+            Purpose::Approach | Purpose::Entry | Purpose::Link | Purpose::Retract => None,
         }
     }
 }
@@ -145,20 +154,25 @@ impl SlotPath {
     pub fn steps(&self) -> Vec<Step> {
         let mut way = PathBuilder { path: self, steps: Vec::new(), at: [self.base.x, self.base.y, self.clear_mm] };
         for (index, level) in self.levels.iter().enumerate() {
-            let begin = if index == 0 { Purpose::Approach } else { Purpose::Link };
             let last = index + 1 == self.levels.len();
             match index {
                 0 => {
-                    way.line(begin, index, self.base, level.height_mm);
+                    let entry_mm = (self.contact_mm + ENTRY_MM).min(self.clear_mm);
+                    if self.contact_mm > level.height_mm {
+                        way.line(Purpose::Approach, index, self.base, entry_mm);
+                        way.line(Purpose::Entry, index, self.base, level.height_mm);
+                    } else {
+                        way.line(Purpose::Approach, index, self.base, level.height_mm);
+                    }
                     way.arc(Purpose::Movement4, index, level.interior_end);
                 }
                 _ if index % 2 == 1 => {
-                    way.line(begin, index, level.interior_end, level.height_mm);
+                    way.line(Purpose::Link, index, level.interior_end, level.height_mm);
                     way.arc(Purpose::Movement1, index, self.base);
                     way.arc(Purpose::Movement2, index, level.exterior_end);
                 }
                 _ => {
-                    way.line(begin, index, level.exterior_end, level.height_mm);
+                    way.line(Purpose::Link, index, level.exterior_end, level.height_mm);
                     way.arc(Purpose::Movement3, index, self.base);
                     way.arc(Purpose::Movement4, index, level.interior_end);
                 }

@@ -8,8 +8,8 @@ use toml::Spanned;
 
 use super::{AGAIN, hex, key};
 
-/// Version of the sections in a file: 2 has the joints of moves.
-const VERSION: u32 = 2;
+/// Version of the sections in a file: 3 has whole arcs in front of descending moves.
+const VERSION: u32 = 3;
 
 /// Engaged section at one place of a descending move: the parts of the tool's end and sides that are in material. A moment is the sum of
 /// radius times engaged width over the edges.

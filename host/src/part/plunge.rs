@@ -12,7 +12,7 @@ use arcfeed_units::LengthUnit;
 use toml::Spanned;
 
 use super::schema::{FitWord, PartPlungeLawTable, PartPlungeTable, PartTable};
-use super::{CLEARANCE_MM, Feeds, MachineSource, Output, PartError};
+use super::{BaselineSettings, CLEARANCE_MM, Feeds, MachineSource, Output, PartError, PartFile};
 use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive, spindle};
 use crate::machine_file::MachineFile;
@@ -47,6 +47,10 @@ pub struct PlungePart {
     pub machine_source: Option<MachineSource>,
     /// Settings for the NC program that is written.
     pub output: Output,
+    /// Flank milling of the same passages, for comparison.
+    pub baseline: Option<BaselineSettings>,
+    /// The same part for its cup mill, for comparison, if it names one; or what its tables lack for that.
+    pub cup_mill: Option<Result<Box<PartFile>, String>>,
 }
 
 impl PlungePart {
@@ -85,7 +89,16 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PlungePart, Pa
         machine: machine::named(table.machine.file.as_ref(), table.machine.preset.as_ref(), folder, &[])?,
         machine_source: super::machine_source(&table.machine, folder),
         output: super::output(&table.output, unit)?,
+        baseline: table.baseline.as_ref().map(|entry| super::baseline(entry, unit)).transpose()?,
+        cup_mill: table.cutter.as_ref().map(|_| cup_mill(table, path, folder)),
         blisk: super::geometry::build(&table.geometry, unit, blank, folder)?,
+    })
+}
+
+fn cup_mill(table: &PartTable, path: &Path, folder: &Path) -> Result<Box<PartFile>, String> {
+    super::build(table, path, folder).map(Box::new).map_err(|error| match error {
+        PartError::Here((_, message)) => message,
+        PartError::There(error) => error.to_string(),
     })
 }
 

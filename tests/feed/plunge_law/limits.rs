@@ -9,7 +9,7 @@ use arcfeed_law::{FeedLaw, Place};
 use crate::plunge_law::table::rows;
 
 #[test]
-fn feeds_by_chip_power_and_torque_are_those_of_an_independent_program() {
+fn point_7_feeds_by_chip_power_and_torque_are_those_of_an_independent_program() {
     let (mut worst, mut count) = (0.0_f64, 0);
     for row in rows(include_str!("an_feed.csv")) {
         let (teeth, rev_per_min) = (row.number("teeth"), row.number("rev_per_min"));
@@ -54,7 +54,7 @@ fn crescent_mm2(radius_mm: f64, apart_mm: f64) -> f64 {
 }
 
 #[test]
-fn along_the_plunges_of_a_fan_power_and_torque_stay_within_their_limits() {
+fn point_7_along_the_plunges_of_a_fan_power_and_torque_stay_within_their_limits() {
     let (radius_mm, teeth, rev_per_min, depth_mm, specific_mpa) = (6.0, 3.0, 1_300.0, 33.0, 2_100.0);
     let area_mm2 = |at_mm: f64| crescent_mm2(radius_mm, 5.0 - 2.2 * at_mm / depth_mm);
     let sections = |every_mm: f64| -> Vec<MappedSection> {

@@ -16,6 +16,8 @@ mod rows;
 
 mod slot;
 
+mod planned_slot;
+
 mod indexed;
 
 mod random;

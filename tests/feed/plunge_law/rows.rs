@@ -7,7 +7,7 @@ const PROGRAM: &str = "%\nG21G17G90G94\nS800M3\nN1G0X0.Y3.Z5.\nN2G1Z-30.F160.\nN
                        N8G1Z-30.F160.\nN9G0Z5.\nN10X12.\nN11G1Z-30.F160.\nN12G0Z5.\nN13M30\n%\n";
 
 #[test]
-fn plunges_under_the_law_keep_power_and_torque_in_both_modes() {
+fn point_7_plunges_under_the_law_keep_power_and_torque_in_both_modes() {
     for mode in ["mode = \"safe-base\"", "mode = \"rewrite-only\""] {
         let job = PlungeJob {
             name: "row",

@@ -106,18 +106,41 @@ fn program_and_cl_data_of_the_example_are_the_same_path_with_standing_axes() {
     assert_streamed(&folder, "impeller-13");
 }
 
+/// The report's comparison has the figures of both plans of the part, made by their own commands.
+fn assert_compared(report: &str) {
+    let object = |command: &str| -> serde_json::Value {
+        let output = run(&["plan", command, "examples/blisk-19/PART.toml", "--json"]);
+        serde_json::from_slice(&output.stdout).expect("one object")
+    };
+    let (plunge, cup) = (object("plunge"), object("cup-mill"));
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let (_, rows) = report.split_once(">Comparison<").expect("a section");
+    let figures = |name: &str| -> Vec<f64> {
+        let (_, row) = rows.split_once(name).expect("a row");
+        row.split(['<', '>']).filter_map(|word| word.trim().parse().ok()).take(2).collect()
+    };
+    let near = |found: f64, expected: f64, digit: f64| (found - expected).abs() <= 0.51 * digit;
+    let [plunging, ring, flank] = ["plunge mill", "cup mill", "ball-end mill"].map(figures);
+    println!("min and cm3: plunge mill {plunging:?}, cup mill {ring:?}, flank milling {flank:?}");
+    assert!(near(plunging[0], number(&plunge["passage_min"]), 0.1));
+    assert!(near(ring[0], number(&cup["slot_min"]), 0.1));
+    assert!(near(ring[1], number(&cup["removed"]["total_mm3"]) / 1e3, 0.01));
+    assert!(near(flank[0], number(&cup["baseline_slot_min"]), 0.1) && flank[1] == plunging[1]);
+}
+
 #[test]
 fn the_program_of_blisk_19_is_executed_by_the_simulated_control_and_read_by_another_interpreter() {
     let scratch = Scratch::new("plunge-blisk");
     let folder = scratch.path("out");
     let output = plan("examples/blisk-19/PART.toml", &["-o", &folder]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_compared(&std::fs::read_to_string(format!("{folder}/report.html")).unwrap());
     assert_read_by_rs274(&folder, "blisk-19");
     assert_streamed(&folder, "blisk-19");
 }
 
 #[test]
-fn a_plan_that_cannot_be_made_names_its_place_and_writes_nothing() {
+fn point_3_a_plan_that_cannot_be_made_names_its_place_and_writes_nothing() {
     let scratch = Scratch::new("plunge-refused");
     let text = std::fs::read_to_string(arcfeed_tests::root().join(PART)).unwrap();
     let sections = arcfeed_tests::root().join("examples/impeller-13/rotor-b.csv");

@@ -6,7 +6,7 @@ use arcfeed_plan::plunge::step::stepover;
 use super::table::{Worst, rows};
 
 #[test]
-fn one_sided_lines_are_those_of_hull_and_linear_program() {
+fn point_1_one_sided_lines_are_those_of_hull_and_linear_program() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_one_sided_line.csv")) {
         let c = row.numbers(["c0", "c1", "c2", "c3", "c4", "c5"]);
@@ -43,7 +43,7 @@ fn one_sided_lines_are_those_of_hull_and_linear_program() {
 }
 
 #[test]
-fn steps_leave_the_cusp_of_two_circles() {
+fn point_1_steps_leave_the_cusp_of_two_circles() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_step.csv")) {
         let [radius_mm, cusp_mm] = row.numbers(["R_mm", "cusp_mm"]);

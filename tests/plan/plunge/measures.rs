@@ -45,7 +45,7 @@ fn curve(row: &Row<'_>) -> (Curve, [f64; 2]) {
 }
 
 #[test]
-fn twist_and_bend_of_curves_are_their_closed_forms() {
+fn point_1_twist_and_bend_of_curves_are_their_closed_forms() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_twist_bend_curves.csv")) {
         let (curve, range) = curve(&row);
@@ -80,7 +80,7 @@ fn twist_and_bend_of_curves_are_their_closed_forms() {
 }
 
 #[test]
-fn twist_of_generated_camber_lines_is_the_other_programs() {
+fn point_1_twist_of_generated_camber_lines_is_the_other_programs() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_twist_rotor_section.csv")) {
         let [radius_mm, chord_mm, stagger_deg, camber_deg] =
@@ -148,7 +148,7 @@ fn measures_of_the_blisk_are_the_other_programs() {
 }
 
 #[test]
-fn reach_between_upright_walls_is_the_closed_form() {
+fn point_1_reach_between_upright_walls_is_the_closed_form() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_reach_slot.csv")) {
         let [width_mm, height_mm, radius_mm, x_mm, y_mm] =

@@ -22,4 +22,4 @@ mod both_faces;
 
 mod governed;
 
-mod command;
+pub mod command;

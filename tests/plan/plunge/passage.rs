@@ -152,7 +152,7 @@ fn flat_blades(blades: u32, [hub_mm, tip_mm]: [f64; 2], thickness_mm: f64) -> Bl
 }
 
 #[test]
-fn flat_radial_blades_have_the_boundary_of_the_closed_form() {
+fn point_1_flat_radial_blades_have_the_boundary_of_the_closed_form() {
     let mut worst = Worst::default();
     for row in rows(include_str!("data/an_flat_radial_blades.csv")) {
         let [hub_mm, roof_mm, thickness_mm, allowance_mm, radius_mm] =

@@ -6,7 +6,7 @@ use arcfeed_plan::vector::Flat;
 use super::table::{Worst, rows};
 
 #[test]
-fn sections_of_a_sequence_are_those_of_polar_integration() {
+fn point_4_sections_of_a_sequence_are_those_of_polar_integration() {
     let table = rows(include_str!("data/an_sequence.csv"));
     let mut worst = Worst::default();
     for (at, row) in table.iter().enumerate() {

@@ -269,11 +269,11 @@ fn check(planned: &Planned) {
 }
 
 #[test]
-fn the_dexels_of_impeller_13_after_its_plan_have_allowance_no_pillar_and_the_volume_of_points() {
+fn point_4_the_dexels_of_impeller_13_after_its_plan_have_allowance_no_pillar_and_the_volume_of_points() {
     check(&Planned::new(rotor_b(), [6.0, 5.0], [0.8, 0.2]));
 }
 
 #[test]
-fn the_dexels_of_blisk_19_after_its_plan_have_allowance_no_pillar_and_the_volume_of_points() {
+fn point_4_the_dexels_of_blisk_19_after_its_plan_have_allowance_no_pillar_and_the_volume_of_points() {
     check(&Planned::new(published_rotor::blisk(), [5.0, 5.0], [0.889, 0.222]));
 }

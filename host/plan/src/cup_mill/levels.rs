@@ -53,7 +53,7 @@ impl Surroundings {
 
 impl LevelContext<'_> {
     /// Computes the ends of the turns on all levels, and the path from the highest material at the height `top_mm` down. Between slots the
-    /// tool is lifted to the height `clear_mm`.
+    /// tool is lifted to the height `clear_mm`; the ring meets the blank at the height `contact_mm`.
     ///
     /// # Errors
     /// The cup's cavity is not deep enough for the blade in it, or there would be too many levels.
@@ -61,7 +61,7 @@ impl LevelContext<'_> {
         &self,
         request: &Request<'_>,
         top_mm: f64,
-        clear_mm: f64,
+        [clear_mm, contact_mm]: [f64; 2],
     ) -> Result<(Vec<[Stop; 2]>, SlotPath), Infeasible> {
         let LevelContext { around, base, interior, outward } = self;
         let Request { cutter, roughing, .. } = *request;
@@ -91,6 +91,7 @@ impl LevelContext<'_> {
             outward: *outward,
             levels: levels.collect(),
             clear_mm,
+            contact_mm,
         };
         Ok((stops, path))
     }

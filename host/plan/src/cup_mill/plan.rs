@@ -13,7 +13,7 @@ use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
 use super::base::Base;
-use super::depth::top_mm;
+use super::depth::{contact_mm, top_mm};
 use super::free_width::{FreeWidth, SidePoints};
 use super::infeasibility::{Infeasible, narrow};
 use super::interior::InteriorPivot;
@@ -170,7 +170,8 @@ impl PreparedSlot {
         let roof = if request.is_coarse() { &self.coarse.roof } else { &self.fine.roof };
         let top_mm = top_mm(cutter, base.centre, &roof.turned(&turn)).ok_or(Infeasible::NoFloor)?;
         let clear_mm = top_mm.max(highest_mm(&self.blisk.blank, &[], &turn)) + roughing.clearance_mm;
-        let (stops, path) = level_context.path(request, top_mm, clear_mm)?;
+        let contact_mm = contact_mm(cutter, base.centre, &self.blisk.blank, &turn).unwrap_or(top_mm).max(top_mm);
+        let (stops, path) = level_context.path(request, top_mm, [clear_mm, contact_mm])?;
         let blade_axis = self.blade_axis;
         let blade_free_width = self.walls(0).free_width(cutter, &blade_axis.direction).ok_or(Infeasible::NoAxis)?;
         let start = self.start;

@@ -248,6 +248,7 @@ mod tests {
             outward: Turn::Ccw,
             levels: vec![level(-1.0)],
             clear_mm: 4.0,
+            contact_mm: 0.0,
         };
         let time = planned_time(&path, |purpose| if purpose.movement().is_some() { 10.0 } else { 5.0 }, 100.0);
         // 5 mm down, a quarter of a circle of 10 mm there and back, 5 mm up.

@@ -59,9 +59,9 @@ pub struct Setup {
 pub struct Feeds {
     /// Feed of all arcs, and of steps without a feed of their own.
     pub cutting_mm_per_min: f64,
-    /// Feed down to the first level, and up from the last.
+    /// Feed down to above the blank, and up from the last level.
     pub approach_mm_per_min: Option<f64>,
-    /// Feed from level to level.
+    /// Feed into the blank, and from level to level.
     pub axial_mm_per_min: Option<f64>,
     /// Feed of indexing, inverse time.
     pub indexing_per_min: f64,
@@ -72,7 +72,7 @@ impl Feeds {
     pub fn of(&self, purpose: Purpose) -> f64 {
         let own = match purpose {
             Purpose::Approach | Purpose::Retract => self.approach_mm_per_min,
-            Purpose::Link => self.axial_mm_per_min,
+            Purpose::Entry | Purpose::Link => self.axial_mm_per_min,
             _ => None,
         };
         own.unwrap_or(self.cutting_mm_per_min)

@@ -12,6 +12,7 @@ use super::infeasibility::PlungeInfeasible;
 use super::material::roof_mm;
 use super::passage::Passage;
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily, PlungePlane};
+use super::removed::is_open;
 use super::rows::Rows;
 use super::section::{PlungeSection, SectionFamily, SectionPlane};
 
@@ -55,10 +56,15 @@ impl<'a> Assembly<'a> {
             self.from_left = !self.from_left;
             let number = self.planes.len();
             for column in &found {
-                self.plunges.push(match family {
+                let mut plunge = match family {
                     PlungeFamily::Radial => self.passage.plunge(number, column, &boundary, plane.origin.z)?,
                     PlungeFamily::LowerFace | PlungeFamily::UpperFace => self.face_plunge(number, column, &plane),
-                });
+                };
+                // The mill is withdrawn at rapid, so it may step only into what is cut already.
+                if !is_open(&self.passage.blisk.blank, &plunge, &self.plunges, mill.radius_mm) {
+                    plunge.relief_mm = 0.0;
+                }
+                self.plunges.push(plunge);
             }
             self.planes.push(PlungePlane {
                 family,

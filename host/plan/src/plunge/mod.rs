@@ -38,6 +38,8 @@ pub mod passage_plan;
 
 pub mod left_over;
 
+pub mod removed;
+
 pub mod assembly;
 
 pub mod plan;

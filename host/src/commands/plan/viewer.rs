@@ -142,6 +142,7 @@ fn line(unit: LengthUnit, step: &Step) -> Vec<u8> {
 const fn purpose(purpose: Purpose) -> &'static str {
     match purpose {
         Purpose::Approach => "down",
+        Purpose::Entry => "into the blank",
         Purpose::Movement1 => "movement 1, about B1",
         Purpose::Movement2 => "movement 2, about A",
         Purpose::Movement3 => "movement 3, about A",

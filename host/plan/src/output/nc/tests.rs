@@ -21,7 +21,9 @@ fn path() -> SlotPath {
             interior_end: on(interior, 112.0, 150.3 - 17.0 + turn_deg),
         }
     };
-    SlotPath { exterior, interior, base, outward: Turn::Cw, levels: (0..4).map(level).collect(), clear_mm: -680.0 }
+    let levels = (0..4).map(level).collect();
+    let (clear_mm, contact_mm) = (-680.0, -692.3);
+    SlotPath { exterior, interior, base, outward: Turn::Cw, levels, clear_mm, contact_mm }
 }
 
 fn setup() -> Setup {
@@ -36,7 +38,7 @@ fn setup() -> Setup {
         slots_deg: vec![85.0, 85.0 + 360.0 / 19.0],
         feeds: Feeds {
             cutting_mm_per_min: 635.0,
-            approach_mm_per_min: Some(254.0),
+            approach_mm_per_min: Some(2_540.0),
             axial_mm_per_min: Some(254.0),
             indexing_per_min: 50.0,
         },
@@ -96,10 +98,22 @@ fn start_and_end_radius_agree_within_one_and_a_half_steps() {
 fn the_rotor_stands_before_the_tool_goes_down() {
     let text = write(&path(), &setup()).unwrap();
     assert!(text.contains("G93X-91.552Y267.609B103.947F50.\n"), "{text}");
-    assert!(text.contains("G94Z-693.1F254.\n"), "{text}");
+    assert!(text.contains("G94Z-690.3F2540.\n") && text.contains("Z-693.1F254.\n"), "{text}");
     assert_eq!(text.matches('B').count(), 2);
-    let together = write(&path(), &Setup { indexing: Indexing::WhileDescending, ..setup() }).unwrap();
+    let together = SlotPath { contact_mm: f64::MIN, ..path() };
+    let together = write(&together, &Setup { indexing: Indexing::WhileDescending, ..setup() }).unwrap();
     assert!(together.contains("G93G1X-91.552Y267.609Z-693.1B85.F50.\n"), "{together}");
+}
+
+#[test]
+fn above_the_blank_the_way_down_goes_on_at_the_feed_of_the_links() {
+    let below = SlotPath { contact_mm: -700.0, ..path() };
+    let text = write(&below, &setup()).unwrap();
+    assert!(text.contains("G94Z-693.1F2540.\n"), "no blank above the first level: {text}");
+    // The rotor is indexed even where the clearance leaves no approach.
+    let near = SlotPath { contact_mm: -681.0, ..path() };
+    let text = write(&near, &setup()).unwrap();
+    assert!(text.contains("B103.947F50.\n") && text.contains("G94Z-693.1F254.\n"), "{text}");
 }
 
 #[test]

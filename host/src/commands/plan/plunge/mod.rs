@@ -4,6 +4,8 @@ mod result;
 
 mod figures;
 
+mod comparison;
+
 mod plot;
 
 mod page;

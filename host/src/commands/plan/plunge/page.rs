@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::comparison::comparisons;
 use super::figures::PlungeFigures;
 use super::plot;
 use super::result::PlungeResult;
@@ -21,6 +22,7 @@ pub fn page(result: &PlungeResult, figures: &PlungeFigures) -> Page {
         section("Largest tool along the passage", plot::largest(figures) + &largest(figures)),
         section("Axes of one passage, seen along the rotor's axis", picture(result)),
         section("Allowance left for side milling", plot::left_over(&result.left_over)),
+        section("Comparison", compared(result)),
         section("Planes", planes(figures)),
         section("Clearances", clearances(figures)),
     ];
@@ -77,6 +79,24 @@ fn largest(figures: &PlungeFigures) -> String {
         vec![format!("{:.2}", found.z_mm), format!("{:.2}", found.diameter_mm), left, right]
     });
     table(&["z, mm", "largest diameter, mm", "touches left", "touches right"], rows)
+}
+
+/// The passage by other mills that the part file describes.
+fn compared(result: &PlungeResult) -> String {
+    let rows = comparisons(result).into_iter().map(|row| match row.outcome {
+        Ok([time_min, volume_mm3]) => vec![
+            row.name.to_owned(),
+            format!("{time_min:.1}"),
+            format!("{:.2}", volume_mm3 / 1e3),
+            format!("{:.2}", volume_mm3 / 1e3 / time_min),
+            row.left,
+        ],
+        Err(why) => vec![row.name.to_owned(), String::new(), String::new(), String::new(), why],
+    });
+    let heads = ["way", "time of a passage, min", "volume, cm3", "rate, cm3/min", "left"];
+    table(&heads, rows)
+        + "<p>Times are those of the feed moves at the feeds of the part file. Flank milling is assumed to take the volume of the plunges, by passes side by side. Forces \
+           and power of the program are those of `arcfeed simulate`.</p>"
 }
 
 fn planes(figures: &PlungeFigures) -> String {

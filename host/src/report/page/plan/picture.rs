@@ -120,7 +120,11 @@ impl Picture {
     }
 
     fn way(&mut self, path: &SlotPath) {
-        for step in path.steps().iter().filter(|step| !matches!(step.purpose, Purpose::Approach | Purpose::Retract)) {
+        for step in path
+            .steps()
+            .iter()
+            .filter(|step| !matches!(step.purpose, Purpose::Approach | Purpose::Entry | Purpose::Retract))
+        {
             self.step(step);
         }
     }

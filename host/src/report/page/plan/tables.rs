@@ -112,7 +112,8 @@ pub fn times(report: &PlanReport) -> String {
     let heads = ["", &format!("length, {}", lengths.label()), &format!("feed, {}/min", lengths.label()), "time, s"];
     let parts = planned.parts.iter().map(|part| {
         let name = match part.purpose {
-            Purpose::Approach => "down to the first level".into(),
+            Purpose::Approach => "down to the blank".into(),
+            Purpose::Entry => "into the blank".into(),
             Purpose::Link => "from level to level".into(),
             Purpose::Retract => "up".into(),
             movement => format!("movement {}", movement.movement().unwrap_or_default()),

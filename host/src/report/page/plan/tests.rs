@@ -15,6 +15,7 @@ fn report() -> PlanReport {
         outward: Turn::Ccw,
         levels: vec![level(-1.0), level(-3.0)],
         clear_mm: 4.0,
+        contact_mm: 0.0,
     };
     let planned = planned_time(&path, |_| 100.0, 5_000.0);
     PlanReport {
