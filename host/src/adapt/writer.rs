@@ -150,7 +150,8 @@ impl<'a> Writer<'a> {
         let in_program = |segment: Segment| segment.shifted(Pose::ORIGIN.minus(line.origin));
         let mut new = PlannedBlock::new(number, executed.map_or(segment, in_program));
         (new.contour, new.is_cut_off, new.under) = (offset.map(|offset| offset.place), corner.is_some(), under);
-        new.along = self.engagement_along(if corner.is_some() { &segment } else { &new.segment }, line.machining.tool);
+        let planned = if corner.is_some() { &segment } else { &new.segment };
+        new.along = self.engagement_along(planned, line.machining.tool).map(Box::new);
         let (mut block, profile) = self.plan_move(line, new, path);
         if let Some(inserted) = corner.and_then(|corner| corner.inserted) {
             let new = PlannedBlock { is_cut_off: true, ..PlannedBlock::new(number, in_program(inserted)) };
@@ -160,8 +161,8 @@ impl<'a> Writer<'a> {
             let new = PlannedBlock { contour: Some(place), ..PlannedBlock::new(number, in_program(segment)) };
             block.insert(self.plan_move(line, new, path).0);
         }
-        block.cut_off =
-            offset.map(|offset| in_program(offset.beside_contour())).or(block.is_cut_off.then_some(block.segment));
+        let cut_off = offset.map(|offset| in_program(offset.beside_contour()));
+        block.cut_off = cut_off.or(block.is_cut_off.then_some(block.segment)).map(Box::new);
         (block, profile)
     }
 
@@ -309,7 +310,8 @@ impl<'a> Writer<'a> {
         let governed = block.own_feed.filter(|_| block.demand.is_some());
         let (own, corner) = (governed.or(block.programmed())?, block.sent?);
         let least_mm = settings.least_length.to_mm();
-        let whole = CornerLine { line, cut_off: block.cut_off?, programmed, modes: self.modes, before, least_mm };
+        let whole =
+            CornerLine { line, cut_off: *block.cut_off.as_deref()?, programmed, modes: self.modes, before, least_mm };
         let written = whole.write((governed, corner), &mut self.feeds);
         block.whole = written.as_ref().err().copied();
         let TwoBlocks { texts, until_ratio } = written.ok()?;

@@ -2,7 +2,7 @@
 import './viewer.css';
 import { Scale, written, type ScaleName } from './colors';
 import { Curves, type Along, type Quantity } from './curves';
-import { read, type Finding, type ReportData } from './data';
+import { read, type Column, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
 import { Live, type Follower } from './live';
 import { Measure, type Place } from './measure';
@@ -248,25 +248,43 @@ class Viewer implements Follower {
         return range;
     }
 
+    /** Values by which a solid can be coloured, each with the index of its solid. */
+    private surfaces(): { index: number; label: string; column: Column }[] {
+        return this.data.solids.flatMap(({ values }, index) => values.map((value) => ({ index, ...value })));
+    }
+
     private paint(): void {
         const key = element<HTMLSelectElement>('quantity').value;
         const scale = new Scale(element<HTMLSelectElement>('scale').value as ScaleName);
-        const [low, high] = this.range(key);
+        const { purposes } = this.data;
+        const [low, high] = key === 'purpose' ? [0, purposes.length - 1] : this.range(key);
         const span = high - low || 1;
         for (const run of this.runs) {
             const values = run.columns.get(key)?.values;
             this.scene?.paint(run, (index) => scale.color(values ? (values[index] - low) / span : NaN));
         }
         const chosen = element<HTMLSelectElement>('quantity').selectedOptions[0]?.textContent ?? '';
-        element('legend-title').textContent = `${chosen}; grey: no value`;
-        element('legend-bar').style.background = scale.gradient();
-        const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => {
-            const tick = document.createElement('span');
-            tick.textContent = written(low + part * (high - low));
-            return tick;
-        });
-        element('legend-ticks').replaceChildren(...ticks);
-        element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen} from ${written(low)} to ${written(high)}`);
+        this.legend('legend', chosen, scale, key === 'purpose' ? purposes : ticks(low, high));
+        const range = key === 'purpose' ? purposes.join(', ') : `from ${written(low)} to ${written(high)}`;
+        element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen}: ${range}`);
+        this.paintSurface(scale);
+    }
+
+    /** Colours a solid by the chosen value, from its least to its largest one. */
+    private paintSurface(scale: Scale): void {
+        const chosen = this.surfaces()[element<HTMLSelectElement>('surface').selectedIndex];
+        if (!chosen) return;
+        const { index, label, column } = chosen;
+        const known = column.values.filter((value) => !Number.isNaN(value));
+        const [low, high] = [known.reduce((a, b) => Math.min(a, b), Infinity), known.reduce((a, b) => Math.max(a, b), -Infinity)];
+        this.scene?.paintSolid(index, column.values, (value) => scale.color((value - low) / (high - low || 1)));
+        this.legend('surface-legend', `${label}, ${column.unit}`, scale, known.length > 0 ? ticks(low, high) : []);
+    }
+
+    private legend(id: string, title: string, scale: Scale, texts: string[]): void {
+        element(`${id}-title`).textContent = `${title}; grey: no value`;
+        element(`${id}-bar`).style.background = scale.gradient();
+        element(`${id}-ticks`).replaceChildren(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
     }
 
     private show(shown: Shown): void {
@@ -312,10 +330,16 @@ class Viewer implements Follower {
     private controls(): void {
         const quantity = element<HTMLSelectElement>('quantity');
         const choices = [...this.quantities, ...(this.pairing ? [{ key: 'ratio', label: 'Feed after over feed before', unit: '' }] : [])];
+        if (this.data.purposes.length > 0) choices.push({ key: 'purpose', label: 'Purpose of the move', unit: '' });
         choices.push({ key: 'time', label: 'Time', unit: 's' });
         quantity.replaceChildren(...choices.map(({ key, label, unit }) => new Option(`${label}${unit && `, ${unit}`}`, key)));
         quantity.addEventListener('change', () => this.paint());
         element('scale').addEventListener('change', () => this.paint());
+        const surface = element<HTMLSelectElement>('surface');
+        surface.replaceChildren(...this.surfaces().map(({ label, column }) => new Option(`${label}, ${column.unit}`)));
+        surface.addEventListener('change', () => this.paint());
+        element('surface-label').hidden = surface.options.length === 0;
+        element('surface-legend').hidden = surface.options.length === 0;
         document.querySelectorAll<HTMLElement>('#show button').forEach((button) => {
             button.hidden = this.runs.length < 2;
             button.addEventListener('click', () => this.show(button.dataset.show as Shown));
@@ -459,6 +483,11 @@ class Viewer implements Follower {
         event.preventDefault();
         action();
     }
+}
+
+/** Five numbers from the least to the largest one. */
+function ticks(low: number, high: number): string[] {
+    return [0, 0.25, 0.5, 0.75, 1].map((part) => written(low + part * (high - low)));
 }
 
 /** Time after which a page that is not seen, and gets no pictures, goes on, ms. */

@@ -19,6 +19,8 @@ mod page;
 #[cfg(feature = "plan")]
 mod viewer;
 
+mod planned_path;
+
 #[cfg(feature = "plan")]
 mod files;
 

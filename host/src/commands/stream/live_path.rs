@@ -58,6 +58,7 @@ fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String 
         solids: Vec::new(),
         findings: Vec::new(),
         lines: listing(&ready.whole),
+        purposes: &[],
         is_live: true,
     };
     Page { title: title.to_owned(), viewer: Some(viewer), sections: Vec::new() }.to_string()

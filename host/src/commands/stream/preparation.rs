@@ -93,7 +93,7 @@ impl PreparedProgram {
         let JobFile { job, control, nc, tables, dnc, map, rule_scopes, .. } = &file;
         let said = format!("{:?}", (job, control, nc, tables, dnc, map, rule_scopes));
         let start = Start {
-            program: fingerprint(&program.bytes()),
+            program: fingerprint(program.bytes()),
             job: fingerprint(said.as_bytes()),
             sent: fingerprint(whole.frames()),
             bytes: whole.frames().len(),

@@ -6,6 +6,8 @@ pub mod figures;
 
 pub mod page;
 
+pub mod viewer;
+
 pub mod files;
 
 use super::super::outcome::{Failure, say};

@@ -82,7 +82,6 @@ fn cl(result: &PlungeResult) -> Cl {
 /// Blank and finished part about the first passage, under the plunge law the whole part, in the frame of the first plunge.
 fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
     let blisk = &result.part.blisk;
-    let middle_rad = result.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
     // A plan has a plunge.
     let turn = result.plan.plunges[0].to_tool;
     // The law governs the plunges of all passages, in the material that there is.
@@ -90,13 +89,19 @@ fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
         Some(_) => (core::f64::consts::PI, blisk.blades.cast_signed() - 1),
         None => ((0.5 + BESIDE_PITCHES) * blisk.pitch_rad(), 1),
     };
-    let sector = Sector {
-        angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
-        faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: bore_mm(result),
-    };
+    let sector = sector(result, reach_rad);
     [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, [0, last], CHORD_MM)]
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
+}
+
+/// Sector of the part to both sides of the middle of the first passage.
+pub fn sector(result: &PlungeResult, reach_rad: f64) -> Sector {
+    let middle_rad = result.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
+    Sector {
+        angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
+        faces_mm: result.part.blisk.blank.faces_mm,
+        inner_radius_mm: bore_mm(result),
+    }
 }
 
 /// Inner radius of blank and finished part.

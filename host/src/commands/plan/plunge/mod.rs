@@ -8,6 +8,8 @@ mod plot;
 
 mod page;
 
+mod viewer;
+
 mod files;
 
 use super::super::outcome::{Failure, say};

@@ -6,6 +6,8 @@ mod figures;
 
 mod page;
 
+mod viewer;
+
 mod files;
 
 use super::super::outcome::{Failure, say};

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::super::finish::page::{clearances, findings, picture};
 use super::figures::{RepairFigures, text};
 use super::result::RepairResult;
+use super::viewer;
 use crate::report::page::{Page, Section, escaped};
 
 /// Verdict of a plan whose proof holds.
@@ -31,7 +32,7 @@ pub fn page(result: &RepairResult, figures: &RepairFigures) -> Page {
         section("First rotary axis over the directions of the tool", picture(&result.path)),
         section("Findings of the post-processor", findings(&result.path)),
     ];
-    Page { title: format!("Repair: {}", figures.name), sections, viewer: None }
+    Page { title: format!("Repair: {}", figures.name), sections, viewer: Some(viewer::data(result)) }
 }
 
 /// Map of a value in mm over the lattice: from blue, the least, to red, the greatest; places without a value are grey.
