@@ -155,12 +155,12 @@ class Viewer implements Follower {
     }
 
     /** Shows where the machine is: at the place, or in the first move of the line. */
-    follow(line: number | null, place: [number, number, number] | null): void {
+    follow(line: number | null, place: [number, number, number] | null, axis: [number, number, number] | null): void {
         const { run } = this;
         const first = line === null ? undefined : run.ofLine.get(line);
         if (first !== undefined) this.select(run, place ? run.nearest(first, place) : run.middle(first), 'machine');
         else if (line !== null) this.listing?.mark(line, true);
-        if (place) this.scene?.moveTool(run, place);
+        if (place) this.scene?.moveTool(run, place, run.toolAt(run.indexAt(this.time)), axis ?? undefined);
     }
 
     /** Makes this the moment everywhere. */
