@@ -89,7 +89,8 @@ class Viewer implements Follower {
             let pointer: PointerEvent | null = null;
             const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
             canvas.addEventListener('pointermove', (event) => {
-                if (event.buttons !== 0) return;
+                // While places are measured, the moment and its stock stay.
+                if (event.buttons !== 0 || this.measure) return;
                 // The pointer moves more often than a picture is drawn.
                 if (!pointer) requestAnimationFrame(() => {
                     const found = pointer && scene.pick(pointer.clientX, pointer.clientY);
@@ -473,6 +474,7 @@ class Viewer implements Follower {
             x: () => next('along'),
             d: () => press('theme'),
             m: () => press('measure'),
+            Escape: () => this.measure && press('measure'),
             Enter: () => this.measurePlace(this.run.placeAt(this.time)),
             n: () => count > 0 && this.goTo((this.finding + 1) % count),
             p: () => count > 0 && this.goTo((this.finding - 1 + count) % count),

@@ -87,7 +87,7 @@ fn line((point, step): (&ClPoint, &FinishMove)) -> Vec<u8> {
         MoveKind::Cut => "cut",
     };
     let feed = point.feed_mm_per_min.map_or(String::new(), |feed| format!(" F{feed:.1}"));
-    format!("move {}: {purpose}, to X{x:.3} Y{y:.3} Z{z:.3}, axis {i:.3} {j:.3} {k:.3}{feed}", point.line).into_bytes()
+    format!("move {}: {purpose}, to X{x:.3} Y{y:.3} Z{z:.3}, axis {i:.4} {j:.4} {k:.4}{feed}", point.line).into_bytes()
 }
 
 /// Closest places in order of the distance that is left beyond the needed one, then the findings of the post-processor.

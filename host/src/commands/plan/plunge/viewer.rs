@@ -105,7 +105,9 @@ fn line(result: &PlungeResult, moved: &PlannedMove) -> Vec<u8> {
     let [x, y, z] = [to.x, to.y, to.z].map(|mm| mm / unit.mm());
     let feed = feed_mm_per_min.map_or(String::new(), |feed| format!(" F{}", shown_feed(unit, feed)));
     let purpose = purpose.map_or("rapid", |purpose| PURPOSES[purpose]);
-    format!("plunge {}, {family}: {purpose}, to X{x:.3} Y{y:.3} Z{z:.3}{feed}", plunge + 1).into_bytes()
+    let [i, j, k]: [f64; 3] = result.plan.plunges[*plunge].axis.into();
+    let axis = format!("axis {i:.4} {j:.4} {k:.4}");
+    format!("plunge {}, {family}: {purpose}, to X{x:.3} Y{y:.3} Z{z:.3}, {axis}{feed}", plunge + 1).into_bytes()
 }
 
 fn shown_feed(unit: LengthUnit, feed_mm_per_min: f64) -> String {
