@@ -28,11 +28,11 @@ pub struct Page {
 }
 
 /// Snapshots that a client got, with the time of each since the first.
-type Seen = Vec<(Duration, Value)>;
+pub type Seen = Vec<(Duration, Value)>;
 
 impl Page {
     /// Page that a running sender has printed.
-    fn of(stream: &Running) -> Self {
+    pub fn of(stream: &Running) -> Self {
         let url = wait_for("the page's address", || {
             let said = stream.said();
             Some(said.split_once("live page: ")?.1.split_once('\n')?.0.to_owned())
@@ -88,7 +88,7 @@ impl Page {
     }
 
     /// Reads all snapshots to the last.
-    fn browser(&self) -> JoinHandle<Seen> {
+    pub fn browser(&self) -> JoinHandle<Seen> {
         let stream = self.watch();
         std::thread::spawn(move || {
             let (mut seen, mut first) = (Seen::new(), None);

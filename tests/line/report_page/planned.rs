@@ -49,7 +49,12 @@ fn the_report_of_finishing_passes_leads_to_the_closest_places_on_the_blade() {
 #[test]
 fn the_report_of_a_repair_shows_the_maps_of_its_allowance_on_the_blade() {
     check("page-repair", ["repair", "examples/repaired-blade/REPAIR.toml"], |_| {
-        let maps = ["Allowance before", "Allowance planned", "Depth to be taken", "Predicted above planned"];
+        let maps = [
+            "Allowance before",
+            "Allowance planned",
+            "Depth to be taken",
+            "Predicted result above the planned allowance",
+        ];
         json!({ "find": "move 100: cut", "move_mm": 1.5, "surfaces": maps.map(|map| format!("{map}, mm")) })
     });
 }

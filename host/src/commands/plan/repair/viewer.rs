@@ -4,6 +4,7 @@ use arcfeed_plan::repair::field::FieldNode;
 
 use super::super::finish::viewer::{UNIT, data as path_data, surroundings};
 use super::super::planned_path::{solid, solid_of};
+use super::page::{BEFORE, PLANNED, PREDICTED, TAKEN};
 use super::result::RepairResult;
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{Solid, SurfaceValue, ViewerData};
@@ -30,10 +31,10 @@ fn side(result: &RepairResult) -> Solid {
         SurfaceValue { label, column: Column::new(head, places.map(|(row, column)| value(row, column))) }
     };
     let values = vec![
-        value("Allowance before", &|i, j| rows[i][j].along_mm),
-        value("Allowance planned", &|i, j| plan.planned_mm[i][j].or(rows[i][j].along_mm)),
-        value("Depth to be taken", &|i, j| Some((rows[i][j].along_mm? - plan.planned_mm[i][j]?).max(0.0))),
-        value("Predicted above planned", &|i, j| Some(result.predicted_mm[i][j]? - plan.planned_mm[i][j]?)),
+        value(BEFORE, &|i, j| rows[i][j].along_mm),
+        value(PLANNED, &|i, j| plan.planned_mm[i][j].or(rows[i][j].along_mm)),
+        value(TAKEN, &|i, j| Some((rows[i][j].along_mm? - plan.planned_mm[i][j]?).max(0.0))),
+        value(PREDICTED, &|i, j| Some(result.predicted_mm[i][j]? - plan.planned_mm[i][j]?)),
     ];
     Solid { values, ..solid_of(UNIT, "measured side", &vertices, corners) }
 }
