@@ -150,8 +150,7 @@ impl<'a> Writer<'a> {
         let in_program = |segment: Segment| segment.shifted(Pose::ORIGIN.minus(line.origin));
         let mut new = PlannedBlock::new(number, executed.map_or(segment, in_program));
         (new.contour, new.is_cut_off, new.under) = (offset.map(|offset| offset.place), corner.is_some(), under);
-        let planned = if corner.is_some() { &segment } else { &new.segment };
-        new.along = self.engagement_along(planned, line.machining.tool).map(Box::new);
+        new.along = self.engagement_along(if corner.is_some() { &segment } else { &new.segment }, line.machining.tool);
         let (mut block, profile) = self.plan_move(line, new, path);
         if let Some(inserted) = corner.and_then(|corner| corner.inserted) {
             let new = PlannedBlock { is_cut_off: true, ..PlannedBlock::new(number, in_program(inserted)) };
@@ -253,10 +252,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.
-    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
+    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<EngagedTable>> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
-        engaged.next(segment).cloned()
+        engaged.next(segment).cloned().map(Box::new)
     }
 
     /// Why no law can look at a line's move by itself.
@@ -308,10 +307,9 @@ impl<'a> Writer<'a> {
         };
         let programmed = line.segment().filter(|segment| segment.path == Path::Line)?;
         let governed = block.own_feed.filter(|_| block.demand.is_some());
-        let (own, corner) = (governed.or(block.programmed())?, block.sent?);
+        let (own, corner, cut_off) = (governed.or(block.programmed())?, block.sent?, *block.cut_off.as_deref()?);
         let least_mm = settings.least_length.to_mm();
-        let whole =
-            CornerLine { line, cut_off: *block.cut_off.as_deref()?, programmed, modes: self.modes, before, least_mm };
+        let whole = CornerLine { line, cut_off, programmed, modes: self.modes, before, least_mm };
         let written = whole.write((governed, corner), &mut self.feeds);
         block.whole = written.as_ref().err().copied();
         let TwoBlocks { texts, until_ratio } = written.ok()?;

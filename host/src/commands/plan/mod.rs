@@ -17,9 +17,10 @@ mod figures;
 mod page;
 
 #[cfg(feature = "plan")]
-mod viewer;
-
 mod planned_path;
+
+#[cfg(feature = "plan")]
+mod viewer;
 
 #[cfg(feature = "plan")]
 mod files;

@@ -4,9 +4,9 @@ pub mod result;
 
 pub mod figures;
 
-pub mod page;
-
 pub mod viewer;
+
+pub mod page;
 
 pub mod files;
 

@@ -6,9 +6,9 @@ mod figures;
 
 mod plot;
 
-mod page;
-
 mod viewer;
+
+mod page;
 
 mod files;
 

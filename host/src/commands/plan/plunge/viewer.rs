@@ -13,7 +13,6 @@ use super::super::figures::obstacle_word;
 use super::super::planned_path::{CHORD_MM, PathPoint, RUN, outline, rounded_end, run, seconds, solid};
 use super::super::slot_frame::BESIDE_PITCHES;
 use super::figures::{family_word, mill_part_word};
-use super::files::sector;
 use super::result::PlungeResult;
 use crate::report::page::viewer::{RunFinding, ViewerData};
 
@@ -27,7 +26,7 @@ pub fn data(result: &PlungeResult) -> ViewerData {
     let points = points(result, &moves);
     let mill = &part.mill;
     let reach_rad = (0.5 + BESIDE_PITCHES) * part.blisk.pitch_rad();
-    let shown = finished(&part.blisk, &sector(result, reach_rad), [0, 1], CHORD_MM);
+    let shown = finished(&part.blisk, &result.sector(reach_rad), [0, 1], CHORD_MM);
     ViewerData {
         title: format!("Plan: {}", part.name),
         unit: unit.label(),

@@ -4,9 +4,9 @@ mod result;
 
 mod figures;
 
-mod page;
-
 mod viewer;
+
+mod page;
 
 mod files;
 

@@ -5,20 +5,11 @@ use std::fmt::Write as _;
 use super::super::finish::page::{clearances, findings, picture};
 use super::figures::{RepairFigures, text};
 use super::result::RepairResult;
-use super::viewer;
+use super::viewer::{self, BEFORE, PLANNED, PREDICTED, TAKEN};
 use crate::report::page::{Page, Section, escaped};
 
 /// Verdict of a plan whose proof holds.
 const VERDICT: &str = "The whole mill keeps its distances on every move, from above the part and back.";
-
-/// Maps of a repair, in the viewer too.
-pub const BEFORE: &str = "Allowance before";
-/// See [`BEFORE`].
-pub const PLANNED: &str = "Allowance planned";
-/// See [`BEFORE`].
-pub const TAKEN: &str = "Depth to be taken";
-/// See [`BEFORE`].
-pub const PREDICTED: &str = "Predicted result above the planned allowance";
 
 /// Width of a map; its height follows from the lattice.
 const WIDTH: f64 = 560.0;

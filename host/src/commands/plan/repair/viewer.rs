@@ -4,10 +4,18 @@ use arcfeed_plan::repair::field::FieldNode;
 
 use super::super::finish::viewer::{UNIT, data as path_data, surroundings};
 use super::super::planned_path::{solid, solid_of};
-use super::page::{BEFORE, PLANNED, PREDICTED, TAKEN};
 use super::result::RepairResult;
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{Solid, SurfaceValue, ViewerData};
+
+/// Names of the maps of a repair.
+pub const BEFORE: &str = "Allowance before";
+/// Name of another map.
+pub const PLANNED: &str = "Allowance planned";
+/// Name of another map.
+pub const TAKEN: &str = "Depth to be taken";
+/// Name of another map.
+pub const PREDICTED: &str = "Predicted result above the planned allowance";
 
 /// Data of the viewer.
 pub fn data(result: &RepairResult) -> ViewerData {
