@@ -60,7 +60,7 @@ pub struct PlannedConditions {
     /// Index of the cut rule for the move in the job's list; `None` without a rule.
     pub rule: Option<usize>,
     /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
-    pub along: Option<EngagedTable>,
+    pub along: Option<Box<EngagedTable>>,
     /// Largest feed on the move; `None` if the limits of the job's axes and its ceiling apply.
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
@@ -273,7 +273,7 @@ impl<D: OverrideSource> Simulation<D> {
             None if is_special => known.as_ref().and_then(|known| known.rule).and_then(by_index),
             None => plain.and_then(|plain| known.as_ref().map_or(Some(plain), |known| known.rule.and_then(by_index))),
         };
-        let along = known.as_ref().and_then(|known| known.along.as_ref());
+        let along = known.as_ref().and_then(|known| known.along.as_deref());
         let planned_target = known.as_ref().and_then(|known| known.target);
         let side = known.as_ref().and_then(|known| known.side);
         let on_side = found.zip(side).map(|((index, rule), side)| (index, rule.on_side(side)));

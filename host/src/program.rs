@@ -1,4 +1,4 @@
-//! NC program as a file: each line with its bytes, meaning and place.
+//! NC program as a file: its text, and the meaning and place of each line, which are read again whenever they are needed.
 
 mod advice;
 
@@ -23,6 +23,8 @@ mod path_warnings;
 mod path_summary;
 
 mod lines;
+
+mod program_lines;
 
 mod contour_check;
 
@@ -71,19 +73,21 @@ pub use lines::in_capitals;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
 pub use path_summary::{PathSummary, ToolUse};
+pub use program_lines::ProgramLines;
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;
 pub use tool_comment::{CommentedKind, ToolComment};
 pub use tool_notes::{ToolNote, ToolNotes};
 pub use unit_survey::AssumedUnit;
 
-/// NC program, read as a whole, with the errors and warnings found.
+/// NC program, read as a whole, with the errors and warnings found. It keeps its text alone: [`Program::lines`] reads the
+/// lines again, because the meaning of a line takes more than a kilobyte.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// Path of the file.
     pub path: PathBuf,
-    /// Lines of the program, in order.
-    pub lines: Vec<ProgramLine>,
+    /// Bytes of the whole program.
+    bytes: Vec<u8>,
     /// Errors and warnings, in the order of their places.
     pub diagnostics: Vec<Diagnostic>,
     /// Numbers of the moves by kind.
@@ -101,6 +105,8 @@ pub struct Program {
     pub run_summary: Option<PathSummary>,
     /// Moves of a run.
     run: Vec<MoveTrace>,
+    /// For an interpreted program, whose lines have no meaning in the order of the file: number of lines up to its end.
+    lines_alone: Option<usize>,
 }
 
 /// Line of a program, with its meaning; the default has no text and no meaning.
@@ -182,12 +188,11 @@ impl Program {
     /// Reads a program from bytes, as a control with these settings would.
     pub fn parse_with(path: &Path, bytes: &[u8], settings: Settings, tables: Tables) -> Self {
         let mut reader = LineReader::new(settings, tables);
-        let mut program = Program::empty(path, first_macro(bytes), reader.control());
+        let mut program = Program::empty(path, bytes, reader.control());
+        let mut line = ProgramLine::default();
         for raw in Lines::new(bytes) {
-            let mut line = ProgramLine::default();
             reader.read_into(raw, &mut line, &mut program.diagnostics);
             line.meaning.iter().for_each(|meaning| program.moves.add(meaning));
-            program.lines.push(line);
         }
         program
     }
@@ -195,28 +200,33 @@ impl Program {
     /// Warning if the program's first line is a block, which a control that reads from a line would skip as a label;
     /// otherwise `None`.
     pub fn missing_label(&self) -> Option<Diagnostic> {
-        self.lines.first()?.missing_label()
+        self.lines().next()?.missing_label()
     }
 
-    fn empty(path: &Path, macro_line: Option<usize>, control: &Reader) -> Self {
-        let (lines, diagnostics, control) = (Vec::new(), Vec::new(), control.clone());
+    fn empty(path: &Path, bytes: &[u8], control: &Reader) -> Self {
         Program {
             path: path.to_owned(),
-            lines,
-            diagnostics,
+            bytes: bytes.to_owned(),
+            diagnostics: Vec::new(),
             moves: MoveCounts::default(),
-            macro_line,
-            control,
+            macro_line: first_macro(bytes),
+            control: control.clone(),
             executions: BTreeMap::new(),
             places: None,
             run_summary: None,
             run: Vec::new(),
+            lines_alone: None,
         }
     }
 
     /// Bytes of the whole program.
-    pub fn bytes(&self) -> Vec<u8> {
-        self.lines.iter().flat_map(|line| line.text.iter().chain(&line.ending)).copied().collect()
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Texts of the lines, in order, without their line ends.
+    pub fn texts(&self) -> impl Iterator<Item = &[u8]> {
+        Lines::new(&self.bytes).map(|line| line.text)
     }
 
     /// Line of the file to which a line belongs, both counted from 1.
@@ -225,8 +235,8 @@ impl Program {
     }
 
     /// Content of the program's own file, if this program consists of its executed blocks.
-    pub fn file(&self) -> Vec<u8> {
-        self.places.as_ref().map_or_else(|| self.bytes(), |places| places.file.clone())
+    pub fn file(&self) -> &[u8] {
+        self.places.as_ref().map_or(&self.bytes, |places| &places.file)
     }
 
     /// Whether a control would stop somewhere in the program.
@@ -244,9 +254,11 @@ mod tests {
     }
 
     #[test]
-    fn every_byte_of_the_file_is_kept() {
-        for text in ["%\nN1G0X1.\r\n(A)\n\n%", "", "\n", "G0X1.\n\r\r%\n\r\r"] {
-            assert_eq!(parse(text, Reading::Lenient).bytes(), text.as_bytes());
+    fn the_lines_have_every_byte_of_the_file() {
+        for text in ["%\nN1G0X1.\r\n(A)\n\n%", "", "\n", "G0X1.\n\r\r%\n\r\r", "%\nM30\n%\nTHE END\r\nG1"] {
+            let lines = parse(text, Reading::Lenient);
+            let bytes: Vec<u8> = lines.lines().flat_map(|line| [line.text, line.ending].concat()).collect();
+            assert_eq!((bytes.as_slice(), lines.bytes()), (text.as_bytes(), text.as_bytes()));
         }
     }
 
@@ -261,7 +273,7 @@ mod tests {
     fn nothing_behind_the_closing_mark_is_read() {
         let program = parse("%\nG1X1.F5.\n%\n\x1a\nTHE END\nG14\n", Reading::Lenient);
         let places: Vec<_> = program.diagnostics.iter().map(|found| (found.line, found.severity)).collect();
-        assert_eq!((places, ProgramSummary::new(&program.lines).blocks), (vec![(5, Severity::Warning)], 1));
+        assert_eq!((places, ProgramSummary::new(program.lines()).blocks), (vec![(5, Severity::Warning)], 1));
         assert_eq!(parse("(LEADER)\nG1X1.F5.\n%\nG14\n", Reading::Lenient).diagnostics.len(), 1);
         assert!(parse("%\nG14\n%\n", Reading::Lenient).has_errors());
     }

@@ -41,7 +41,7 @@ mod tests {
         let path = Path::new("part.nc");
         let program = Program::parse(path, text, LengthUnit::Inch, Reading::Lenient);
         let found = &program.diagnostics[0];
-        render(path, &program.lines[found.line - 1].text, found, None, &Renderer::plain())
+        render(path, program.texts().nth(found.line - 1).unwrap(), found, None, &Renderer::plain())
     }
 
     #[test]

@@ -124,7 +124,7 @@ fn the_program_of_the_example_is_made_of_its_sourced_figures() {
         }
         points.push(point(cells[6], cells[7]));
     }
-    let text = String::from_utf8(program.bytes()).expect("the program is text");
+    let text = String::from_utf8(program.bytes().to_vec()).expect("the program is text");
     for (x, y) in &points {
         assert!(text.contains(&format!("X{x}Y{y}")), "limit point {x}, {y}");
     }

@@ -8,11 +8,19 @@ use std::time::Duration;
 
 use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root};
 
+use crate::report_page::scale::{JOB as ROWS_JOB, rows};
+
 /// Memory of the program itself, with its libraries.
 const BASE_KB: u64 = 20_000;
 
 /// Groups of rows of the traces of two runs, and what their encoders need: 30 MB, and 1.1 MB an hour of each run for the metadata.
 const TRACES_KB: u64 = 40_000;
+
+/// Lines of a program that commands take which keep something of each.
+const LINES_MAX: usize = 1 << 20;
+
+/// Largest memory for a line in `simulate --report`.
+const LINE_BYTES_MAX: u64 = 1_200;
 
 fn line_count() -> usize {
     of_full_set(2_000_000, 60_000)
@@ -85,6 +93,23 @@ fn found(err: &str) -> u64 {
 }
 
 #[test]
+fn simulate_needs_about_a_kilobyte_for_each_line_with_its_report() {
+    let scratch = Scratch::new("memory-simulate");
+    let sizes = [20_000, of_full_set(1_000_000, 80_000)];
+    let memory_kb = sizes.map(|lines| {
+        scratch.write("program.nc", rows(lines));
+        let job = scratch.write("job.toml", format!("program = \"program.nc\"\n{ROWS_JOB}"));
+        let report = scratch.path("report.html");
+        let (ended, kb) = measure(&scratch, &["simulate", &job, "--json", "--report", &report]);
+        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        kb
+    });
+    let [bytes, lines] = [1_000 * (memory_kb[1] - memory_kb[0]), (sizes[1] - sizes[0]) as u64];
+    println!("{} bytes a line", bytes / lines);
+    assert!(bytes / lines < LINE_BYTES_MAX && memory_kb[1] < 2_500_000, "{memory_kb:?} kB for {sizes:?} lines");
+}
+
+#[test]
 fn a_file_of_a_gigabyte_is_refused_by_every_command() {
     let scratch = Scratch::new("memory-gigabyte");
     let path = scratch.path("huge.nc");
@@ -114,12 +139,12 @@ fn a_file_of_a_gigabyte_is_refused_by_every_command() {
 #[test]
 fn commands_that_keep_a_program_whole_say_how_many_lines_they_take() {
     let scratch = Scratch::new("memory-lines");
-    let path = scratch.write("long.nc", program(500_001));
+    let path = scratch.write("long.nc", program(LINES_MAX + 1));
     let job = job(&scratch, "long.nc");
     for arguments in [&["simulate", &job][..], &["stream", &job, "--port", "loop://"], &["init", &path]] {
         let (ended, kb) = measure(&scratch, arguments);
         assert_eq!(ended.code, Some(1), "{arguments:?}: {}", ended.err);
-        for words in ["long.nc: 500001 lines", "at most 500000", "split it"] {
+        for words in ["long.nc: 1048577 lines", "at most 1048576", "split it"] {
             assert!(ended.err.contains(words), "{arguments:?}: {}", ended.err);
         }
         assert!(kb <= 100_000, "{arguments:?}: {kb} kB");

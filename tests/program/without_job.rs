@@ -49,7 +49,7 @@ fn refused(arguments: &[&str]) -> (Option<i32>, String) {
 /// F of each cutting move, per minute, nm.
 pub fn feeds(text: &str, unit: LengthUnit) -> Vec<Option<i64>> {
     let program = Program::parse(Path::new("p.nc"), text.as_bytes(), unit, Reading::Lenient);
-    let moves = program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment);
+    let moves = program.lines().filter_map(|line| line.meaning?.segment);
     moves.map(|segment| if let Feed::PerMinute(feed) = segment.feed { Some(feed.0) } else { None }).collect()
 }
 

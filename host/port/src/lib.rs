@@ -55,8 +55,19 @@ pub struct Machine {
     pub alarm: Option<String>,
     /// X, Y, Z of the tool's tip in the workpiece's coordinates, mm.
     pub position_mm: Option<[f64; 3]>,
+    /// Tool on the part, if the kinematics of the machine are known.
+    pub on_part: Option<ToolOnPart>,
     /// Feed along the path at present, mm/min.
     pub feed_mm_per_min: Option<f64>,
+}
+
+/// Position of the tool on the part as it was at its first cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolOnPart {
+    /// X, Y, Z of the tip in the workpiece's coordinates, mm.
+    pub tip_mm: [f64; 3],
+    /// Unit vector from the tip to the holder.
+    pub axis: [f64; 3],
 }
 
 /// Byte line to a control: a serial port, a socket, or a simulated one. The port also has the clock for everything that is timed on the

@@ -8,32 +8,47 @@ use arcfeed_nc::modal::Feed;
 use arcfeed_nc::segment::Segment;
 
 use super::planned_block::PlannedBlock;
-use crate::program::Program;
+use crate::program::ProgramLine;
 
-/// Sets the largest override at the end of each block: the one with which the next move can begin. Before the moves of
-/// canned cycles and at the end of the program it is at most 100 %.
-pub fn set_ends(blocks: &mut [PlannedBlock], program: &Program, job: &Job) {
-    let programmed = FeedOverride::PROGRAMMED.percent;
-    let mut behind: Option<(usize, u8)> = None;
-    for block in blocks.iter_mut().rev() {
-        let is_next = |(line, _): &(usize, u8)| !has_other_moves(program, block.line, *line);
-        block.end_percent = behind.filter(is_next).map_or(programmed, |(_, percent)| percent);
-        let begins = begin_percent(block, job);
-        // If a block-delete switch skips the block, the next block comes first.
-        let percent = if may_be_skipped(program, block.line) { begins.min(block.end_percent) } else { begins };
-        behind = Some((block.line, percent));
+/// Lines of a program as far as they limit the override at the end of a move.
+#[derive(Debug, Default)]
+pub struct OverrideEnds {
+    /// For each line: a block-delete switch may skip it and change moves; it has moves of more than one segment, or no meaning.
+    lines: Vec<[bool; 2]>,
+}
+
+impl OverrideEnds {
+    /// Adds the next line of the program.
+    pub fn add(&mut self, line: &ProgramLine) {
+        let may_be_skipped = line.skipping.as_ref().is_some_and(|skipping| !skipping.is_harmless);
+        let has_other_moves = line.meaning.as_ref().is_none_or(|meaning| meaning.step.series.is_some());
+        self.lines.push([may_be_skipped, has_other_moves]);
     }
-}
 
-fn may_be_skipped(program: &Program, line: usize) -> bool {
-    let of = line.checked_sub(1).and_then(|index| program.lines.get(index));
-    of.and_then(|line| line.skipping.as_ref()).is_some_and(|skipping| !skipping.is_harmless)
-}
+    /// Sets the largest override at the end of each block: the one with which the next move can begin. Before the moves of
+    /// canned cycles and at the end of the program it is at most 100 %.
+    pub fn set(&self, blocks: &mut [PlannedBlock], job: &Job) {
+        let programmed = FeedOverride::PROGRAMMED.percent;
+        let mut behind: Option<(usize, u8)> = None;
+        for block in blocks.iter_mut().rev() {
+            let is_next = |(line, _): &(usize, u8)| !self.has_other_moves(block.line, *line);
+            block.end_percent = behind.filter(is_next).map_or(programmed, |(_, percent)| percent);
+            let begins = begin_percent(block, job);
+            // If a block-delete switch skips the block, the next block comes first.
+            let percent = if self.may_be_skipped(block.line) { begins.min(block.end_percent) } else { begins };
+            behind = Some((block.line, percent));
+        }
+    }
 
-/// Whether there are moves of more than one segment between two lines, counted from 1.
-fn has_other_moves(program: &Program, line: usize, next: usize) -> bool {
-    let between = program.lines.get(line..next.saturating_sub(1)).unwrap_or_default();
-    between.iter().any(|line| line.meaning.as_ref().is_none_or(|meaning| meaning.step.series.is_some()))
+    fn may_be_skipped(&self, line: usize) -> bool {
+        line.checked_sub(1).and_then(|index| self.lines.get(index)).is_some_and(|[may_be_skipped, _]| *may_be_skipped)
+    }
+
+    /// Whether there are moves of more than one segment between two lines, counted from 1.
+    fn has_other_moves(&self, line: usize, next: usize) -> bool {
+        let between = self.lines.get(line..next.saturating_sub(1)).unwrap_or_default();
+        between.iter().any(|[_, has_other_moves]| *has_other_moves)
+    }
 }
 
 /// The largest override with which a block can begin, %; without a law that is 100 % at most.
@@ -42,7 +57,7 @@ fn begin_percent(block: &PlannedBlock, job: &Job) -> u8 {
     let segment = Segment { feed: block.sent.map_or(block.segment.feed, Feed::PerMinute), ..block.segment };
     let own = Conditions::of(&segment, rule, job);
     let conditions = Conditions {
-        along: block.along.as_ref(),
+        along: block.along.as_deref(),
         spindle: block.spindle.unwrap_or(own.spindle),
         limit: block.limit.map(FeedLimit::from).or(own.limit),
         end_percent: block.end_percent,

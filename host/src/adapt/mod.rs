@@ -52,8 +52,10 @@ mod feed_place;
 pub mod write_back;
 
 use arcfeed_model::job::{FeedPolicy, Job};
+use arcfeed_nc::text::Lines;
 
 use crate::program::{Program, ProgramLine, may_have_contours};
+use end_override::OverrideEnds;
 use known::KeptLines;
 pub use known::Known;
 pub use line_plan::LinePlan;
@@ -85,16 +87,20 @@ pub fn adapt_with(program: &Program, job: &Job, known: Known<'_>) -> Adapted {
     let mut kept = KeptLines::default();
     loop {
         let mut adapted = Adapted { blocks: Vec::new(), text: Vec::new(), line_ends: Vec::new() };
-        let line_end = program.lines.first().map_or(&b""[..], |line| &line.ending);
+        let line_end = Lines::new(program.bytes()).next().map_or(&b""[..], |line| line.ending);
         let mut writer = Writer::new(&program.control, line_end, job, known, &kept);
-        if program.lines.iter().any(|line| may_have_contours(&line.text)) {
-            writer.read_contours(&program.control, program.lines.iter().map(|line| line.text.as_slice()));
+        if may_have_contours(program.bytes()) {
+            writer.read_contours(&program.control, program.texts());
         }
-        let mut lines = program.lines.iter();
-        let leak = lines.try_for_each(|line| writer.take(line).map(|planned| adapted.add(line, planned))).err();
+        let mut ends = OverrideEnds::default();
+        let leak = program.lines().try_for_each(|line| {
+            ends.add(&line);
+            writer.take(&line).map(|planned| adapted.add(&line, planned))
+        });
+        let leak = leak.err();
         let Some(Leak) = leak else {
             if !matches!(job.policy, FeedPolicy::RewriteOnly(_)) {
-                end_override::set_ends(&mut adapted.blocks, program, job);
+                ends.set(&mut adapted.blocks, job);
             }
             return adapted;
         };

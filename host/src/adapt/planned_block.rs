@@ -42,7 +42,7 @@ pub struct PlannedBlock {
     pub is_cut_off: bool,
     /// The part of the programmed move that remains between chamfers, rounded corners or the corners of a compensated contour; `None` if
     /// no corner shortens it.
-    pub cut_off: Option<Segment>,
+    pub cut_off: Option<Box<Segment>>,
     /// Chamfer or rounded corner after the move, planned by itself; it has the F of the same block.
     pub inserted: Option<Box<PlannedBlock>>,
     /// Index of the cut rule that selects the block; `None` if there is none.
@@ -50,7 +50,7 @@ pub struct PlannedBlock {
     /// The plunge law is to govern the block; then no cut rule does.
     pub is_descent: bool,
     /// Engaged arcs of the tool along the move, if its rule expects engagement per move and the map has the move.
-    pub along: Option<EngagedTable>,
+    pub along: Option<Box<EngagedTable>>,
     /// Range of the law's demand along the move; `None` if no law governs it.
     pub demand: Option<DemandRange>,
     /// Feed per minute with which the block is sent; for a move in pieces the smallest of their feeds. `None`: the programmed F stays.
@@ -139,7 +139,7 @@ impl PlannedBlock {
             CutRule { feed_per_tooth, ..rule.clone().into_owned() }
         });
         let rule = of_block.map_or(rule, Cow::Owned);
-        let law = SegmentLaw::with_engagement(&segment, Some(&rule), self.along.as_ref(), job);
+        let law = SegmentLaw::with_engagement(&segment, Some(&rule), self.along.as_deref(), job);
         Some(BlockLaw { rule, segment, law })
     }
 

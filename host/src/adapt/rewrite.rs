@@ -214,14 +214,14 @@ mod tests {
         let program = &format!("{start}{program}");
         let program = Program::parse(FilePath::new("t.nc"), program.as_bytes(), unit, Reading::Lenient);
         let (mut rewriter, mut modes) = (FeedRewriter::default(), Modes::at_power_on(unit));
-        let lines = program.lines.iter().map(|line| {
+        let lines = program.lines().map(|line| {
             let segment = line.meaning.as_ref().and_then(|meaning| meaning.segment);
             let governed = segment.and_then(|segment| {
                 segment.arc()?;
                 Some(round_down(governed * unit.mm(), unit))
             });
-            modes = modes.after(line);
-            let mut text = apply(&line.text, rewriter.edit(line, governed, modes).unwrap().as_slice());
+            modes = modes.after(&line);
+            let mut text = apply(&line.text, rewriter.edit(&line, governed, modes).unwrap().as_slice());
             text.extend(&line.ending);
             String::from_utf8(text).unwrap()
         });

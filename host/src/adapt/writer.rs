@@ -160,8 +160,8 @@ impl<'a> Writer<'a> {
             let new = PlannedBlock { contour: Some(place), ..PlannedBlock::new(number, in_program(segment)) };
             block.insert(self.plan_move(line, new, path).0);
         }
-        block.cut_off =
-            offset.map(|offset| in_program(offset.beside_contour())).or(block.is_cut_off.then_some(block.segment));
+        let cut_off = offset.map(|offset| in_program(offset.beside_contour()));
+        block.cut_off = cut_off.or(block.is_cut_off.then_some(block.segment)).map(Box::new);
         (block, profile)
     }
 
@@ -252,10 +252,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.
-    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<EngagedTable> {
+    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<EngagedTable>> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
-        engaged.next(segment).cloned()
+        engaged.next(segment).cloned().map(Box::new)
     }
 
     /// Why no law can look at a line's move by itself.
@@ -307,9 +307,9 @@ impl<'a> Writer<'a> {
         };
         let programmed = line.segment().filter(|segment| segment.path == Path::Line)?;
         let governed = block.own_feed.filter(|_| block.demand.is_some());
-        let (own, corner) = (governed.or(block.programmed())?, block.sent?);
+        let (own, corner, cut_off) = (governed.or(block.programmed())?, block.sent?, *block.cut_off.as_deref()?);
         let least_mm = settings.least_length.to_mm();
-        let whole = CornerLine { line, cut_off: block.cut_off?, programmed, modes: self.modes, before, least_mm };
+        let whole = CornerLine { line, cut_off, programmed, modes: self.modes, before, least_mm };
         let written = whole.write((governed, corner), &mut self.feeds);
         block.whole = written.as_ref().err().copied();
         let TwoBlocks { texts, until_ratio } = written.ok()?;

@@ -123,7 +123,7 @@ impl<'a> MoveRule<'a> {
         let rule = block.rule.filter(|_| block.demand.is_some())?;
         let of_tool = job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
         let spindle = block.spindle.filter(|spindle| Some(*spindle) != of_tool);
-        Some(MoveRule { rule, spindle, along: block.along.as_ref() })
+        Some(MoveRule { rule, spindle, along: block.along.as_deref() })
     }
 }
 
@@ -172,7 +172,7 @@ impl BoardPlan {
         let adapted = adapt_with(&program, job, Known { map: known.map, scopes: known.scopes, ..Known::default() });
         let mut blocks = adapted.blocks.iter().peekable();
         let mut plan = BoardPlan::default();
-        for (index, line) in program.lines.iter().enumerate() {
+        for (index, line) in program.lines().enumerate() {
             let source = sending.lines().get(index).map_or(0, |line| line.source);
             if line.meaning.is_none() {
                 return Err(PlanError { source, why: MoveFault::NotUnderstood });
@@ -183,7 +183,7 @@ impl BoardPlan {
                 let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);
                 plan.add(index, &block.segment, governed, bounds).map_err(fault)?;
             }
-            for segment in series(line) {
+            for segment in series(&line) {
                 plan.add(index, &segment, None, MoveBounds::NONE).map_err(fault)?;
             }
         }

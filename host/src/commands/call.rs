@@ -92,7 +92,7 @@ pub fn law_of_line(job: &Path, line: usize) -> Result<LineLaw, Failure> {
     let refusal = |why: &str| Failure::Input(format!("{path}:{line}:1: error: {why}"));
     let block = adapted.blocks.iter().find(|block| source.line_in_file(block.line) == line);
     let Some(block) = block else {
-        let lines = counted(program.lines.len(), "line");
+        let lines = counted(program.texts().count(), "line");
         return Err(refusal(&format!("no block with a move is on this line (the program has {lines}); name another")));
     };
     let law = block.law(&file.job, block.teeth_per_min.unwrap_or(f64::NAN));

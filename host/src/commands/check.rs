@@ -135,7 +135,7 @@ impl Check {
         let mut used = job.as_ref().map(|file| RuleUse::new(&file.job, None));
         let mut decimals = DecimalSurvey::new(&source.settings);
         let mut path = PathSummary::new(source.settings.unit);
-        let each_line = |line: &ProgramLine| {
+        let mut each_line = |line: &ProgramLine| {
             decimals.add(line);
             path.add_line(line);
             if let Some((file, used)) = job.as_ref().zip(used.as_mut()) {
@@ -143,11 +143,11 @@ impl Check {
             }
         };
         let (summary, whole) = if source.macro_line.is_none() && self.machine.is_none() {
-            (source.survey(true, each_line, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
+            (source.survey(true, &mut each_line, |diagnostic, text| findings.add(diagnostic, Some(text))), None)
         } else {
             let library = self.library.as_deref().or(job.as_ref().and_then(|file| file.library.as_deref()));
             let (summary, program) = self.run_whole(&source, library, &mut findings)?;
-            program.lines.iter().for_each(each_line);
+            program.lines().for_each(|line| each_line(&line));
             (summary, Some(program))
         };
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
@@ -207,11 +207,13 @@ impl Check {
         let run = source.run(library, self.machine.is_some(), bounds);
         let mut program = run.map_err(Failure::Input)?;
         program.diagnostics.splice(0..0, program.missing_label());
-        for diagnostic in std::mem::take(&mut program.diagnostics) {
-            let text = program.lines.get(diagnostic.line - 1).map(|line| line.text.as_slice());
+        let diagnostics = std::mem::take(&mut program.diagnostics);
+        let texts: Vec<&[u8]> = program.texts().collect();
+        for diagnostic in diagnostics {
+            let text = texts.get(diagnostic.line - 1).copied();
             findings.add(diagnostic, text);
         }
-        Ok((ProgramSummary { moves: program.moves, ..ProgramSummary::new(&program.lines) }, program))
+        Ok((ProgramSummary { moves: program.moves, ..ProgramSummary::new(program.lines()) }, program))
     }
 
     /// Path of the program, or of the job's program.

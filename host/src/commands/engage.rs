@@ -120,7 +120,7 @@ impl Engage {
             }),
             left_out: left_out.collect(),
         };
-        write_whole(output, map.text(made_of(&file, program.bytes())?).as_bytes())?;
+        write_whole(output, map.text(made_of(&file, program.bytes().to_vec())?).as_bytes())?;
         Ok(report)
     }
 }
@@ -150,7 +150,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
         sections: file.plunge.map(|plunge| sections(file, setup, plunge)),
         tilted: setup.tilted_for_plunges(file),
     });
-    let mut simulation = in_memory_of(settings, file, &program.bytes(), ControllerFault::LawOff)?;
+    let mut simulation = in_memory_of(settings, file, program.bytes(), ControllerFault::LawOff)?;
     run_observed(&mut simulation, Some("looking"), |simulation| {
         meter.observe(simulation);
         Ok(())

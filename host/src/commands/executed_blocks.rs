@@ -43,7 +43,7 @@ pub fn for_memory(program: &Program, adapted: &Adapted, file: &JobFile) -> Resul
     let Some(places) = &program.places else { return Ok(adapted.into()) };
     let source = Source {
         path: program.path.clone(),
-        bytes: program.bytes(),
+        bytes: program.bytes().to_vec(),
         settings: file.nc,
         tables: file.tables,
         macro_line: None,

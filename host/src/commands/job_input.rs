@@ -133,9 +133,12 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
 pub fn adapted(program: &Program, file: &JobFile) -> Adapted {
     let adapted = adapt_with(program, &file.job, Known::of(file));
     let (mut kept, mut unknown) = (KeptMoves::new(program.places.clone()), UnknownMoves::default());
-    for block in &adapted.blocks {
-        unknown.add(block, file);
-        program.lines.get(block.line - 1).iter().for_each(|line| kept.add(block, line));
+    let mut blocks = adapted.blocks.iter().peekable();
+    for (number, line) in (1..).zip(program.lines()) {
+        while let Some(block) = blocks.next_if(|block| block.line == number) {
+            unknown.add(block, file);
+            kept.add(block, &line);
+        }
     }
     kept.warn(&program.path);
     unknown.warn(&program.path, file);

@@ -160,11 +160,13 @@ impl Simulate {
             observers[0].record_stock();
         }
         let started = Instant::now();
-        let adapted = self.once(|| adapted(&program, &file));
+        let mut adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;
         let mut simulation = in_memory(&file, &sent.text, ControllerFault::None)?;
         simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
         let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
+        // The runs need the text alone.
+        adapted.blocks = Vec::new();
         write_tables(&mut observers, &traces, || locators(&program, &adapted, &sent.text, &sent.line_ends))?;
         // Results are written and printed even if a later step fails.
         let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
@@ -187,7 +189,7 @@ impl Simulate {
             ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
-            let runs = [(&observers[0], simulation.now()), (&observers[1], before.now())];
+            let runs = observers.each_ref();
             let chips = [&simulation, &before].map(|run| run.meter().moves());
             let (title, listing, report, job) = (&title, &listing, &report, &file.job);
             let shown = PageContent { title, listing, report, job, runs, chips, deviation, marks };
@@ -351,7 +353,7 @@ pub(super) fn in_memory_of(
 
 /// Simulation of the original program, without arcfeed, not begun; `foreseen` is that of [`foreseen_before`].
 fn unadapted(file: &JobFile, program: &Program, foreseen: Vec<PlannedConditions>) -> Result<Simulation, Failure> {
-    let mut simulation = in_memory(file, &program.file(), ControllerFault::LawOff)?;
+    let mut simulation = in_memory(file, program.file(), ControllerFault::LawOff)?;
     simulation.set_planned_conditions(foreseen);
     Ok(simulation)
 }

@@ -101,7 +101,7 @@ pub fn load(
     let assumed = if given.is_none() { AssumedUnit::of(&bytes) } else { None };
     let likely_unit = assumed.as_ref().and_then(|assumed| assumed.likely);
     let mut program = read(given.or(likely_unit).unwrap_or(LengthUnit::Inch));
-    let unit = blocks(&program).find_map(|(_, block)| unit_of(block));
+    let unit = blocks(&program).find_map(|(_, block)| unit_of(&block));
     let counted = unit.or(given).or(likely_unit).unwrap_or(LengthUnit::Inch);
     if counted != program.control.settings().unit {
         program = read(counted);
@@ -118,11 +118,11 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
     let mut found = Survey::default();
     let mut notes = ToolNotes::new(unit);
     // Without M6 a T word is the change itself.
-    let has_changes = blocks(program).any(|(_, block)| is_change(block));
+    let has_changes = blocks(program).any(|(_, block)| is_change(&block));
     let has_radii = has_radii(program);
     let (mut chosen, mut tool, mut speed) = (None, None, None);
     let (mut before, mut corners): (Option<Segment>, _) = (None, CornerMoves::default());
-    for (index, line) in program.lines.iter().enumerate() {
+    for (index, line) in program.lines().enumerate() {
         let Some(meaning) = &line.meaning else { continue };
         let block = &meaning.parsed.block;
         let selected = block.word(b'T').and_then(|word| word.number.as_whole());
@@ -136,7 +136,7 @@ fn survey(program: &Program, unit: LengthUnit) -> Survey {
         let commanded = meaning.step.spindle.map(|(speed, _)| speed).filter(|speed| *speed != 0);
         speed = commanded.or(speed);
         found.speeds.extend(commanded.filter(|speed| !found.speeds.contains(speed)));
-        let rounded = inserted_arc(&mut corners, (index, line), tool, has_radii);
+        let rounded = inserted_arc(&mut corners, (index, &line), tool, has_radii);
         let is_governed = meaning.step.is_plain() || is_corner(meaning) || has_radii && is_along_contour(meaning);
         if !is_governed && is_along_contour(meaning) && line.segment().is_some_and(|segment| segment.arc().is_some()) {
             let (first, count) = found.without_radius.unwrap_or((index + 1, 0));
@@ -173,7 +173,7 @@ fn has_radii(program: &Program) -> bool {
     };
     settings.compensation.of_program == CompensationType::Wear
         || tables.radii.iter().any(|radius| *radius != [Nm(0); 2])
-        || blocks(program).any(|(_, block)| sets_radius(block))
+        || blocks(program).any(|(_, block)| sets_radius(&block))
 }
 
 fn is_along_contour(meaning: &InterpretedLine) -> bool {
@@ -274,8 +274,8 @@ impl FoundArc {
     }
 }
 
-fn blocks(program: &Program) -> impl Iterator<Item = (usize, &Block)> {
-    program.lines.iter().enumerate().filter_map(|(index, line)| Some((index + 1, &line.meaning.as_ref()?.parsed.block)))
+fn blocks(program: &Program) -> impl Iterator<Item = (usize, Block)> {
+    (1..).zip(program.lines()).filter_map(|(number, line)| Some((number, line.meaning?.parsed.block)))
 }
 
 fn unit_of(block: &Block) -> Option<LengthUnit> {

@@ -24,7 +24,7 @@ impl Source {
     /// returned as it is.
     ///
     /// # Errors
-    /// Faults of the run; a value from outside the program; more than 500 000 blocks.
+    /// Faults of the run; a value from outside the program; more than [`LINES_MAX`] blocks.
     pub fn expanded(self, library: Option<&Path>, bounds: RunBounds) -> Result<Self, Vec<Diagnostic>> {
         let Some(macro_line) = self.macro_line else { return Ok(self) };
         let outside = OutsideValues::Refused { offsets_known: self.tables != Tables::default() };

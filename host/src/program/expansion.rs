@@ -27,7 +27,7 @@ use super::diagnostic::is_blank;
 use super::library::Folder;
 use super::lines::lines_read;
 use super::run_faults::{RunFaults, in_main};
-use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramLine, ProgramSummary};
+use super::{Diagnostic, MoveTrace, PathSummary, Program, ProgramSummary};
 use crate::clock::Instant;
 
 /// Reason for which an adapted program must not start again by itself.
@@ -111,30 +111,32 @@ impl Program {
     /// Reads a program as a control runs it from memory: a program with macro statements or calls is interpreted to its
     /// end, one without them is read by [`Program::parse_with`]. A program without M02, M30 or M99 ends in PS5010.
     pub fn run(path: &Path, bytes: &[u8], expansion: Expansion<'_>) -> Self {
-        let Some(macro_line) = first_macro(bytes) else {
+        if first_macro(bytes).is_none() {
             let mut program = Program::parse_with(path, bytes, expansion.settings, expansion.tables);
             program.diagnostics.extend(contour_diagnostics(bytes, expansion.settings, expansion.tables));
             program.diagnostics.sort_by_key(|diagnostic| (diagnostic.line, diagnostic.column));
-            let summary = ProgramSummary::new(&program.lines);
+            let summary = ProgramSummary::new(program.lines());
             if summary.blocks > 0 && !summary.may_end {
-                let text = program.lines.last().map(|line| line.text.clone()).unwrap_or_default();
+                let text = Lines::new(bytes).last().map(|line| line.text).unwrap_or_default();
                 let fault = Fault::alarm(Alarm::EndOfRecord, 0);
-                program.diagnostics.push(Diagnostic::of_fault(program.lines.len(), &text, fault));
+                program.diagnostics.push(Diagnostic::of_fault(summary.lines, text, fault));
             }
             return program;
-        };
-        let mut program = Program::empty(path, Some(macro_line), &Reader::with(expansion.settings, expansion.tables));
+        }
+        let mut program = Program::empty(path, bytes, &Reader::with(expansion.settings, expansion.tables));
         let (lines_read, mut has_trailer) = (lines_read(bytes), false);
-        for (index, RawLine { text, ending }) in Lines::new(bytes).enumerate() {
+        program.lines_alone = Some(lines_read);
+        for (index, RawLine { text, .. }) in Lines::new(bytes).enumerate() {
             if index < lines_read {
-                program.keep(text, ending, &expansion.settings);
-            } else {
-                has_trailer |= program.pass_over(text, ending, !has_trailer);
+                program.check_alone(index + 1, text, &expansion.settings);
+            } else if !has_trailer && !is_blank(text) && !is_mark(text) {
+                has_trailer = true;
+                program.diagnostics.push(Diagnostic::of_text_behind_the_end(index + 1, text));
             }
         }
         let keeps_moves = expansion.keeps_moves;
         let mut path = PathSummary::new(expansion.settings.unit);
-        path.add_tool_list(program.lines.iter().map(|line| line.text.as_slice()));
+        path.add_tool_list(Lines::new(bytes).map(|line| line.text));
         let (moves, run) = (&mut program.moves, &mut program.run);
         let end = expansion.run(bytes, |step, _| {
             let ExecutedStep::Block(block, Some(understood), reader) = step else { return };
@@ -153,26 +155,16 @@ impl Program {
         program
     }
 
-    /// Keeps a line behind the closing `%`, with a warning if one is due; returns whether there is text on it.
-    fn pass_over(&mut self, text: &[u8], ending: &[u8], warns: bool) -> bool {
-        let is_text = !is_blank(text) && !is_mark(text);
-        if is_text && warns {
-            self.diagnostics.push(Diagnostic::of_text_behind_the_end(self.lines.len() + 1, text));
-        }
-        self.lines.push(ProgramLine { text: text.to_vec(), ending: ending.to_vec(), ..ProgramLine::default() });
-        is_text
-    }
-
-    /// Keeps a line as it stands. Only a line without code has a meaning by itself.
-    fn keep(&mut self, text: &[u8], ending: &[u8], settings: &Settings) {
+    /// Adds the diagnostics that a line of an interpreted program, counted from 1, has by itself.
+    fn check_alone(&mut self, line: usize, text: &[u8], settings: &Settings) {
         let parsed = parse_line(text, settings.reading).ok();
         let numbers = |parsed: &Parsed| parsed.block.check_numbers(text, settings).ok().flatten();
         for notice in parsed.iter().flat_map(|parsed| parsed.notices.iter().copied().chain(numbers(parsed))) {
-            self.diagnostics.push(Diagnostic::of_notice(self.lines.len() + 1, text, notice));
+            self.diagnostics.push(Diagnostic::of_notice(line, text, notice));
         }
         let is_code = !is_title(text) && !is_mark(text);
         if let Some(offset) = small_letter(text).filter(|_| is_code) {
-            let (line, column) = (self.lines.len() + 1, column(offset));
+            let column = column(offset);
             match settings.reading {
                 Reading::Strict => {
                     let fault = Fault::alarm(Alarm::Character, column);
@@ -186,10 +178,6 @@ impl Program {
                 Reading::Lenient => {}
             }
         }
-        let without_code = parsed.filter(|parsed| parsed.block.is_empty());
-        let meaning = without_code.map(|parsed| InterpretedLine { parsed, ..InterpretedLine::default() });
-        let (text, ending) = (text.to_vec(), ending.to_vec());
-        self.lines.push(ProgramLine { text, ending, meaning, ..ProgramLine::default() });
     }
 }
 

@@ -28,10 +28,10 @@ impl MoveTrace {
         segments(block).map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
     }
 
-    fn of_line(line: usize, of: &ProgramLine) -> impl Iterator<Item = MoveTrace> {
+    fn of_line(line: usize, of: &ProgramLine) -> Vec<MoveTrace> {
         let ProgramLine { tool_length, follows_tip, .. } = *of;
         let segments = of.meaning.iter().flat_map(segments);
-        segments.map(move |segment| MoveTrace { line, segment, tool_length, follows_tip })
+        segments.map(move |segment| MoveTrace { line, segment, tool_length, follows_tip }).collect()
     }
 }
 
@@ -41,7 +41,7 @@ impl Program {
         if self.macro_line.is_some() {
             return self.run.clone();
         }
-        self.lines.iter().enumerate().flat_map(|(index, line)| MoveTrace::of_line(index + 1, line)).collect()
+        (1..).zip(self.lines()).flat_map(|(number, line)| MoveTrace::of_line(number, &line)).collect()
     }
 }
 

@@ -385,7 +385,7 @@ mod tests {
     fn summary(text: &str) -> PathSummary {
         let program = Program::parse(FilePath::new("t.nc"), text.as_bytes(), LengthUnit::Mm, Reading::Lenient);
         let mut summary = PathSummary::new(LengthUnit::Mm);
-        program.lines.iter().for_each(|line| summary.add_line(line));
+        program.lines().for_each(|line| summary.add_line(&line));
         summary
     }
 

@@ -22,8 +22,8 @@ use super::{Diagnostic, ExecutedPlaces, Expansion, Program, ProgramLine, RunBoun
 
 /// Largest size of a file with a program or CL data, in bytes.
 pub const BYTES_MAX: u64 = 80 << 20;
-/// Largest number of lines of a program that is kept as a whole in memory, which needs about 2.3 kB for each line.
-pub const LINES_MAX: usize = 500_000;
+/// Largest number of lines of a program for commands that keep something of each line in memory, about a kilobyte.
+pub const LINES_MAX: usize = 1 << 20;
 
 /// NC program as text, with the settings of the control that is to read it.
 #[derive(Clone, Debug)]
@@ -107,7 +107,7 @@ pub fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     read().map_err(|error| format!("{name}: {error}"))?.map_err(too_large)
 }
 
-/// Rejects a program of more than 500 000 lines, for a command that keeps all of it.
+/// Rejects a program of more than [`LINES_MAX`] lines, for a command that keeps something of each.
 ///
 /// # Errors
 /// It has more: in words, with its path.
@@ -117,7 +117,7 @@ pub fn check_line_count(path: &Path, bytes: &[u8]) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "{}: {count} lines, and this command keeps each of them in memory (2.3 kB) and takes at most {LINES_MAX}; split it \
+        "{}: {count} lines, and this command keeps something of each of them in memory (about 1 kB) and takes at most {LINES_MAX}; split it \
          between two operations into programs of its own (`check` and `adapt` take any number of lines)",
         path.display()
     ))
@@ -199,7 +199,7 @@ impl Source {
     /// The program as a whole.
     ///
     /// # Errors
-    /// It has more than 500 000 lines: in words, with its path.
+    /// It has more than [`LINES_MAX`] lines: in words, with its path.
     pub fn whole(&self) -> Result<Program, String> {
         check_line_count(&self.path, &self.bytes)?;
         Ok(self.program())

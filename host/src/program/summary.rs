@@ -29,9 +29,9 @@ pub struct ProgramSummary {
 
 impl ProgramSummary {
     /// Counts what these lines contain.
-    pub fn new<'a>(lines: impl IntoIterator<Item = &'a ProgramLine>) -> Self {
+    pub fn new(lines: impl IntoIterator<Item = ProgramLine>) -> Self {
         let mut summary = ProgramSummary::default();
-        lines.into_iter().for_each(|line| summary.add(line));
+        lines.into_iter().for_each(|line| summary.add(&line));
         summary
     }
 

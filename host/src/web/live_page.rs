@@ -4,6 +4,7 @@
 //! snapshot is left out. Each browser's thread takes the newest when its browser has accepted the one before, so a
 //! browser that hangs holds nothing but its own thread.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -18,8 +19,10 @@ use crate::screen::view::Command;
 
 /// Time after which a browser hears something, so that one that is gone is noticed.
 const QUIET_MAX: Duration = Duration::from_secs(1);
-/// Longest wait at the end for browsers that have not taken the last state.
-const FAREWELL_MAX: Duration = Duration::from_millis(250);
+/// Time that sending one state to a browser takes at most, unless the browser hangs.
+const SENDING_MAX: Duration = Duration::from_secs(1);
+/// Longest wait at the end for browsers that have not taken the last state. A busy computer may leave their threads waiting.
+const FAREWELL_MAX: Duration = Duration::from_secs(5);
 /// Commands that may wait for the sender.
 const COMMANDS_MAX: usize = 8;
 /// Longest command.
@@ -44,8 +47,11 @@ struct Shared {
 #[derive(Debug)]
 struct Latest {
     snapshot: Arc<Snapshot>,
-    /// Browsers that receive each snapshot.
-    watching: usize,
+    /// Browsers that receive each snapshot, by their number: the time at which sending to each began; `None` while its thread waits for
+    /// the next snapshot.
+    watching: BTreeMap<u64, Option<Instant>>,
+    /// Browsers so far.
+    count: u64,
 }
 
 impl LivePage {
@@ -55,7 +61,7 @@ impl LivePage {
     /// Nothing can listen there.
     pub fn open(address: SocketAddr, page: String, first: Snapshot) -> io::Result<Self> {
         let (sender, commands) = sync_channel(COMMANDS_MAX);
-        let latest = Mutex::new(Latest { snapshot: Arc::new(first), watching: 0 });
+        let latest = Mutex::new(Latest { snapshot: Arc::new(first), watching: BTreeMap::new(), count: 0 });
         let shared = Arc::new(Shared { page, latest, changed: Condvar::new(), commands: sender });
         let site: Arc<dyn Site> = Arc::<Shared>::clone(&shared);
         let server = Server::start(address, site)?;
@@ -76,14 +82,13 @@ impl LivePage {
         }
     }
 
-    /// Shows the last state, and waits a moment until the browsers have taken it.
+    /// Shows the last state, and waits until all browsers that do not hang have taken it.
     pub fn end(&mut self, last: Snapshot) {
         let mut latest = self.shared.lock();
         latest.replace(Snapshot { is_over: true, ..last });
         self.shared.changed.notify_all();
         let until = Instant::now() + FAREWELL_MAX;
-        while latest.watching > 0 && Instant::now() < until {
-            let left = until.saturating_duration_since(Instant::now());
+        while let Some(left) = latest.wait_for_browsers(until) {
             latest = self.shared.changed.wait_timeout(latest, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
@@ -105,6 +110,12 @@ impl Drop for LivePage {
 }
 
 impl Latest {
+    /// Time for which a browser that does not hang may still need to take the last state; `None` if no browser may.
+    fn wait_for_browsers(&self, until: Instant) -> Option<Duration> {
+        let ends = self.watching.values().map(|began| began.map_or(until, |began| until.min(began + SENDING_MAX)));
+        ends.max()?.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
+    }
+
     fn replace(&mut self, snapshot: Snapshot) {
         self.snapshot = Arc::new(Snapshot { number: self.snapshot.number + 1, ..snapshot });
     }
@@ -115,12 +126,21 @@ impl Shared {
         self.latest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Number of a new browser.
+    fn begin_watching(&self) -> u64 {
+        let mut latest = self.lock();
+        latest.count += 1;
+        let browser = latest.count;
+        latest.watching.insert(browser, Some(Instant::now()));
+        browser
+    }
+
     /// Sends each snapshot to a browser, until the last one or the browser's end.
-    fn watch(&self, stream: &mut TcpStream) -> io::Result<()> {
+    fn watch(&self, browser: u64, stream: &mut TcpStream) -> io::Result<()> {
         begin_events(stream)?;
         let mut seen = None;
         loop {
-            let snapshot = self.next(seen);
+            let snapshot = self.next(browser, seen);
             // A line that begins with a colon is no event.
             let event = match &snapshot {
                 Some(snapshot) => format!("data: {}\n\n", serde_json::json!(**snapshot)),
@@ -135,10 +155,13 @@ impl Shared {
     }
 
     /// Newest snapshot, as soon as it is another one than that seen; `None` after a quiet time.
-    fn next(&self, seen: Option<u64>) -> Option<Arc<Snapshot>> {
+    fn next(&self, browser: u64, seen: Option<u64>) -> Option<Arc<Snapshot>> {
         let is_seen = |latest: &mut Latest| Some(latest.snapshot.number) == seen;
-        let waited = self.changed.wait_timeout_while(self.lock(), QUIET_MAX, is_seen);
-        let (latest, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+        let mut latest = self.lock();
+        latest.watching.insert(browser, None);
+        let waited = self.changed.wait_timeout_while(latest, QUIET_MAX, is_seen);
+        let (mut latest, waited) = waited.unwrap_or_else(PoisonError::into_inner);
+        latest.watching.insert(browser, Some(Instant::now()));
         (!waited.timed_out()).then(|| Arc::clone(&latest.snapshot))
     }
 
@@ -169,9 +192,9 @@ impl Site for Shared {
         match (request.is_post, request.path.as_str()) {
             (false, "") => request.reply(&Reply::html(self.page.as_bytes())),
             (false, "events") => {
-                self.lock().watching += 1;
-                let ended = self.watch(&mut request.into_stream());
-                self.lock().watching -= 1;
+                let browser = self.begin_watching();
+                let ended = self.watch(browser, &mut request.into_stream());
+                self.lock().watching.remove(&browser);
                 self.changed.notify_all();
                 ended
             }

@@ -42,6 +42,10 @@ pub struct Snapshot {
     pub damaged: Option<u64>,
     /// X, Y, Z of the tool's tip in the program's coordinates.
     pub position: Option<[f64; 3]>,
+    /// Position of the tool's tip on the part as it was at its first cut, for a job with a machine.
+    pub tip: Option<[f64; 3]>,
+    /// Direction of the tool's axis there, from the tip to the holder.
+    pub axis: Option<[f64; 3]>,
     /// Feed along the path, per minute.
     pub feed: Option<f64>,
     /// Override in effect, %.
@@ -82,6 +86,8 @@ impl Snapshot {
             stops: view.xoffs,
             damaged: view.damaged,
             position: view.position(),
+            tip: machine.on_part.map(|tool| tool.tip_mm.map(|mm| mm / view.unit.mm())),
+            axis: machine.on_part.map(|tool| tool.axis),
             feed: view.feed(),
             override_percent: machine.override_percent,
             chip_ratio: machine.chip_ratio,

@@ -1,7 +1,7 @@
 // Data of a report, as host/src/report/page/viewer writes them (docs/report.md).
 
 /** Version of the layout that this viewer reads. */
-const SCHEMA = 2;
+const SCHEMA = 3;
 
 /** Stored value that stands for "no value". */
 const NONE = -0x80000000;
@@ -19,8 +19,9 @@ interface Header {
     runs: { name: string; points: number; columns: ColumnHead[] }[];
     tools: [number, number][][];
     heights: HeightsHead | null;
-    solids: { name: string; vertices: number; corners: number; columns: ColumnHead[] }[];
+    solids: { name: string; vertices: number; corners: number; columns: ColumnHead[]; values: { label: string; column: ColumnHead }[] }[];
     findings: Finding[];
+    purposes: string[];
     text_bytes: number;
 }
 
@@ -82,6 +83,13 @@ export interface Solid {
     z: Float64Array;
     /** Three vertices of each triangle. */
     corners: Float64Array;
+    /** Values at the vertices, by which the solid can be coloured. */
+    values: SurfaceValue[];
+}
+
+export interface SurfaceValue {
+    label: string;
+    column: Column;
 }
 
 export interface Line {
@@ -99,6 +107,8 @@ export interface ReportData {
     heights: Heights | null;
     solids: Solid[];
     findings: Finding[];
+    /** Names of the values of the column `purpose`. */
+    purposes: string[];
     lines: Line[];
 }
 
@@ -123,13 +133,13 @@ export async function read(base64: string): Promise<ReportData> {
         return { name, points, columns: new Map(read) };
     });
     const heights = header.heights && readHeights(header.heights, take);
-    const solids = header.solids.map(({ name, vertices, corners, columns }) => {
+    const solids = header.solids.map(({ name, vertices, corners, columns, values }) => {
         const [x, y, z, of] = columns.map((head, index) => take(head, index < 3 ? vertices : corners).values);
-        return { name, x, y, z, corners: of };
+        return { name, x, y, z, corners: of, values: values.map(({ label, column }) => ({ label, column: take(column, vertices) })) };
     });
     const lines = readLines(new TextDecoder().decode(bytes.subarray(at, at + header.text_bytes)));
-    const { title, unit, tools, findings } = header;
-    return { title, unit, runs, tools, heights, solids, findings, lines };
+    const { title, unit, tools, findings, purposes } = header;
+    return { title, unit, runs, tools, heights, solids, findings, purposes, lines };
 }
 
 function readHeights(head: HeightsHead, take: (head: ColumnHead, count: number) => Column): Heights {

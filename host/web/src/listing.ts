@@ -43,14 +43,19 @@ export class Listing {
         if (line > 0) this.box.setAttribute('aria-activedescendant', `line-${line}`);
     }
 
-    /** Goes to the next line that contains the text; returns it, or 0. */
+    /** Goes to the next line that contains the text, with its last number as a whole if there is one; returns it, or 0. */
     find(text: string): number {
         const wanted = text.trim().toUpperCase();
         if (!wanted) return 0;
+        const isWhole = (text: string) => text.split(wanted).slice(1).some((rest) => !/^\d/.test(rest));
+        return this.findWhere(/\d$/.test(wanted) ? isWhole : () => false) || this.findWhere((text) => text.includes(wanted));
+    }
+
+    private findWhere(fits: (text: string) => boolean): number {
         const count = this.lines.length;
         for (let step = 1; step <= count; step++) {
             const index = (this.found - 1 + step + count) % count;
-            if (this.text(index).toUpperCase().includes(wanted)) {
+            if (fits(this.text(index).toUpperCase())) {
                 this.found = index + 1;
                 this.reveal(this.found);
                 return this.found;

@@ -18,6 +18,8 @@ interface Snapshot {
     stops: number;
     damaged: number | null;
     position: [number, number, number] | null;
+    tip: [number, number, number] | null;
+    axis: [number, number, number] | null;
     feed: number | null;
     override_percent: number | null;
     chip_ratio: number | null;
@@ -28,8 +30,8 @@ interface Snapshot {
 }
 
 export interface Follower {
-    /** Shows where the machine is; null is unknown. */
-    follow(line: number | null, place: [number, number, number] | null): void;
+    /** Shows where the machine is, with the direction of the tool's axis; null is unknown. */
+    follow(line: number | null, place: [number, number, number] | null, axis: [number, number, number] | null): void;
 }
 
 const QUESTIONS: Record<string, string> = {
@@ -77,7 +79,7 @@ export class Live {
         element('live-line').textContent = line === null ? '' : `${words} ${line}`;
         element('live-block').textContent = now.block;
         this.values(now);
-        if (element<HTMLInputElement>('follow').checked) this.viewer?.follow(line, now.position);
+        if (element<HTMLInputElement>('follow').checked) this.viewer?.follow(line, now.tip ?? now.position, now.axis);
         if (now.is_over) this.events.close();
     }
 

@@ -2,7 +2,7 @@
 import './viewer.css';
 import { Scale, written, type ScaleName } from './colors';
 import { Curves, type Along, type Quantity } from './curves';
-import { read, type Finding, type ReportData } from './data';
+import { read, type Column, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
 import { Live, type Follower } from './live';
 import { Measure, type Place } from './measure';
@@ -89,7 +89,8 @@ class Viewer implements Follower {
             let pointer: PointerEvent | null = null;
             const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
             canvas.addEventListener('pointermove', (event) => {
-                if (event.buttons !== 0) return;
+                // While places are measured, the moment and its stock stay.
+                if (event.buttons !== 0 || this.measure) return;
                 // The pointer moves more often than a picture is drawn.
                 if (!pointer) requestAnimationFrame(() => {
                     const found = pointer && scene.pick(pointer.clientX, pointer.clientY);
@@ -155,12 +156,12 @@ class Viewer implements Follower {
     }
 
     /** Shows where the machine is: at the place, or in the first move of the line. */
-    follow(line: number | null, place: [number, number, number] | null): void {
+    follow(line: number | null, place: [number, number, number] | null, axis: [number, number, number] | null): void {
         const { run } = this;
         const first = line === null ? undefined : run.ofLine.get(line);
         if (first !== undefined) this.select(run, place ? run.nearest(first, place) : run.middle(first), 'machine');
         else if (line !== null) this.listing?.mark(line, true);
-        if (place) this.scene?.moveTool(run, place);
+        if (place) this.scene?.moveTool(run, place, run.toolAt(run.indexAt(this.time)), axis ?? undefined);
     }
 
     /** Makes this the moment everywhere. */
@@ -248,25 +249,43 @@ class Viewer implements Follower {
         return range;
     }
 
+    /** Values by which a solid can be coloured, each with the index of its solid. */
+    private surfaces(): { index: number; label: string; column: Column }[] {
+        return this.data.solids.flatMap(({ values }, index) => values.map((value) => ({ index, ...value })));
+    }
+
     private paint(): void {
         const key = element<HTMLSelectElement>('quantity').value;
         const scale = new Scale(element<HTMLSelectElement>('scale').value as ScaleName);
-        const [low, high] = this.range(key);
+        const { purposes } = this.data;
+        const [low, high] = key === 'purpose' ? [0, purposes.length - 1] : this.range(key);
         const span = high - low || 1;
         for (const run of this.runs) {
             const values = run.columns.get(key)?.values;
             this.scene?.paint(run, (index) => scale.color(values ? (values[index] - low) / span : NaN));
         }
         const chosen = element<HTMLSelectElement>('quantity').selectedOptions[0]?.textContent ?? '';
-        element('legend-title').textContent = `${chosen}; grey: no value`;
-        element('legend-bar').style.background = scale.gradient();
-        const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => {
-            const tick = document.createElement('span');
-            tick.textContent = written(low + part * (high - low));
-            return tick;
-        });
-        element('legend-ticks').replaceChildren(...ticks);
-        element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen} from ${written(low)} to ${written(high)}`);
+        this.legend('legend', chosen, scale, key === 'purpose' ? purposes : ticks(low, high));
+        const range = key === 'purpose' ? purposes.join(', ') : `from ${written(low)} to ${written(high)}`;
+        element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen}: ${range}`);
+        this.paintSurface(scale);
+    }
+
+    /** Colours a solid by the chosen value, from its least to its largest one. */
+    private paintSurface(scale: Scale): void {
+        const chosen = this.surfaces()[element<HTMLSelectElement>('surface').selectedIndex];
+        if (!chosen) return;
+        const { index, label, column } = chosen;
+        const known = column.values.filter((value) => !Number.isNaN(value));
+        const [low, high] = [known.reduce((a, b) => Math.min(a, b), Infinity), known.reduce((a, b) => Math.max(a, b), -Infinity)];
+        this.scene?.paintSolid(index, column.values, (value) => scale.color((value - low) / (high - low || 1)));
+        this.legend('surface-legend', `${label}, ${column.unit}`, scale, known.length > 0 ? ticks(low, high) : []);
+    }
+
+    private legend(id: string, title: string, scale: Scale, texts: string[]): void {
+        element(`${id}-title`).textContent = `${title}; grey: no value`;
+        element(`${id}-bar`).style.background = scale.gradient();
+        element(`${id}-ticks`).replaceChildren(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
     }
 
     private show(shown: Shown): void {
@@ -312,10 +331,16 @@ class Viewer implements Follower {
     private controls(): void {
         const quantity = element<HTMLSelectElement>('quantity');
         const choices = [...this.quantities, ...(this.pairing ? [{ key: 'ratio', label: 'Feed after over feed before', unit: '' }] : [])];
+        if (this.data.purposes.length > 0) choices.push({ key: 'purpose', label: 'Purpose of the move', unit: '' });
         choices.push({ key: 'time', label: 'Time', unit: 's' });
         quantity.replaceChildren(...choices.map(({ key, label, unit }) => new Option(`${label}${unit && `, ${unit}`}`, key)));
         quantity.addEventListener('change', () => this.paint());
         element('scale').addEventListener('change', () => this.paint());
+        const surface = element<HTMLSelectElement>('surface');
+        surface.replaceChildren(...this.surfaces().map(({ label, column }) => new Option(`${label}, ${column.unit}`)));
+        surface.addEventListener('change', () => this.paint());
+        element('surface-label').hidden = surface.options.length === 0;
+        element('surface-legend').hidden = surface.options.length === 0;
         document.querySelectorAll<HTMLElement>('#show button').forEach((button) => {
             button.hidden = this.runs.length < 2;
             button.addEventListener('click', () => this.show(button.dataset.show as Shown));
@@ -449,6 +474,7 @@ class Viewer implements Follower {
             x: () => next('along'),
             d: () => press('theme'),
             m: () => press('measure'),
+            Escape: () => this.measure && press('measure'),
             Enter: () => this.measurePlace(this.run.placeAt(this.time)),
             n: () => count > 0 && this.goTo((this.finding + 1) % count),
             p: () => count > 0 && this.goTo((this.finding - 1 + count) % count),
@@ -459,6 +485,11 @@ class Viewer implements Follower {
         event.preventDefault();
         action();
     }
+}
+
+/** Five numbers from the least to the largest one. */
+function ticks(low: number, high: number): string[] {
+    return [0, 0.25, 0.5, 0.75, 1].map((part) => written(low + part * (high - low)));
 }
 
 /** Time after which a page that is not seen, and gets no pictures, goes on, ms. */

@@ -161,6 +161,15 @@ export class PathScene {
         this.request();
     }
 
+    /** Colours a solid by the values at its vertices. */
+    paintSolid(index: number, values: Float64Array, color: (value: number) => [number, number, number]): void {
+        const colors = new Float32Array(3 * values.length);
+        const linear = new Color();
+        values.forEach((value, vertex) => linear.setRGB(...color(value), 'srgb').toArray(colors, 3 * vertex));
+        this.solids[index].geometry.setAttribute('color', new BufferAttribute(colors, 3));
+        this.request();
+    }
+
     /** Moves the tool of a run; without a direction it stands along Z. */
     moveTool(run: Run, place: [number, number, number], tool = 0, axis: [number, number, number] = [0, 0, 1]): void {
         const drawn = this.drawn.find((drawn) => drawn.run === run);
@@ -451,13 +460,15 @@ export class PathScene {
         geometry.boundingSphere = null;
     }
 
-    private solid({ x, y, z, corners }: Solid): Mesh {
+    private solid({ x, y, z, corners, values }: Solid): Mesh {
         const positions = new Float32Array(3 * x.length);
         for (let vertex = 0; vertex < x.length; vertex++) this.local(x[vertex], y[vertex], z[vertex]).toArray(positions, 3 * vertex);
         const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
         geometry.setIndex(new BufferAttribute(Uint32Array.from(corners), 1));
         geometry.computeVertexNormals();
         const glass = { transparent: true, opacity: 0.55, depthWrite: false };
-        return new Mesh(geometry, new MeshLambertMaterial({ color: 0x8ea3ba, side: DoubleSide, ...glass }));
+        // Colours that have a meaning are not mixed with those behind them.
+        const look = values.length > 0 ? { color: 0xffffff, vertexColors: true } : { color: 0x8ea3ba, ...glass };
+        return new Mesh(geometry, new MeshLambertMaterial({ side: DoubleSide, ...look }));
     }
 }

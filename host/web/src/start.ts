@@ -15,6 +15,7 @@ interface State {
     is_fixed: boolean;
     questions: Question[];
     messages: string;
+    has_failed: boolean;
     has_report: boolean;
 }
 
@@ -24,6 +25,8 @@ function element<T extends HTMLElement>(id: string): T {
 
 let state: State | null = null;
 let backend: Backend = new Server();
+/** The form has values that are not in the job. */
+let isFormChanged = false;
 
 /** Shows the state; the report only if it is a new one. */
 function show(next: State, isNewReport: boolean): void {
@@ -39,6 +42,7 @@ function show(next: State, isNewReport: boolean): void {
     element('questions').replaceChildren(...next.questions.map(field));
     element('messages').hidden = next.messages.trim() === '';
     element('messages').textContent = next.messages;
+    element('stale').hidden = true;
     element('report-part').hidden = !next.has_report;
     if (!next.has_report) showReport(null);
     else if (isNewReport) void backend.address('report').then(({ url }) => state === next && showReport(url));
@@ -65,8 +69,9 @@ function field({ key, help }: Question): HTMLElement {
     return label;
 }
 
-/** An answer as TOML: numbers, truth values, lists and tables as they are, all else as text. */
-function toToml(answer: string): string {
+/** An answer as TOML: numbers, truth values, lists and tables as they are, all else as text. Its key may stand before it. */
+function toToml(line: string): string {
+    const answer = line.replace(/^[A-Za-z_.]+\s*=\s*/, '').replace(/^"(.*)"$/, '$1');
     const isValue = /^([+-]?\d[\d_]*(\.\d+)?([eE][+-]?\d+)?|true|false|\[.*\]|\{.*\})$/s.test(answer);
     return isValue ? answer : JSON.stringify(answer);
 }
@@ -88,8 +93,8 @@ function answered(): string {
     return lines.join('\n');
 }
 
-/** Sends something, and shows the state that follows. */
-async function post(path: string, body: BodyInit, words: string): Promise<void> {
+/** Sends something, and shows the state that follows; returns whether arcfeed has done it. */
+async function post(path: string, body: BodyInit, words: string): Promise<boolean> {
     const began = performance.now();
     const clock = () => (element('elapsed').textContent = `${((performance.now() - began) / 1000).toFixed(0)} s`);
     const timer = setInterval(clock, 500);
@@ -98,8 +103,13 @@ async function post(path: string, body: BodyInit, words: string): Promise<void> 
     busy(true);
     try {
         const answer = await backend.request(path, body);
-        if (answer.isOk) show(JSON.parse(text(answer)), true);
-        else failed(text(answer));
+        if (answer.isOk) {
+            const next: State = JSON.parse(text(answer));
+            show(next, true);
+            if (next.has_failed) element('messages').scrollIntoView({ block: 'nearest' });
+            return !next.has_failed;
+        }
+        failed(text(answer));
     } catch (error) {
         failed(error instanceof Error ? error.message : String(error));
     } finally {
@@ -107,6 +117,7 @@ async function post(path: string, body: BodyInit, words: string): Promise<void> 
         element('elapsed').textContent = '';
         busy(false);
     }
+    return false;
 }
 
 function busy(isBusy: boolean): void {
@@ -120,7 +131,37 @@ function failed(words: string): void {
 }
 
 async function take(file: File | undefined): Promise<void> {
-    if (file) await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+    if (!file) return;
+    // The values are those of the program before.
+    element<HTMLFormElement>('values').reset();
+    isFormChanged = false;
+    await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+}
+
+async function propose(): Promise<boolean> {
+    const values = Object.fromEntries(new FormData(element<HTMLFormElement>('values')));
+    const isDone = await post('init', JSON.stringify(values), 'Proposing the job …');
+    isFormChanged &&= !isDone;
+    return isDone;
+}
+
+const REPLACES = 'The job has been changed by hand. Replace it by a job with the values of the fields?';
+
+function isJobChanged(): boolean {
+    return state?.job != null && element<HTMLTextAreaElement>('job').value !== state.job;
+}
+
+/** Values of the form that are not in the job yet come first; what the job then asks for is open. */
+async function run(): Promise<void> {
+    if (isFormChanged && (!isJobChanged() || confirm(REPLACES))) {
+        if (!(await propose()) || (state?.questions.length ?? 0) > 0) return;
+    }
+    if (await post('run', answered(), 'Adapting and simulating …')) element('report-part').scrollIntoView();
+}
+
+/** What is changed is not in the report yet. */
+function changed(): void {
+    element('stale').hidden = false;
 }
 
 function controls(): void {
@@ -143,13 +184,15 @@ function controls(): void {
     const values = element<HTMLFormElement>('values');
     values.addEventListener('submit', (event) => {
         event.preventDefault();
-        void post('init', JSON.stringify(Object.fromEntries(new FormData(values))), 'Proposing the job …');
+        if (!isJobChanged() || confirm(REPLACES)) void propose();
     });
     element('questions').addEventListener('submit', (event) => {
         event.preventDefault();
         element('run').click();
     });
-    element('run').addEventListener('click', () => void post('run', answered(), 'Adapting and simulating …'));
+    element('run').addEventListener('click', () => void run());
+    values.addEventListener('input', () => (isFormChanged = true));
+    for (const id of ['values', 'questions', 'job']) element(id).addEventListener('input', changed);
     element('stop').addEventListener('click', () => backend.stop());
 }
 

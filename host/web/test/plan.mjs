@@ -1,4 +1,4 @@
-// The report of a planned slot in a real browser: `node test/plan.mjs REPORT.html FACTS.json [PICTURE.png]`. The facts are figures of `plan --json`.
+// The report of a plan in a real browser: `node test/plan.mjs REPORT.html FACTS.json [PICTURE.png]`. The facts are figures of `plan --json`.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { accessible, launch, open, pixels, watch } from './browser.mjs';
@@ -16,9 +16,17 @@ const tool = () => page.evaluate(() => {
     return ['X', 'Y', 'Z'].map((axis) => cells[heads.findIndex((head) => head.startsWith(axis))]);
 });
 
-/** Distance of a point from a closed outline that turns about the tool's axis, which stands along Z. */
-function distance([x, y, z], [tx, ty, tz], outline) {
-    const [r, h] = [Math.hypot(x - tx, y - ty), z - tz];
+/** Direction of the tool's axis at the moment, as the list of moves has it; without that it stands along Z. */
+const axisShown = async () => {
+    const found = /axis (\S+) (\S+) (\S+)/.exec(await text('.row.current'));
+    return found ? found.slice(1).map(Number) : [0, 0, 1];
+};
+
+/** Distance of a point from a closed outline that turns about the tool's axis. */
+function distance(point, tip, axis, outline) {
+    const from = point.map((value, index) => value - tip[index]);
+    const h = from.reduce((sum, value, index) => sum + value * axis[index], 0);
+    const r = Math.sqrt(Math.max(from.reduce((sum, value) => sum + value * value, 0) - h * h, 0));
     const ways = outline.map(([r1, h1], index) => {
         const [r2, h2] = outline[(index + 1) % outline.length];
         const square = (r2 - r1) ** 2 + (h2 - h1) ** 2;
@@ -27,6 +35,9 @@ function distance([x, y, z], [tx, ty, tz], outline) {
     });
     return Math.min(...ways);
 }
+
+/** Text of a closest place. */
+const CLOSEST = /^(\w+) to (\w+)(?:, (?:plunge|move) \d+)?: certified (-?[\d.]+) \w+, (found|needed) (-?[\d.]+) \w+$/;
 
 /** Header of the data: findings with their places, the tool. */
 async function header() {
@@ -47,31 +58,48 @@ try {
     await page.locator('#stock').uncheck();
     assert.notDeepEqual((await pixels(page)).counts, drawn.counts, 'the part stays');
     await page.locator('#stock').check();
-    const { findings, tools: [outline], solids, unit } = await header();
+    const { findings, tools: [outline], solids, unit, purposes } = await header();
     const mm = unit === 'in' ? 25.4 : 1;
     console.log(`${solids[0].corners / 3} triangles, ${findings.length} findings`);
     const buttons = page.locator('#findings button');
-    assert.equal(await buttons.count(), facts.clearances.length + facts.turns);
+    if (facts.turns !== undefined) assert.equal(await buttons.count(), facts.clearances.length + facts.turns);
+    assert.ok(findings.filter(({ place }) => place).length > 0, 'closest places');
     let last = -Infinity;
     for (const [index, { place, text: words }] of findings.entries()) {
         if (!place) continue;
         await buttons.nth(index).click();
         // The others may be behind, or where the tool is already.
         if (last === -Infinity) assert.notDeepEqual((await pixels(page)).counts, drawn.counts, words);
-        const [, part, obstacle, certified, found] = /^(\w+) to (\w+): certified (-?[\d.]+) \w+, found (-?[\d.]+) \w+$/.exec(words);
+        const [, part, obstacle, certified, kind, other] = CLOSEST.exec(words);
         const fact = facts.clearances.find((fact) => fact.part === part && fact.obstacle === obstacle);
-        for (const [shown, wanted] of [[certified, fact.certified_mm], [found, fact.found_mm]]) assert.ok(Math.abs(shown * mm - wanted) < 1e-3 * mm, words);
-        assert.ok(Number(certified) >= last, 'in order of the distance');
-        last = Number(certified);
-        // Another part of the tool may be nearer to this point; the outline has no corner radius.
-        const near = distance(place, await tool(), outline);
+        for (const [shown, wanted] of [[certified, fact.certified_mm], [other, fact[`${kind}_mm`]]]) assert.ok(Math.abs(shown * mm - wanted) < 1e-3 * mm, words);
+        const order = kind === 'found' ? Number(certified) : certified - other;
+        assert.ok(order >= last - 2e-3, 'in order of the distance');
+        last = order;
+        // Another part of the tool may be nearer to this point; the outline of a cup mill has no corner radius.
+        const near = distance(place, await tool(), await axisShown(), outline);
         console.log(`${words}: ${near.toFixed(4)} ${unit} from the drawn outline`);
-        assert.ok(near <= Number(found) + 0.02 / mm, words);
+        if (kind === 'found') assert.ok(near <= Number(other) + 0.02 / mm, words);
+        // In the middle of the move, which is short; farther distances have no sharp bound.
+        else if (order < 1) assert.ok(near <= Number(certified) + facts.move_mm, words);
     }
     // A step of the path, by the list in the place of the NC text.
-    await page.locator('#find').fill('level 2: movement 2');
+    await page.locator('#find').fill(facts.find);
     await page.locator('#search button').click();
-    assert.match(await text('.row.current'), /level 2: movement 2, about A/);
+    assert.ok((await text('.row.current')).includes(facts.find));
+    await page.locator('#quantity').selectOption('purpose');
+    assert.deepEqual((await text('#legend-ticks')).split('\n'), purposes);
+    await page.locator('#quantity').selectOption('feed');
+    // The maps of a repair, on the blade.
+    assert.deepEqual(await page.locator('#surface option').allInnerTexts(), facts.surfaces ?? []);
+    if (facts.surfaces) {
+        const map = await pixels(page);
+        await page.locator('#surface').selectOption({ index: 2 });
+        assert.notDeepEqual((await pixels(page)).counts, map.counts, 'the colours of the blade stay');
+        assert.match(await text('#surface-legend'), /Depth to be taken, mm/);
+    } else {
+        assert.ok(await page.locator('#surface-legend').isHidden());
+    }
     for (const theme of ['light', 'dark']) {
         await accessible(page, theme);
         await page.locator('#theme').click();

@@ -6,7 +6,7 @@ use arcfeed::adapt::{Adapted, PlanReason};
 use arcfeed::commands::simulate::control::control_settings;
 use arcfeed::commands::simulate::foreseen;
 use arcfeed::job::JobFile;
-use arcfeed::program::{Program, ProgramLine};
+use arcfeed::program::Program;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_nc::segment::{Path, Segment};
@@ -66,7 +66,7 @@ struct Measurement {
 
 impl Measurement {
     fn of(program: &Program, adapted: &Adapted) -> Self {
-        let programmed: Vec<Segment> = program.lines.iter().filter_map(ProgramLine::segment).collect();
+        let programmed: Vec<Segment> = program.lines().filter_map(|line| line.segment()).collect();
         let governed = adapted.blocks.iter().filter(|block| block.demand.is_some());
         Measurement {
             arcs: arcs(&programmed),

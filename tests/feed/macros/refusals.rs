@@ -92,13 +92,13 @@ fn blocks_that_cannot_stand_for_the_program_are_not_written() {
 }
 
 #[test]
-fn more_than_half_a_million_blocks_are_refused_with_their_number() {
+fn more_than_a_million_blocks_are_refused_with_their_number() {
     let scratch = Scratch::new("macros-many");
-    let program = format!("{HEAD}WHILE[#1LT300000]DO1\n#1=#1+1\nG1X1.F900.\nX0.\nEND1\nM30\n%\n");
+    let program = format!("{HEAD}WHILE[#1LT600000]DO1\n#1=#1+1\nG1X1.F900.\nX0.\nEND1\nM30\n%\n");
     scratch.write("program.nc", program);
     let done = run(&["adapt", &scratch.write("job.toml", JOB)]);
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     assert_eq!(done.status.code(), Some(1));
     assert!(said.contains("program.nc:6:1: error") || said.contains("program.nc:7:1: error"), "{said}");
-    assert!(said.contains("600005 blocks as executed, and at most 500000"), "{said}");
+    assert!(said.contains("1200005 blocks as executed, and at most 1048576"), "{said}");
 }

@@ -1,6 +1,6 @@
 //! Programs as shops write them, through the command line.
 
-use arcfeed::program::{ProgramLine, RunBounds, Source};
+use arcfeed::program::{RunBounds, Source};
 use arcfeed_nc::segment::Segment;
 use arcfeed_nc_macro::program::first_macro;
 use arcfeed_tests::{Scratch, run};
@@ -144,7 +144,7 @@ fn a_stop_with_a_message_stays_a_stop() {
 fn moves(source: &Source) -> Vec<Segment> {
     let program = source.whole().expect("a short program");
     assert!(!program.has_errors(), "{:?}", program.diagnostics);
-    program.lines.iter().filter_map(ProgramLine::segment).collect()
+    program.lines().filter_map(|line| line.segment()).collect()
 }
 
 #[test]

@@ -114,7 +114,7 @@ fn travelled(arc: &Arc, point: &[Nm; 3]) -> f64 {
 fn moves(text: &[u8], unit: LengthUnit) -> Vec<Segment> {
     let program = Program::parse("out.nc".as_ref(), text, unit, Reading::Lenient);
     assert!(!program.has_errors(), "{:?}\n{}", program.diagnostics, String::from_utf8_lossy(text));
-    program.lines.iter().filter_map(|line| line.meaning.as_ref()?.segment).collect()
+    program.lines().filter_map(|line| line.meaning?.segment).collect()
 }
 
 /// The text as sent, program line by program line.
@@ -197,7 +197,7 @@ fn every_byte_outside_the_arcs_in_pieces_stays_and_pieces_keep_the_programs_styl
     for seed in 0..PROGRAMS {
         let Case { program, adapted, .. } = case(seed);
         let planned = |line: usize| adapted.blocks.iter().find(|block| block.line == line);
-        for ((index, line), sent) in program.lines.iter().enumerate().zip(lines_sent(&adapted)) {
+        for ((index, line), sent) in program.lines().enumerate().zip(lines_sent(&adapted)) {
             let old = std::str::from_utf8(&line.text).expect("ASCII");
             let ending = std::str::from_utf8(&line.ending).expect("ASCII");
             let pieces: Vec<&str> = sent.strip_suffix(ending).expect("its line end").split("\r\n").collect();

@@ -9,7 +9,7 @@ mod moments;
 
 mod planned;
 
-mod scale;
+pub mod scale;
 
 mod served;
 

@@ -1,9 +1,10 @@
 //! The tool and the stock at moments of a run, as the viewer has them, against closed forms.
 
-use arcfeed_tests::{Scratch, run};
+use arcfeed_tests::{Running, Scratch, run};
 use serde_json::{Value, json};
 
 use super::{has_node, node};
+use crate::live_page::Page;
 
 const SPINDLE: &str = "[spindle]\nrev_per_min = 3000\n";
 const LAW: &str = "[law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n";
@@ -34,8 +35,8 @@ fn on_part([a_deg, c_deg]: [f64; 2], [x, y, z]: [f64; 3]) -> [f64; 3] {
     [x * cos - y * sin, x * sin + y * cos, z]
 }
 
-#[test]
-fn the_tool_is_on_the_part_in_every_position_of_the_rotary_axes() {
+/// Program that cuts along the top and the four sides of a cube, its job, and moments on each face.
+fn faces() -> (String, String, Value) {
     let mut program = String::from("%\nG21G17G90G94\nG0Z60.\n");
     let mut facts = Vec::new();
     for face in FACES {
@@ -51,7 +52,49 @@ fn the_tool_is_on_the_part_in_every_position_of_the_rotary_axes() {
         "[tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 4\nheight = 30\n{SPINDLE}{LAW}\
          [workpiece]\nblock = {{ from = [-20, -20, -20], to = [20, 20, 20] }}\nstep = 1\n[machine]\npreset = \"mikron-ucp710\"\n"
     );
-    check("moments-faces", &job, &program, json!(facts));
+    (program, job, json!(facts))
+}
+
+#[test]
+fn the_tool_is_on_the_part_in_every_position_of_the_rotary_axes() {
+    let (program, job, facts) = faces();
+    check("moments-faces", &job, &program, facts);
+}
+
+#[test]
+fn the_live_page_has_the_tool_on_the_part_in_every_position_of_the_rotary_axes() {
+    let test = "moments-live";
+    if !has_node(test) {
+        return;
+    }
+    let scratch = Scratch::new(test);
+    let (program, job, facts) = faces();
+    scratch.write("program.nc", program);
+    let job = scratch.write("job.toml", format!("units = \"mm\"\nprogram = \"program.nc\"\n{job}"));
+    let stream = Running::start(&scratch, "stream", &["stream", &job, "--port", "sim:", "--speed", "5", "--web"]);
+    let page = Page::of(&stream);
+    let (html, browser) = (page.get(&page.path, "").1, page.browser());
+    let planned = scratch.write("page.html", html);
+    println!("{}", node(&["test/moments.mjs", &planned, &scratch.write("facts.json", facts.to_string())]));
+    let ended = stream.end();
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    let seen = browser.join().expect("a client");
+    let vector = |now: &Value, key: &str| [0, 1, 2].map(|axis: usize| now[key][axis].as_f64().expect("a number"));
+    let is_near = |a: [f64; 3], b: [f64; 3], most: f64| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= most);
+    let mut faces_seen = 0;
+    for (face, fact) in FACES.into_iter().zip(facts.as_array().expect("a list")) {
+        let on_face: Vec<&Value> = seen.iter().map(|(_, now)| now).filter(|now| now["line"] == fact["line"]).collect();
+        for now in &on_face {
+            let [tip, axis] = [vector(now, "position"), [0.0, 0.0, 1.0]].map(|place| on_part(face, place));
+            assert!(
+                is_near(vector(now, "tip"), tip, 1e-3) && is_near(vector(now, "axis"), axis, 1e-5),
+                "{face:?}: {now}"
+            );
+        }
+        faces_seen += usize::from(!on_face.is_empty());
+    }
+    // A busy computer may miss one: each lasts 0.3 s.
+    assert!(faces_seen >= 4, "{faces_seen} faces in {} states", seen.len());
 }
 
 #[test]

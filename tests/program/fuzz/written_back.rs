@@ -36,7 +36,7 @@ pub fn written_back(input: &[u8], seed: u64) {
     if program.has_errors() || program.places.is_none() {
         return;
     }
-    (1..=program.lines.len()).for_each(|line| assert!((1..=lines).contains(&program.line_in_file(line))));
+    (1..=program.texts().count()).for_each(|line| assert!((1..=lines).contains(&program.line_in_file(line))));
     let adapted = adapt(&program, &file.job);
     let Ok(written) = write_back(&source, &adapted.text, &adapted.line_ends) else { return };
     let written = written.text;

@@ -207,7 +207,7 @@ impl<'a> MeasuredRun<'a> {
             index,
             rule,
             setup: self.job.tool_of(rule),
-            along: block.along.as_ref(),
+            along: block.along.as_deref(),
             target: block.target(self.job),
         });
         self.meter.begin(self.count, &block.segment, governing.as_ref());

@@ -17,6 +17,9 @@ mod figures;
 mod page;
 
 #[cfg(feature = "plan")]
+mod planned_path;
+
+#[cfg(feature = "plan")]
 mod viewer;
 
 #[cfg(feature = "plan")]

@@ -1,34 +1,22 @@
 //! Data of the viewer on the page of a plan: the path through one slot, blades and hub, the tool, ends of the turns and closest
 //! places. Slot frame.
 
-use std::collections::HashMap;
-
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::mesh::{Triangle, finished};
 use arcfeed_plan::path::{Purpose, Step};
 use arcfeed_plan::proof::clearance::Clearance;
-use arcfeed_units::{LengthUnit, S_PER_MIN};
+use arcfeed_units::LengthUnit;
 
 use super::figures::{obstacle_word, part_word, stop_reason};
 use super::plan_result::{PlanResult, feeds};
+use super::planned_path::{CHORD_MM, PathPoint, RUN, run, seconds, solid};
 use super::slot_frame::{blades, in_slot, sector};
-use crate::report::page::viewer::column::{Column, ColumnHead};
-use crate::report::page::viewer::{RunFinding, RunPath, Solid, ViewerData};
+use crate::report::page::viewer::{RunFinding, ViewerData};
 
-/// Name of the run.
-const RUN: &str = "planned";
 /// Points of an arc; a line has both ends.
 const POINTS: u32 = 33;
-/// Largest distance of the drawn blades and hub from their surfaces.
-const CHORD_MM: f64 = 0.1;
-
-/// Point of the path.
-struct PathPoint {
-    time_s: f64,
-    place_mm: [f64; 3],
-    step: usize,
-    is_rapid: bool,
-}
+/// Purposes of moves at a feed, as the viewer shows them.
+const PURPOSES: [&str; 5] = ["movement 1", "movement 2", "movement 3", "movement 4", "to this level"];
 
 /// Data of the viewer.
 pub fn data(composed: &PlanResult) -> ViewerData {
@@ -39,12 +27,13 @@ pub fn data(composed: &PlanResult) -> ViewerData {
     ViewerData {
         title: format!("Plan: {}", composed.part.name),
         unit: unit.label(),
-        runs: vec![RunPath { name: RUN, columns: columns(unit, &points(&steps, &ends_s), feed_mm_per_min) }],
+        runs: vec![run(unit, &points(&steps, &ends_s, feed_mm_per_min))],
         tools: vec![outline(&composed.part.cutter).map(|[r, h]| [r / unit.mm(), h / unit.mm()]).collect()],
         heights: None,
-        solids: vec![solid(unit, &in_slot(composed, finished_part(composed)))],
+        solids: vec![solid(unit, "blades and hub", &in_slot(composed, finished_part(composed)))],
         findings: findings(composed, &steps, &ends_s),
         lines: steps.iter().map(|step| line(unit, step)).map(|line| [line.clone(), line]).collect(),
+        purposes: &PURPOSES,
         is_live: false,
     }
 }
@@ -55,7 +44,7 @@ fn finished_part(composed: &PlanResult) -> Vec<Triangle> {
 
 /// Time at the end of each step, all at the cutting feed.
 fn ends_s(steps: &[Step], feed_mm_per_min: f64) -> Vec<f64> {
-    let time_s = |step: &Step| step.length_mm() / feed_mm_per_min * S_PER_MIN;
+    let time_s = |step: &Step| seconds(step.length_mm(), None, feed_mm_per_min);
     let sum = |sum: &mut f64, step: &Step| {
         *sum += time_s(step);
         Some(*sum)
@@ -63,39 +52,21 @@ fn ends_s(steps: &[Step], feed_mm_per_min: f64) -> Vec<f64> {
     steps.iter().scan(0.0, sum).collect()
 }
 
-fn points(steps: &[Step], ends_s: &[f64]) -> Vec<PathPoint> {
+fn points(steps: &[Step], ends_s: &[f64], feed_mm_per_min: f64) -> Vec<PathPoint> {
     let mut points = Vec::new();
     for (index, step) in steps.iter().enumerate() {
         let begin_s = index.checked_sub(1).map_or(0.0, |before| ends_s[before]);
         let count = if step.about.is_some() { POINTS } else { 2 };
-        let is_rapid = matches!(step.purpose, Purpose::Approach | Purpose::Retract);
+        let purpose = purpose_index(step.purpose);
         let places = step.places(count).into_iter().enumerate().skip(usize::from(index > 0));
         points.extend(places.map(|(k, place_mm)| {
             let ratio = k as f64 / f64::from(count - 1);
-            PathPoint { time_s: begin_s + ratio * (ends_s[index] - begin_s), place_mm, step: index, is_rapid }
+            let time_s = begin_s + ratio * (ends_s[index] - begin_s);
+            let feed_mm_per_min = purpose.map(|_| feed_mm_per_min);
+            PathPoint { time_s, place_mm, axis: None, line: index + 1, feed_mm_per_min, purpose }
         }));
     }
     points
-}
-
-fn columns(unit: LengthUnit, points: &[PathPoint], feed_mm_per_min: f64) -> Vec<Column> {
-    let column = |name, unit, quantum, value: &dyn Fn(&PathPoint) -> Option<f64>| {
-        Column::new(ColumnHead { name, unit, quantum }, points.iter().map(value))
-    };
-    let (is_inch, mm) = (unit == LengthUnit::Inch, unit.mm());
-    let quantum = if is_inch { 1e-5 } else { 1e-4 };
-    let feed_unit = if is_inch { "in/min" } else { "mm/min" };
-    let number = |point: &PathPoint| Some((point.step + 1) as f64);
-    let mut columns = vec![column("time", "s", 1e-3, &|point| Some(point.time_s))];
-    let axes = [("x", 0), ("y", 1), ("z", 2)];
-    columns.extend(
-        axes.map(|(name, axis)| column(name, unit.label(), quantum, &move |point| Some(point.place_mm[axis] / mm))),
-    );
-    columns.push(column("block", "", 1.0, &number));
-    columns.push(column("line", "", 1.0, &number));
-    columns.push(column("rapid", "", 1.0, &|point| Some(f64::from(u8::from(point.is_rapid)))));
-    columns.push(column("feed", feed_unit, 1e-2, &|point| Some(feed_mm_per_min / mm).filter(|_| !point.is_rapid)));
-    columns
 }
 
 /// Closed outline, from the bottom of the ring outside, up the holder, and down the cavity.
@@ -109,28 +80,6 @@ fn outline(mill: &CupMill) -> impl Iterator<Item = [f64; 2]> + use<> {
     let (inner_mm, depth_mm) = (mill.inner_radius_mm, mill.cavity_depth_mm);
     points.extend([[0.0, top_mm], [0.0, depth_mm], [inner_mm, depth_mm], [inner_mm, 0.0]]);
     points.into_iter()
-}
-
-/// Triangles with each corner once.
-fn solid(unit: LengthUnit, triangles: &[Triangle]) -> Solid {
-    let (mut vertices, mut corners, mut known) = (Vec::new(), Vec::new(), HashMap::new());
-    for corner in triangles.iter().flatten() {
-        let place = [corner.x, corner.y, corner.z];
-        let index = *known.entry(place.map(f64::to_bits)).or_insert_with(|| {
-            vertices.push(place);
-            vertices.len() - 1
-        });
-        corners.push(Some(index as f64));
-    }
-    let along = |name, axis: usize| {
-        let head = ColumnHead { name, unit: unit.label(), quantum: 1e-4 };
-        Column::new(head, vertices.iter().map(|vertex| Some(vertex[axis] / unit.mm())))
-    };
-    Solid {
-        name: "blades and hub",
-        vertices: [along("x", 0), along("y", 1), along("z", 2)],
-        corners: Column::new(ColumnHead { name: "corner", unit: "", quantum: 1.0 }, corners),
-    }
 }
 
 /// Line of the list of steps.
@@ -149,6 +98,18 @@ const fn purpose(purpose: Purpose) -> &'static str {
         Purpose::Movement4 => "movement 4, about B1",
         Purpose::Link => "to this level",
         Purpose::Retract => "up",
+    }
+}
+
+/// Index in [`PURPOSES`]; `None` for rapids.
+const fn purpose_index(purpose: Purpose) -> Option<usize> {
+    match purpose {
+        Purpose::Approach | Purpose::Retract => None,
+        Purpose::Movement1 => Some(0),
+        Purpose::Movement2 => Some(1),
+        Purpose::Movement3 => Some(2),
+        Purpose::Movement4 => Some(3),
+        Purpose::Link => Some(4),
     }
 }
 

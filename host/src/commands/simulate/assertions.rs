@@ -242,7 +242,7 @@ fn feeds(evidence: &Evidence<'_>) -> Vec<BlockValue> {
     let moves = evidence.log.moves.iter().filter(|log| log.feed_max_mm_per_min > 0.0);
     let value = |log: &super::move_log::LoggedMove| BlockValue {
         block: log.block,
-        n: log.segment.sequence,
+        n: log.sequence,
         value: log.feed_max_mm_per_min,
     };
     moves.map(value).collect()
@@ -255,7 +255,7 @@ fn time(limit_s: f64, evidence: &Evidence<'_>) -> Vec<BlockValue> {
     };
     let until = |began: Micros| began.since(first.began).to_s() <= limit_s;
     let last = evidence.log.moves.iter().take_while(|log| until(log.began)).last().unwrap_or(first);
-    vec![BlockValue { block: last.block, n: last.segment.sequence, value: cycle_s }]
+    vec![BlockValue { block: last.block, n: last.sequence, value: cycle_s }]
 }
 
 impl fmt::Display for AssertionOutcome {

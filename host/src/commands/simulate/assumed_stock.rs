@@ -57,8 +57,8 @@ impl StockBlock {
 
     /// Block of a comment of the program, and its line counted from 1.
     fn commented(program: &Program) -> Option<(Self, usize)> {
-        (1..).zip(&program.lines).find_map(|(line, of)| {
-            let text: String = String::from_utf8_lossy(&of.text).to_ascii_uppercase().split_whitespace().collect();
+        (1..).zip(program.texts()).find_map(|(line, text)| {
+            let text: String = String::from_utf8_lossy(text).to_ascii_uppercase().split_whitespace().collect();
             let values = text.split_once(COMMENT)?.1.split(')').next()?;
             let [length, width, height, x, y, z] = numbers(values)?;
             Some((StockBlock::new([-x, -y, -z], [length - x, width - y, height - z])?, program.line_in_file(line)))
@@ -68,8 +68,8 @@ impl StockBlock {
     /// Block about the cutting moves of end mills, the largest of this radius, mm; `None` if they have no length along an axis.
     fn about(program: &Program, mills: &[ToolInSpindle], radius_mm: f64, unit: LengthUnit) -> Option<Self> {
         let mut path = PathSummary::new(LengthUnit::Mm);
-        let lines = || program.lines.iter().filter(|line| mills.contains(&line.machining.tool));
-        lines().for_each(|line| path.add_line(line));
+        let lines = || program.lines().filter(|line| mills.contains(&line.machining.tool));
+        lines().for_each(|line| path.add_line(&line));
         let [Some(x), Some(y), Some([low, _]), ..] = path.extents else { return None };
         let (mut above_mm, mut below_mm, mut highest_mm) = (0.0, 0.0, low);
         for segment in lines().filter_map(|line| line.segment()).filter(|segment| segment.path != Path::Rapid) {
@@ -201,7 +201,7 @@ impl StockArgs {
 
 /// End mills that cut, each with its radius, mm. The other tools of several take no material.
 fn mills(file: &JobFile, program: &Program) -> Result<Vec<(ToolInSpindle, f64)>, String> {
-    let cuts = program.lines.iter().filter(|line| line.segment().is_some_and(|segment| segment.path != Path::Rapid));
+    let cuts = program.lines().filter(|line| line.segment().is_some_and(|segment| segment.path != Path::Rapid));
     let mut tools: Vec<ToolInSpindle> = Vec::new();
     cuts.for_each(|line| {
         if !tools.contains(&line.machining.tool) {

@@ -1,5 +1,6 @@
 //! Conditions of moves that the simulated machine cannot know by itself, taken from the plan of the program.
 
+use std::collections::BTreeSet;
 use std::iter;
 
 use arcfeed_hil_sim::simulation::PlannedConditions;
@@ -34,7 +35,9 @@ fn foreseen_where(
     file: &JobFile,
     choose: impl Fn(&PlannedBlock) -> bool,
 ) -> Vec<PlannedConditions> {
-    let is_of_tip = |block: &PlannedBlock| program.lines.get(block.line - 1).is_some_and(is_tip_line);
+    let tip_lines: BTreeSet<usize> =
+        (1..).zip(program.lines()).filter(|(_, line)| is_tip_line(line)).map(|(number, _)| number).collect();
+    let is_of_tip = |block: &PlannedBlock| tip_lines.contains(&block.line);
     let has_scopes = has_scopes(file);
     let is_known = |block: &&PlannedBlock| {
         has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8

@@ -35,7 +35,7 @@ impl ProgramListing {
             let lines = begins.zip(ends).map(|(begin, end)| text.get(begin..*end).unwrap_or_default());
             lines.map(|line| line.trim_ascii_end().to_vec()).collect()
         };
-        let lines = text_of(&line_ends(&file), &file);
+        let lines = text_of(&line_ends(file), file);
         let sent = match (is_planned, &program.places) {
             (true, None) => text_of(&adapted.line_ends, sent),
             // Blocks as executed are no lines of the file.
@@ -56,7 +56,7 @@ impl ProgramListing {
 /// the control's memory, `sent_ends` the end of each program line in it.
 pub fn locators(program: &Program, adapted: &Adapted, sent: &[u8], sent_ends: &[usize]) -> [BlockLocator; 2] {
     let file = program.file();
-    let before = BlockLocator::new(in_capitals(&file), &line_ends(&file), |line| line);
+    let before = BlockLocator::new(in_capitals(file), &line_ends(file), |line| line);
     let after = if sent == adapted.text {
         BlockLocator::new(in_capitals(sent), &adapted.line_ends, |line| program.line_in_file(line))
     } else {

@@ -5,18 +5,31 @@ use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, S_PER_MIN};
 
+/// Most moves of a path that is drawn below the viewer, which draws any number of them in less space.
+pub const DRAWN_MAX: usize = 2_000;
+
 /// Relative change that begins another step of a curve.
 const STEP_RATIO: f64 = 2e-3;
+
+/// Most steps of a curve; of more, neighbours are joined. A plot has a hundredth of this number of columns.
+const STEPS_MAX: usize = 1 << 18;
+
+/// Longest time without a value that is joined with its neighbours, as a fraction of the curve's length.
+const GAP_RATIO: u64 = 4_096;
 
 /// Log of a run: its moves, and feed and chip load over time.
 #[derive(Debug, Default)]
 pub struct MoveLog {
     /// Moves in order of execution.
     pub moves: Vec<LoggedMove>,
+    /// The first [`DRAWN_MAX`] moves and one more, as they are drawn.
+    pub drawn: Vec<DrawnMove>,
     /// Feed along the path over time, mm/min; rapids left out.
     pub feeds: Curve,
     /// Measured chip load divided by its target, over time.
     pub chips: Curve,
+    /// Override that the control uses, %, over time.
+    pub overrides: Curve,
     /// Moves that the control had begun at the last one logged.
     moves_begun: u64,
 }
@@ -26,17 +39,28 @@ pub struct MoveLog {
 pub struct LoggedMove {
     /// Number of blocks executed then, including the block of this move.
     pub block: u32,
-    /// The move in workpiece coordinates.
-    pub segment: Segment,
-    /// A cut rule governs the move.
-    pub is_governed: bool,
+    /// N number of the block; `None` without one.
+    pub sequence: Option<i64>,
+    /// The move is a rapid.
+    pub is_rapid: bool,
     /// Machine time at which the move began.
     pub began: Micros,
     /// Largest feed along the path during the move, mm/min; 0 for rapids.
     pub feed_max_mm_per_min: f64,
 }
 
-/// Quantity over time as steps: start, end, and value between them.
+/// Path of a move of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnMove {
+    /// Number of blocks executed then, including the block of this move.
+    pub block: u32,
+    /// The move in workpiece coordinates.
+    pub segment: Segment,
+    /// A cut rule governs the move.
+    pub is_governed: bool,
+}
+
+/// Quantity over time as steps: start, end, and value between them. A curve of any length has a bounded number of steps.
 #[derive(Debug, Default)]
 pub struct Curve(Vec<(Micros, Micros, f64)>);
 
@@ -44,13 +68,18 @@ impl MoveLog {
     /// Records the millisecond that the simulation has just executed.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
         let (now, control) = (simulation.now(), simulation.control());
+        self.overrides.add(now, f64::from(control.override_percent()));
         let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
         if control.moves_begun() != self.moves_begun {
-            let is_governed = simulation.rule().is_some();
             self.moves_begun = control.moves_begun();
-            self.moves.push(LoggedMove { block, segment: *segment, is_governed, began: now, feed_max_mm_per_min: 0.0 });
+            let (sequence, is_rapid) = (segment.sequence, segment.path == Path::Rapid);
+            self.moves.push(LoggedMove { block, sequence, is_rapid, began: now, feed_max_mm_per_min: 0.0 });
+            if self.drawn.len() <= DRAWN_MAX {
+                let is_governed = simulation.rule().is_some();
+                self.drawn.push(DrawnMove { block, segment: *segment, is_governed });
+            }
         }
-        let Some(last) = self.moves.last_mut().filter(|last| last.segment.path != Path::Rapid) else { return };
+        let Some(last) = self.moves.last_mut().filter(|last| !last.is_rapid) else { return };
         let feed_mm_per_min = control.speed_mm_per_s() * S_PER_MIN;
         last.feed_max_mm_per_min = last.feed_max_mm_per_min.max(feed_mm_per_min);
         self.feeds.add(now, feed_mm_per_min);
@@ -75,7 +104,60 @@ impl Curve {
         let began = Micros(now.0.saturating_sub(arcfeed_hil_sim::simulation::STEP.0));
         match self.0.last_mut() {
             Some((_, to, last)) if *to == began && (value - *last).abs() <= STEP_RATIO * last.abs() => *to = now,
-            _ => self.0.push((began, now, value)),
+            _ => {
+                if self.0.len() >= STEPS_MAX {
+                    self.join_neighbours();
+                }
+                self.0.push((began, now, value));
+            }
         }
+    }
+
+    /// Replaces up to four neighbouring steps by two: the lowest and the highest value, in their order.
+    fn join_neighbours(&mut self) {
+        let [Some((first, ..)), Some((_, last, _))] = [self.0.first(), self.0.last()] else { return };
+        let gap_max = last.since(*first).0 / GAP_RATIO;
+        let adjoin = |a: &(Micros, Micros, f64), b: &(Micros, Micros, f64)| b.0.since(a.1).0 <= gap_max;
+        let joined = self.0.chunk_by(adjoin).flat_map(|chunk| chunk.chunks(4)).flat_map(|four| match four {
+            [a, _, .., d] => {
+                let values = || four.iter().enumerate().map(|(index, (.., value))| (index, *value));
+                let low = values().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+                let high = values().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+                let [one, other] = if low.0 < high.0 { [low.1, high.1] } else { [high.1, low.1] };
+                let middle = Micros(a.0.0.midpoint(d.1.0));
+                vec![(a.0, middle, one), (middle, d.1, other)]
+            }
+            few => few.to_vec(),
+        });
+        self.0 = joined.collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_of_any_length_has_a_bounded_number_of_steps_and_keeps_its_extremes_in_their_place() {
+        let mut curve = Curve::default();
+        let (ms, peak, low, pause) = (3_000_000, 1_234_567, 2_345_678, 500_000..600_000);
+        for at in (1..=ms).filter(|at| !pause.contains(at)) {
+            let value = match at {
+                _ if at == peak => 9.0,
+                _ if at == low => 0.5,
+                _ => 2.0 + f64::from(at % 7) / 10.0,
+            };
+            curve.add(Micros::from_ms(u64::from(at)), value);
+        }
+        let steps = curve.steps(1.0);
+        assert!((STEPS_MAX / 4..=STEPS_MAX).contains(&steps.len()), "{} steps", steps.len());
+        assert!(steps.windows(2).all(|pair| pair[0].0[1] <= pair[1].0[0]));
+        for (at_ms, value) in [(peak, 9.0), (low, 0.5)] {
+            let ([from, to], _) = steps.iter().find(|(_, other)| *other == value).expect("the extreme");
+            let at = f64::from(at_ms) / 1e3;
+            assert!((from - at).abs() < 0.1 && (to - at).abs() < 0.1, "{value} from {from} to {to}, at {at}");
+        }
+        let gap = steps.windows(2).map(|pair| pair[1].0[0] - pair[0].0[1]).fold(0.0, f64::max);
+        assert!((gap - 100.0).abs() < 0.1, "{gap} s");
     }
 }

@@ -40,8 +40,6 @@ pub struct RunObserver {
     pub trace: PathTrace,
     /// Stock at many times of the run; `None` unless [`RunObserver::record_stock`] was called.
     pub stock: Option<StockFrames>,
-    /// Changes of the override: time, and value from then on, %.
-    pub overrides: Vec<(Micros, u8)>,
     /// Tables of `--trace`.
     tables: Option<RunTables>,
     place: String,
@@ -137,10 +135,6 @@ impl RunObserver {
         self.trace.observe(simulation);
         if let Some(tables) = &mut self.tables {
             tables.observe(simulation, self.loads.as_mut());
-        }
-        let percent = simulation.control().override_percent();
-        if self.overrides.last().is_none_or(|(_, last)| *last != percent) {
-            self.overrides.push((simulation.now(), percent));
         }
     }
 }

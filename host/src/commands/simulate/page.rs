@@ -13,12 +13,11 @@ use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::removal::rate::windows;
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::job::Job;
-use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, write_whole};
 use super::edges::UPRIGHT;
 use super::listing::ProgramListing;
-use super::move_log::{Curve, MoveLog};
+use super::move_log::{Curve, DRAWN_MAX, MoveLog};
 use super::observer::RunObserver;
 use super::viewer::{ViewerInput, viewer_data};
 use super::{load_figures, mark_figures, path_plot};
@@ -29,9 +28,6 @@ use crate::report::page::map::Map;
 use crate::report::page::marks::section as marks_section;
 use crate::report::page::plot::{Lane, Series, svg};
 use crate::report::page::{Page, Section, tables};
-
-/// Most moves of a path that is drawn below the viewer, which draws any number of them in less space.
-const DRAWN_MAX: usize = 2_000;
 
 /// Format of a surface file: STL or PLY.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,8 +48,8 @@ pub struct PageContent<'a> {
     pub report: &'a RunReport,
     /// Job, of which the page needs the unit of lengths and the target chip load.
     pub job: &'a Job,
-    /// The run and the original program, each with the time of its end.
-    pub runs: [(&'a RunObserver, Micros); 2],
+    /// The run and the original program.
+    pub runs: [&'a RunObserver; 2],
     /// Measured chips of each move; first of the run, then of the original program.
     pub chips: [&'a [MoveChips]; 2],
     /// Deviation of the stock from the finished part, if the job describes one.
@@ -96,7 +92,7 @@ impl SurfaceFormat {
 impl PageContent<'_> {
     /// Builds the report page.
     pub fn page(&self) -> Page {
-        let [(observer, _), _] = self.runs;
+        let [observer, _] = self.runs;
         let mut sections = vec![tables::summary(self.title, self.report)];
         sections.extend(self.report.material.as_ref().map(|material| tables::material(material, self.job.unit)));
         sections.extend(self.report.loads.as_ref().map(loads_section));
@@ -116,15 +112,14 @@ impl PageContent<'_> {
             }
         }
         sections.extend(self.marks());
-        let &PageContent { title, report, job, chips, listing, .. } = self;
-        let runs = self.runs.map(|(observer, _)| observer);
+        let &PageContent { title, report, job, runs, chips, listing, .. } = self;
         let viewer = viewer_data(&ViewerInput { title, report, job, runs, chips, listing });
         Page { title: title.to_owned(), viewer: Some(viewer), sections }
     }
 
     /// The path before and after, with the measured chip load; empty if nothing was measured.
     fn chip_plots(&self) -> Vec<Section> {
-        let [after, before] = self.runs.map(|(observer, _)| observer);
+        let [after, before] = self.runs;
         let plots = [("before", before, self.chips[1]), ("after", after, self.chips[0])];
         let plots = plots.into_iter().filter(|(_, observer, _)| !observer.log.chips.is_empty());
         let section = |(name, observer, chips): (&str, &RunObserver, &[MoveChips])| Section {
@@ -139,7 +134,7 @@ impl PageContent<'_> {
 
     /// Sections with the marks of the edges; empty without edges.
     fn marks(&self) -> Vec<Section> {
-        let [(observer, _), _] = self.runs;
+        let [observer, _] = self.runs;
         let (Some(meter), Some(loads)) = (&observer.loads, &self.report.loads) else { return Vec::new() };
         let map = mark_figures::map(self.job.unit, meter, &self.marks).map(|map| map.svg());
         let marks = loads.marks.as_ref().zip(map).map(|(marks, map)| marks_section(loads, marks, &map));
@@ -158,7 +153,7 @@ impl PageContent<'_> {
     }
 
     fn lanes(&self) -> Vec<Lane> {
-        let [(after, ends), (before, _)] = self.runs;
+        let [after, before] = self.runs;
         let mut lanes = log_lanes(self.job, [&before.log, &after.log]);
         if let (Some(after), Some(before)) = (&after.cutter, &before.cutter) {
             let volumes = VolumeUnit::of(self.job.unit);
@@ -170,9 +165,7 @@ impl PageContent<'_> {
         if let (Some(after), Some(before)) = (&after.loads, &before.loads) {
             lanes.extend(load_figures::lanes(after, before));
         }
-        let changes = after.overrides.iter().zip(after.overrides.iter().skip(1).map(|(at, _)| *at).chain([ends]));
-        let steps = changes.map(|((from, percent), to)| ([from.to_s(), to.to_s()], f64::from(*percent))).collect();
-        let series = vec![Series { name: "after", color: "#2050a0", steps }];
+        let series = vec![Series { name: "after", color: "#2050a0", steps: after.log.overrides.steps(1.0) }];
         lanes.push(Lane { title: "override, %".into(), series, mark: None, has_gaps: false });
         lanes
     }

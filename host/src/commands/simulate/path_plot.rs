@@ -4,7 +4,7 @@ use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{LengthUnit, Nm};
 
-use super::move_log::{LoggedMove, MoveLog};
+use super::move_log::{DrawnMove, MoveLog};
 use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 
 /// Largest angle between two points of an arc.
@@ -12,8 +12,8 @@ const POINT_RAD: f64 = 0.05;
 
 /// Plot of the cutting moves, seen along Z; the colour of each shows its largest measured chip divided by the target.
 pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
-    let block = |logged: &LoggedMove| {
-        let LoggedMove { block, segment, is_governed, .. } = logged;
+    let block = |drawn: &DrawnMove| {
+        let DrawnMove { block, segment, is_governed } = drawn;
         // A piece of an arc belongs to the move that its first piece began.
         let before = chips.partition_point(|chips| chips.block <= *block);
         let own = before.checked_sub(1).and_then(|index| chips.get(index)).filter(|_| *is_governed);
@@ -25,7 +25,7 @@ pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
             lines: vec![points(segment).into_iter().map(|point| point.map(|mm| mm / unit.mm())).collect()],
         }
     };
-    let cutting = log.moves.iter().filter(|logged| logged.segment.path != Path::Rapid);
+    let cutting = log.drawn.iter().filter(|drawn| drawn.segment.path != Path::Rapid);
     LoadPlot { blocks: cutting.map(block).collect(), has_vibration: false }
 }
 

@@ -14,6 +14,8 @@ use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
+use crate::port::ToolOnPart;
+
 /// Most points of a run.
 const POINTS_MAX: usize = 1 << 18;
 
@@ -149,6 +151,12 @@ impl PathTrace {
     /// Completes the path at the end of the run.
     pub fn end(&mut self) {
         self.close();
+    }
+
+    /// Tip and axis of the tool on the part in the last millisecond observed; `None` before the first move, and without a machine.
+    pub fn on_part(&self) -> Option<ToolOnPart> {
+        let TracePoint { position_mm: tip_mm, axis, .. } = self.machine.and(self.open)?;
+        Some(ToolOnPart { tip_mm, axis })
     }
 
     /// Points in the order of time; complete after [`PathTrace::end`].

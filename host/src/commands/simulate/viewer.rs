@@ -65,6 +65,7 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
         solids: Vec::new(),
         findings: findings(report, job.unit, chips),
         lines: listing.lines.clone(),
+        purposes: &[],
         is_live: false,
     }
 }

@@ -249,14 +249,14 @@ impl LinuxCncRun<'_> {
         if self.log.moves.last().is_none_or(|last| last.block != count) {
             self.log.moves.push(LoggedMove {
                 block: count,
-                segment: block.segment,
-                is_governed: block.demand.is_some(),
+                sequence: block.segment.sequence,
+                is_rapid: block.segment.path == MovePath::Rapid,
                 began: Micros((time_s * US_PER_S as f64).round() as u64),
                 feed_max_mm_per_min: 0.0,
             });
             self.lines.resize(count as usize, block.line);
         }
-        if let Some(last) = self.log.moves.last_mut().filter(|last| last.segment.path != MovePath::Rapid) {
+        if let Some(last) = self.log.moves.last_mut().filter(|last| !last.is_rapid) {
             last.feed_max_mm_per_min = last.feed_max_mm_per_min.max(feed_mm_per_min);
         }
     }

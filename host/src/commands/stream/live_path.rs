@@ -2,14 +2,17 @@
 
 use std::net::SocketAddr;
 
+use arcfeed_control::action::{MoveContext, ProgrammedPath};
+use arcfeed_hil_sim::removal::placement::WorkpiecePlacement;
+use arcfeed_hil_sim::removal::trail::AxisPosition;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
-use arcfeed_units::{Micros, S_PER_MIN, US_PER_S};
+use arcfeed_units::{MicroDeg, Micros, S_PER_MIN, US_PER_S};
 
 use super::super::outcome::Failure;
 use super::super::simulate::path_trace::{TracePoint, UP};
 use super::super::simulate::viewer::{outlines, path_columns};
-use super::preparation::PreparedProgram;
+use super::preparation::{LineMove, PreparedProgram};
 use crate::console::note;
 use crate::dnc::transmission::Transmission;
 use crate::post::walk::point_at;
@@ -21,7 +24,7 @@ use crate::web::snapshot::Snapshot;
 
 /// Largest distance of an arc from the chords in its place.
 const TOLERANCE_MM: f64 = 1e-2;
-/// Most chords of an arc.
+/// Most chords of a move.
 const CHORDS_MAX: f64 = 256.0;
 /// Most points of the path; of a longer one, points within cuts are left out.
 const POINTS_MAX: usize = 1 << 18;
@@ -58,6 +61,7 @@ fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String 
         solids: Vec::new(),
         findings: Vec::new(),
         lines: listing(&ready.whole),
+        purposes: &[],
         is_live: true,
     };
     Page { title: title.to_owned(), viewer: Some(viewer), sections: Vec::new() }.to_string()
@@ -66,24 +70,35 @@ fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String 
 /// Points of the moves, with the time at which each is reached if the control never waits.
 fn path(ready: &PreparedProgram, sending: &Transmission) -> Vec<TracePoint> {
     let (mut points, mut time_s) = (Vec::<TracePoint>::new(), 0.0);
-    for (index, (load, segment)) in ready.moves(sending).enumerate() {
+    let (machine, mut placement) =
+        (ready.file.machine.as_ref().map(|named| named.machine), WorkpiecePlacement::default());
+    for (index, (load, moved)) in ready.moves(sending).enumerate() {
         let begin_s = time_s;
         time_s += load.time_s;
-        let Some(segment) = segment else { continue };
+        let Some(LineMove { segment, origin, follows_tip }) = moved else { continue };
+        let programmed_path = if follows_tip { ProgrammedPath::Tip } else { ProgrammedPath::Axes };
+        let context = MoveContext { origin, programmed_path, ..MoveContext::default() };
+        if segment.path != Path::Rapid {
+            placement.locate_at(&axes_at(&segment, 0.0), &context, turned_deg(&segment) == 0.0);
+        }
         let chords = chords(&segment);
         let feed_mm_per_min = if load.time_s > 0.0 { segment.length_mm() / load.time_s * S_PER_MIN } else { 0.0 };
         let point = |chord: u32| {
             let ratio = f64::from(chord) / f64::from(chords);
+            let axes = axes_at(&segment, ratio);
+            let pose = machine.as_ref().and_then(|machine| placement.pose(&axes, &context, machine));
+            let in_program = || [0, 1, 2].map(|axis: usize| axes[axis] - origin.linear[axis].to_mm());
+            let (position_mm, axis) = pose.map_or_else(|| (in_program(), UP), |pose| (pose.tip_mm, pose.axis));
             TracePoint {
                 at: Micros(libm::round((begin_s + ratio * load.time_s) * US_PER_S as f64) as u64),
-                position_mm: point_at(&segment, ratio),
+                position_mm,
                 block: index as u32 + 1,
                 is_rapid: segment.path == Path::Rapid,
                 feed_mm_per_min,
                 chip_ratio: None,
                 percent: 100,
                 tool: ToolInSpindle::Unstated,
-                axis: UP,
+                axis,
             }
         };
         let first = u32::from(!points.is_empty());
@@ -92,11 +107,27 @@ fn path(ready: &PreparedProgram, sending: &Transmission) -> Vec<TracePoint> {
     points
 }
 
+/// Positions of the axes, with the linear ones those of the tip, at the fraction `ratio` of a move.
+fn axes_at(segment: &Segment, ratio: f64) -> AxisPosition {
+    let [x, y, z] = point_at(segment, ratio);
+    let [from, to] = [segment.start, segment.end].map(|pose| pose.rotary.map(MicroDeg::to_deg));
+    let [a, b, c] = [0, 1, 2].map(|axis: usize| from[axis] + ratio * (to[axis] - from[axis]));
+    [x, y, z, a, b, c]
+}
+
+/// Largest turn of a rotary axis during a move.
+fn turned_deg(segment: &Segment) -> f64 {
+    let [from, to] = [segment.start, segment.end].map(|pose| pose.rotary.map(MicroDeg::to_deg));
+    from.iter().zip(to).map(|(from, to)| libm::fabs(to - from)).fold(0.0, f64::max)
+}
+
+/// Number of chords of a move; while rotary axes turn, one for each degree at least.
 fn chords(segment: &Segment) -> u32 {
-    let Some(arc) = segment.arc() else { return 1 };
     // The sagitta of a chord over the angle a is r (1 - cos(a / 2)).
-    let chord_rad = 2.0 * libm::acos((1.0 - TOLERANCE_MM / arc.radius_mm()).max(0.0));
-    libm::ceil(arc.sweep_rad() / chord_rad).clamp(1.0, CHORDS_MAX) as u32
+    let of_arc = segment
+        .arc()
+        .map_or(1.0, |arc| arc.sweep_rad() / (2.0 * libm::acos((1.0 - TOLERANCE_MM / arc.radius_mm()).max(0.0))));
+    libm::ceil(of_arc.max(turned_deg(segment))).clamp(1.0, CHORDS_MAX) as u32
 }
 
 /// Leaves out as many points within cuts as are too many; ends of rapids stay.

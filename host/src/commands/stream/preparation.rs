@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use arcfeed_control::code::{TapeCode, with_even_parity};
 use arcfeed_hil_sim::simulation::PlannedConditions;
-use arcfeed_nc::modal::{Feed, PER_MIN_SCALE};
+use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose};
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Micros, S_PER_MIN};
 
@@ -57,6 +57,16 @@ pub struct PreparedProgram {
     pub notes: Vec<String>,
 }
 
+/// Move of a line of the transmission.
+pub struct LineMove {
+    /// The move in path coordinates (docs/dialect.md), without the tool length.
+    pub segment: Segment,
+    /// Origin of the program's coordinates.
+    pub origin: Pose,
+    /// G43.4: the coordinates are those of the tip on the part.
+    pub follows_tip: bool,
+}
+
 impl PreparedProgram {
     /// Reads and checks job and program.
     ///
@@ -93,7 +103,7 @@ impl PreparedProgram {
         let JobFile { job, control, nc, tables, dnc, map, rule_scopes, .. } = &file;
         let said = format!("{:?}", (job, control, nc, tables, dnc, map, rule_scopes));
         let start = Start {
-            program: fingerprint(&program.bytes()),
+            program: fingerprint(program.bytes()),
             job: fingerprint(said.as_bytes()),
             sent: fingerprint(whole.frames()),
             bytes: whole.frames().len(),
@@ -176,7 +186,7 @@ impl PreparedProgram {
     }
 
     /// Execution time of each line at the programmed feed, and its move.
-    pub fn moves(&self, sending: &Transmission) -> impl Iterator<Item = (BlockLoad, Option<Segment>)> {
+    pub fn moves(&self, sending: &Transmission) -> impl Iterator<Item = (BlockLoad, Option<LineMove>)> {
         let control = control_settings(&self.file);
         let (rapid_mm_per_s, acceleration) = (control.dynamics.rapid_mm_per_s, control.dynamics.acceleration_mm_per_s2);
         let mut reader = self.power_on().reader();
@@ -201,7 +211,9 @@ impl PreparedProgram {
             } else {
                 BlockLoad::of_time(text.len(), dwell)
             };
-            (load, Some(segment))
+            let modal = reader.modal();
+            let origin = modal.work_origin(reader.tables());
+            (load, Some(LineMove { segment, origin, follows_tip: modal.follows_tool_center }))
         })
     }
 

@@ -34,7 +34,7 @@ pub fn write<D: OverrideSource>(
         listing: &listing,
         report,
         job: &file.job,
-        runs: [(after, simulation.now()), (before, baseline.now())],
+        runs: [after, before],
         chips: [simulation.meter().moves(), baseline.meter().moves()],
         deviation: None,
         marks: Vec::new(),

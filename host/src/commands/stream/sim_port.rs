@@ -175,6 +175,7 @@ impl<D: OverrideSource> Port for SimPort<D> {
             chip_ratio: self.simulation.meter().last_ratio(),
             alarm: alarm.map(|alarm| alarm.to_string()),
             position_mm: Some([x - origin[0], y - origin[1], z - origin[2]]),
+            on_part: self.observer.as_ref().and_then(|observer| observer.trace.on_part()),
             feed_mm_per_min: Some(control.speed_mm_per_s() * S_PER_MIN),
         }
     }

@@ -121,7 +121,9 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
-        if self.report.is_some() || self.trace.is_some() || !self.assertions.is_empty() {
+        // The live page shows the tool on the part, which the observer follows.
+        let is_shown = self.report.is_some() || self.web.is_some();
+        if is_shown || self.trace.is_some() || !self.assertions.is_empty() {
             sim.borrow_mut().observe(self.observer(ready)?);
         }
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;

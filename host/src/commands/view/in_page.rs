@@ -21,12 +21,14 @@ impl Runner {
     ///
     /// # Errors
     /// None.
-    pub fn run(&self, arguments: &[String]) -> io::Result<String> {
+    pub fn run(&self, arguments: &[String]) -> io::Result<Result<String, String>> {
         let capture = Arc::new(Capture::default());
         let result = captured(Some(Arc::clone(&capture)), || call(arguments.iter().map(OsString::from)));
         let mut lines = capture.take_notes();
+        let has_failed = result.is_err();
         lines.extend(result.err().map(|failure| failure.into_message().0));
-        Ok(lines.into_iter().map(|line| line + "\n").collect())
+        let messages = lines.into_iter().map(|line| line + "\n").collect();
+        Ok(if has_failed { Err(messages) } else { Ok(messages) })
     }
 
     /// Does nothing: no request reaches a worker that is busy.

@@ -30,11 +30,11 @@ impl Runner {
         Runner { folder: folder.to_owned(), running: Mutex::default() }
     }
 
-    /// Runs arcfeed to its end; returns its messages.
+    /// Runs arcfeed to its end; returns its messages, as an error if it fails.
     ///
     /// # Errors
     /// It does not start, or its messages cannot be kept.
-    pub fn run(&self, arguments: &[String]) -> io::Result<String> {
+    pub fn run(&self, arguments: &[String]) -> io::Result<Result<String, String>> {
         let log = self.folder.join("messages");
         let mut command = Command::new(std::env::current_exe()?);
         command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(File::create(&log)?);
@@ -42,14 +42,14 @@ impl Runner {
         {
             let mut running = self.running();
             if running.is_closed {
-                return Ok("the page has ended".into());
+                return Ok(Err("the page has ended".into()));
             }
             running.child = Some(command.spawn()?);
         }
         let ended = loop {
             let ended = match &mut self.running().child {
                 Some(child) => child.try_wait()?,
-                None => return Ok("stopped".into()),
+                None => return Ok(Err("stopped".into())),
             };
             match ended {
                 Some(status) => break status,
@@ -60,7 +60,11 @@ impl Runner {
         let mut messages = std::fs::read(&log)?;
         messages.truncate(MESSAGES_MAX);
         let messages = String::from_utf8_lossy(&messages).into_owned();
-        Ok(if ended.success() || !messages.is_empty() { messages } else { format!("arcfeed: {ended}") })
+        Ok(match ended.success() {
+            true => Ok(messages),
+            false if messages.is_empty() => Err(format!("arcfeed: {ended}")),
+            false => Err(messages),
+        })
     }
 
     /// Stops the running command.

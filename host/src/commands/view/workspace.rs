@@ -31,6 +31,7 @@ struct Files {
     /// The job is a file of the command line, which the page does not change.
     is_fixed: bool,
     messages: String,
+    has_failed: bool,
 }
 
 /// State that the page shows.
@@ -43,6 +44,8 @@ pub struct PageState {
     questions: Vec<OpenQuestion>,
     /// Messages of the last command.
     messages: String,
+    /// The last command ended with an error.
+    has_failed: bool,
     has_report: bool,
 }
 
@@ -120,7 +123,7 @@ impl Workspace {
             if let Some(path) = foreign_file(text, &self.folder.join("in")) {
                 let message =
                     format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
-                self.files().messages = message;
+                self.set_messages(Err(message));
                 return Ok(());
             }
             files::write(job, text)?;
@@ -142,8 +145,14 @@ impl Workspace {
 
     /// Runs arcfeed in the folder of the program; its messages are kept.
     fn command(&self, arguments: &[String]) {
-        let messages = self.runner.run(arguments).unwrap_or_else(|error| format!("arcfeed does not start: {error}"));
-        self.files().messages = messages;
+        let ended = self.runner.run(arguments);
+        self.set_messages(ended.unwrap_or_else(|error| Err(format!("arcfeed does not start: {error}"))));
+    }
+
+    fn set_messages(&self, ended: Result<String, String>) {
+        let mut files = self.files();
+        files.has_failed = ended.is_err();
+        files.messages = ended.unwrap_or_else(|messages| messages);
     }
 
     /// Reserves the workspace for a command; `false` if a command of another browser is using it.
@@ -177,6 +186,7 @@ impl Workspace {
             is_fixed: files.is_fixed,
             questions,
             messages: files.messages,
+            has_failed: files.has_failed,
             has_report: files::is_file(&self.path(PageFile::Report)).is_ok_and(|is_file| is_file),
         }
     }

@@ -4,6 +4,8 @@ pub mod result;
 
 pub mod figures;
 
+pub mod viewer;
+
 pub mod page;
 
 pub mod files;

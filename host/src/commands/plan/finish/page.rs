@@ -2,8 +2,10 @@
 
 use arcfeed_kinematics::vector::Vector;
 
+use super::super::planned_path::solid;
 use super::figures::{FinishClearanceFigures, FinishFigures};
 use super::result::FinishResult;
+use super::viewer;
 use crate::post::chart::chart;
 use crate::report::page::{Page, Section, escaped};
 
@@ -16,7 +18,9 @@ pub fn page(result: &FinishResult, figures: &FinishFigures) -> Page {
         section("First rotary axis over the directions of the tool", picture(result)),
         section("Findings of the post-processor", findings(result)),
     ];
-    Page { title: format!("Plan: {}", figures.name), sections, viewer: None }
+    let title = format!("Plan: {}", figures.name);
+    let solids = vec![solid(viewer::UNIT, "blades and hub", &viewer::surroundings(&result.part.blisk, 0))];
+    Page { viewer: Some(viewer::data(title.clone(), result, solids)), title, sections }
 }
 
 /// Chart of the tool axes on the machine.

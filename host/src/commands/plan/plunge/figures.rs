@@ -172,7 +172,7 @@ fn side(measures: &SideMeasures) -> SideFigures {
 }
 
 /// Name of a family in the JSON and on the page.
-fn family_word(family: PlungeFamily) -> &'static str {
+pub fn family_word(family: PlungeFamily) -> &'static str {
     match family {
         PlungeFamily::Radial => "radial",
         PlungeFamily::LowerFace => "lower-face",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::geometry::blisk::Blank;
-use arcfeed_plan::geometry::mesh::{Sector, Triangle, blank, finished};
+use arcfeed_plan::geometry::mesh::{Triangle, blank, finished};
 use arcfeed_plan::output::end_mill_job::{BlankRing, EndMillJob, PlungeLaw, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
@@ -12,7 +12,7 @@ use arcfeed_plan::vector::Point;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files};
-use super::super::slot_frame::{BELOW_HUB_MM, BESIDE_PITCHES};
+use super::super::slot_frame::BESIDE_PITCHES;
 use super::figures::PlungeFigures;
 use super::page::page;
 use super::result::PlungeResult;
@@ -82,7 +82,6 @@ fn cl(result: &PlungeResult) -> Cl {
 /// Blank and finished part about the first passage, under the plunge law the whole part, in the frame of the first plunge.
 fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
     let blisk = &result.part.blisk;
-    let middle_rad = result.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
     // A plan has a plunge.
     let turn = result.plan.plunges[0].to_tool;
     // The law governs the plunges of all passages, in the material that there is.
@@ -90,26 +89,16 @@ fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
         Some(_) => (core::f64::consts::PI, blisk.blades.cast_signed() - 1),
         None => ((0.5 + BESIDE_PITCHES) * blisk.pitch_rad(), 1),
     };
-    let sector = Sector {
-        angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
-        faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: bore_mm(result),
-    };
+    let sector = result.sector(reach_rad);
     [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, [0, last], CHORD_MM)]
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
-}
-
-/// Inner radius of blank and finished part.
-fn bore_mm(result: &PlungeResult) -> f64 {
-    let profile_mm = &result.part.blisk.hub.profile_mm;
-    profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min) - BELOW_HUB_MM
 }
 
 /// The whole blank, in the frame of the first plunge.
 fn ring(result: &PlungeResult) -> BlankRing {
     let Blank { radius_mm, faces_mm } = result.part.blisk.blank;
     let turn = result.plan.plunges[0].to_tool;
-    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(result) }
+    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: result.bore_mm() }
 }
 
 fn job(result: &PlungeResult, program: &str) -> String {

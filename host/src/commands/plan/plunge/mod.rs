@@ -8,6 +8,8 @@ mod comparison;
 
 mod plot;
 
+mod viewer;
+
 mod page;
 
 mod files;

@@ -6,6 +6,7 @@ use super::comparison::comparisons;
 use super::figures::PlungeFigures;
 use super::plot;
 use super::result::PlungeResult;
+use super::viewer;
 use crate::report::page::{Page, Section, escaped};
 
 /// Width and height of the picture.
@@ -26,7 +27,7 @@ pub fn page(result: &PlungeResult, figures: &PlungeFigures) -> Page {
         section("Planes", planes(figures)),
         section("Clearances", clearances(figures)),
     ];
-    Page { title: format!("Plan: {}", figures.name), sections, viewer: None }
+    Page { title: format!("Plan: {}", figures.name), sections, viewer: Some(viewer::data(result)) }
 }
 
 fn verdict(figures: &PlungeFigures) -> String {

@@ -4,6 +4,8 @@ mod result;
 
 mod figures;
 
+mod viewer;
+
 mod page;
 
 mod files;

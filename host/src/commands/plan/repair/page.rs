@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use super::super::finish::page::{clearances, findings, picture};
 use super::figures::{RepairFigures, text};
 use super::result::RepairResult;
+use super::viewer::{self, BEFORE, PLANNED, PREDICTED, TAKEN};
 use crate::report::page::{Page, Section, escaped};
 
 /// Verdict of a plan whose proof holds.
@@ -17,25 +18,25 @@ const WIDTH: f64 = 560.0;
 pub fn page(result: &RepairResult, figures: &RepairFigures) -> Page {
     let plan = &result.plan;
     let section = |heading: &str, body: String| Section { heading: heading.into(), body };
-    let before = map(result, |i, j| plan.field.rows[i][j].along_mm);
-    let left = map(result, |i, j| plan.planned_mm[i][j].or(plan.field.rows[i][j].along_mm));
-    let taken = map(result, |i, j| Some((plan.field.rows[i][j].along_mm? - plan.planned_mm[i][j]?).max(0.0)));
-    let predicted = map(result, |i, j| Some(result.predicted_mm[i][j]? - plan.planned_mm[i][j]?));
+    let before = map(result, BEFORE, |i, j| plan.field.rows[i][j].along_mm);
+    let left = map(result, PLANNED, |i, j| plan.planned_mm[i][j].or(plan.field.rows[i][j].along_mm));
+    let taken = map(result, TAKEN, |i, j| Some((plan.field.rows[i][j].along_mm? - plan.planned_mm[i][j]?).max(0.0)));
+    let predicted = map(result, PREDICTED, |i, j| Some(result.predicted_mm[i][j]? - plan.planned_mm[i][j]?));
     let sections = vec![
         section("Verdict", format!("<p>{VERDICT}</p>\n<pre>{}</pre>", escaped(&text(figures)))),
-        section("Allowance before", before),
-        section("Allowance planned", left),
-        section("Depth to be taken", taken),
-        section("Predicted result above the planned allowance", predicted),
+        section(BEFORE, before),
+        section(PLANNED, left),
+        section(TAKEN, taken),
+        section(PREDICTED, predicted),
         section("Clearances", clearances(&figures.clearances)),
         section("First rotary axis over the directions of the tool", picture(&result.path)),
         section("Findings of the post-processor", findings(&result.path)),
     ];
-    Page { title: format!("Repair: {}", figures.name), sections, viewer: None }
+    Page { title: format!("Repair: {}", figures.name), sections, viewer: Some(viewer::data(result)) }
 }
 
 /// Map of a value in mm over the lattice: from blue, the least, to red, the greatest; places without a value are grey.
-fn map(result: &RepairResult, value: impl Fn(usize, usize) -> Option<f64>) -> String {
+fn map(result: &RepairResult, label: &str, value: impl Fn(usize, usize) -> Option<f64>) -> String {
     let rows = &result.plan.field.rows;
     let (high, wide) = (rows.len(), rows[0].len());
     let values = || (0..high).flat_map(|i| (0..wide).map(move |j| (i, j)));
@@ -43,7 +44,10 @@ fn map(result: &RepairResult, value: impl Fn(usize, usize) -> Option<f64>) -> St
         .filter_map(|(i, j)| value(i, j))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, top), mm| (low.min(mm), top.max(mm)));
     let size = WIDTH / wide as f64;
-    let mut text = format!("<svg viewBox=\"0 0 {WIDTH} {:.1}\" width=\"{WIDTH}\" role=\"img\">\n", size * high as f64);
+    let mut text = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {:.1}\" width=\"{WIDTH}\" role=\"img\" aria-label=\"Map: {label}\">\n",
+        size * high as f64
+    );
     for (i, j) in values() {
         let colour = value(i, j).map_or("#999".into(), |mm| {
             let share = if top > low { (mm - low) / (top - low) } else { 0.0 };

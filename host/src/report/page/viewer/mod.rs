@@ -16,7 +16,7 @@ use self::column::{Column, ColumnHead};
 use super::png::base64;
 
 /// Version of the data's layout; it changes when an older viewer cannot read the data.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// Compression of the data, of 10; higher levels take much longer for 1 % less.
 const LEVEL: u8 = 6;
@@ -52,6 +52,8 @@ pub struct ViewerData {
     pub findings: Vec<RunFinding>,
     /// Lines of the program, each with its text as sent if that differs.
     pub lines: Vec<[Vec<u8>; 2]>,
+    /// Names of the values of the column `purpose`; empty without that column.
+    pub purposes: &'static [&'static str],
     /// The page is served, and shows a run that goes on.
     pub is_live: bool,
 }
@@ -91,6 +93,17 @@ pub struct Solid {
     pub vertices: [Column; 3],
     /// Three vertices of each triangle, by their indices.
     pub corners: Column,
+    /// Values at the vertices, by which the solid can be coloured.
+    pub values: Vec<SurfaceValue>,
+}
+
+/// Quantity at the vertices of a solid.
+#[derive(Clone, Debug)]
+pub struct SurfaceValue {
+    /// Name for people.
+    pub label: &'static str,
+    /// Value at each vertex.
+    pub column: Column,
 }
 
 /// Alarm, warning or note about a block of a run, for the viewer.
@@ -122,6 +135,7 @@ struct Header<'a> {
     heights: Option<HeightsHeader>,
     solids: Vec<SolidHeader>,
     findings: &'a [RunFinding],
+    purposes: &'static [&'static str],
     text_bytes: usize,
 }
 
@@ -155,6 +169,13 @@ struct SolidHeader {
     vertices: usize,
     corners: usize,
     columns: Vec<ColumnHead>,
+    values: Vec<ValueHeader>,
+}
+
+#[derive(Serialize)]
+struct ValueHeader {
+    label: &'static str,
+    column: ColumnHead,
 }
 
 /// Page that takes a program and shows its report, for a server. `cargo xtask web` writes the same one with arcfeed inside it.
@@ -192,6 +213,7 @@ impl ViewerData {
             heights: self.heights.as_ref().map(HeightGrid::header),
             solids: self.solids.iter().map(Solid::header).collect(),
             findings: &self.findings,
+            purposes: self.purposes,
             text_bytes: text.len(),
         };
         let header = serde_json::to_vec(&header).unwrap_or_default();
@@ -245,11 +267,14 @@ impl HeightGrid {
 
 impl Solid {
     fn header(&self) -> SolidHeader {
-        let columns = self.columns().map(|column| column.head).collect();
-        SolidHeader { name: self.name, vertices: self.vertices[0].len(), corners: self.corners.len(), columns }
+        let columns = self.vertices.iter().chain([&self.corners]).map(|column| column.head).collect();
+        let values = self.values.iter().map(|value| ValueHeader { label: value.label, column: value.column.head });
+        let (vertices, corners) = (self.vertices[0].len(), self.corners.len());
+        SolidHeader { name: self.name, vertices, corners, columns, values: values.collect() }
     }
 
     fn columns(&self) -> impl Iterator<Item = &Column> {
-        self.vertices.iter().chain(std::iter::once(&self.corners))
+        let values = self.values.iter().map(|value| &value.column);
+        self.vertices.iter().chain(std::iter::once(&self.corners)).chain(values)
     }
 }
