@@ -1,6 +1,6 @@
 // The viewer of a report: one moment, shown in the path, in the curves and in the NC text.
 import './viewer.css';
-import { Scale, written, type ScaleName } from './colors';
+import { aboutOne, IS_RATIO, Scale, valueAbout, written, type ScaleName } from './colors';
 import { Curves, type Along, type Quantity } from './curves';
 import { read, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
@@ -14,12 +14,22 @@ type Shown = 'before' | 'after' | 'both';
 /** Columns that are drawn as curves and colours, in this order. */
 const LABELS: [string, string][] = [
     ['chip', 'Chip load over its target'],
+    ['contour', 'Feed at the contour over its target'],
     ['feed', 'Feed'],
     ['override', 'Override'],
     ['force', 'Force across the axis, largest in 0.25 s'],
     ['power', 'Mean power in the cut'],
     ['removal', 'Removal rate'],
 ];
+
+/** Heads of the table where the key is none. */
+const SHORT: Record<string, string> = { chip: 'Chip / target', contour: 'At contour / target' };
+
+/** Difference of two feeds at one place that their stored intervals leave open: one per cent each. */
+const FEED_RESOLUTION = 0.021;
+
+/** Mean change of the feed from which a line counts as changed. */
+const LINE_CHANGE = 0.1;
 
 const AXES = ['X', 'Y', 'Z'];
 const AXIS_COLORS = ['#c8321e', '#2c8a3c', '#2f6fd0'];
@@ -44,11 +54,13 @@ class Viewer implements Follower {
     private run: Run;
     private time: number;
     private shown: Shown = 'after';
-    private along: Along = 'time';
+    private along: Along = 'path';
     private playing = 0;
     private finding = -1;
     /** Places that are being measured. */
     private measure: Measure | null = null;
+    /** The moment stays where a click has put it: pointing moves it again after the next click. */
+    private isHeld = false;
 
     constructor(private readonly data: ReportData) {
         this.runs = data.runs.map((run) => new Run(run)).filter((run) => run.points > 1);
@@ -59,7 +71,9 @@ class Viewer implements Follower {
         if (this.pairing) this.addRatios();
         this.quantities = LABELS.flatMap(([key, label]) => {
             const column = this.runs.map((run) => run.columns.get(key)).find((column) => column);
-            return column ? [{ key, label, unit: column.unit }] : [];
+            // A run without an override has no curve of it.
+            const isIdle = key === 'override' && this.runs.every((run) => run.columns.get(key)?.values.every((value) => value === 100 || Number.isNaN(value)) !== false);
+            return column && !isIdle ? [{ key, label, unit: column.unit }] : [];
         });
         element('viewer').hidden = false;
         this.scene = this.createScene();
@@ -75,9 +89,10 @@ class Viewer implements Follower {
 
     /** Adds what needs more time than the path: the stock, the curves, the text, the findings. */
     complete(): void {
-        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.abscissa, (place, along) => this.point(this.timeAt(place, along)));
+        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.data.unit, this.abscissa, (place, along, isClick) => this.point(this.timeAt(place, along), isClick));
         this.restyle();
-        this.listing = new Listing(element('listing'), this.data.lines, (line) => this.pointLine(line));
+        this.listing = new Listing(element('listing'), this.data.lines, (line, isPointed) => this.pointLine(line, isPointed));
+        this.listing.setSlowed(this.feedChanges());
         this.listing.setSide(this.shown === 'before' ? 'before' : 'after');
         this.findings();
         this.select(this.run, this.time, 'start');
@@ -89,7 +104,7 @@ class Viewer implements Follower {
             let pointer: PointerEvent | null = null;
             const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
             canvas.addEventListener('pointermove', (event) => {
-                if (event.buttons !== 0) return;
+                if (event.buttons !== 0 || this.isFixed()) return;
                 // The pointer moves more often than a picture is drawn.
                 if (!pointer) requestAnimationFrame(() => {
                     const found = pointer && scene.pick(pointer.clientX, pointer.clientY);
@@ -101,7 +116,7 @@ class Viewer implements Follower {
             canvas.addEventListener('click', (event) => {
                 if (this.measure) return this.measurePlace(scene.placeAt(event.clientX, event.clientY));
                 const found = scene.pick(event.clientX, event.clientY);
-                if (found) this.select(found.run, found.time, 'scene');
+                if (found && this.hold()) this.select(found.run, found.time, 'scene');
             });
             return scene;
         } catch {
@@ -121,10 +136,27 @@ class Viewer implements Follower {
             for (let i = 1; i < run.points; i++) {
                 const feed = feeds[1][other.indexAt(this.pairing?.map(run, run.middle(i)) ?? NaN)];
                 const ratio = run === after ? feeds[0][i] / feed : feed / feeds[0][i];
-                values[i] = Number.isFinite(ratio) ? ratio : NaN;
+                values[i] = !Number.isFinite(ratio) ? NaN : Math.abs(ratio - 1) <= FEED_RESOLUTION ? 1 : ratio;
             }
             run.columns.set('ratio', { unit: '', values });
         }
+    }
+
+    /** Lines whose feed after is another one than before. */
+    private feedChanges(): Set<number> {
+        const last = this.runs[this.runs.length - 1];
+        const ratios = last.columns.get('ratio')?.values ?? [];
+        const lines = new Set<number>();
+        const feeds = new Map<number, [number, number]>();
+        for (let i = 1; i < last.points && ratios.length > 0; i++) {
+            if (Number.isNaN(ratios[i])) continue;
+            // Feed times ratio is summed over the line: a ramp behind a slow arc alone does not change a line.
+            const sums = feeds.get(last.line[i]) ?? [0, 0];
+            const length = last.length[i] - last.length[i - 1];
+            feeds.set(last.line[i], [sums[0] + length * ratios[i], sums[1] + length]);
+        }
+        feeds.forEach(([sum, length], line) => Math.abs(sum / length - 1) > LINE_CHANGE && lines.add(line));
+        return lines;
     }
 
     /** Place along the axis of the curves. Along the path, both runs have the path of the last one. */
@@ -145,11 +177,26 @@ class Viewer implements Follower {
         return run === this.run || !this.pairing ? this.time : this.pairing.map(this.run, this.time);
     }
 
-    private point(time: number): void {
+    /** Whether pointing does not move the moment. */
+    private isFixed(): boolean {
+        return this.isHeld || this.measure !== null;
+    }
+
+    /** A click holds the moment, the next one lets it follow the pointer again; always true. */
+    private hold(isHeld = !this.isHeld): boolean {
+        this.isHeld = isHeld;
+        element('held').hidden = !isHeld;
+        return true;
+    }
+
+    private point(time: number, isClick: boolean): void {
+        if (isClick) this.hold();
+        else if (this.isFixed()) return;
         this.select(this.run, time, 'curves');
     }
 
-    private pointLine(line: number): void {
+    private pointLine(line: number, isPointed = false): void {
+        if (isPointed && this.isFixed()) return;
         const index = this.run.ofLine.get(line);
         if (index !== undefined) this.select(this.run, this.run.middle(index), 'listing');
     }
@@ -204,7 +251,7 @@ class Viewer implements Follower {
         const { unit } = this.data;
         const heads = ['', 'Time, s', ...AXES.map((axis) => `${axis}, ${unit}`), 'Line'];
         const titles = this.quantities.map(({ key, label, unit }) => {
-            const head = cell('th', `${key === 'chip' ? 'Chip / target' : key[0].toUpperCase() + key.slice(1)}${unit && `, ${unit}`}`);
+            const head = cell('th', `${SHORT[key] ?? key[0].toUpperCase() + key.slice(1)}${unit && `, ${unit}`}`);
             head.title = label;
             return head;
         });
@@ -250,19 +297,22 @@ class Viewer implements Follower {
 
     private paint(): void {
         const key = element<HTMLSelectElement>('quantity').value;
-        const scale = new Scale(element<HTMLSelectElement>('scale').value as ScaleName);
+        const isRatio = IS_RATIO.has(key);
+        element<HTMLSelectElement>('scale').disabled = isRatio;
+        const scale = new Scale(isRatio ? 'diverging' : (element<HTMLSelectElement>('scale').value as ScaleName));
         const [low, high] = this.range(key);
         const span = high - low || 1;
+        const part = (value: number) => (isRatio ? aboutOne(value, [low, high]) : (value - low) / span);
         for (const run of this.runs) {
             const values = run.columns.get(key)?.values;
-            this.scene?.paint(run, (index) => scale.color(values ? (values[index] - low) / span : NaN));
+            this.scene?.paint(run, (index) => scale.color(values ? part(values[index]) : NaN));
         }
         const chosen = element<HTMLSelectElement>('quantity').selectedOptions[0]?.textContent ?? '';
-        element('legend-title').textContent = `${chosen}; grey: no value`;
+        element('legend-title').textContent = `${chosen}${isRatio ? '; 1 is right, blue is less, red is more' : ''}; grey: no value`;
         element('legend-bar').style.background = scale.gradient();
-        const ticks = [0, 0.25, 0.5, 0.75, 1].map((part) => {
+        const ticks = [0, 0.25, 0.5, 0.75, 1].map((place) => {
             const tick = document.createElement('span');
-            tick.textContent = written(low + part * (high - low));
+            tick.textContent = written(isRatio ? valueAbout([low, high], place) : low + place * (high - low));
             return tick;
         });
         element('legend-ticks').replaceChildren(...ticks);
@@ -286,6 +336,8 @@ class Viewer implements Follower {
     }
 
     private theme(isDark: boolean): void {
+        // The page around the report.
+        if (parent !== window) parent.postMessage({ isDark }, '*');
         document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
         element('theme').setAttribute('aria-pressed', String(isDark));
         this.restyle();
@@ -295,7 +347,7 @@ class Viewer implements Follower {
         const style = getComputedStyle(document.documentElement);
         const color = (name: string) => style.getPropertyValue(name).trim();
         this.scene?.setBackground(color('--scene'));
-        this.curves?.setColors(color('--text'), color('--line'));
+        this.curves?.setColors(color('--text'), color('--line'), color('--muted'));
     }
 
     private drawTriad(): void {
@@ -340,6 +392,7 @@ class Viewer implements Follower {
         });
         const scrub = element<HTMLInputElement>('scrub');
         scrub.addEventListener('input', () => this.select(this.run, Number(scrub.value), 'scrub'));
+        scrub.addEventListener('change', () => this.hold(true));
         element('play').addEventListener('click', () => this.play());
         element('search').addEventListener('submit', (event) => {
             event.preventDefault();
@@ -447,6 +500,7 @@ class Viewer implements Follower {
             s: () => this.runs.length === 2 && this.show('both'),
             c: () => next('quantity'),
             x: () => next('along'),
+            Escape: () => this.measure ? this.toggleMeasure() : this.hold(false),
             d: () => press('theme'),
             m: () => press('measure'),
             Enter: () => this.measurePlace(this.run.placeAt(this.time)),

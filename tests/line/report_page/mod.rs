@@ -122,17 +122,18 @@ fn adapt_writes_the_report_that_simulate_writes_and_its_own_output() {
 /// feed at the contour is 8/3 of the wanted one.
 fn pocket_facts(report: &Value) -> Value {
     json!({
-        "curves": 3,
-        "tables": ["feed per tooth at the contour", "Along time", "Chip load along the path, after"],
-        "largest": [["chip", largest_chip(report), 2e-3]],
+        "curves": 2,
+        "tables": ["feed per tooth at the contour", "Along time", "Feed at the contour over its target along the path, after", "Governed moves: 5, of which 5 slowed, 0 raised."],
+        "largest": [["contour", largest_chip(report), 2e-3]],
+        "chip_head": "At contour / target",
         "find": "N160G3",
         "line": 15,
         "place": { "center": [42, 27], "radius": 3, "Z": -5, "tolerance": 6e-3 },
         "chip": { "before": 8.0 / 3.0, "after": 1.0 },
         "pixel": 0.6,
         "pixel_s": 0.03,
-        // The four corners and the slot, before the adaptation.
-        "findings": 5,
+        // Before the adaptation: the four corners, which have the same radius, and the slot.
+        "findings": 2,
     })
 }
 

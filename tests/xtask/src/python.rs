@@ -101,7 +101,9 @@ fn install_fresh() -> Result<PathBuf, Failure> {
         |words: &[&str]| python(&fresh, &[&["-m", "pip", "--quiet", "--disable-pip-version-check"], words].concat());
     let mut build = pip(&["wheel", "--no-deps"]);
     build.arg("--wheel-dir").arg(&wheels).arg(folder());
-    run(build.env("CARGO_TARGET_DIR", build_dir()?).env("MATURIN_PEP517_ARGS", "--profile dev --locked --features as-tests"))?;
+    run(build
+        .env("CARGO_TARGET_DIR", build_dir()?)
+        .env("MATURIN_PEP517_ARGS", "--profile dev --locked --features as-tests"))?;
     let wheel = wheel_in(&wheels)?;
     run(pip(&["install"]).arg(&wheel))?;
     run(&mut python(&fresh, &["-c", FIRST_USE, env!("CARGO_PKG_VERSION")]))?;

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::super::call::call;
+use super::CommandOutput;
 use crate::console::{Capture, captured};
 
 /// Runs one command at a time in the folder in which relative paths begin.
@@ -17,16 +18,17 @@ impl Runner {
         Runner
     }
 
-    /// Runs arcfeed to its end; returns its messages.
+    /// Runs arcfeed to its end; returns its output.
     ///
     /// # Errors
     /// None.
-    pub fn run(&self, arguments: &[String]) -> io::Result<String> {
+    pub fn run(&self, arguments: &[String]) -> io::Result<CommandOutput> {
         let capture = Arc::new(Capture::default());
         let result = captured(Some(Arc::clone(&capture)), || call(arguments.iter().map(OsString::from)));
         let mut lines = capture.take_notes();
         lines.extend(result.err().map(|failure| failure.into_message().0));
-        Ok(lines.into_iter().map(|line| line + "\n").collect())
+        let messages = lines.into_iter().map(|line| line + "\n").collect();
+        Ok(CommandOutput { messages, printed: capture.take_printed() })
     }
 
     /// Does nothing: no request reaches a worker that is busy.

@@ -16,7 +16,7 @@ pub fn page(result: &FinishResult, figures: &FinishFigures) -> Page {
         section("First rotary axis over the directions of the tool", picture(result)),
         section("Findings of the post-processor", findings(result)),
     ];
-    Page { title: format!("Plan: {}", figures.name), sections, viewer: None }
+    Page { title: format!("Plan: {}", figures.name), lead: None, sections, viewer: None }
 }
 
 /// Chart of the tool axes on the machine.

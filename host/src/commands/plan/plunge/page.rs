@@ -24,7 +24,7 @@ pub fn page(result: &PlungeResult, figures: &PlungeFigures) -> Page {
         section("Planes", planes(figures)),
         section("Clearances", clearances(figures)),
     ];
-    Page { title: format!("Plan: {}", figures.name), sections, viewer: None }
+    Page { title: format!("Plan: {}", figures.name), lead: None, sections, viewer: None }
 }
 
 fn verdict(figures: &PlungeFigures) -> String {
