@@ -44,6 +44,9 @@ export class StockFields {
         const longest = Math.max(...to.map((end, axis) => end - from[axis]));
         const list = (values: number[]) => values.map((value) => Number(value.toFixed(4))).join(', ');
         const step = Number((longest / CELLS).toPrecision(2));
-        return `${job.trimEnd()}\n\n# The box around the path of the cutting edge, of the form.\n[workpiece]\nblock = { from = [${list(from)}], to = [${list(to)}] }\nstep = ${step}\n`;
+        // The edge cuts over the whole height of the box: a shorter edge is the shop's to write.
+        const height = Number((to[2] - from[2]).toFixed(4));
+        const withHeight = /^height =/m.test(job) ? job : job.replace(/^diameter = .*$/gm, `$&\nheight = ${height}`);
+        return `${withHeight.trimEnd()}\n\n# The box around the path of the cutting edge, of the form.\n[workpiece]\nblock = { from = [${list(from)}], to = [${list(to)}] }\nstep = ${step}\n`;
     }
 }

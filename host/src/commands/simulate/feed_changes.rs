@@ -44,7 +44,10 @@ impl FeedChanges {
         let FeedChanges { governed, slowed, raised } = self;
         let times = match (report.baseline_cycle_time_s, report.cycle_time_s) {
             (Some(before), Some(after)) if before > 0.0 => {
-                format!("{before:.1} s before, {after:.1} s after ({:+.1} %). ", 1e2 * (after / before - 1.0))
+                format!(
+                    "Cycle time {before:.1} s before, {after:.1} s after ({:+.1} %). ",
+                    1e2 * (after / before - 1.0)
+                )
             }
             _ => String::new(),
         };
