@@ -25,6 +25,9 @@ const LABELS: [string, string][] = [
 /** Heads of the table where the key is none. */
 const SHORT: Record<string, string> = { chip: 'Chip / target', contour: 'At contour / target' };
 
+/** Samples of two runs lie a millisecond apart at most, and on a ramp the feed changes by a tenth within one. */
+const SAMPLE_S = 1.5e-3;
+
 /** Difference of two feeds at one place that their stored intervals leave open: one per cent each. */
 const FEED_RESOLUTION = 0.021;
 
@@ -134,8 +137,13 @@ class Viewer implements Follower {
             const values = new Float64Array(run.points).fill(NaN);
             if (!feeds[0] || !feeds[1]) return;
             for (let i = 1; i < run.points; i++) {
-                const feed = feeds[1][other.indexAt(this.pairing?.map(run, run.middle(i)) ?? NaN)];
-                const ratio = run === after ? feeds[0][i] / feed : feed / feeds[0][i];
+                const [feed, place] = [feeds[0][i], this.pairing?.map(run, run.middle(i)) ?? NaN];
+                const near = (values: Float64Array, of: Run, time: number) => [-SAMPLE_S, 0, SAMPLE_S].map((shift) => values[of.indexAt(time + shift)]);
+                const [own, others] = [near(feeds[0], run, run.middle(i)), near(feeds[1], other, place)];
+                const [low, high] = [Math.min(...others), Math.max(...others)];
+                // Where both have the same feed within a sample, none is raised or lowered.
+                const factor = Math.min(...own) > high ? feed / high : Math.max(...own) < low ? feed / low : feed + low + high > 0 ? 1 : NaN;
+                const ratio = run === after ? factor : 1 / factor;
                 values[i] = !Number.isFinite(ratio) ? NaN : Math.abs(ratio - 1) <= FEED_RESOLUTION ? 1 : ratio;
             }
             run.columns.set('ratio', { unit: '', values });
