@@ -57,9 +57,16 @@ async function opens() {
 async function agrees() {
     for (const [quantity, largest, tolerance] of facts.largest) {
         await choose('quantity', quantity);
-        const shown = Number((await text('#legend-ticks')).split(/\s+/).at(-1));
+        const shown = Number(/to (\S+)$/.exec(await page.locator('#path').getAttribute('aria-label'))[1]);
         console.log(`largest ${quantity}: ${shown} in the page, ${largest} in the figures`);
         close(shown, largest, tolerance, `largest ${quantity}`);
+    }
+    if (facts.feed_ratio) {
+        await choose('quantity', 'ratio');
+        const [, low, high] = /from (\S+) to (\S+)$/.exec(await page.locator('#path').getAttribute('aria-label'));
+        console.log(`feed after over feed before: ${low} to ${high}`);
+        close(Number(low), facts.feed_ratio[0], 0.01, 'least feed after over before');
+        close(Number(high), facts.feed_ratio[1], 0, 'largest feed after over before');
     }
     const scrub = page.locator('#scrub');
     const [begin, end] = await scrub.evaluate((scrub) => [Number(scrub.min), Number(scrub.max)]);
