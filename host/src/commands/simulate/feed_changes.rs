@@ -1,4 +1,4 @@
-//! What the adaptation changed, in one line: cycle time, governed moves, and how many of them run slower or faster.
+//! Result of the adaptation in one line: cycle time, governed moves, and how many of them run slower or faster.
 
 use std::collections::BTreeMap;
 

@@ -105,7 +105,7 @@ fn refusal(value: &str, words: &str) -> String {
     format!("{value} cannot be used: {words}{comma}")
 }
 
-/// What a file is that is no NC program, by its bytes and by what `arcfeed init` has found in it; `None` for a program.
+/// Words for a file that is no NC program, by its bytes and by the JSON of `arcfeed init` for it; `None` for a program.
 pub fn is_no_program(bytes: &[u8], found: Option<&Value>) -> Option<&'static str> {
     let mut lines =
         bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty() && *line != b"%");

@@ -32,7 +32,7 @@ struct Files {
     /// The job is a file of the command line, which the page does not change.
     is_fixed: bool,
     messages: String,
-    /// What `arcfeed init` has found in the program (docs/json.md).
+    /// JSON of `arcfeed init` for the program (docs/json.md).
     found: Option<Value>,
     problems: Vec<FormProblem>,
 }
