@@ -72,7 +72,7 @@ use lines::LineReader;
 pub use lines::in_capitals;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
-pub use path_summary::{PathSummary, ToolUse};
+pub use path_summary::{PathSummary, ToolUse, each_extreme};
 pub use program_lines::ProgramLines;
 pub use source::{Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;

@@ -114,3 +114,73 @@ fn a_job_of_the_command_line_opens_on_its_report_and_is_not_changed() {
     let output = run(&["view", "examples/no-such.toml"]);
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+/// A pocket's circle by T3, whose comment says D 10.
+const COMMENTED: &str = "%\nO1\n(T3 D=10. CR=0. - FLAT END MILL)\nG21G17G90G94\nT3M6\nS3000M3\nG0X0.Y0.Z5.\nG1Z-2.F300.\n\
+    G1X10.F600.\nG3I-10.\nG0Z5.\nM30\n%\n";
+
+#[test]
+fn a_value_that_cannot_be_used_leaves_job_and_result_and_is_refused_at_its_field() {
+    let scratch = Scratch::new("view-refused");
+    let view = View::start(&scratch, &[]);
+    let state = view.post("program?one.nc", COMMENTED);
+    let tool = &state["found"]["proposed"][0];
+    assert_eq!([&tool["number"], &tool["diameter"], &tool["comment_line"]], [&json!(3), &json!(10.0), &json!(3)]);
+    assert_eq!(state["found"]["extents"][0], json!([-10.0, 10.0]), "{state}");
+    let job = state["job"].as_str().expect("a job").to_owned();
+    assert_eq!(view.post("run", &job)["has_report"], true);
+    for (field, value) in [("tool", "-10"), ("tool", "10,5"), ("teeth", "2.5"), ("spindle", "fast"), ("max", "-20")] {
+        let state = view.post("init", &json!({ field: value }).to_string());
+        let [problem] = state["problems"].as_array().expect("a list").as_slice() else { panic!("{state}") };
+        let words = problem["text"].as_str().expect("words");
+        assert!(problem["field"] == field && words.starts_with(value) && !words.contains("--"), "{problem}");
+        assert_eq!(words.contains("comma"), value.contains(','), "{words}");
+        assert_eq!((&state["job"], &state["has_report"]), (&json!(job), &json!(true)));
+    }
+    // What contradicts the program is warned of, and done.
+    let state = view.post("init", &json!({ "tool": "500" }).to_string());
+    let words = state["messages"].as_str().expect("words");
+    assert_eq!(words, "warning: T3: diameter 500.0 mm, but the comment in line 3 says 10.0 mm: check it\n");
+    assert!(state["problems"] == json!([]) && state["job"].as_str().expect("a job").contains("diameter = 500.0"));
+    let bare = COMMENTED.replace("(T3 D=10. CR=0. - FLAT END MILL)\n", "");
+    view.post("program?bare.nc", &bare);
+    let warned = |diameter: &str| view.post("init", &json!({ "tool": diameter }).to_string())["messages"].clone();
+    assert_eq!((warned("19.9"), warned("10")), (json!(""), json!("")));
+    assert_eq!(
+        warned("21"),
+        "warning: T3: diameter 21.0 mm, but its centre moves within X 20.0 mm and Y 20.0 mm only: check it\n"
+    );
+    view.end(&scratch);
+}
+
+#[test]
+fn a_file_that_is_no_program_is_refused_at_once() {
+    let scratch = Scratch::new("view-no-program");
+    let view = View::start(&scratch, &[]);
+    for (name, text, words) in [
+        ("empty.nc", "", "empty.nc: the file is empty: choose another file"),
+        ("marks.nc", "%\r\n\r\n%\r\n", "marks.nc: the file is empty: choose another file"),
+        ("list.txt", "two apples\nbread\nmilk, 1 l\n", "list.txt: this is no NC program: choose another file"),
+        ("picture.nc", "\u{1}PNG\u{2}\n\u{0}\u{0}IHDR\n", "picture.nc: this is no NC program: choose another file"),
+    ] {
+        let state = view.post(&format!("program?{name}"), text);
+        assert_eq!((&state["messages"], &state["job"], &state["program"]), (&json!(words), &Value::Null, &Value::Null));
+    }
+    assert_eq!(view.post("program?one.nc", COMMENTED)["program"], "one.nc");
+    view.end(&scratch);
+}
+
+#[test]
+fn a_job_without_its_program_says_that_it_wants_it_beside_itself() {
+    let scratch = Scratch::new("view-alone");
+    let job = scratch.path("one.toml");
+    let program = scratch.write("one.nc", COMMENTED);
+    assert!(run(&["init", &program, "--output", &job]).status.success());
+    std::fs::remove_file(&program).expect("the program");
+    let output = run(&["adapt", &job]);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(1) && words.contains("names it as its program: keep both in one folder"),
+        "{words}"
+    );
+}

@@ -96,6 +96,8 @@ pub struct MoveContext {
     pub programmed_path: ProgrammedPath,
     /// Tool and spindle commanded by the program.
     pub machining: Machining,
+    /// Whether the position on the workpiece is known.
+    pub place: WorkpiecePlace,
     /// Reduction of the feed that the control applies on an arc inside a contour under cutter compensation, parts per million of F.
     pub feed_cut_ppm: u32,
 }
@@ -105,6 +107,19 @@ impl MoveContext {
     pub fn feed_ratio(&self) -> f64 {
         1.0 - f64::from(self.feed_cut_ppm) / f64::from(PPM)
     }
+}
+
+/// Knowledge of the position of a block's moves on the workpiece. Unknown is a machine position (G28, G30, G53) without a work
+/// offset, up to the end of the move that gives the last of its axes again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WorkpiecePlace {
+    /// All moves.
+    #[default]
+    Known,
+    /// The move to the intermediate point of G28 or G30, but not the next one.
+    ToIntermediate,
+    /// No move.
+    Unknown,
 }
 
 /// Which path the coordinates of a program describe.

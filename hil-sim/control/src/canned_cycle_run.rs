@@ -10,7 +10,7 @@ use arcfeed_nc::series::{Series, SeriesAction, SeriesCursor, Stage};
 use arcfeed_units::Micros;
 
 use super::Control;
-use super::action::MoveContext;
+use super::action::{MoveContext, WorkpiecePlace};
 use super::panel::Phase;
 use super::plain::along_z;
 
@@ -83,10 +83,17 @@ impl CannedCycleRun {
                         is_cut && matches!(&*self.series, Series::Drill(drill) if matches!(drill.code, 74 | 84));
                     let path = if is_cut { Path::Line } else { Path::Rapid };
                     let segment = Segment { sequence: self.sequence, start: *position, end, feed: motion.feed, path };
-                    return Some(RunStep::Move(
-                        Box::new(segment),
-                        MoveContext { is_tapping: self.is_tapping(), ..self.context },
-                    ));
+                    let place = match (&*self.series, self.context.place) {
+                        (Series::Reference([_, between, _]), WorkpiecePlace::ToIntermediate)
+                            if motion.end == *between =>
+                        {
+                            WorkpiecePlace::Known
+                        }
+                        (_, WorkpiecePlace::Known) => WorkpiecePlace::Known,
+                        _ => WorkpiecePlace::Unknown,
+                    };
+                    let context = MoveContext { is_tapping: self.is_tapping(), place, ..self.context };
+                    return Some(RunStep::Move(Box::new(segment), context));
                 }
                 None => return None,
             }

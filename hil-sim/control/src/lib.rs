@@ -32,6 +32,8 @@ pub mod settings;
 
 pub mod restart;
 
+mod unplaced;
+
 pub mod plain;
 
 pub mod reader;

@@ -14,9 +14,10 @@ use arcfeed_nc::segment::Segment;
 use arcfeed_nc::settings::CompensationType;
 use arcfeed_units::Nm;
 
-use super::action::{Action, MoveContext, ProgrammedPath};
+use super::action::{Action, MoveContext, ProgrammedPath, WorkpiecePlace};
 use super::restart::RestartList;
 use super::settings::ControlSettings;
+use super::unplaced::UnplacedAxes;
 
 /// Result of reading a plain block (one without macro statements).
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,7 @@ pub struct PlainReader {
     /// Programs have the path of the tool centre under G41 and G42, too.
     is_center_path: bool,
     restart: Option<RestartList>,
+    unplaced: UnplacedAxes,
 }
 
 impl PlainReader {
@@ -46,7 +48,16 @@ impl PlainReader {
     pub fn new(settings: &ControlSettings) -> Self {
         let reader = Reader::with(settings.nc, settings.tables);
         let is_center_path = settings.nc.compensation.of_program == CompensationType::Wear;
-        PlainReader { reader, end: Pose::ORIGIN, taps: false, sets_data: false, is_center_path, restart: None }
+        let unplaced = UnplacedAxes::default();
+        PlainReader {
+            reader,
+            end: Pose::ORIGIN,
+            taps: false,
+            sets_data: false,
+            is_center_path,
+            restart: None,
+            unplaced,
+        }
     }
 
     /// Modal state after the last block read.
@@ -105,7 +116,8 @@ impl PlainReader {
         self.note(&understood.parsed.block);
         let contour =
             ContourCommand { continues, ..ContourCommand::of(&understood, self.reader.modal(), self.reader.tables()) };
-        let context = self.context(&understood, &contour);
+        let place = self.unplaced.pass(&understood, &self.reader);
+        let context = MoveContext { place, ..self.context(&understood, &contour) };
         let mut action = action(&understood);
         if let Action::Move(segment, _) = &mut action {
             *segment = self.in_machine(segment, context.tool)?;
@@ -147,6 +159,7 @@ impl PlainReader {
             is_tapping: self.taps,
             programmed_path,
             machining: modal.machining(),
+            place: WorkpiecePlace::Known,
             feed_cut_ppm: 0,
         }
     }

@@ -7,7 +7,7 @@ use arcfeed_units::{MicroDeg, Micros, Nm};
 
 use crate::override_source::OverrideSource;
 use crate::simulation::{STEP, Simulation};
-use arcfeed_control::action::MoveContext;
+use arcfeed_control::action::{MoveContext, WorkpiecePlace};
 use arcfeed_control::drives::limits::AXES;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_dexel::workpiece::{Stock, StockError};
@@ -86,6 +86,8 @@ pub struct StockCutter {
     /// Rapids before the first cut.
     waiting: Vec<PathSection>,
     approach: ApproachState,
+    /// Last section from an unknown position: the next section begins at its end, which is known then.
+    arrival: Option<PathSection>,
     /// Last block in execution.
     last: Option<(BlockRef, MoveContext)>,
     blocks: Vec<BlockRef>,
@@ -103,9 +105,9 @@ enum ApproachState {
 }
 
 impl LeftOut {
-    /// Counts a left-out block, unless it is a rapid.
+    /// Counts a left-out block; of rapids only those to and from machine positions, as all others take material by fault alone.
     pub(super) fn count(list: &mut Vec<LeftOut>, block: BlockRef, reason: LeftOutReason) {
-        if block.is_rapid {
+        if block.is_rapid && reason != LeftOutReason::MachinePosition {
             return;
         }
         match list.iter_mut().find(|left_out| left_out.reason == reason) {
@@ -127,6 +129,7 @@ impl StockCutter {
             placement: WorkpiecePlacement::default(),
             waiting: Vec::new(),
             approach: ApproachState::Unknown,
+            arrival: None,
             last: None,
             blocks: Vec::new(),
             pieces: Vec::new(),
@@ -228,7 +231,19 @@ impl StockCutter {
         self.approach != ApproachState::Over
     }
 
+    /// Cuts a section; after one from an unknown position first where that ended, as only its end is known.
     fn cut(&mut self, section: &PathSection) -> Result<(), StockError> {
+        if section.context.place != WorkpiecePlace::Known {
+            self.arrival = Some(section.clone());
+        } else if let Some(mut arrival) = self.arrival.take() {
+            let end = arrival.positions.last().copied().unwrap_or_default();
+            (arrival.positions, arrival.context.place) = (vec![end; 2], WorkpiecePlace::Known);
+            self.remove(&arrival)?;
+        }
+        self.remove(section)
+    }
+
+    fn remove(&mut self, section: &PathSection) -> Result<(), StockError> {
         let Some(tool) = self.settings.tool_in(section.context.machining.tool).cloned() else {
             LeftOut::count(&mut self.left_out, section.block, LeftOutReason::OtherTool);
             return Ok(());

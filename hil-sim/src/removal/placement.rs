@@ -21,7 +21,7 @@ use arcfeed_kinematics::machine::{Carries, Letter, Machine};
 use arcfeed_kinematics::vector::{Vector, cross, difference, length, turned, unit};
 use arcfeed_units::{MicroDeg, Nm};
 
-use arcfeed_control::action::{MoveContext, ProgrammedPath};
+use arcfeed_control::action::{MoveContext, ProgrammedPath, WorkpiecePlace};
 use arcfeed_dexel::frame::Frame;
 use arcfeed_dexel::motion::{Move, MoveError, Pose};
 use arcfeed_dexel::section::Sweep;
@@ -48,6 +48,8 @@ pub enum LeftOutReason {
     OtherPosition,
     /// The path is programmed relative to the workpiece (G43.4), and the machine's kinematics are not known.
     NoMachine,
+    /// The tool goes to or comes from a machine position (G28, G30, G53), and no work offset is given.
+    MachinePosition,
     /// The path is the contour under G41 or G42, not the path of the tool's centre.
     Contour,
     /// The tool is tilted on the workpiece, and edges are evaluated for an upright tool only.
@@ -202,6 +204,9 @@ impl WorkpiecePlacement {
 
     /// Tip and axis on the part at each point.
     fn poses(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Pose>, LeftOutReason> {
+        if section.context.place != WorkpiecePlace::Known {
+            return Err(LeftOutReason::MachinePosition);
+        }
         let origin_mm = self.origin_mm.unwrap_or_default();
         let tip_mm = |position: &AxisPosition| difference([position[0], position[1], position[2]], origin_mm);
         let pose: Box<dyn Fn(&AxisPosition) -> Pose + '_> = match (section.context.programmed_path, machine) {

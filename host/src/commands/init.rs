@@ -52,6 +52,8 @@ struct InitReport {
     errors: usize,
     arcs: usize,
     lines: usize,
+    /// Lowest and highest X, Y and Z of the cutting moves.
+    extents: [Option<[f64; 2]>; 3],
     groups: Vec<GroupFigures>,
     proposed: Vec<ToolFigures>,
     questions: Vec<QuestionFigures>,
@@ -126,6 +128,8 @@ impl Init {
             let more = if errors > 1 { format!("; and {}", counted(errors - 1, "more error")) } else { String::new() };
             note(format_args!("{path}:{first}{more}: arcs behind them may be missing from the job"));
         }
+        let tools = proposal.tools.iter().filter(|tool| !tool.cuts.is_empty());
+        tools.filter_map(|tool| findings.doubtful_diameter(tool)).for_each(|found| note(format_args!("{found}")));
         wording::unknown_radius(&self.program, &survey).iter().for_each(|found| note(format_args!("{found}")));
         if self.json {
             let report = report(&program, &output, &findings, (errors, &questions));
@@ -212,6 +216,7 @@ fn report(
         errors,
         arcs: survey.arcs.len(),
         lines: survey.lines,
+        extents: survey.extents_mm.map(|extent| extent.map(|ends| ends.map(|mm| mm / findings.unit().mm()))),
         groups: groups.iter().map(|group| GroupFigures::new(group, findings.unit())).collect(),
         proposed: proposal.tools.iter().map(|tool| ToolFigures::new(tool, findings)).collect(),
         questions: questions.iter().map(QuestionFigures::new).collect(),

@@ -156,7 +156,13 @@ pub fn load_source(job: &Path) -> Result<(JobFile, Source, bool), Failure> {
 /// # Errors
 /// See [`load_source`].
 pub fn read_source(job: &Path, mut file: JobFile) -> Result<(JobFile, Source, bool), Failure> {
-    let source = Source::read(&file.program, file.nc, file.tables).map_err(Failure::Input)?;
+    let names_it = |words: String| match crate::files::is_file(&file.program) {
+        Ok(true) => words,
+        _ => {
+            format!("{words}; {} names it as its program: keep both in one folder, or correct `program`", job.display())
+        }
+    };
+    let source = Source::read(&file.program, file.nc, file.tables).map_err(names_it).map_err(Failure::Input)?;
     let source = expanded(source, &file)?;
     let (mut errors, mut more) = (Vec::new(), 0);
     let (mut used, mut leaks) = (RuleUse::new(&file.job, source.places.clone()), false);

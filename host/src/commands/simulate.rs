@@ -43,9 +43,13 @@ pub(super) mod observer;
 
 mod spindle_load;
 
+mod chip_quantity;
+
 mod path_plot;
 
 pub(super) mod listing;
+
+mod feed_changes;
 
 mod run_findings;
 

@@ -7,9 +7,13 @@ use super::answers::{Answers, Milling};
 use super::groups::Group;
 use super::proposal::{LikelyTool, Movement, Proposal, ProposedCut, ProposedTool};
 use super::survey::Survey;
+use super::wording::length;
 
 /// An arc is smaller than a tool if its radius is less than the tool's by this, mm: more than coordinates are rounded.
 const SMALLER_MIN_MM: f64 = 0.01;
+
+/// Difference of two diameters that counts as none, mm.
+const SAME_DIAMETER_MM: f64 = 0.01;
 
 /// Input for a new job file: what the program shows, and the given values.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +69,25 @@ impl Findings<'_> {
                  tool mills on their inner side: --milling {other}"
             )
         })
+    }
+
+    /// Warning of a given diameter that another one in the comment, or the path, contradicts.
+    pub fn doubtful_diameter(&self, tool: &ProposedTool) -> Option<String> {
+        let mm = Answers::of(&self.answers.diameters, tool.number)?.to_mm(self.unit());
+        let note = tool.note.as_ref().and_then(|note| Some((note.line, note.data.diameter_mm?)));
+        let in_unit = |mm: f64| format!("{} {}", length(mm, self.unit()), self.unit().label());
+        let [across, along] =
+            [0, 1].map(|axis: usize| self.survey.extents_mm[axis].map_or(0.0, |[low, high]| high - low));
+        let reason = match note {
+            Some((_, noted_mm)) if (noted_mm - mm).abs() <= SAME_DIAMETER_MM => return None,
+            Some((line, noted_mm)) => format!("the comment in line {line} says {}", in_unit(noted_mm)),
+            None if mm > across.max(along) => {
+                format!("its centre moves within X {} and Y {} only", in_unit(across), in_unit(along))
+            }
+            None => return None,
+        };
+        let number = tool.number.map_or("the tool".into(), |number| format!("T{number}"));
+        Some(format!("warning: {number}: diameter {}, but {reason}: check it", in_unit(mm)))
     }
 
     /// Number of teeth, given or from a comment; `None` if it is unknown.

@@ -4,7 +4,7 @@ use std::path::Path as FilePath;
 
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::block::Block;
-use arcfeed_nc::modal::{Feed, Plane, Turn};
+use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::segment::{Arc, Path, Segment};
 use arcfeed_nc::settings::{CompensationType, Settings, Tables};
@@ -12,7 +12,7 @@ use arcfeed_units::{LengthUnit, Nm};
 
 use crate::console::note;
 use crate::program::{
-    AssumedUnit, CornerMoves, Program, ProgramLine, ToolNote, ToolNotes, check_line_count, read_bounded,
+    AssumedUnit, CornerMoves, Program, ProgramLine, ToolNote, ToolNotes, check_line_count, each_extreme, read_bounded,
 };
 
 /// Two moves join smoothly if their directions agree to this (the cosine of two degrees).
@@ -39,6 +39,8 @@ pub struct Survey {
     pub arcs: Vec<FoundArc>,
     /// Number of straight cutting moves.
     pub lines: usize,
+    /// Lowest and highest X, Y and Z of the cutting moves, mm; `None` for an axis along which none goes.
+    pub extents_mm: [Option<[f64; 2]>; 3],
     /// Arcs under G41 or G42 whose D has no known radius: line of the first, counted from 1, and their number.
     pub without_radius: Option<(usize, usize)>,
     /// Line of the first block that mirrors an axis (G51.1, G51 with a negative scale), counted from 1: arcs turn the other way
@@ -238,6 +240,12 @@ impl Survey {
         if segment.path == Path::Rapid {
             return;
         }
+        each_extreme(segment, &Pose::ORIGIN, |axis, value| {
+            if let Some(extent) = self.extents_mm.get_mut(axis) {
+                let [low, high] = extent.get_or_insert([value; 2]);
+                (*low, *high) = (low.min(value), high.max(value));
+            }
+        });
         let index = self.uses.iter().position(|used| used.tool == tool).unwrap_or_else(|| {
             self.uses.push(SurveyedTool { tool, ..SurveyedTool::default() });
             self.uses.len() - 1

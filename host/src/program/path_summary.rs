@@ -229,32 +229,7 @@ impl PathSummary {
     }
 
     fn extend(&mut self, segment: &Segment, origin: &Pose) {
-        let Segment { start, end, path, .. } = segment;
-        let length_mm = |at: Nm, origin: Nm| Nm(at.0 - origin.0).to_mm();
-        let angle_deg = |at: MicroDeg, origin: MicroDeg| MicroDeg(at.0 - origin.0).to_deg();
-        for index in 0..3 {
-            if start.linear[index] != end.linear[index] || matches!(path, Path::Arc(_)) {
-                self.include(index, length_mm(start.linear[index], origin.linear[index]));
-                self.include(index, length_mm(end.linear[index], origin.linear[index]));
-            }
-            if start.rotary[index] != end.rotary[index] {
-                self.include(3 + index, angle_deg(start.rotary[index], origin.rotary[index]));
-                self.include(3 + index, angle_deg(end.rotary[index], origin.rotary[index]));
-            }
-        }
-        if let Path::Arc(arc) = path {
-            let (first, second, _) = arc.plane.axes();
-            let crossed = crossed_axes(arc);
-            if crossed == [false; 4] {
-                return;
-            }
-            let radius_mm = arc.radius_mm();
-            for (quarter, _) in crossed.into_iter().enumerate().filter(|(_, is_crossed)| *is_crossed) {
-                let (axis, center) = if quarter % 2 == 0 { (first, arc.center[0]) } else { (second, arc.center[1]) };
-                let outwards_mm = if quarter < 2 { radius_mm } else { -radius_mm };
-                self.include(axis, length_mm(center, origin.linear[axis]) + outwards_mm);
-            }
-        }
+        each_extreme(segment, origin, |axis, value| self.include(axis, value));
     }
 
     fn include(&mut self, axis: usize, value: f64) {
@@ -269,6 +244,32 @@ impl PathSummary {
     /// Tools that make at least one move.
     pub fn tools_in_use(&self) -> impl Iterator<Item = &ToolUse> {
         self.tools.iter().filter(|tool| tool.cutting_mm > 0.0 || tool.rapid_mm > 0.0 || tool.cutting_s > 0.0)
+    }
+}
+
+/// Passes the coordinates relative to the origin between which a move stays to `include`, each with its axis: X, Y, Z in mm, A, B, C in degrees.
+pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(usize, f64)) {
+    let Segment { start, end, path, .. } = segment;
+    let length_mm = |at: Nm, origin: Nm| Nm(at.0 - origin.0).to_mm();
+    let angle_deg = |at: MicroDeg, origin: MicroDeg| MicroDeg(at.0 - origin.0).to_deg();
+    for index in 0..3 {
+        if start.linear[index] != end.linear[index] || matches!(path, Path::Arc(_)) {
+            include(index, length_mm(start.linear[index], origin.linear[index]));
+            include(index, length_mm(end.linear[index], origin.linear[index]));
+        }
+        if start.rotary[index] != end.rotary[index] {
+            include(3 + index, angle_deg(start.rotary[index], origin.rotary[index]));
+            include(3 + index, angle_deg(end.rotary[index], origin.rotary[index]));
+        }
+    }
+    if let Path::Arc(arc) = path {
+        let (first, second, _) = arc.plane.axes();
+        let crossed = crossed_axes(arc);
+        for (quarter, _) in crossed.into_iter().enumerate().filter(|(_, is_crossed)| *is_crossed) {
+            let (axis, center) = if quarter % 2 == 0 { (first, arc.center[0]) } else { (second, arc.center[1]) };
+            let outwards_mm = if quarter < 2 { arc.radius_mm() } else { -arc.radius_mm() };
+            include(axis, length_mm(center, origin.linear[axis]) + outwards_mm);
+        }
     }
 }
 

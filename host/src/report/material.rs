@@ -194,6 +194,10 @@ impl LeftOutBlocks {
                  there material needs a [machine] whose rotary axes both turn the part, and chips are not computed"
             }
             "no-machine" => "under G43.4, and the job names no machine",
+            "machine-position" => {
+                "they go to a machine position (G28, G30, G53) or come from there, and how far that is from the workpiece is unknown: \
+                 give the work offset in a settings file (--settings)"
+            }
             "other-tool" => "the shape of the tool in the spindle is not given",
             "tilted" => "the tool is tilted, and a flexible workpiece or an engagement map needs an upright tool",
             "axis-turns" => "the tool's axis turns on the part, and chips are computed at a fixed axis only",

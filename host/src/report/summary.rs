@@ -217,8 +217,10 @@ fn write_movement(f: &mut fmt::Formatter<'_>, movement: &MovementFigures) -> fmt
     });
     let bounds = movement.r#override.map_or("-".into(), |figures| format!("{} .. {} %", figures.min, figures.max));
     let mut changes = String::new();
-    for count in &movement.changes_per_arc {
-        write!(changes, "{count} ")?;
+    if movement.changes_per_arc.iter().all(|count| *count == 0) {
+        changes.push_str("none");
+    } else {
+        movement.changes_per_arc.iter().try_for_each(|count| write!(changes, "{count} "))?;
     }
     writeln!(
         f,

@@ -5,7 +5,26 @@ const STOPS = {
     viridis: '440154 482878 3e4989 31688e 26828e 1f9e89 35b779 6ece58 b5de2b fde725',
 };
 
+/** Diverging scale about the target, for colour-blind eyes: RdYlBu of ColorBrewer, its middle darkened to be seen on light and dark ground. */
+const DIVERGING = '313695 4575b4 74add1 8fb8b8 9a9a86 d9a25f f46d43 d73027 a50026';
+
+/** Names of scales of one direction. */
 export type ScaleName = keyof typeof STOPS;
+
+/** Quantities whose right value is 1. */
+export const IS_RATIO = new Set(['chip', 'contour', 'ratio']);
+
+/** Part of the diverging scale, 1 in its middle: equal factors up and down are equally far. */
+export function aboutOne(value: number, [low, high]: [number, number]): number {
+    const span = Math.max(Math.log(high), -Math.log(Math.max(low, 1e-3)), Math.log(1.1));
+    return value > 0 ? 0.5 + Math.log(value) / (2 * span) : value === 0 ? 0 : NaN;
+}
+
+/** Value at a part of the diverging scale. */
+export function valueAbout([low, high]: [number, number], part: number): number {
+    const span = Math.max(Math.log(high), -Math.log(Math.max(low, 1e-3)), Math.log(1.1));
+    return Math.exp((2 * part - 1) * span);
+}
 
 /** Colour of moves without a value. */
 export const NO_VALUE: [number, number, number] = [0.55, 0.55, 0.58];
@@ -13,8 +32,8 @@ export const NO_VALUE: [number, number, number] = [0.55, 0.55, 0.58];
 export class Scale {
     private readonly stops: [number, number, number][];
 
-    constructor(name: ScaleName) {
-        this.stops = STOPS[name].split(' ').map((hex) => {
+    constructor(name: ScaleName | 'diverging') {
+        this.stops = (name === 'diverging' ? DIVERGING : STOPS[name]).split(' ').map((hex) => {
             const value = parseInt(hex, 16);
             return [(value >> 16) / 255, ((value >> 8) & 255) / 255, (value & 255) / 255];
         });

@@ -1,7 +1,7 @@
 // Curves of both runs along time or path, one below the other. Each picture has as many columns as pixels, with the least and the
 // largest value in each: a peak of a millisecond stays visible in a run of hours.
 import uPlot from 'uplot';
-import { written } from './colors';
+import { IS_RATIO, written } from './colors';
 import type { Run } from './run';
 
 export type Along = 'time' | 'path';
@@ -25,19 +25,24 @@ interface Plot {
 
 export class Curves {
     private readonly plots: Plot[] = [];
-    private along: Along = 'time';
+    private along: Along = 'path';
     /** Places of the points of each run along the axis. */
     private places = new Map<Run, Float64Array>();
     private range: [number, number] = [0, 1];
-    private colors = { text: '#000', grid: '#ccc' };
+    private colors = { text: '#000', grid: '#ccc', target: '#888' };
+    /** The pointer has chosen a range since it was pressed. */
+    private hasZoomed = false;
+    /** Times that are marked. */
+    private marked = new Map<Run, number>();
 
-    /** `abscissa` is the place of a point along the axis, `pointed` is called with a place. */
+    /** `abscissa` is the place of a point along the axis, `pointed` is called with a place; `unit` is that of lengths. */
     constructor(
         private readonly parent: HTMLElement,
         private readonly runs: Run[],
         quantities: Quantity[],
+        private readonly unit: string,
         private readonly abscissa: (run: Run, time: number, along: Along) => number,
-        private readonly pointed: (place: number, along: Along) => void,
+        private readonly pointed: (place: number, along: Along, isClick: boolean) => void,
     ) {
         this.place();
         this.range = this.whole();
@@ -55,13 +60,14 @@ export class Curves {
         this.places = new Map(this.runs.map((run) => [run, run.time.map((time) => this.abscissa(run, time, this.along))]));
     }
 
-    setColors(text: string, grid: string): void {
-        this.colors = { text, grid };
+    setColors(text: string, grid: string, target: string): void {
+        this.colors = { text, grid, target };
         this.plots.forEach(({ plot }) => plot.redraw(false));
     }
 
     /** Marks these times. */
     mark(times: Map<Run, number>): void {
+        this.marked = times;
         for (const { plot, marks } of this.plots) {
             for (const [run, mark] of marks) {
                 const place = this.abscissa(run, times.get(run) ?? 0, this.along);
@@ -81,6 +87,8 @@ export class Curves {
     private zoom(range: [number, number]): void {
         this.range = range;
         this.plots.forEach(({ quantity, plot }) => plot.setData(this.data(quantity, this.width()), true));
+        // The scales are set in a microtask.
+        queueMicrotask(() => this.mark(this.marked));
     }
 
     private width(): number {
@@ -116,13 +124,15 @@ export class Curves {
             legend: { show: false },
             cursor: { points: { show: false }, y: false, drag: { x: true, y: false, setScale: false } },
             scales: { x: { time: false, range: () => this.range }, y: { range: (_plot, low, high) => uPlot.rangeNum(Math.min(low, 0), high, 0.1, true) } },
-            axes: [{ ...axis, size: 28 }, { ...axis, size: 64 }],
+            axes: [{ ...axis, size: 28, values: (_plot, ticks) => ticks.map((tick, index) => (index === ticks.length - 1 ? `${tick} ${this.along === 'time' ? 's' : this.unit}` : String(tick))) }, { ...axis, size: 64, space: 22 }],
             series: [{}, ...series],
             bands: runs.map((run, index) => ({ series: [2 * index + 2, 2 * index + 1], fill: `${COLORS[run.name] ?? COLORS.after}70` })),
             hooks: {
+                draw: [(plot) => IS_RATIO.has(quantity.key) && this.drawTarget(plot)],
                 setSelect: [(plot) => {
                     const { left, width } = plot.select;
                     if (width < 4) return;
+                    this.hasZoomed = true;
                     const [low, high] = [plot.posToVal(left, 'x'), plot.posToVal(left + width, 'x')];
                     plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
                     this.zoom([low, high]);
@@ -130,9 +140,12 @@ export class Curves {
             },
         }, this.data(quantity, this.width()), box);
         plot.over.addEventListener('pointermove', (event) => {
-            if (event.buttons === 0) this.pointed(plot.posToVal(event.offsetX, 'x'), this.along);
+            if (event.buttons === 0) this.pointed(plot.posToVal(event.offsetX, 'x'), this.along, false);
         });
-        plot.over.addEventListener('pointerup', (event) => this.pointed(plot.posToVal(event.offsetX, 'x'), this.along));
+        plot.over.addEventListener('pointerdown', () => (this.hasZoomed = false));
+        plot.over.addEventListener('click', (event) => {
+            if (event.detail === 1 && !this.hasZoomed) this.pointed(plot.posToVal(event.offsetX, 'x'), this.along, true);
+        });
         plot.over.addEventListener('dblclick', () => this.zoom(this.whole()));
         const marks = this.runs.map((run): [Run, HTMLElement] => {
             const mark = document.createElement('div');
@@ -141,6 +154,20 @@ export class Curves {
             return [run, mark];
         });
         return { quantity, plot, marks: new Map(marks) };
+    }
+
+    /** Line at the target, 1. */
+    private drawTarget(plot: uPlot): void {
+        const { ctx, bbox } = plot;
+        const y = plot.valToPos(1, 'y', true);
+        ctx.save();
+        ctx.strokeStyle = this.colors.target;
+        ctx.setLineDash([6, 4]);
+        ctx.beginPath();
+        ctx.moveTo(bbox.left, y);
+        ctx.lineTo(bbox.left + bbox.width, y);
+        ctx.stroke();
+        ctx.restore();
     }
 
     private spoken(run: Run, key: string): string {

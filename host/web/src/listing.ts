@@ -15,14 +15,19 @@ export class Listing {
     private side: Side = 'after';
     private current = 0;
     private found = 0;
+    /** Lines with another feed, also by an F before them. */
+    private changed = new Set<number>();
+    /** The pointer has moved since the list scrolled by itself. */
+    private hasPointer = true;
 
-    /** `pointed` is called with the number of a line. */
-    constructor(private readonly box: HTMLElement, private readonly lines: Line[], private readonly pointed: (line: number) => void) {
+    /** `pointed` is called with the number of a line, and whether the pointer only rests on it. */
+    constructor(private readonly box: HTMLElement, private readonly lines: Line[], private readonly pointed: (line: number, isPointed?: boolean) => void) {
         this.space.className = 'space';
         this.space.setAttribute('role', 'presentation');
         this.space.style.height = `${this.height()}px`;
         box.append(this.space);
         box.addEventListener('scroll', () => this.fill());
+        box.addEventListener('pointermove', () => (this.hasPointer = true));
         box.addEventListener('keydown', (event) => this.key(event));
         new ResizeObserver(() => this.fill()).observe(box);
     }
@@ -32,6 +37,10 @@ export class Listing {
         this.rows.forEach((row) => row.remove());
         this.rows.clear();
         this.fill();
+    }
+
+    setSlowed(lines: Set<number>): void {
+        this.changed = lines;
     }
 
     /** Marks a line, counted from 1, and brings it into view if asked. */
@@ -47,15 +56,17 @@ export class Listing {
     find(text: string): number {
         const wanted = text.trim().toUpperCase();
         if (!wanted) return 0;
-        const isWhole = (text: string) => text.split(wanted).slice(1).some((rest) => !/^\d/.test(rest));
-        return this.findWhere(/\d$/.test(wanted) ? isWhole : () => false) || this.findWhere((text) => text.includes(wanted));
+        // A word of the program is not the beginning of another one: N70 is not N700.
+        const escaped = wanted.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
+        const word = new RegExp(`(^|[^A-Z])${escaped}(?![0-9.])`);
+        return this.next((text) => word.test(text)) || this.next((text) => text.includes(wanted));
     }
 
-    private findWhere(fits: (text: string) => boolean): number {
+    private next(isIt: (text: string) => boolean): number {
         const count = this.lines.length;
         for (let step = 1; step <= count; step++) {
             const index = (this.found - 1 + step + count) % count;
-            if (fits(this.text(index).toUpperCase())) {
+            if (isIt(this.text(index).toUpperCase())) {
                 this.found = index + 1;
                 this.reveal(this.found);
                 return this.found;
@@ -86,6 +97,7 @@ export class Listing {
         if (line > first + 1 && line < first + visible - 1) return;
         const range = this.height() - this.box.clientHeight;
         const whole = this.lines.length * ROW - this.box.clientHeight;
+        this.hasPointer = false;
         this.box.scrollTop = Math.max((line - visible / 2) * ROW, 0) * (whole > 0 ? range / whole : 1);
         this.fill();
     }
@@ -109,7 +121,7 @@ export class Listing {
     private create(index: number): HTMLElement {
         const row = document.createElement('div');
         const { text, sent } = this.lines[index];
-        row.className = sent ? 'row changed' : 'row';
+        row.className = sent ? 'row changed' : this.changed.has(index + 1) ? 'row inherits' : 'row';
         row.id = `line-${index + 1}`;
         row.setAttribute('role', 'option');
         const number = document.createElement('span');
@@ -119,7 +131,8 @@ export class Listing {
         code.textContent = this.text(index) || ' ';
         row.append(number, code);
         if (sent) row.title = `before: ${text}\nafter: ${sent.join('\n')}`;
-        row.addEventListener('pointerenter', (event) => event.buttons === 0 && this.pointed(index + 1));
+        else if (this.changed.has(index + 1)) row.title = 'the feed is another one by an F of a line before it';
+        row.addEventListener('pointerenter', (event) => event.buttons === 0 && this.hasPointer && this.pointed(index + 1, true));
         row.addEventListener('click', () => this.pointed(index + 1));
         this.setCurrent(row, index);
         this.rows.set(index, row);

@@ -1,6 +1,6 @@
 // The viewer of a report: one moment, shown in the path, in the curves and in the NC text.
 import './viewer.css';
-import { Scale, written, type ScaleName } from './colors';
+import { aboutOne, IS_RATIO, Scale, valueAbout, written, type ScaleName } from './colors';
 import { Curves, type Along, type Quantity } from './curves';
 import { read, type Column, type Finding, type ReportData } from './data';
 import { Listing } from './listing';
@@ -14,12 +14,25 @@ type Shown = 'before' | 'after' | 'both';
 /** Columns that are drawn as curves and colours, in this order. */
 const LABELS: [string, string][] = [
     ['chip', 'Chip load over its target'],
+    ['contour', 'Feed at the contour over its target'],
     ['feed', 'Feed'],
     ['override', 'Override'],
     ['force', 'Force across the axis, largest in 0.25 s'],
     ['power', 'Mean power in the cut'],
     ['removal', 'Removal rate'],
 ];
+
+/** Heads of the table where the key is none. */
+const SHORT: Record<string, string> = { chip: 'Chip / target', contour: 'At contour / target' };
+
+/** Samples of two runs lie a millisecond apart at most, and on a ramp the feed changes by a tenth within one. */
+const SAMPLE_S = 1.5e-3;
+
+/** Difference of two feeds at one place that their stored intervals leave open: one per cent each. */
+const FEED_RESOLUTION = 0.021;
+
+/** Mean change of the feed from which a line counts as changed. */
+const LINE_CHANGE = 0.1;
 
 const AXES = ['X', 'Y', 'Z'];
 const AXIS_COLORS = ['#c8321e', '#2c8a3c', '#2f6fd0'];
@@ -44,11 +57,13 @@ class Viewer implements Follower {
     private run: Run;
     private time: number;
     private shown: Shown = 'after';
-    private along: Along = 'time';
+    private along: Along = 'path';
     private playing = 0;
     private finding = -1;
     /** Places that are being measured. */
     private measure: Measure | null = null;
+    /** The moment stays where a click has put it: pointing moves it again after the next click. */
+    private isHeld = false;
 
     constructor(private readonly data: ReportData) {
         this.runs = data.runs.map((run) => new Run(run)).filter((run) => run.points > 1);
@@ -59,7 +74,9 @@ class Viewer implements Follower {
         if (this.pairing) this.addRatios();
         this.quantities = LABELS.flatMap(([key, label]) => {
             const column = this.runs.map((run) => run.columns.get(key)).find((column) => column);
-            return column ? [{ key, label, unit: column.unit }] : [];
+            // A run without an override has no curve of it.
+            const isIdle = key === 'override' && this.runs.every((run) => run.columns.get(key)?.values.every((value) => value === 100 || Number.isNaN(value)) !== false);
+            return column && !isIdle ? [{ key, label, unit: column.unit }] : [];
         });
         element('viewer').hidden = false;
         this.scene = this.createScene();
@@ -75,9 +92,10 @@ class Viewer implements Follower {
 
     /** Adds what needs more time than the path: the stock, the curves, the text, the findings. */
     complete(): void {
-        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.abscissa, (place, along) => this.point(this.timeAt(place, along)));
+        this.curves = new Curves(element('curves'), this.runs, this.quantities, this.data.unit, this.abscissa, (place, along, isClick) => this.point(this.timeAt(place, along), isClick));
         this.restyle();
-        this.listing = new Listing(element('listing'), this.data.lines, (line) => this.pointLine(line));
+        this.listing = new Listing(element('listing'), this.data.lines, (line, isPointed) => this.pointLine(line, isPointed));
+        this.listing.setSlowed(this.feedChanges());
         this.listing.setSide(this.shown === 'before' ? 'before' : 'after');
         this.findings();
         this.select(this.run, this.time, 'start');
@@ -89,8 +107,7 @@ class Viewer implements Follower {
             let pointer: PointerEvent | null = null;
             const scene = new PathScene(canvas, this.data, this.runs, () => this.drawTriad());
             canvas.addEventListener('pointermove', (event) => {
-                // While places are measured, the moment and its stock stay.
-                if (event.buttons !== 0 || this.measure) return;
+                if (event.buttons !== 0 || this.isFixed()) return;
                 // The pointer moves more often than a picture is drawn.
                 if (!pointer) requestAnimationFrame(() => {
                     const found = pointer && scene.pick(pointer.clientX, pointer.clientY);
@@ -102,7 +119,7 @@ class Viewer implements Follower {
             canvas.addEventListener('click', (event) => {
                 if (this.measure) return this.measurePlace(scene.placeAt(event.clientX, event.clientY));
                 const found = scene.pick(event.clientX, event.clientY);
-                if (found) this.select(found.run, found.time, 'scene');
+                if (found && this.hold()) this.select(found.run, found.time, 'scene');
             });
             return scene;
         } catch {
@@ -120,12 +137,34 @@ class Viewer implements Follower {
             const values = new Float64Array(run.points).fill(NaN);
             if (!feeds[0] || !feeds[1]) return;
             for (let i = 1; i < run.points; i++) {
-                const feed = feeds[1][other.indexAt(this.pairing?.map(run, run.middle(i)) ?? NaN)];
-                const ratio = run === after ? feeds[0][i] / feed : feed / feeds[0][i];
-                values[i] = Number.isFinite(ratio) ? ratio : NaN;
+                const [feed, place] = [feeds[0][i], this.pairing?.map(run, run.middle(i)) ?? NaN];
+                const near = (values: Float64Array, of: Run, time: number) => [-SAMPLE_S, 0, SAMPLE_S].map((shift) => values[of.indexAt(time + shift)]);
+                const [own, others] = [near(feeds[0], run, run.middle(i)), near(feeds[1], other, place)];
+                const [low, high] = [Math.min(...others), Math.max(...others)];
+                // Where both have the same feed within a sample, none is raised or lowered.
+                const factor = Math.min(...own) > high ? feed / high : Math.max(...own) < low ? feed / low : feed + low + high > 0 ? 1 : NaN;
+                const ratio = run === after ? factor : 1 / factor;
+                values[i] = !Number.isFinite(ratio) ? NaN : Math.abs(ratio - 1) <= FEED_RESOLUTION ? 1 : ratio;
             }
             run.columns.set('ratio', { unit: '', values });
         }
+    }
+
+    /** Lines whose feed after is another one than before. */
+    private feedChanges(): Set<number> {
+        const last = this.runs[this.runs.length - 1];
+        const ratios = last.columns.get('ratio')?.values ?? [];
+        const lines = new Set<number>();
+        const feeds = new Map<number, [number, number]>();
+        for (let i = 1; i < last.points && ratios.length > 0; i++) {
+            if (Number.isNaN(ratios[i])) continue;
+            // Feed times ratio is summed over the line: a ramp behind a slow arc alone does not change a line.
+            const sums = feeds.get(last.line[i]) ?? [0, 0];
+            const length = last.length[i] - last.length[i - 1];
+            feeds.set(last.line[i], [sums[0] + length * ratios[i], sums[1] + length]);
+        }
+        feeds.forEach(([sum, length], line) => Math.abs(sum / length - 1) > LINE_CHANGE && lines.add(line));
+        return lines;
     }
 
     /** Place along the axis of the curves. Along the path, both runs have the path of the last one. */
@@ -146,11 +185,26 @@ class Viewer implements Follower {
         return run === this.run || !this.pairing ? this.time : this.pairing.map(this.run, this.time);
     }
 
-    private point(time: number): void {
+    /** Whether pointing does not move the moment. */
+    private isFixed(): boolean {
+        return this.isHeld || this.measure !== null;
+    }
+
+    /** A click holds the moment, the next one lets it follow the pointer again; always true. */
+    private hold(isHeld = !this.isHeld): boolean {
+        this.isHeld = isHeld;
+        element('held').hidden = !isHeld;
+        return true;
+    }
+
+    private point(time: number, isClick: boolean): void {
+        if (isClick) this.hold();
+        else if (this.isFixed()) return;
         this.select(this.run, time, 'curves');
     }
 
-    private pointLine(line: number): void {
+    private pointLine(line: number, isPointed = false): void {
+        if (isPointed && this.isFixed()) return;
         const index = this.run.ofLine.get(line);
         if (index !== undefined) this.select(this.run, this.run.middle(index), 'listing');
     }
@@ -205,7 +259,7 @@ class Viewer implements Follower {
         const { unit } = this.data;
         const heads = ['', 'Time, s', ...AXES.map((axis) => `${axis}, ${unit}`), 'Line'];
         const titles = this.quantities.map(({ key, label, unit }) => {
-            const head = cell('th', `${key === 'chip' ? 'Chip / target' : key[0].toUpperCase() + key.slice(1)}${unit && `, ${unit}`}`);
+            const head = cell('th', `${SHORT[key] ?? key[0].toUpperCase() + key.slice(1)}${unit && `, ${unit}`}`);
             head.title = label;
             return head;
         });
@@ -256,19 +310,24 @@ class Viewer implements Follower {
 
     private paint(): void {
         const key = element<HTMLSelectElement>('quantity').value;
-        const scale = new Scale(element<HTMLSelectElement>('scale').value as ScaleName);
+        const isRatio = IS_RATIO.has(key);
+        element<HTMLSelectElement>('scale').disabled = isRatio;
+        const chosenScale = element<HTMLSelectElement>('scale').value as ScaleName;
+        const scale = new Scale(isRatio ? 'diverging' : chosenScale);
         const { purposes } = this.data;
         const [low, high] = key === 'purpose' ? [0, purposes.length - 1] : this.range(key);
         const span = high - low || 1;
+        const part = (value: number) => (isRatio ? aboutOne(value, [low, high]) : (value - low) / span);
         for (const run of this.runs) {
             const values = run.columns.get(key)?.values;
-            this.scene?.paint(run, (index) => scale.color(values ? (values[index] - low) / span : NaN));
+            this.scene?.paint(run, (index) => scale.color(values ? part(values[index]) : NaN));
         }
         const chosen = element<HTMLSelectElement>('quantity').selectedOptions[0]?.textContent ?? '';
-        this.legend('legend', chosen, scale, key === 'purpose' ? purposes : ticks(low, high));
+        const texts = ticks((part) => (isRatio ? valueAbout([low, high], part) : low + part * (high - low)));
+        this.legend('legend', `${chosen}${isRatio ? '; 1 is right, blue is less, red is more' : ''}`, scale, key === 'purpose' ? purposes : texts);
         const range = key === 'purpose' ? purposes.join(', ') : `from ${written(low)} to ${written(high)}`;
         element('path').setAttribute('aria-label', `Path of the tool, coloured by ${chosen}: ${range}`);
-        this.paintSurface(scale);
+        this.paintSurface(new Scale(chosenScale));
     }
 
     /** Colours a solid by the chosen value, from its least to its largest one. */
@@ -279,7 +338,7 @@ class Viewer implements Follower {
         const known = column.values.filter((value) => !Number.isNaN(value));
         const [low, high] = [known.reduce((a, b) => Math.min(a, b), Infinity), known.reduce((a, b) => Math.max(a, b), -Infinity)];
         this.scene?.paintSolid(index, column.values, (value) => scale.color((value - low) / (high - low || 1)));
-        this.legend('surface-legend', `${label}, ${column.unit}`, scale, known.length > 0 ? ticks(low, high) : []);
+        this.legend('surface-legend', `${label}, ${column.unit}`, scale, known.length > 0 ? ticks((part) => low + part * (high - low)) : []);
     }
 
     private legend(id: string, title: string, scale: Scale, texts: string[]): void {
@@ -305,6 +364,8 @@ class Viewer implements Follower {
     }
 
     private theme(isDark: boolean): void {
+        // The page around the report.
+        if (parent !== window) parent.postMessage({ isDark }, '*');
         document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
         element('theme').setAttribute('aria-pressed', String(isDark));
         this.restyle();
@@ -314,7 +375,7 @@ class Viewer implements Follower {
         const style = getComputedStyle(document.documentElement);
         const color = (name: string) => style.getPropertyValue(name).trim();
         this.scene?.setBackground(color('--scene'));
-        this.curves?.setColors(color('--text'), color('--line'));
+        this.curves?.setColors(color('--text'), color('--line'), color('--muted'));
     }
 
     private drawTriad(): void {
@@ -365,6 +426,7 @@ class Viewer implements Follower {
         });
         const scrub = element<HTMLInputElement>('scrub');
         scrub.addEventListener('input', () => this.select(this.run, Number(scrub.value), 'scrub'));
+        scrub.addEventListener('change', () => this.hold(true));
         element('play').addEventListener('click', () => this.play());
         element('search').addEventListener('submit', (event) => {
             event.preventDefault();
@@ -472,9 +534,9 @@ class Viewer implements Follower {
             s: () => this.runs.length === 2 && this.show('both'),
             c: () => next('quantity'),
             x: () => next('along'),
+            Escape: () => this.measure ? this.toggleMeasure() : this.hold(false),
             d: () => press('theme'),
             m: () => press('measure'),
-            Escape: () => this.measure && press('measure'),
             Enter: () => this.measurePlace(this.run.placeAt(this.time)),
             n: () => count > 0 && this.goTo((this.finding + 1) % count),
             p: () => count > 0 && this.goTo((this.finding - 1 + count) % count),
@@ -488,8 +550,8 @@ class Viewer implements Follower {
 }
 
 /** Five numbers from the least to the largest one. */
-function ticks(low: number, high: number): string[] {
-    return [0, 0.25, 0.5, 0.75, 1].map((part) => written(low + part * (high - low)));
+function ticks(value: (part: number) => number): string[] {
+    return [0, 0.25, 0.5, 0.75, 1].map((part) => written(value(part)));
 }
 
 /** Time after which a page that is not seen, and gets no pictures, goes on, ms. */

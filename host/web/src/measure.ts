@@ -23,6 +23,6 @@ export class Measure {
         if (!from) return 'Measure: click the first place, on the path or the stock; Enter takes the tip of the tool.';
         if (!to) return `From ${axes(from)} ${unit}. Click the second place.`;
         const way = to.map((value, axis) => value - from[axis]) as Place;
-        return `Distance ${number(Math.hypot(...way))} ${unit}: ${axes(way, 'd')}`;
+        return `Distance ${number(Math.hypot(...way))} ${unit}: ${axes(way, 'd')}; from ${axes(from)} to ${axes(to)}`;
     }
 }

@@ -1,11 +1,27 @@
 // Page that takes a program, completes its job and shows its report: host/src/commands/view.
 import { InPage, Server, text, type Backend } from './backend';
+import { Form, type Problem, type ProposedTool } from './form';
+import { Questions, type Question } from './questions';
+import { StockFields, type Extents } from './stockfields';
 
-interface Question {
-    key: string;
-    line: number;
-    column: number;
-    help: string;
+interface Group {
+    tool: number | null;
+    direction: string;
+    radius: number;
+    arcs: number;
+    helices: number;
+    n: [number, number] | null;
+    line: [number, number];
+}
+
+/** What `arcfeed init` has found in the program. */
+interface Found {
+    unit: string | null;
+    arcs: number;
+    extents: Extents;
+    spindle_speeds: number[];
+    groups: Group[];
+    proposed: ProposedTool[];
 }
 
 /** State as the server has it. */
@@ -15,9 +31,13 @@ interface State {
     is_fixed: boolean;
     questions: Question[];
     messages: string;
-    has_failed: boolean;
     has_report: boolean;
+    found: Found | null;
+    problems: Problem[];
 }
+
+/** Cause of a new state: another program, values of the form, a run. */
+type Cause = 'program' | 'values' | 'run';
 
 function element<T extends HTMLElement>(id: string): T {
     return document.getElementById(id) as T;
@@ -25,28 +45,100 @@ function element<T extends HTMLElement>(id: string): T {
 
 let state: State | null = null;
 let backend: Backend = new Server();
-/** The form has values that are not in the job. */
-let isFormChanged = false;
+const form = new Form(element('values'), changed);
+const stock = new StockFields(element('stock-fields'), compose);
+const questions = new Questions(element('questions'), compose);
+/** The text of the job was changed by hand. */
+let isEdited = false;
+/** Values of the form in the job, and the job of the report. */
+let [inJob, inReport] = ['', ''];
 
-/** Shows the state; the report only if it is a new one. */
-function show(next: State, isNewReport: boolean): void {
+/** Writes the job with answers and stock, unless it was changed by hand. */
+function compose(): void {
+    if (!isEdited) element<HTMLTextAreaElement>('job').value = stock.added(questions.answered());
+    changed();
+}
+
+const jobText = () => element<HTMLTextAreaElement>('job').value;
+const formText = () => JSON.stringify(form.values());
+
+/** Marks results that belong to another job. */
+function changed(): void {
+    const isStale = state?.has_report === true && !state.is_fixed && (jobText() !== inReport || formText() !== inJob);
+    element('stale').hidden = !isStale;
+    element('report-part').classList.toggle('stale', isStale);
+}
+
+/** Shows the state that follows from a cause. */
+function show(next: State, cause: Cause): void {
+    const before = state;
     state = next;
     element('state').textContent = '';
     element('program').textContent = next.program ?? '';
+    document.documentElement.dataset.state = 'ready';
+    if (form.refuse(next.problems)) return;
     const hasJob = next.job !== null;
     element('values-part').hidden = !hasJob || next.is_fixed;
     element('job-part').hidden = !hasJob;
-    const job = element<HTMLTextAreaElement>('job');
-    job.value = next.job ?? '';
-    job.readOnly = next.is_fixed;
-    element('questions').replaceChildren(...next.questions.map(field));
+    if (cause === 'program') {
+        questions.forget();
+        stock.clear();
+        stock.extents = next.found?.extents ?? [];
+        element('stock-fields').hidden = next.is_fixed || stock.extents.some((extent) => !extent);
+        form.begin(next.found?.proposed ?? [], next.found?.unit ?? '');
+        showFound(next.found);
+    }
+    if (cause !== 'run') inJob = formText();
+    showJob(next, cause);
     element('messages').hidden = next.messages.trim() === '';
     element('messages').textContent = next.messages;
-    element('stale').hidden = true;
     element('report-part').hidden = !next.has_report;
     if (!next.has_report) showReport(null);
-    else if (isNewReport) void backend.address('report').then(({ url }) => state === next && showReport(url));
-    document.documentElement.dataset.state = 'ready';
+    else if (cause === 'run' || !before) void backend.address('report').then(({ url }) => state === next && showReport(url));
+    if (cause === 'run') inReport = jobText();
+    changed();
+    if (cause === 'run') element(next.has_report ? 'report-part' : 'messages').scrollIntoView();
+    else if (!hasJob && next.messages) element('messages').scrollIntoView({ block: 'nearest' });
+}
+
+/** After a run, the fields of the questions stay with their answers: an answer may have been wrong. */
+function showJob(next: State, cause: Cause): void {
+    const job = element<HTMLTextAreaElement>('job');
+    job.readOnly = next.is_fixed;
+    if (cause === 'run' && !isEdited) return;
+    questions.take(next.job ?? '', next.questions);
+    if (cause !== 'run') isEdited = false;
+    job.value = stock.added(questions.answered());
+    const mode = /^mode = "(.*)"/m.exec(next.job ?? '');
+    const proposed = element<HTMLFormElement>('values').querySelector('[name=mode] option');
+    if (proposed && mode && !form.values().mode) proposed.textContent = `as proposed (${mode[1]})`;
+}
+
+/** What the program has: tools, arcs by radius. */
+function showFound(found: Found | null): void {
+    const part = element('found');
+    part.hidden = !found;
+    if (!found) return;
+    const unit = found.unit ?? '';
+    const tools = found.proposed.map(({ number, kind, diameter, comment_line }) => {
+        const name = number === null ? 'The tool' : `T${number}`;
+        const size = diameter === null ? 'diameter not in the program' : `diameter ${diameter} ${unit}${comment_line === null ? '' : `, from line ${comment_line}`}`;
+        return kind === 'cup-mill' ? `${name}: likely a cup mill` : `${name}: likely an end mill, ${size}`;
+    });
+    const arcs = (direction: string) => found.groups.filter((group) => group.direction === direction).reduce((sum, { arcs }) => sum + arcs, 0);
+    const [words, details, title, list] = ['p', 'details', 'summary', 'ul'].map((tag) => document.createElement(tag));
+    words.textContent = `${tools.join('; ')}. ${found.spindle_speeds.map((speed) => `S${speed}`).join(', ')}`;
+    title.textContent = `${found.arcs} arcs: ${arcs('ccw')} ccw, ${arcs('cw')} cw`;
+    list.replaceChildren(...found.groups.map(({ tool, direction, radius, arcs, helices, n, line }) => {
+        const item = document.createElement('li');
+        const [first, last] = n ?? line;
+        const where = `${n ? 'N' : 'line '}${first}${last === first ? '' : ` to ${n ? 'N' : ''}${last}`}`;
+        const helix = helices === 0 ? '' : helices === arcs ? ', helices, which keep their feed' : `, ${helices} of them helices, which keep their feed`;
+        item.textContent = `${tool === null ? '' : `T${tool}: `}${arcs} ${direction} R${Number(radius.toFixed(4))} ${unit}, ${where}${helix}`;
+        return item;
+    }));
+    details.append(title, list);
+    part.replaceChildren(words, ...(found.arcs > 0 ? [details] : []));
 }
 
 /** A new frame for every report: in one that is still empty after its last page, a browser under load may lose the next one. */
@@ -58,43 +150,8 @@ function showReport(url: string | null): void {
     last.replaceWith(next);
 }
 
-/** Field of an open question. */
-function field({ key, help }: Question): HTMLElement {
-    const [label, input, hint] = [document.createElement('label'), document.createElement('input'), document.createElement('span')];
-    input.name = key;
-    input.autocomplete = 'off';
-    hint.className = 'hint';
-    hint.textContent = help;
-    label.append(`${key} `, input, hint);
-    return label;
-}
-
-/** An answer as TOML: numbers, truth values, lists and tables as they are, all else as text. Its key may stand before it. */
-function toToml(line: string): string {
-    const answer = line.replace(/^[A-Za-z_.]+\s*=\s*/, '').replace(/^"(.*)"$/, '$1');
-    const isValue = /^([+-]?\d[\d_]*(\.\d+)?([eE][+-]?\d+)?|true|false|\[.*\]|\{.*\})$/s.test(answer);
-    return isValue ? answer : JSON.stringify(answer);
-}
-
-/** Text of the job with the answers in the places of its open questions. */
-function answered(): string {
-    const text = element<HTMLTextAreaElement>('job').value;
-    // A text that was changed by hand has its own places.
-    if (!state || text !== state.job) return text;
-    const lines = text.split('\n');
-    for (const { key, line, column } of [...state.questions].reverse()) {
-        const input = element<HTMLFormElement>('questions').elements.namedItem(key) as HTMLInputElement | null;
-        const answer = input?.value.trim();
-        if (!answer) continue;
-        const characters = [...lines[line - 1]];
-        characters.splice(column - 1, 3, toToml(answer));
-        lines[line - 1] = characters.join('');
-    }
-    return lines.join('\n');
-}
-
-/** Sends something, and shows the state that follows; returns whether arcfeed has done it. */
-async function post(path: string, body: BodyInit, words: string): Promise<boolean> {
+/** Sends something, and shows the state that follows; whether arcfeed has accepted it. */
+async function post(path: string, body: BodyInit, words: string, cause: Cause): Promise<boolean> {
     const began = performance.now();
     const clock = () => (element('elapsed').textContent = `${((performance.now() - began) / 1000).toFixed(0)} s`);
     const timer = setInterval(clock, 500);
@@ -103,21 +160,17 @@ async function post(path: string, body: BodyInit, words: string): Promise<boolea
     busy(true);
     try {
         const answer = await backend.request(path, body);
-        if (answer.isOk) {
-            const next: State = JSON.parse(text(answer));
-            show(next, true);
-            if (next.has_failed) element('messages').scrollIntoView({ block: 'nearest' });
-            return !next.has_failed;
-        }
-        failed(text(answer));
+        if (answer.isOk) show(JSON.parse(text(answer)), cause);
+        else failed(text(answer));
+        return answer.isOk && state?.problems.length === 0;
     } catch (error) {
         failed(error instanceof Error ? error.message : String(error));
+        return false;
     } finally {
         clearInterval(timer);
         element('elapsed').textContent = '';
         busy(false);
     }
-    return false;
 }
 
 function busy(isBusy: boolean): void {
@@ -127,41 +180,47 @@ function busy(isBusy: boolean): void {
 
 function failed(words: string): void {
     element('state').textContent = words;
+    element('state').scrollIntoView({ block: 'nearest' });
     document.documentElement.dataset.state = 'failed';
 }
 
-async function take(file: File | undefined): Promise<void> {
-    if (!file) return;
-    // The values are those of the program before.
-    element<HTMLFormElement>('values').reset();
-    isFormChanged = false;
-    await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`);
+/** Asks which of the two stays, if the job was changed by hand; empty: none of them yet. */
+async function choose(): Promise<string> {
+    if (!isEdited) return 'form';
+    const dialog = element<HTMLDialogElement>('conflict');
+    dialog.returnValue = '';
+    dialog.showModal();
+    await new Promise((done) => dialog.addEventListener('close', done, { once: true }));
+    return dialog.returnValue;
 }
 
+/** Puts the values of the form into the job; whether the job is ready. */
 async function propose(): Promise<boolean> {
-    const values = Object.fromEntries(new FormData(element<HTMLFormElement>('values')));
-    const isDone = await post('init', JSON.stringify(values), 'Proposing the job …');
-    isFormChanged &&= !isDone;
-    return isDone;
+    const chosen = await choose();
+    if (chosen === 'text') inJob = formText();
+    if (chosen !== 'form') return chosen === 'text';
+    return post('init', formText(), 'Proposing the job …', 'values');
 }
 
-const REPLACES = 'The job has been changed by hand. Replace it by a job with the values of the fields?';
-
-function isJobChanged(): boolean {
-    return state?.job != null && element<HTMLTextAreaElement>('job').value !== state.job;
-}
-
-/** Values of the form that are not in the job yet come first; what the job then asks for is open. */
+/** Adapts with the form and the job as they stand, unless something is wrong or open. */
 async function run(): Promise<void> {
-    if (isFormChanged && (!isJobChanged() || confirm(REPLACES))) {
-        if (!(await propose()) || (state?.questions.length ?? 0) > 0) return;
+    if (state && !state.is_fixed) {
+        const wrong = isEdited ? null : stock.wrong();
+        if (wrong) return wrong.focus();
+        if (formText() !== inJob && !(await propose())) return;
+        const open = isEdited ? null : questions.open();
+        if (open && 'ofForm' in open) form.say(open.ofForm, open.help)?.focus();
+        else if (open) {
+            open.field.setAttribute('aria-invalid', 'true');
+            open.field.focus();
+        }
+        if (open) return void (document.documentElement.dataset.state = 'ready');
     }
-    if (await post('run', answered(), 'Adapting and simulating …')) element('report-part').scrollIntoView();
+    await post('run', jobText(), 'Adapting and simulating …', 'run');
 }
 
-/** What is changed is not in the report yet. */
-function changed(): void {
-    element('stale').hidden = false;
+async function take(file: File | undefined): Promise<void> {
+    if (file) await post(`program?${encodeURIComponent(file.name).replace(/%../g, '_')}`, file, `Reading ${file.name} …`, 'program');
 }
 
 function controls(): void {
@@ -181,18 +240,26 @@ function controls(): void {
     addEventListener('drop', (event) => event.preventDefault());
     const file = element<HTMLInputElement>('file');
     file.addEventListener('change', () => void take(file.files?.[0]));
-    const values = element<HTMLFormElement>('values');
-    values.addEventListener('submit', (event) => {
+    element('values').addEventListener('submit', async (event) => {
         event.preventDefault();
-        if (!isJobChanged() || confirm(REPLACES)) void propose();
+        if (await propose()) element<HTMLDetailsElement>('job-details').open = true;
     });
     element('questions').addEventListener('submit', (event) => {
         event.preventDefault();
-        element('run').click();
+        void run();
     });
+    element('stock-fields').addEventListener('submit', (event) => {
+        event.preventDefault();
+        void run();
+    });
+    element('job').addEventListener('input', () => {
+        isEdited = true;
+        changed();
+    });
+    for (const button of document.querySelectorAll<HTMLButtonElement>('#conflict button')) {
+        button.addEventListener('click', () => element<HTMLDialogElement>('conflict').close(button.value));
+    }
     element('run').addEventListener('click', () => void run());
-    values.addEventListener('input', () => (isFormChanged = true));
-    for (const id of ['values', 'questions', 'job']) element(id).addEventListener('input', changed);
     element('stop').addEventListener('click', () => backend.stop());
 }
 
@@ -204,7 +271,8 @@ function example(): void {
     button.addEventListener('click', async () => {
         await take(new File([program?.textContent ?? ''], program?.dataset.name ?? ''));
         element<HTMLTextAreaElement>('job').value = job?.textContent ?? '';
-        element('run').click();
+        isEdited = true;
+        await run();
     });
 }
 
@@ -224,8 +292,14 @@ function downloads(): void {
 }
 
 async function start(): Promise<void> {
-    const isDark = matchMedia('(prefers-color-scheme: dark)').matches;
-    document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    const theme = (isDark: boolean) => (document.documentElement.dataset.theme = isDark ? 'dark' : 'light');
+    theme(dark.matches);
+    dark.addEventListener('change', () => theme(dark.matches));
+    // The page is as dark as the report in it.
+    addEventListener('message', ({ source, data }) => {
+        if (source === element<HTMLIFrameElement>('report').contentWindow && typeof data?.isDark === 'boolean') theme(data.isDark);
+    });
     controls();
     const arcfeed = document.getElementById('arcfeed-wasm')?.textContent;
     if (arcfeed) {
@@ -234,7 +308,7 @@ async function start(): Promise<void> {
         downloads();
         example();
     }
-    show(JSON.parse(text(await backend.request('state'))), true);
+    show(JSON.parse(text(await backend.request('state'))), 'program');
 }
 
 void start();

@@ -57,9 +57,16 @@ async function opens() {
 async function agrees() {
     for (const [quantity, largest, tolerance] of facts.largest) {
         await choose('quantity', quantity);
-        const shown = Number((await text('#legend-ticks')).split(/\s+/).at(-1));
+        const shown = Number(/to (\S+)$/.exec(await page.locator('#path').getAttribute('aria-label'))[1]);
         console.log(`largest ${quantity}: ${shown} in the page, ${largest} in the figures`);
         close(shown, largest, tolerance, `largest ${quantity}`);
+    }
+    if (facts.feed_ratio) {
+        await choose('quantity', 'ratio');
+        const [, low, high] = /from (\S+) to (\S+)$/.exec(await page.locator('#path').getAttribute('aria-label'));
+        console.log(`feed after over feed before: ${low} to ${high}`);
+        close(Number(low), facts.feed_ratio[0], 0.01, 'least feed after over before');
+        close(Number(high), facts.feed_ratio[1], 0, 'largest feed after over before');
     }
     const scrub = page.locator('#scrub');
     const [begin, end] = await scrub.evaluate((scrub) => [Number(scrub.min), Number(scrub.max)]);
@@ -86,9 +93,9 @@ async function links() {
     // A chip is measured as soon as a tooth has been in the cut for its whole time, a few points later.
     await page.locator('#path').focus();
     for (const [run, chip] of Object.entries(facts.chip ?? {})) {
-        for (let step = 0; step < 10 && Number.isNaN((await values(run))['Chip / target']); step++) await page.keyboard.press('ArrowRight');
+        for (let step = 0; step < 10 && Number.isNaN((await values(run))[facts.chip_head]); step++) await page.keyboard.press('ArrowRight');
         assert.equal((await values(run)).Line, facts.line);
-        close((await values(run))['Chip / target'], chip, 5e-3, `chip ${run}`);
+        close((await values(run))[facts.chip_head ?? 'Chip / target'], chip, 5e-3, `chip ${run}`);
     }
     await page.locator('#search button').click();
     // The scrubber leaves and comes back.
@@ -152,6 +159,51 @@ async function switches() {
     await choose('along', 'time');
 }
 
+/** A click holds the moment, and Escape lets it go; nothing that is pointed at moves it in between, nor while Measure is on. */
+async function holds() {
+    const over = page.locator('#curves .u-over').first();
+    const { width } = await over.boundingBox();
+    const time = async () => (await values('after')).Time;
+    const point = (part) => over.hover({ position: { x: part * width, y: 30 } });
+    await point(0.3);
+    const first = await time();
+    await over.click({ position: { x: 0.5 * width, y: 30 } });
+    const held = await time();
+    assert.notEqual(held, first);
+    await point(0.7);
+    assert.equal(await time(), held);
+    assert.ok(await page.locator('#held').isVisible());
+    await page.locator('#path').focus();
+    await page.keyboard.press('Escape');
+    await point(0.6);
+    assert.notEqual(await time(), held);
+    const free = await time();
+    await page.locator('#measure').click();
+    await point(0.4);
+    assert.equal(await time(), free);
+    await page.locator('#path').focus();
+    await page.keyboard.press('Escape');
+    assert.ok(await page.locator('#measured').isHidden());
+}
+
+/** The mark stands at its moment after a zoom, before the pointer moves. */
+async function zooms() {
+    const over = page.locator('#curves .u-over').first();
+    const { x, y, width } = await over.boundingBox();
+    await page.locator('#scrub').evaluate((scrub) => scrub.dispatchEvent(new Event('input')));
+    const left = () => page.evaluate(() => Number(/translateX\((.*)px\)/.exec(document.querySelector('.moment.after').style.transform)[1]));
+    await over.hover({ position: { x: 0.5 * width, y: 30 } });
+    await page.mouse.move(x + 0.3 * width, y + 30);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.6 * width, y + 30);
+    await page.mouse.up();
+    await settle();
+    // The pointer was last at 0.3 before the press: the left edge of the range.
+    close(await left(), 0, 3, 'mark after the zoom');
+    await over.dblclick({ position: { x: 0.5 * width, y: 30 } });
+    await settle();
+}
+
 /** Moves the slider to a part of the run. */
 async function moment(part) {
     await page.locator('#scrub').evaluate((scrub, part) => {
@@ -163,7 +215,7 @@ async function moment(part) {
 
 /** Distance, dX, dY, dZ that the page shows. */
 async function measured() {
-    const shown = /^Distance (\S+) \S+: dX (\S+), dY (\S+), dZ (\S+)$/.exec(await text('#measured'));
+    const shown = /^Distance (\S+) \S+: dX (\S+), dY (\S+), dZ (\S+); from .* to /.exec(await text('#measured'));
     assert.ok(shown, await text('#measured'));
     return shown.slice(1).map(Number);
 }
@@ -251,7 +303,7 @@ async function inBothThemes() {
 }
 
 try {
-    for (const step of [opens, agrees, links, switches, measures, findings, keys, inBothThemes]) {
+    for (const step of [opens, agrees, links, holds, zooms, switches, measures, findings, keys, inBothThemes]) {
         await step();
         console.log(`${step.name}: passed`);
     }

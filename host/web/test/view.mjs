@@ -34,28 +34,44 @@ async function drops() {
     assert.equal(await text('#program'), basename(program));
 }
 
-/** The form changes the proposal; open questions become fields. */
+/** Words at a field of the form. */
+const hint = (name) => text(`#hint-${name}`);
+
+/** What cannot be used is refused at its field, in the words of a form, and nothing runs; what is missing is asked for there. */
 async function forms() {
+    assert.match(await text('#found'), facts.found ? new RegExp(facts.found) : /./);
+    for (const [name, value] of Object.entries(facts.wrong)) {
+        await page.locator(`#values [name=${name}]`).fill(value);
+        await act('#run');
+        assert.match(await hint(name), new RegExp(`^${value.replace('.', '\\.')} cannot be used`));
+        assert.doesNotMatch(await hint(name), /--|help|digit/);
+        assert.equal(await page.evaluate(() => document.activeElement.name), name);
+        assert.ok(await page.locator('#report-part').isHidden());
+        await page.locator(`#values [name=${name}]`).fill('');
+    }
     for (const [name, value] of Object.entries(facts.form)) {
         const field = page.locator(`#values [name=${name}]`);
         if (await field.evaluate((field) => field.tagName === 'SELECT')) await field.selectOption(value);
         else await field.fill(value);
     }
-    await act('#values button');
-    const job = await page.locator('#job').inputValue();
-    for (const words of facts.job) assert.ok(job.includes(words), `${words}\n${job}`);
-    const questions = await page.locator('#questions input').evaluateAll((inputs) => inputs.map((input) => input.name));
-    assert.deepEqual(questions, Object.keys(facts.answers));
-    // What is open is refused in the words of the terminal.
-    if (questions.length > 0) {
+    // Each question has one field: that of the form, if there is one.
+    const asked = [];
+    while (asked.length < Object.keys(facts.answers).length) {
         await act('#run');
-        assert.ok((await text('#messages')).includes('an open question'), await text('#messages'));
+        const name = await page.evaluate(() => document.activeElement.name);
+        assert.ok(facts.answers[name] && !asked.includes(name), `${name} after ${asked}`);
+        assert.ok(await page.locator('#report-part').isHidden());
+        await page.locator(`#values [name=${name}]`).fill(facts.answers[name]);
+        asked.push(name);
     }
-    for (const [name, value] of Object.entries(facts.answers)) await page.locator(`#questions [name="${name}"]`).fill(value);
 }
 
+/** The button takes the form as it stands. */
 async function shows() {
     await act('#run');
+    const job = await page.locator('#job').inputValue();
+    for (const words of facts.job) assert.ok(job.includes(words), `${words}\n${job}`);
+    assert.ok(await page.locator('#report-title').evaluate((title) => title.getBoundingClientRect().top < innerHeight), 'the result is in view');
     assert.ok(await page.locator('#report-part').isVisible(), await page.locator('#messages').textContent());
     const report = page.frameLocator('#report');
     await report.locator('html[data-viewer=ready]').waitFor({ timeout: 60_000 });
@@ -70,6 +86,57 @@ async function downloads() {
         assert.equal(download.suggestedFilename(), file);
         await download.saveAs(join(folder, file));
     }
+}
+
+/** Results of another job are marked; changes of the job by hand are not lost unasked. */
+async function keeps() {
+    await page.locator('#job-details').evaluate((details) => (details.open = true));
+    const job = page.locator('#job');
+    const own = `# By hand.\n${await job.inputValue()}`;
+    assert.ok(await page.locator('#stale').isHidden());
+    await job.fill(own);
+    assert.ok(await page.locator('#stale').isVisible());
+    await page.locator('#values [name=teeth]').fill('5');
+    await page.locator('#run').click();
+    await page.locator('#conflict [value=""]').click();
+    assert.equal(await job.inputValue(), own);
+    await page.locator('#run').click();
+    await page.evaluate(() => (document.documentElement.dataset.state = 'asked'));
+    await page.locator('#conflict [value=text]').click();
+    await ready();
+    assert.equal(await job.inputValue(), own);
+    assert.ok(await page.locator('#report-part').isVisible() && await page.locator('#stale').isHidden());
+    await page.locator('#values [name=teeth]').fill('6');
+    await page.locator('#run').click();
+    await page.evaluate(() => (document.documentElement.dataset.state = 'asked'));
+    await page.locator('#conflict [value=form]').click();
+    await ready();
+    await page.waitForFunction(() => !document.getElementById('report-part').hidden);
+    assert.match(await job.inputValue(), /^teeth = 6$/m);
+}
+
+/** Files that are no program, and a program without a unit. */
+async function others() {
+    const take = async (name, text) => {
+        await page.evaluate(() => (document.documentElement.dataset.state = 'asked'));
+        await page.locator('#file').setInputFiles({ name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+        await ready();
+    };
+    for (const [name, content, words] of [['empty.nc', '', 'is empty'], ['list.txt', 'two apples\nbread\n', 'no NC program']]) {
+        await take(name, content);
+        assert.ok((await text('#messages')).includes(words), await text('#messages'));
+        assert.ok(await page.locator('#job-part').isHidden());
+    }
+    await take('bare.nc', 'G17G90G94\nT3M6(T3 D=10)\nS3000M3\nG0X0Y0Z5\nG1Z-2F300\nX10F600\nG3I-10\nG0Z5\nT5M6(T5 D=8)\nG0X0Y0Z5\nG1Z-2F300\nX10F600\nG3I-10\nG0Z5\nM30\n');
+    assert.deepEqual(await page.locator('#tools legend').allInnerTexts(), ['T3', 'T5']);
+    assert.equal(await page.locator('#values [name="tool.5"]').getAttribute('placeholder').then((words) => parseFloat(words)), 8);
+    assert.equal(await page.locator('#questions select[name=units] option').count(), 3);
+    await page.locator('#values [name="tool.3"]').fill('500');
+    await page.locator('#questions [name=units]').selectOption('mm');
+    await act('#run');
+    assert.equal(await page.locator('#questions [name=units]').inputValue(), 'mm');
+    const job = await page.locator('#job').inputValue();
+    assert.ok(/diameter = 500/.test(job) && /diameter = 8/.test(job) && /units = "mm"/.test(job), job);
 }
 
 /** A job that names files of the computer is refused, and the old report does not stay beside it. */
@@ -94,7 +161,7 @@ async function themes() {
 }
 
 try {
-    for (const step of [drops, forms, shows, downloads, themes, refuses]) {
+    for (const step of [drops, forms, shows, downloads, keeps, refuses, others, themes]) {
         await step();
         console.log(`${step.name}: passed`);
     }

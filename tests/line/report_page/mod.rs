@@ -122,17 +122,20 @@ fn adapt_writes_the_report_that_simulate_writes_and_its_own_output() {
 /// feed at the contour is 8/3 of the wanted one.
 fn pocket_facts(report: &Value) -> Value {
     json!({
-        "curves": 3,
-        "tables": ["feed per tooth at the contour", "Along time", "Chip load along the path, after"],
-        "largest": [["chip", largest_chip(report), 2e-3]],
+        "curves": 2,
+        "tables": ["feed per tooth at the contour", "Along time", "Feed at the contour over its target along the path, after", "Governed moves: 6, of which 5 slowed, 0 raised."],
+        "largest": [["contour", largest_chip(report), 2e-3]],
+        "chip_head": "At contour / target",
+        // A corner keeps 3/8 of its feed, the slot 25/30; nothing is raised.
+        "feed_ratio": [3.0 / 8.0, 1.0],
         "find": "N160G3",
         "line": 15,
         "place": { "center": [42, 27], "radius": 3, "Z": -5, "tolerance": 6e-3 },
         "chip": { "before": 8.0 / 3.0, "after": 1.0 },
         "pixel": 0.6,
         "pixel_s": 0.03,
-        // The four corners and the slot, before the adaptation.
-        "findings": 5,
+        // Before the adaptation: the four corners, which have the same radius, and the slot.
+        "findings": 2,
     })
 }
 
@@ -164,7 +167,7 @@ fn a_report_shows_forces_and_leads_to_each_block_above_a_limit() {
         let above = ["above", "baseline_above"].map(|key| power[key].as_array().expect("a list").len());
         assert!(above[0] > 0, "{power}");
         json!({
-            "curves": 5,
+            "curves": 4,
             "tables": ["Chips and forces", "power above the spindle's"],
             "largest": [["force", load["force_max_n"], 0.5]],
             "find": "N4G1",

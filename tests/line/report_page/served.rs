@@ -40,7 +40,9 @@ fn a_program_is_dropped_in_completed_seen_and_downloaded() {
     let facts = json!({
         "form": { "feed_per_tooth": "0.05", "milling": "climb", "mode": "rewrite-only" },
         "job": ["feed_per_tooth = 0.05", "side = \"inside\"", "program = \"round.nc\""],
-        "answers": { "tool.diameter": "8", "tool.teeth": "3" },
+        "found": "likely an end mill, diameter not in the program",
+        "wrong": { "tool": "-8", "teeth": "2.5", "max": "20" },
+        "answers": { "tool": "8", "teeth": "3" },
         "adapted": "round-adapted.nc",
         "job_file": "round.toml",
     });

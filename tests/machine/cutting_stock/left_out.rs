@@ -23,6 +23,48 @@ fn the_approach_from_an_unknown_place_takes_nothing() {
     assert!((output.removed(4) / (std::f64::consts::PI * 25.0 * 4.0 / 1e3) - 1.0).abs() < 6e-3);
 }
 
+/// A pocketing post's end, with 1 mm of stock above Z0: without a work offset the machine's zero is at no known place.
+#[test]
+fn a_return_to_the_reference_point_takes_nothing_unless_an_offset_says_where_it_is() {
+    let end = "N5G0Z5.\nN7G28G91Z0.\nN8G28X0.Y0.\nN9G90\nN10G0X30.Y0.\n";
+    let program = SLOT.replace("N5G0Z5.\n", end);
+    let job = MILL.replace("to = [50, 10, 0]", "to = [50, 10, 1]");
+    let output = ScratchJob::new("reference", &job, &program).run(&[]);
+    println!("{}", output.complaints);
+    assert_eq!(output.material("/at_rapid"), 0.0);
+    let left_out = &output.report["material"]["left_out"];
+    assert_eq!((&left_out[0]["cause"], &left_out[0]["blocks"]), (&"machine-position".into(), &3.into()), "{left_out}");
+    assert!(
+        output.complaints.starts_with("warning: 3 blocks from N7 on took no material: they go to a machine position")
+    );
+    // With the part 400 mm below the machine's zero, all is known, and nothing is met on the way.
+    let job = format!("{job}[control]\npreset = \"fanuc-16i\"\nsettings = \"machine.toml\"\n");
+    let placed = ScratchJob::new("placed", &job, &program);
+    placed.scratch.write("machine.toml", "unit = \"mm\"\n[work]\nG54 = { X = -300.0, Y = -200.0, Z = -400.0 }\n");
+    let output = placed.run(&[]);
+    assert_eq!((output.material("/at_rapid"), output.complaints.as_str()), (0.0, ""));
+}
+
+/// The way from an unknown position is not known, but its end is.
+#[test]
+fn a_rapid_that_ends_in_the_material_is_found_also_after_a_return() {
+    let program = SLOT.replace("N5G0Z5.\n", "N5G0Z5.\nN7G28G91Z0.\nN8G90G0X0.Y-6.\nN9Z-4.\nN10Z5.\n");
+    let output = ScratchJob::new("arrival", MILL, &program).run(&[]);
+    println!("{}", output.complaints);
+    // The disk about the end, within the block and outside of the slot, in cells of 0.02 mm.
+    let is_within = |x: f64, y: f64, [cx, cy]: [f64; 2]| (x - cx).hypot(y - cy) <= 5.0;
+    let is_taken = |x: f64, y: f64| {
+        let in_slot = x >= 0.013 && (y - 0.021).abs() <= 5.0 || is_within(x, y, [0.013, 0.021]);
+        y >= -10.0 && is_within(x, y, [0.0, -6.0]) && !in_slot
+    };
+    let places =
+        (0..500).flat_map(|i| (0..500).map(move |j| (f64::from(i) * 0.02 - 4.99, f64::from(j) * 0.02 - 10.99)));
+    let cm3 = places.filter(|(x, y)| is_taken(*x, *y)).count() as f64 * 0.02 * 0.02 * 4.0 / 1e3;
+    assert!((output.removed(9) / cm3 - 1.0).abs() < 1e-2, "{} of {cm3}", output.removed(9));
+    assert!(output.complaints.starts_with("warning: N9: 0."));
+    assert_eq!(output.block(9).expect("it cuts")["rapid"], true);
+}
+
 #[test]
 fn blocks_whose_place_is_not_known_are_counted_by_cause() {
     for (name, from, to, cause, words) in [

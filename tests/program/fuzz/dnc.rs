@@ -41,7 +41,8 @@ pub fn sender(input: &[u8], seed: u64) {
         let before = sender.state();
         let len = sender.poll_transmit(now, &mut out);
         assert!(
-            len == 0 || !matches!(before, State::Stopped | State::Held | State::Sent | State::Aborted | State::Failed(_))
+            len == 0
+                || !matches!(before, State::Stopped | State::Held | State::Sent | State::Aborted | State::Failed(_))
         );
         assert!(len <= AFTER_DC3_MAX);
         sent.extend_from_slice(&out[..len]);

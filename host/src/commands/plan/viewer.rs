@@ -109,7 +109,7 @@ const fn purpose_index(purpose: Purpose) -> Option<usize> {
         Purpose::Movement2 => Some(1),
         Purpose::Movement3 => Some(2),
         Purpose::Movement4 => Some(3),
-        Purpose::Link => Some(4),
+        Purpose::Entry | Purpose::Link => Some(4),
     }
 }
 

@@ -133,5 +133,5 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
             _ => block.lines.push(vec![from, to]),
         }
     }
-    LoadPlot { blocks, has_vibration: true }
+    LoadPlot { blocks, quantity: "chip load", has_vibration: true }
 }

@@ -165,6 +165,7 @@ pub fn left_out_figures(reason: LeftOutReason, first: &BlockRef, blocks: usize) 
         LeftOutReason::Turning => "turning",
         LeftOutReason::OtherPosition => "other-position",
         LeftOutReason::NoMachine => "no-machine",
+        LeftOutReason::MachinePosition => "machine-position",
         LeftOutReason::Contour => "contour",
         LeftOutReason::Tilted => "tilted",
         LeftOutReason::AxisTurns => "axis-turns",

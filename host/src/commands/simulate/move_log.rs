@@ -43,6 +43,8 @@ pub struct LoggedMove {
     pub sequence: Option<i64>,
     /// The move is a rapid.
     pub is_rapid: bool,
+    /// A cut rule governs the move.
+    pub is_governed: bool,
     /// Machine time at which the move began.
     pub began: Micros,
     /// Largest feed along the path during the move, mm/min; 0 for rapids.
@@ -73,9 +75,16 @@ impl MoveLog {
         if control.moves_begun() != self.moves_begun {
             self.moves_begun = control.moves_begun();
             let (sequence, is_rapid) = (segment.sequence, segment.path == Path::Rapid);
-            self.moves.push(LoggedMove { block, sequence, is_rapid, began: now, feed_max_mm_per_min: 0.0 });
+            let is_governed = simulation.rule().is_some();
+            self.moves.push(LoggedMove {
+                block,
+                sequence,
+                is_rapid,
+                is_governed,
+                began: now,
+                feed_max_mm_per_min: 0.0,
+            });
             if self.drawn.len() <= DRAWN_MAX {
-                let is_governed = simulation.rule().is_some();
                 self.drawn.push(DrawnMove { block, segment: *segment, is_governed });
             }
         }
@@ -140,7 +149,7 @@ mod tests {
     #[test]
     fn a_curve_of_any_length_has_a_bounded_number_of_steps_and_keeps_its_extremes_in_their_place() {
         let mut curve = Curve::default();
-        let (ms, peak, low, pause) = (3_000_000, 1_234_567, 2_345_678, 500_000..600_000);
+        let (ms, peak, low, pause) = (3_000_000_u32, 1_234_567, 2_345_678, 500_000..600_000);
         for at in (1..=ms).filter(|at| !pause.contains(at)) {
             let value = match at {
                 _ if at == peak => 9.0,

@@ -15,7 +15,9 @@ use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::job::Job;
 
 use super::super::outcome::{Failure, write_whole};
+use super::chip_quantity::ChipQuantity;
 use super::edges::UPRIGHT;
+use super::feed_changes::FeedChanges;
 use super::listing::ProgramListing;
 use super::move_log::{Curve, DRAWN_MAX, MoveLog};
 use super::observer::RunObserver;
@@ -114,7 +116,8 @@ impl PageContent<'_> {
         sections.extend(self.marks());
         let &PageContent { title, report, job, runs, chips, listing, .. } = self;
         let viewer = viewer_data(&ViewerInput { title, report, job, runs, chips, listing });
-        Page { title: title.to_owned(), viewer: Some(viewer), sections }
+        let lead = FeedChanges::new(runs.map(|observer| &observer.log), listing).words(report);
+        Page { title: title.to_owned(), lead: Some(lead), viewer: Some(viewer), sections }
     }
 
     /// The path before and after, with the measured chip load; empty if nothing was measured.
@@ -123,9 +126,12 @@ impl PageContent<'_> {
         let plots = [("before", before, self.chips[1]), ("after", after, self.chips[0])];
         let plots = plots.into_iter().filter(|(_, observer, _)| !observer.log.chips.is_empty());
         let section = |(name, observer, chips): (&str, &RunObserver, &[MoveChips])| Section {
-            heading: format!("Chip load along the path, {name}"),
+            heading: format!(
+                "{} over its target along the path, {name}",
+                capitalized(ChipQuantity::of(self.job).words())
+            ),
             body: match observer.log.moves.len() {
-                0..=DRAWN_MAX => path_plot::plot(self.job.unit, &observer.log, chips).svg(),
+                0..=DRAWN_MAX => path_plot::plot(self.job, &observer.log, chips).svg(),
                 moves => format!("<p>The path has {moves} moves: the viewer above shows it.</p>"),
             },
         };
@@ -191,11 +197,16 @@ fn log_lanes(job: &Job, logs: [&MoveLog; 2]) -> Vec<Lane> {
     let mut lanes = Vec::new();
     let chips = logs.map(|log| &log.chips);
     if !chips.iter().all(|curve| curve.is_empty()) {
-        lanes.push(lane("measured chip load over its target".into(), chips, 1.0, Some(1.0)));
+        lanes.push(lane(format!("{} over its target", ChipQuantity::of(job).words()), chips, 1.0, Some(1.0)));
     }
     let title = format!("feed, {}/min", unit.label());
     lanes.push(lane(title, logs.map(|log| &log.feeds), unit.mm(), None));
     lanes
+}
+
+fn capitalized(words: &str) -> String {
+    let (first, rest) = words.split_at(1);
+    first.to_uppercase() + rest
 }
 
 fn rates(cutter: &StockCutter, volumes: VolumeUnit) -> Vec<([f64; 2], f64)> {

@@ -1,9 +1,11 @@
 //! Path of a run with the measured chip load of each move.
 
 use arcfeed_milling::cutting::meter::MoveChips;
+use arcfeed_model::job::Job;
 use arcfeed_nc::segment::{Path, Segment};
-use arcfeed_units::{LengthUnit, Nm};
+use arcfeed_units::Nm;
 
+use super::chip_quantity::ChipQuantity;
 use super::move_log::{DrawnMove, MoveLog};
 use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 
@@ -11,7 +13,8 @@ use crate::report::page::load_plot::{LoadPlot, PlotBlock};
 const POINT_RAD: f64 = 0.05;
 
 /// Plot of the cutting moves, seen along Z; the colour of each shows its largest measured chip divided by the target.
-pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
+pub fn plot(job: &Job, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
+    let unit = job.unit;
     let block = |drawn: &DrawnMove| {
         let DrawnMove { block, segment, is_governed } = drawn;
         // A piece of an arc belongs to the move that its first piece began.
@@ -26,7 +29,7 @@ pub fn plot(unit: LengthUnit, log: &MoveLog, chips: &[MoveChips]) -> LoadPlot {
         }
     };
     let cutting = log.drawn.iter().filter(|drawn| drawn.segment.path != Path::Rapid);
-    LoadPlot { blocks: cutting.map(block).collect(), has_vibration: false }
+    LoadPlot { blocks: cutting.map(block).collect(), quantity: ChipQuantity::of(job).words(), has_vibration: false }
 }
 
 /// X and Y of a move, mm.

@@ -74,6 +74,8 @@ pub struct PathTrace {
     interval_min: Micros,
     /// Last period, with the values of its interval.
     open: Option<TracePoint>,
+    /// Least feed in its interval: the point keeps the largest.
+    least_mm_per_min: f64,
     /// Positions since the last point.
     passed: Vec<[f64; 3]>,
 }
@@ -94,6 +96,7 @@ impl PathTrace {
             rotary_deg: None,
             interval_min: Micros(0),
             open: None,
+            least_mm_per_min: 0.0,
             passed: Vec::new(),
         }
     }
@@ -175,9 +178,13 @@ impl PathTrace {
 
     fn add(&mut self, next: TracePoint) {
         match self.open {
-            Some(open) if self.continues(&open, &next) => self.open = Some(merged(&open, next)),
+            Some(open) if self.continues(&open, &next) => {
+                self.least_mm_per_min = self.least_mm_per_min.min(next.feed_mm_per_min);
+                self.open = Some(merged(&open, next));
+            }
             _ => {
                 self.close();
+                self.least_mm_per_min = next.feed_mm_per_min;
                 self.open = Some(next);
             }
         }
@@ -202,6 +209,7 @@ impl PathTrace {
         (open.block, open.is_rapid, open.tool) == (next.block, next.is_rapid, next.tool)
             && from.axis.iter().zip(next.axis).map(|(a, b)| a * b).sum::<f64>() >= SAME_AXIS_RATIO
             && is_near(open.feed_mm_per_min, next.feed_mm_per_min)
+            && is_near(self.least_mm_per_min, next.feed_mm_per_min)
             && chips_agree
             && open.percent.abs_diff(next.percent) <= 1
             && next.at.since(from.at) <= INTERVAL_MAX
@@ -316,6 +324,18 @@ mod tests {
         let ends: Vec<(u64, u32)> = points.iter().map(|point| (point.at.0 / 1_000, point.block)).collect();
         assert_eq!(ends, [(0, 1), (49, 1), (69, 2), (70, 2), (99, 2)]);
         assert_eq!(points.iter().filter_map(|point| point.chip_ratio).fold(0.0, f64::max), 2.5);
+    }
+
+    /// Each millisecond differs from the one before by half of what begins another interval.
+    #[test]
+    fn the_feed_of_a_point_is_that_of_its_whole_interval_also_on_a_slow_ramp() {
+        let feed = |ms: u64| 300.0 * libm::pow(1.005, ms as f64);
+        let period = |ms: u64| TracePoint { feed_mm_per_min: feed(ms), ..point(ms, [ms as f64, 0.0, 0.0], 1) };
+        let points = trace(1 << 18, (0..200).map(period));
+        for pair in points.windows(2) {
+            let first = feed(pair[0].at.0 / 1_000 + 1);
+            assert!(pair[1].feed_mm_per_min <= 1.0102 * first, "{} after {first}", pair[1].feed_mm_per_min);
+        }
     }
 
     #[test]

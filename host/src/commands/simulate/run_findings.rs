@@ -1,8 +1,9 @@
 //! Alarms, exceeded limits and warnings of both runs, each at its block, for the report's list.
 
 use arcfeed_milling::cutting::meter::MoveChips;
-use arcfeed_units::LengthUnit;
+use arcfeed_model::job::Job;
 
+use super::chip_quantity::ChipQuantity;
 use crate::plural::counted;
 use crate::report::figures::RunReport;
 use crate::report::loads::UnstableFigures;
@@ -13,12 +14,16 @@ use crate::report::spindle::{BlockValue, SpindleLoadFigures};
 /// Measured chip load over its target above which a move is a finding.
 const CHIP_RATIO: f64 = 1.05;
 
+/// Places that a finding about several moves names.
+const PLACES_SHOWN: usize = 4;
+
 /// Most findings of one kind and run.
 const SHOWN: usize = 200;
 
 /// Findings about a run for the viewer, the most important first; `chips` are those of the run and of the original
 /// program.
-pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) -> Vec<RunFinding> {
+pub fn findings(report: &RunReport, job: &Job, chips: [&[MoveChips]; 2]) -> Vec<RunFinding> {
+    let unit = job.unit;
     let last = report.blocks_executed.unwrap_or_default() as u32;
     let mut found = Vec::new();
     add(&mut found, report.alarms.iter().map(|alarm| finding("alarm", "after", last, alarm.to_string())));
@@ -43,16 +48,35 @@ pub fn findings(report: &RunReport, unit: LengthUnit, chips: [&[MoveChips]; 2]) 
         add(&mut found, loads.left_out.iter().map(|left_out| omission("no chips and forces", left_out)));
     }
     for (run, moves) in [("after", chips[0]), ("before", chips[1])] {
-        let thick = moves.iter().filter(|chips| chips.any_contact.max_ratio > CHIP_RATIO);
-        let thick = thick.filter(|chips| chips.any_contact.samples > 0).map(|chips| {
-            let text = format!("measured chip load {} of its target", short(chips.any_contact.max_ratio));
-            finding("warning", run, chips.block, named(chips.block, chips.sequence, &text))
-        });
-        add(&mut found, thick);
+        add(&mut found, above_target(run, ChipQuantity::of(job).words(), moves).into_iter());
     }
     let limits = report.axis_limited.iter().map(|limit| finding("note", "after", limit.block, limit.to_string()));
     add(&mut found, limits);
     found
+}
+
+/// Moves whose measured chips are above their target, those with the same figure together.
+fn above_target(run: &'static str, quantity: &str, moves: &[MoveChips]) -> Vec<RunFinding> {
+    let mut groups: Vec<(String, Vec<&MoveChips>)> = Vec::new();
+    let is_above = |chips: &&MoveChips| chips.any_contact.samples > 0 && chips.any_contact.max_ratio > CHIP_RATIO;
+    for chips in moves.iter().filter(is_above) {
+        let ratio = format!("{:.2}", chips.any_contact.max_ratio);
+        match groups.iter_mut().find(|(of, _)| *of == ratio) {
+            Some((_, moves)) => moves.push(chips),
+            None => groups.push((ratio, vec![chips])),
+        }
+    }
+    let group = |(ratio, moves): (String, Vec<&MoveChips>)| {
+        let names = moves.iter().map(|chips| named(chips.block, chips.sequence, ""));
+        let names: Vec<String> = names.map(|name| name.trim_end_matches(": ").to_owned()).collect();
+        let more = match names.len() {
+            1 => String::new(),
+            count @ 2..=PLACES_SHOWN => format!("; {count} moves: {}", names.join(", ")),
+            count => format!("; {count} moves: {}, ...", names[..PLACES_SHOWN].join(", ")),
+        };
+        finding("warning", run, moves[0].block, format!("{}: {quantity} {ratio} of its target{more}", names[0]))
+    };
+    groups.into_iter().map(group).collect()
 }
 
 fn finding(severity: &'static str, run: &'static str, block: u32, text: String) -> RunFinding {

@@ -9,6 +9,7 @@ use arcfeed_model::job::Job;
 use arcfeed_model::tool::Tool as JobTool;
 use arcfeed_units::{LengthUnit, Micros, Nm};
 
+use super::chip_quantity::ChipQuantity;
 use super::listing::ProgramListing;
 use super::observer::RunObserver;
 use super::path_trace::{TracePoint, UP};
@@ -63,7 +64,7 @@ pub fn viewer_data(input: &ViewerInput<'_>) -> ViewerData {
             .zip(after.stock.as_ref())
             .map(|(cutter, stock)| heights(cutter, stock, job.unit)),
         solids: Vec::new(),
-        findings: findings(report, job.unit, chips),
+        findings: findings(report, job, chips),
         lines: listing.lines.clone(),
         purposes: &[],
         is_live: false,
@@ -90,7 +91,7 @@ pub fn path_columns(job: &Job, points: &[TracePoint], lines: &[Option<usize>]) -
         column("line", "", 1.0, &|point| line(point).map(|line| line as f64)),
         column("rapid", "", 1.0, &|point| Some(f64::from(u8::from(point.is_rapid)))),
         column("feed", feed_unit, feed, &|point| Some(in_unit(point.feed_mm_per_min)).filter(|_| !point.is_rapid)),
-        column("chip", "", 1e-3, &|point| point.chip_ratio),
+        column(ChipQuantity::of(job).column(), "", 1e-3, &|point| point.chip_ratio),
         column("override", "%", 1.0, &|point| Some(f64::from(point.percent))),
     ];
     if points.iter().any(|point| point.axis != UP) {

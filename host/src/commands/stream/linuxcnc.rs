@@ -251,6 +251,7 @@ impl LinuxCncRun<'_> {
                 block: count,
                 sequence: block.segment.sequence,
                 is_rapid: block.segment.path == MovePath::Rapid,
+                is_governed: block.demand.is_some(),
                 began: Micros((time_s * US_PER_S as f64).round() as u64),
                 feed_max_mm_per_min: 0.0,
             });

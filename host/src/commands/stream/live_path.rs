@@ -64,7 +64,7 @@ fn page(ready: &PreparedProgram, sending: &Transmission, title: &str) -> String 
         purposes: &[],
         is_live: true,
     };
-    Page { title: title.to_owned(), viewer: Some(viewer), sections: Vec::new() }.to_string()
+    Page { title: title.to_owned(), lead: None, viewer: Some(viewer), sections: Vec::new() }.to_string()
 }
 
 /// Points of the moves, with the time at which each is reached if the control never waits.

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::super::call::call;
+use super::CommandOutput;
 use crate::console::{Capture, captured};
 
 /// Runs one command at a time in the folder in which relative paths begin.
@@ -17,18 +18,17 @@ impl Runner {
         Runner
     }
 
-    /// Runs arcfeed to its end; returns its messages.
+    /// Runs arcfeed to its end; returns its output.
     ///
     /// # Errors
     /// None.
-    pub fn run(&self, arguments: &[String]) -> io::Result<Result<String, String>> {
+    pub fn run(&self, arguments: &[String]) -> io::Result<CommandOutput> {
         let capture = Arc::new(Capture::default());
         let result = captured(Some(Arc::clone(&capture)), || call(arguments.iter().map(OsString::from)));
         let mut lines = capture.take_notes();
-        let has_failed = result.is_err();
         lines.extend(result.err().map(|failure| failure.into_message().0));
         let messages = lines.into_iter().map(|line| line + "\n").collect();
-        Ok(if has_failed { Err(messages) } else { Ok(messages) })
+        Ok(CommandOutput { messages, printed: capture.take_printed() })
     }
 
     /// Does nothing: no request reaches a worker that is busy.

@@ -1,11 +1,15 @@
 //! Input of the page: values of the form, names of files, open questions of the job.
 
+use std::num::NonZeroU16;
 use std::path::Path;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use toml::de::DeValue;
 
 use crate::files;
+use crate::init::answers::{ForTool, Length};
 use crate::job::questions;
 use crate::toml_values::walk;
 
@@ -21,6 +25,16 @@ pub struct OpenQuestion {
     column: usize,
     /// Comment above it.
     help: String,
+}
+
+/// Value of the form that cannot be used, in the words of a form.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FormProblem {
+    /// Name of the field.
+    field: &'static str,
+    /// T number, if the value is for one of several tools.
+    tool: Option<i64>,
+    text: String,
 }
 
 /// Values of the page's form, which become options of `arcfeed init`; empty ones are left out.
@@ -49,6 +63,59 @@ impl FormValues {
             single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
         several.chain(single).map(|(option, value)| format!("--{option}={value}"))
     }
+}
+
+impl FormValues {
+    /// Values that cannot be used; empty if all can.
+    pub fn problems(&self) -> Vec<FormProblem> {
+        let mut found = Vec::new();
+        let length = "write a length above 0: 10, 10mm or 0.5in";
+        each_tool::<Length>(&mut found, "tool", &self.tool, length);
+        each_tool::<NonZeroU16>(&mut found, "teeth", &self.teeth, "write a whole number, 1 or more");
+        each_tool::<Length>(&mut found, "feed_per_tooth", &self.feed_per_tooth, length);
+        let whole = [
+            ("spindle", &self.spindle, 1..=1_000_000, "write whole revolutions per minute, 1 to 1000000"),
+            ("max", &self.max, 100..=250, "write a whole percentage from 100 to 250"),
+        ];
+        for (field, value, range, words) in whole {
+            let value = value.trim();
+            if !value.is_empty() && !value.parse::<u32>().is_ok_and(|number| range.contains(&number)) {
+                found.push(FormProblem { field, tool: None, text: refusal(value, words) });
+            }
+        }
+        found
+    }
+}
+
+/// Adds the values of a field that cannot be used, of one tool or of several.
+fn each_tool<T>(found: &mut Vec<FormProblem>, field: &'static str, values: &str, words: &str)
+where
+    T: FromStr,
+    T::Err: std::fmt::Display,
+{
+    for value in values.split_whitespace().filter(|value| value.parse::<ForTool<T>>().is_err()) {
+        let (tool, value) = value.split_once('=').unwrap_or(("", value));
+        let tool = tool.trim_start_matches(['T', 't']).parse().ok();
+        found.push(FormProblem { field, tool, text: refusal(value, words) });
+    }
+}
+
+fn refusal(value: &str, words: &str) -> String {
+    let comma = if value.contains(',') { "; the decimals stand behind a point, not a comma" } else { "" };
+    format!("{value} cannot be used: {words}{comma}")
+}
+
+/// Words for a file that is no NC program, by its bytes and by the JSON of `arcfeed init` for it; `None` for a program.
+pub fn is_no_program(bytes: &[u8], found: Option<&Value>) -> Option<&'static str> {
+    let mut lines =
+        bytes.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty() && *line != b"%");
+    let count = |key: &str| found.and_then(|found| found[key].as_u64()).unwrap_or_default() as usize;
+    let moves = count("arcs") + count("lines");
+    if lines.next().is_none() {
+        return Some("the file is empty");
+    }
+    // Most lines are none of a program, and nothing moves.
+    (moves == 0 && 2 * count("errors") > lines.count()).then_some("this is no NC program")
 }
 
 /// Name for a dropped program: without folders and special characters; the ending `.toml`, which belongs
@@ -136,6 +203,33 @@ mod tests {
         let [question] = open_questions(text).try_into().unwrap();
         assert_eq!((question.key.as_str(), question.line, question.column), ("teeth", 6, 9));
         assert_eq!(question.help, "how many teeth cut?");
+    }
+
+    #[test]
+    fn a_value_that_init_would_refuse_is_refused_at_its_field() {
+        let values = |tool: &str, teeth: &str, max: &str| FormValues {
+            tool: tool.into(),
+            teeth: teeth.into(),
+            max: max.into(),
+            ..FormValues::default()
+        };
+        assert_eq!(values("10mm", "3", "120").problems(), []);
+        let found = values("T1=10 T3=0,05", "2.5", "-20").problems();
+        let fields: Vec<_> = found.iter().map(|found| (found.field, found.tool)).collect();
+        assert_eq!(fields, [("tool", Some(3)), ("teeth", None), ("max", None)]);
+        assert!(found[0].text.contains("not a comma") && !found[1].text.contains("--"), "{found:?}");
+        for wrong in ["-10", "0", "ten", "10ft"] {
+            assert_eq!(values(wrong, "", "").problems().len(), 1, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_file_without_blocks_is_no_program() {
+        let found = |arcs: u64, errors: u64| serde_json::json!({ "arcs": arcs, "lines": 0, "errors": errors });
+        assert!(is_no_program(b"", None).is_some() && is_no_program(b"%\r\n\n%\n", Some(&found(0, 0))).is_some());
+        assert!(is_no_program(b"two apples\nbread\n", Some(&found(0, 2))).is_some());
+        assert_eq!(is_no_program(b"G81X1.Z-2.R1.F100.\nX5.\nG12.4\nM30\n", Some(&found(0, 1))), None);
+        assert_eq!(is_no_program(b"G2I5.\nbread\n", Some(&found(1, 1))), None);
     }
 
     #[test]

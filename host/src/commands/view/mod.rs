@@ -24,6 +24,16 @@ use in_page::Runner;
 #[cfg(all(feature = "web", not(target_family = "wasm")))]
 use runner::Runner;
 
+/// Output of a command that the page has run.
+#[cfg(feature = "web")]
+#[derive(Debug, Default)]
+pub struct CommandOutput {
+    /// Lines for stderr.
+    pub messages: String,
+    /// Text for stdout.
+    pub printed: String,
+}
+
 /// Adapt a program on a page in the browser: drop it in, answer what its job needs, see it before and after, download it
 ///
 /// With a job file the page shows the report of its run at once. Files that are dropped in stay in a temporary folder, which

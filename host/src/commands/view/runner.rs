@@ -7,6 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use super::CommandOutput;
+
 /// Time between two looks at a running command.
 const PERIOD: Duration = Duration::from_millis(20);
 /// Most bytes of messages that are shown.
@@ -30,26 +32,27 @@ impl Runner {
         Runner { folder: folder.to_owned(), running: Mutex::default() }
     }
 
-    /// Runs arcfeed to its end; returns its messages, as an error if it fails.
+    /// Runs arcfeed to its end; returns its output.
     ///
     /// # Errors
     /// It does not start, or its messages cannot be kept.
-    pub fn run(&self, arguments: &[String]) -> io::Result<Result<String, String>> {
-        let log = self.folder.join("messages");
+    pub fn run(&self, arguments: &[String]) -> io::Result<CommandOutput> {
+        let [log, printed] = ["messages", "printed"].map(|name| self.folder.join(name));
+        let only = |words: &str| CommandOutput { messages: words.into(), printed: String::new() };
         let mut command = Command::new(std::env::current_exe()?);
-        command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(File::create(&log)?);
+        command.args(arguments).stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(File::create(&log)?);
         command.current_dir(self.folder.join("in"));
         {
             let mut running = self.running();
             if running.is_closed {
-                return Ok(Err("the page has ended".into()));
+                return Ok(only("the page has ended"));
             }
             running.child = Some(command.spawn()?);
         }
         let ended = loop {
             let ended = match &mut self.running().child {
                 Some(child) => child.try_wait()?,
-                None => return Ok(Err("stopped".into())),
+                None => return Ok(only("stopped")),
             };
             match ended {
                 Some(status) => break status,
@@ -60,11 +63,8 @@ impl Runner {
         let mut messages = std::fs::read(&log)?;
         messages.truncate(MESSAGES_MAX);
         let messages = String::from_utf8_lossy(&messages).into_owned();
-        Ok(match ended.success() {
-            true => Ok(messages),
-            false if messages.is_empty() => Err(format!("arcfeed: {ended}")),
-            false => Err(messages),
-        })
+        let messages = if ended.success() || !messages.is_empty() { messages } else { format!("arcfeed: {ended}") };
+        Ok(CommandOutput { messages, printed: std::fs::read_to_string(&printed)? })
     }
 
     /// Stops the running command.

@@ -75,7 +75,9 @@ impl ViewSite {
         match path {
             "program" => self.0.take(query, &body)?,
             "init" => match serde_json::from_slice::<FormValues>(&body) {
-                Ok(values) => self.0.propose(&values),
+                Ok(values) => {
+                    let _known = self.0.propose(&values);
+                }
                 Err(error) => return Ok(Err(error.to_string())),
             },
             _ => self.0.adapt_with(&String::from_utf8_lossy(&body))?,

@@ -8,10 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
+use serde_json::Value;
 
 use super::super::outcome::{Failure, file_failure};
-use super::Runner;
-use super::input::{FormValues, OpenQuestion, foreign_file, open_questions, plain_name};
+use super::input::{FormProblem, FormValues, OpenQuestion, foreign_file, is_no_program, open_questions, plain_name};
+use super::{CommandOutput, Runner};
 use crate::files;
 
 /// Folder and state of the page, shared by all browsers that show it.
@@ -31,7 +32,9 @@ struct Files {
     /// The job is a file of the command line, which the page does not change.
     is_fixed: bool,
     messages: String,
-    has_failed: bool,
+    /// JSON of `arcfeed init` for the program (docs/json.md).
+    found: Option<Value>,
+    problems: Vec<FormProblem>,
 }
 
 /// State that the page shows.
@@ -44,9 +47,10 @@ pub struct PageState {
     questions: Vec<OpenQuestion>,
     /// Messages of the last command.
     messages: String,
-    /// The last command ended with an error.
-    has_failed: bool,
     has_report: bool,
+    found: Option<Value>,
+    /// Values of the form that cannot be used, in place of a new job.
+    problems: Vec<FormProblem>,
 }
 
 /// File that a browser may fetch.
@@ -100,17 +104,30 @@ impl Workspace {
         let path = self.folder.join("in").join(plain_name(name));
         files::write(&path, program)?;
         *self.files() = Files { job: Some(path.with_extension("toml")), program: Some(path), ..Files::default() };
-        self.propose(&FormValues::default());
+        let found = self.propose(&FormValues::default());
+        if let Some(words) = is_no_program(program, found.as_ref()) {
+            let messages = format!("{}: {words}: choose another file", plain_name(name));
+            *self.files() = Files { messages, ..Files::default() };
+            return Ok(());
+        }
+        self.files().found = found;
         Ok(())
     }
 
-    /// Proposes a job by `arcfeed init` with these values.
-    pub fn propose(&self, values: &FormValues) {
-        let Files { program: Some(program), job: Some(job), .. } = self.files().clone() else { return };
-        let mut arguments = vec!["init".into(), "--force".into(), name(&program), "--output".into(), name(&job)];
+    /// Proposes a job by `arcfeed init` with these values, unless one of them cannot be used; returns what it has found.
+    pub fn propose(&self, values: &FormValues) -> Option<Value> {
+        let Files { program: Some(program), job: Some(job), .. } = self.files().clone() else { return None };
+        let problems = values.problems();
+        let is_refused = !problems.is_empty();
+        self.files().problems = problems;
+        if is_refused {
+            return None;
+        }
+        let mut arguments: Vec<String> = ["init", "--json", "--force", "--output"].map(String::from).into();
+        arguments.extend([name(&job), name(&program)]);
         arguments.extend(values.options());
         self.clear_output();
-        self.command(&arguments);
+        serde_json::from_str(&self.command(&arguments)).ok()
     }
 
     /// Adapts and simulates with this text as the job.
@@ -118,12 +135,13 @@ impl Workspace {
     /// # Errors
     /// The text cannot be written.
     pub fn adapt_with(&self, text: &str) -> io::Result<()> {
+        self.files().problems.clear();
         let files = self.files().clone();
         if let Some(job) = files.job.filter(|_| !files.is_fixed) {
             if let Some(path) = foreign_file(text, &self.folder.join("in")) {
                 let message =
                     format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
-                self.set_messages(Err(message));
+                self.files().messages = message;
                 return Ok(());
             }
             files::write(job, text)?;
@@ -143,16 +161,14 @@ impl Workspace {
         self.command(&["adapt".into(), job, "--output".into(), text(adapted), "--report".into(), text(report)]);
     }
 
-    /// Runs arcfeed in the folder of the program; its messages are kept.
-    fn command(&self, arguments: &[String]) {
-        let ended = self.runner.run(arguments);
-        self.set_messages(ended.unwrap_or_else(|error| Err(format!("arcfeed does not start: {error}"))));
-    }
-
-    fn set_messages(&self, ended: Result<String, String>) {
-        let mut files = self.files();
-        files.has_failed = ended.is_err();
-        files.messages = ended.unwrap_or_else(|messages| messages);
+    /// Runs arcfeed in the folder of the program; its messages are kept, its text for stdout is returned.
+    fn command(&self, arguments: &[String]) -> String {
+        let output = self.runner.run(arguments);
+        let failed =
+            |error| CommandOutput { messages: format!("arcfeed does not start: {error}"), printed: String::new() };
+        let CommandOutput { messages, printed } = output.unwrap_or_else(failed);
+        self.files().messages = messages;
+        printed
     }
 
     /// Reserves the workspace for a command; `false` if a command of another browser is using it.
@@ -186,7 +202,8 @@ impl Workspace {
             is_fixed: files.is_fixed,
             questions,
             messages: files.messages,
-            has_failed: files.has_failed,
+            found: files.found,
+            problems: files.problems,
             has_report: files::is_file(&self.path(PageFile::Report)).is_ok_and(|is_file| is_file),
         }
     }

@@ -21,6 +21,8 @@ const VERDICTS: [(&str, &str); 3] = [("uneven", "#f0d060"), ("period-doubling", 
 pub struct LoadPlot {
     /// Blocks in order.
     pub blocks: Vec<PlotBlock>,
+    /// Name of the value, which is shown over its target.
+    pub quantity: &'static str,
     /// Whether blocks were judged for vibration.
     pub has_vibration: bool,
 }
@@ -61,17 +63,22 @@ impl LoadPlot {
         blocks.sort_by(|a, b| a.chip_ratio.unwrap_or(0.0).total_cmp(&b.chip_ratio.unwrap_or(0.0)));
         for (verdict, color) in VERDICTS {
             for block in blocks.iter().filter(|block| block.verdict == Some(verdict)) {
-                block.draw(&mut svg, &place, (color, 9.0));
+                block.draw(&mut svg, &place, (color, 9.0, self.quantity));
             }
         }
-        blocks.iter().for_each(|block| block.draw(&mut svg, &place, (&block.color(), 2.0)));
+        blocks.iter().for_each(|block| block.draw(&mut svg, &place, (&block.color(), 2.0, self.quantity)));
         legend(&mut svg, height, self.has_vibration);
         svg + "</svg>\n"
     }
 }
 
 impl PlotBlock {
-    fn draw(&self, svg: &mut String, place: &dyn Fn(&[f64; 2]) -> [f64; 2], (color, width): (&str, f64)) {
+    fn draw(
+        &self,
+        svg: &mut String,
+        place: &dyn Fn(&[f64; 2]) -> [f64; 2],
+        (color, width, quantity): (&str, f64, &str),
+    ) {
         let mut path = String::new();
         for line in &self.lines {
             let mut pen: Option<[f64; 2]> = None;
@@ -85,7 +92,7 @@ impl PlotBlock {
                 pen = Some([x, y]);
             }
         }
-        let chip = self.chip_ratio.map_or("no chips".into(), |ratio| format!("chip load {ratio:.2} of the target"));
+        let chip = self.chip_ratio.map_or("no value".into(), |ratio| format!("{quantity} {ratio:.2} of the target"));
         let verdict = self.verdict.map_or(String::new(), |verdict| format!(", {verdict}"));
         let _ = writeln!(
             svg,
@@ -148,9 +155,12 @@ mod tests {
             chip_ratio: Some(chip_ratio),
             lines: vec![vec![[0.0, 0.0], [0.001, 0.0], [10.0, 0.0]]],
         };
-        let svg =
-            LoadPlot { blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)], has_vibration: true }
-                .svg();
+        let svg = LoadPlot {
+            blocks: vec![block("N1", Some("chatter"), 2.0), block("N2", None, 1.0)],
+            quantity: "chip load",
+            has_vibration: true,
+        }
+        .svg();
         let places = ["<title>N1", "<title>N2", "rgb(190,20,30)\" stroke-width"].map(|part| svg.rfind(part));
         assert!(places[0] > places[1] && places[2] > places[1], "{svg}");
         assert_eq!(svg.matches("stroke=\"#f06060\"").count(), 2);
@@ -159,6 +169,6 @@ mod tests {
 
     #[test]
     fn without_a_way_there_is_nothing() {
-        assert_eq!(LoadPlot { blocks: Vec::new(), has_vibration: false }.svg(), "");
+        assert_eq!(LoadPlot { blocks: Vec::new(), quantity: "", has_vibration: false }.svg(), "");
     }
 }

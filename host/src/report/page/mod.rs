@@ -30,6 +30,8 @@ use viewer::ViewerData;
 pub struct Page {
     /// Title.
     pub title: String,
+    /// Result in one line below the title.
+    pub lead: Option<String>,
     /// Viewer of a run above the sections.
     pub viewer: Option<ViewerData>,
     /// Sections in order.
@@ -48,6 +50,8 @@ pub struct Section {
 impl fmt::Display for Page {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let title = escaped(&self.title);
+        let lead =
+            self.lead.as_deref().map(|lead| format!("<p class=\"lead\">{}</p>\n", escaped(lead))).unwrap_or_default();
         let [head, body] = self.viewer.as_ref().map(ViewerData::html).unwrap_or_default();
         write!(
             f,
@@ -58,7 +62,8 @@ impl fmt::Display for Page {
              th, td {{ padding: .2em .8em; border-bottom: 1px solid #ddd; text-align: right }}\n\
              th:first-child, td:first-child {{ text-align: left }}\n\
              svg {{ max-width: 100%; height: auto; font: 12px sans-serif }}\n\
-             .warning {{ color: #a00000; font-weight: bold }}\n</style>\n{head}</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}"
+             .lead {{ font-weight: bold }}\n\
+             .warning {{ color: #a00000; font-weight: bold }}\n</style>\n{head}</head>\n<body>\n<main>\n<h1>{title}</h1>\n{lead}{body}"
         )?;
         for Section { heading, body } in &self.sections {
             writeln!(f, "<h2>{}</h2>\n{}", escaped(heading), body.trim_end())?;
@@ -80,6 +85,7 @@ mod tests {
     fn text_of_others_is_no_markup() {
         let page = Page {
             title: "<b>&\"".into(),
+            lead: None,
             viewer: None,
             sections: vec![Section { heading: "a<b".into(), body: "<p>".into() }],
         };

@@ -20,7 +20,7 @@ pub fn page(result: &FinishResult, figures: &FinishFigures) -> Page {
     ];
     let title = format!("Plan: {}", figures.name);
     let solids = vec![solid(viewer::UNIT, "blades and hub", &viewer::surroundings(&result.part.blisk, 0))];
-    Page { viewer: Some(viewer::data(title.clone(), result, solids)), title, sections }
+    Page { viewer: Some(viewer::data(title.clone(), result, solids)), title, lead: None, sections }
 }
 
 /// Chart of the tool axes on the machine.

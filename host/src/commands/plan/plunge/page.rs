@@ -27,7 +27,7 @@ pub fn page(result: &PlungeResult, figures: &PlungeFigures) -> Page {
         section("Planes", planes(figures)),
         section("Clearances", clearances(figures)),
     ];
-    Page { title: format!("Plan: {}", figures.name), sections, viewer: Some(viewer::data(result)) }
+    Page { title: format!("Plan: {}", figures.name), lead: None, sections, viewer: Some(viewer::data(result)) }
 }
 
 fn verdict(figures: &PlungeFigures) -> String {

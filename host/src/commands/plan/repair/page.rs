@@ -32,7 +32,7 @@ pub fn page(result: &RepairResult, figures: &RepairFigures) -> Page {
         section("First rotary axis over the directions of the tool", picture(&result.path)),
         section("Findings of the post-processor", findings(&result.path)),
     ];
-    Page { title: format!("Repair: {}", figures.name), sections, viewer: Some(viewer::data(result)) }
+    Page { title: format!("Repair: {}", figures.name), lead: None, sections, viewer: Some(viewer::data(result)) }
 }
 
 /// Map of a value in mm over the lattice: from blue, the least, to red, the greatest; places without a value are grey.

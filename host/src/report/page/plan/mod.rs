@@ -168,7 +168,7 @@ impl PlanReport {
             let body = self.left.iter().enumerate().map(|(index, map)| grid::svg(map, index, self.unit)).collect();
             sections.push(section("Left", body));
         }
-        Page { title: format!("Plan: {}", self.name), viewer: None, sections }
+        Page { title: format!("Plan: {}", self.name), lead: None, viewer: None, sections }
     }
 }
 
