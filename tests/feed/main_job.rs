@@ -35,7 +35,7 @@ fn run(fault: ControllerFault) -> RunReport {
 /// Runs the program as it is, without a controller.
 fn run_unadapted() -> RunReport {
     let (file, program) = job();
-    measure(&run_in_memory(&file, &program.bytes(), ControllerFault::LawOff).expect("the program ends"), &file.job)
+    measure(&run_in_memory(&file, program.bytes(), ControllerFault::LawOff).expect("the program ends"), &file.job)
 }
 
 fn chip_load(movement: &MovementFigures) -> ChipLoadFigures {

@@ -63,10 +63,10 @@ fn the_machine_runs_the_same_path_to_the_same_ends() {
         let ends =
             |text: &[u8]| -> Vec<[Nm; 3]> { moves(text, file.job.unit).iter().map(|sent| sent.end.linear).collect() };
         let mut sent = ends(&adapted.text).into_iter();
-        for end in ends(&program.bytes()) {
+        for end in ends(program.bytes()) {
             assert!(sent.any(|sent| sent == end), "seed {seed}: no move ends at {end:?}");
         }
-        let (before, after) = (executed(&file, &program.bytes()), executed(&file, &adapted.text));
+        let (before, after) = (executed(&file, program.bytes()), executed(&file, &adapted.text));
         assert_eq!(before.last(), after.last());
         let worst = apart(&after, &before).max(apart(&before, &after));
         if spelled.flat {

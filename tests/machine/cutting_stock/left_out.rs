@@ -52,7 +52,7 @@ fn a_rapid_that_ends_in_the_material_is_found_also_after_a_return() {
     let output = ScratchJob::new("arrival", MILL, &program).run(&[]);
     println!("{}", output.complaints);
     // The disk about the end, within the block and outside of the slot, in cells of 0.02 mm.
-    let is_within = |x: f64, y: f64, [cx, cy]: [f64; 2]| (x - cx).hypot(y - cy) <= 5.0;
+    let is_within = |x: f64, y: f64, [cx, cy]: [f64; 2]| libm::hypot(x - cx, y - cy) <= 5.0;
     let is_taken = |x: f64, y: f64| {
         let in_slot = x >= 0.013 && (y - 0.021).abs() <= 5.0 || is_within(x, y, [0.013, 0.021]);
         y >= -10.0 && is_within(x, y, [0.0, -6.0]) && !in_slot
