@@ -21,7 +21,7 @@ use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
 
-/// Free width of a ring in a slot, for one direction of the tool: the free width on each side of the ring.
+/// Free width of a ring in a slot, on each of its sides, for one direction of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeWidth {
     /// Width by which the ring could be wider on each side, mm; negative: the width that is missing. Value of (1) at the best centre.
@@ -35,7 +35,7 @@ pub struct FreeWidth {
 /// Free width of a ring for many directions of the tool.
 #[derive(Clone, Debug)]
 pub struct FreeWidths {
-    /// Rooms for the directions of a grid.
+    /// Free widths for the directions of a grid.
     pub grid: Vec<FreeWidth>,
     /// Free width of the direction that has the most.
     pub roomiest: FreeWidth,

@@ -1,5 +1,5 @@
-//! Path of a run with the values along it, reduced to few points: a point ends an interval in which the block stays the same, the path is
-//! straight within a tolerance and the values change little.
+//! Path of a run with the values along it, reduced to few points: a new point is stored when the block changes, when the path leaves a
+//! straight line by more than a tolerance, or when a value has changed.
 //!
 //! A run of any length has a bounded number of points: if there are too many, those that follow the one before too
 //! soon are merged into the next, and the largest chip load and feed stay.
