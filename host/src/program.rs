@@ -74,7 +74,7 @@ pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
 pub use path_summary::{PathSummary, ToolUse, each_extreme};
 pub use program_lines::ProgramLines;
-pub use source::{Source, check_line_count, read_bounded};
+pub use source::{LINES_MAX, Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;
 pub use tool_comment::{CommentedKind, ToolComment};
 pub use tool_notes::{ToolNote, ToolNotes};
