@@ -88,7 +88,8 @@ fn the_example_leaves_the_old_surface_and_writes_its_program() {
     println!("contacts: finish {}, layers {} {} {}", count("0"), count("1"), count("2"), count("3"));
     assert!(count("0") > 1000 && count("1") > 100 && count("3") > 100 && count("4") == 0);
     let page = std::fs::read_to_string(format!("{folder}/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 5);
+    // Four maps, the chart of the rotary axes, and the viewer's triad.
+    assert_eq!(page.matches("<svg").count(), 6);
     let program = format!("{folder}/repaired-blade.nc");
     let checked = run(&["check", &program, "--machine", "mikron-ucp710", "--tool-length", "150"]);
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
