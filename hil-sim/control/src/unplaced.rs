@@ -72,7 +72,8 @@ mod tests {
     #[test]
     fn an_axis_that_returned_is_unknown_until_a_move_gives_it() {
         let program = "G90G0X10.Y10.Z5.\nG91G28Z0\nG90M6\nG0X50.\nG43H1Z20.\nX60.\nG53Z0\nX1.\nG92Z100.\nX2.";
-        let wanted = [Known, ToIntermediate, Unknown, Unknown, Unknown, Known, Unknown, Unknown, Known, Known];
+        // The block of G92 makes no move; those behind it are known.
+        let wanted = [Known, ToIntermediate, Unknown, Unknown, Unknown, Known, Unknown, Unknown, Unknown, Known];
         assert_eq!(places(program, |_, _| {})[..], wanted);
         // An increment does not give it.
         assert_eq!(places("G28Z0\nG91G0Z5.\nX1.", |_, _| {}), [ToIntermediate, Unknown, Unknown]);

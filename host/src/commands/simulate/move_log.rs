@@ -122,14 +122,19 @@ impl Curve {
         }
     }
 
-    /// Replaces up to four neighbouring steps by two: the lowest and the highest value, in their order.
+    /// Replaces the steps that begin in the same interval, if there are more than two, by two: the lowest and the highest value, in their
+    /// order. The intervals are as long as the whole curve wants, and whole powers of two, so that those of a longer curve
+    /// contain those of a shorter one.
     fn join_neighbours(&mut self) {
         let [Some((first, ..)), Some((_, last, _))] = [self.0.first(), self.0.last()] else { return };
-        let gap_max = last.since(*first).0 / GAP_RATIO;
-        let adjoin = |a: &(Micros, Micros, f64), b: &(Micros, Micros, f64)| b.0.since(a.1).0 <= gap_max;
-        let joined = self.0.chunk_by(adjoin).flat_map(|chunk| chunk.chunks(4)).flat_map(|four| match four {
+        let whole = last.since(*first).0;
+        let (gap_max, interval) = (whole / GAP_RATIO, (4 * whole / STEPS_MAX as u64).next_power_of_two());
+        let belong = |a: &(Micros, Micros, f64), b: &(Micros, Micros, f64)| {
+            a.0.0 / interval == b.0.0 / interval && b.0.since(a.1).0 <= gap_max
+        };
+        let joined = self.0.chunk_by(belong).flat_map(|steps| match steps {
             [a, _, .., d] => {
-                let values = || four.iter().enumerate().map(|(index, (.., value))| (index, *value));
+                let values = || steps.iter().enumerate().map(|(index, (.., value))| (index, *value));
                 let low = values().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
                 let high = values().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
                 let [one, other] = if low.0 < high.0 { [low.1, high.1] } else { [high.1, low.1] };
