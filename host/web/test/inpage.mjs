@@ -58,6 +58,8 @@ async function downloads() {
 
 /** The example of the page, with one click. */
 async function shows() {
+    // A person, too, scrolls up first: the result is in view.
+    await page.evaluate(() => scrollTo(0, 0));
     await page.locator('#example').click();
     await page.waitForFunction(() => document.getElementById('program').textContent === 'pocket.nc'
         && !document.getElementById('report-part').hidden && document.getElementById('report').hasAttribute('src'));

@@ -202,7 +202,7 @@ pub fn install_linuxcnc() -> Result<(), Failure> {
     needs.map(|need| install_one(&Need { is_optional: false, ..*need })).fold(Ok(()), Result::and)
 }
 
-/// Into `tools/python` of the build directory, where `tests/python` looks: no Python of the system is touched, and nothing is compiled.
+/// Into `tools/python` of the build directory, where `tests/python` looks: no Python of the system is touched, and of what is optional nothing is compiled.
 fn install_python_packages(need: &PythonNeed) -> Result<(), Failure> {
     announce(&format!("Python packages {}", need.what));
     let folder = build_dir()?.join("tools/python");
@@ -211,10 +211,12 @@ fn install_python_packages(need: &PythonNeed) -> Result<(), Failure> {
     if import.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success()) {
         return Ok(());
     }
-    let words =
-        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", "--target"];
     let packages = need.packages.join(" ");
-    let failure = match run(program("python3", &words).arg(&folder).args(need.packages)) {
+    let mut pip = program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    if need.is_optional {
+        pip.args(["--only-binary", ":all:"]);
+    }
+    let failure = match run(pip.arg("--target").arg(&folder).args(need.packages)) {
         Ok(()) => return Ok(()),
         Err(failure) => failure,
     };
