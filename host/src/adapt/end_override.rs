@@ -13,8 +13,15 @@ use crate::program::ProgramLine;
 /// Lines of a program as far as they limit the override at the end of a move.
 #[derive(Debug, Default)]
 pub struct OverrideEnds {
-    /// For each line: a block-delete switch may skip it and change moves; it has moves of more than one segment, or no meaning.
-    lines: Vec<[bool; 2]>,
+    lines: Vec<LineEffect>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct LineEffect {
+    /// A block-delete switch may skip the line, and other moves follow then.
+    may_be_skipped: bool,
+    /// The line has moves of more than one segment, or no meaning.
+    has_other_moves: bool,
 }
 
 impl OverrideEnds {
@@ -22,7 +29,7 @@ impl OverrideEnds {
     pub fn add(&mut self, line: &ProgramLine) {
         let may_be_skipped = line.skipping.as_ref().is_some_and(|skipping| !skipping.is_harmless);
         let has_other_moves = line.meaning.as_ref().is_none_or(|meaning| meaning.step.series.is_some());
-        self.lines.push([may_be_skipped, has_other_moves]);
+        self.lines.push(LineEffect { may_be_skipped, has_other_moves });
     }
 
     /// Sets the largest override at the end of each block: the one with which the next move can begin. Before the moves of
@@ -41,13 +48,13 @@ impl OverrideEnds {
     }
 
     fn may_be_skipped(&self, line: usize) -> bool {
-        line.checked_sub(1).and_then(|index| self.lines.get(index)).is_some_and(|[may_be_skipped, _]| *may_be_skipped)
+        line.checked_sub(1).and_then(|index| self.lines.get(index)).is_some_and(|line| line.may_be_skipped)
     }
 
     /// Whether there are moves of more than one segment between two lines, counted from 1.
     fn has_other_moves(&self, line: usize, next: usize) -> bool {
         let between = self.lines.get(line..next.saturating_sub(1)).unwrap_or_default();
-        between.iter().any(|[_, has_other_moves]| *has_other_moves)
+        between.iter().any(|line| line.has_other_moves)
     }
 }
 

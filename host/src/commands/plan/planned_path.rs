@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use arcfeed_plan::geometry::mesh::Triangle;
+use arcfeed_plan::vector::Point;
 use arcfeed_units::{LengthUnit, S_PER_MIN};
 
 use crate::report::page::viewer::column::{Column, ColumnHead};
@@ -18,7 +19,7 @@ const AXIS_QUANTUM: f64 = 1e-6;
 /// Point of a planned path, with the values on the way to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// Time at the point.
+    /// Time at the point; [`timed`] sets it.
     pub time_s: f64,
     /// Position of the tool's tip.
     pub place_mm: [f64; 3],
@@ -66,27 +67,41 @@ pub fn run(unit: LengthUnit, points: &[PathPoint]) -> RunPath {
     RunPath { name: RUN, columns }
 }
 
-/// Closed outline of a tool in the part's unit: `end` are the points of its outside from the axis to the largest radius, at
-/// `length_mm` begin the cylinders of neck and holder, each as radius and length.
-pub fn outline<'a>(
+/// The path with the times that its moves take.
+pub fn timed(mut points: Vec<PathPoint>) -> Vec<PathPoint> {
+    let largest = points.iter().filter_map(|point| point.feed_mm_per_min).fold(0.0, f64::max);
+    for at in 1..points.len() {
+        let [from, to] = [at - 1, at].map(|at| Point::from(points[at].place_mm));
+        let time_s = seconds((to - from).norm(), points[at].feed_mm_per_min, largest);
+        points[at].time_s = points[at - 1].time_s + time_s;
+    }
+    points
+}
+
+/// Closed outline of an end mill in the part's unit: `end_mm` are radius, corner radius and length of the cutting part; the cylinders
+/// of neck and holder above it have a radius and a length each.
+pub fn mill_outline<'a>(
     unit: LengthUnit,
-    end: impl IntoIterator<Item = [f64; 2]>,
-    length_mm: f64,
+    [radius_mm, corner_mm, length_mm]: [f64; 3],
     cylinders: impl IntoIterator<Item = &'a [f64; 2]>,
 ) -> Vec<[f64; 2]> {
-    let mut points: Vec<[f64; 2]> = end.into_iter().collect();
-    points.extend(points.last().map(|[radius_mm, _]| [*radius_mm, length_mm]));
-    let mut top_mm = length_mm;
+    let end = rounded_end(radius_mm, corner_mm);
+    end.chain(outside(radius_mm, length_mm, cylinders)).map(|point| point.map(|mm| mm / unit.mm())).collect()
+}
+
+/// Points of the outside of a tool, from the top of its cutting part up along the cylinders, each a radius and a length, to the axis.
+pub fn outside<'a>(radius_mm: f64, length_mm: f64, cylinders: impl IntoIterator<Item = &'a [f64; 2]>) -> Vec<[f64; 2]> {
+    let (mut points, mut top_mm) = (vec![[radius_mm, length_mm]], length_mm);
     for [radius_mm, length_mm] in cylinders {
         points.extend([[*radius_mm, top_mm], [*radius_mm, top_mm + length_mm]]);
         top_mm += length_mm;
     }
     points.push([0.0, top_mm]);
-    points.into_iter().map(|point| point.map(|mm| mm / unit.mm())).collect()
+    points
 }
 
 /// Points of the end of a mill with a corner radius, from its axis outwards and upwards.
-pub fn rounded_end(radius_mm: f64, corner_mm: f64) -> impl Iterator<Item = [f64; 2]> {
+fn rounded_end(radius_mm: f64, corner_mm: f64) -> impl Iterator<Item = [f64; 2]> {
     const STEPS: u32 = 8;
     let corner = (0..=STEPS).map(move |k| {
         let (sin, cos) = libm::sincos(core::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(STEPS));

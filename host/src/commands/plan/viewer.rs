@@ -9,7 +9,7 @@ use arcfeed_units::LengthUnit;
 
 use super::figures::{obstacle_word, part_word, stop_reason};
 use super::plan_result::{PlanResult, feeds};
-use super::planned_path::{CHORD_MM, PathPoint, RUN, run, seconds, solid};
+use super::planned_path::{CHORD_MM, PathPoint, RUN, outside, run, seconds, solid};
 use super::slot_frame::{blades, in_slot, sector};
 use crate::report::page::viewer::{RunFinding, ViewerData};
 
@@ -71,15 +71,10 @@ fn points(steps: &[Step], ends_s: &[f64], feed_mm_per_min: f64) -> Vec<PathPoint
 
 /// Closed outline, from the bottom of the ring outside, up the holder, and down the cavity.
 fn outline(mill: &CupMill) -> impl Iterator<Item = [f64; 2]> + use<> {
-    let mut points = vec![[mill.outer_radius_mm, 0.0], [mill.outer_radius_mm, mill.height_mm]];
-    let mut top_mm = mill.height_mm;
-    for [radius_mm, length_mm] in &mill.holder_mm {
-        points.extend([[*radius_mm, top_mm], [*radius_mm, top_mm + length_mm]]);
-        top_mm += length_mm;
-    }
     let (inner_mm, depth_mm) = (mill.inner_radius_mm, mill.cavity_depth_mm);
-    points.extend([[0.0, top_mm], [0.0, depth_mm], [inner_mm, depth_mm], [inner_mm, 0.0]]);
-    points.into_iter()
+    let up = outside(mill.outer_radius_mm, mill.height_mm, &mill.holder_mm);
+    let cavity = [[0.0, depth_mm], [inner_mm, depth_mm], [inner_mm, 0.0]];
+    std::iter::once([mill.outer_radius_mm, 0.0]).chain(up).chain(cavity)
 }
 
 /// Line of the list of steps.

@@ -7,7 +7,8 @@ use super::listing::ProgramListing;
 use super::move_log::{LoggedMove, MoveLog};
 use crate::report::figures::RunReport;
 
-/// Relative difference of two largest feeds that counts as none: a millisecond's part of a move in samples.
+/// Relative difference of two largest feeds that counts as none. Feeds are sampled each millisecond, so that a ramp is cut off at another
+/// place in each run.
 const SAME_RATIO: f64 = 5e-3;
 
 /// Governed blocks of the original program, and how many of them the adapted run executes slower or faster, by the largest

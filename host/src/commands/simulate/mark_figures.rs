@@ -11,6 +11,7 @@ use arcfeed_milling::cutting::layers::Layers;
 use arcfeed_model::job::Job;
 use arcfeed_units::LengthUnit;
 
+use super::chip_quantity::ChipQuantity;
 use crate::report::loads::LoadsFigures;
 use crate::report::marks::{BlockMarksFigures, LargestFigures, LayerFigures, MarksFigures, RangeFigures};
 use crate::report::page::load_plot::{LoadPlot, PlotBlock};
@@ -133,5 +134,5 @@ pub fn course(unit: LengthUnit, job: &Job, meter: &LoadMeter, loads: &LoadsFigur
             _ => block.lines.push(vec![from, to]),
         }
     }
-    LoadPlot { blocks, quantity: "chip load", has_vibration: true }
+    LoadPlot { blocks, quantity: ChipQuantity::ChipLoad.words(), has_vibration: true }
 }

@@ -63,9 +63,7 @@ impl FormValues {
             single.into_iter().map(|(option, value)| (option, value.trim())).filter(|(_, value)| !value.is_empty());
         several.chain(single).map(|(option, value)| format!("--{option}={value}"))
     }
-}
 
-impl FormValues {
     /// Values that cannot be used; empty if all can.
     pub fn problems(&self) -> Vec<FormProblem> {
         let mut found = Vec::new();

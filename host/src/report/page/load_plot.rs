@@ -63,10 +63,10 @@ impl LoadPlot {
         blocks.sort_by(|a, b| a.chip_ratio.unwrap_or(0.0).total_cmp(&b.chip_ratio.unwrap_or(0.0)));
         for (verdict, color) in VERDICTS {
             for block in blocks.iter().filter(|block| block.verdict == Some(verdict)) {
-                block.draw(&mut svg, &place, (color, 9.0, self.quantity));
+                block.draw(&mut svg, &place, (color, 9.0), self.quantity);
             }
         }
-        blocks.iter().for_each(|block| block.draw(&mut svg, &place, (&block.color(), 2.0, self.quantity)));
+        blocks.iter().for_each(|block| block.draw(&mut svg, &place, (&block.color(), 2.0), self.quantity));
         legend(&mut svg, height, self.has_vibration);
         svg + "</svg>\n"
     }
@@ -77,7 +77,8 @@ impl PlotBlock {
         &self,
         svg: &mut String,
         place: &dyn Fn(&[f64; 2]) -> [f64; 2],
-        (color, width, quantity): (&str, f64, &str),
+        (color, width): (&str, f64),
+        quantity: &str,
     ) {
         let mut path = String::new();
         for line in &self.lines {

@@ -5,12 +5,12 @@ use arcfeed_kinematics::forward::ToolPose;
 use arcfeed_plan::finish::access::{FinishMove, MoveKind};
 use arcfeed_plan::finish::proof::FinishClearance;
 use arcfeed_plan::geometry::blisk::Blisk;
-use arcfeed_plan::geometry::mesh::{Sector, Triangle, finished};
+use arcfeed_plan::geometry::mesh::{Triangle, finished};
 use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 
-use super::super::planned_path::{CHORD_MM, PathPoint, RUN, outline, rounded_end, run, seconds};
-use super::super::slot_frame::{BELOW_HUB_MM, BESIDE_PITCHES};
+use super::super::planned_path::{CHORD_MM, PathPoint, RUN, mill_outline, run, timed};
+use super::super::slot_frame::{BESIDE_PITCHES, sector_about};
 use super::result::{FinishResult, obstacle_word, part_word};
 use crate::post::cl::ClPoint;
 use crate::program::Severity;
@@ -24,17 +24,13 @@ const PURPOSES: [&str; 2] = ["approach, link", "cut"];
 /// Data of the viewer with these solids.
 pub fn data(title: String, result: &FinishResult, solids: Vec<Solid>) -> ViewerData {
     let mill = &result.part.mill;
+    let end_mm = [mill.radius_mm, mill.corner_radius_mm, mill.length_mm];
     let steps = || result.cl.points.iter().zip(&result.plan.path);
     ViewerData {
         title,
         unit: UNIT.label(),
         runs: vec![run(UNIT, &points(steps()))],
-        tools: vec![outline(
-            UNIT,
-            rounded_end(mill.radius_mm, mill.corner_radius_mm),
-            mill.length_mm,
-            mill.neck_mm.iter().chain(&mill.holder_mm),
-        )],
+        tools: vec![mill_outline(UNIT, end_mm, mill.neck_mm.iter().chain(&mill.holder_mm))],
         heights: None,
         solids,
         findings: findings(result),
@@ -48,34 +44,17 @@ pub fn data(title: String, result: &FinishResult, solids: Vec<Solid>) -> ViewerD
 pub fn surroundings(blisk: &Blisk, index: i32) -> Vec<Triangle> {
     let Point { coords } = blisk.blade(index).pressure.point(0.5, 0.5);
     let (middle_rad, reach_rad) = (libm::atan2(coords.y, coords.x), (1.0 + BESIDE_PITCHES) * blisk.pitch_rad());
-    let lowest_mm = blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min);
-    let sector = Sector {
-        angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
-        faces_mm: blisk.blank.faces_mm,
-        inner_radius_mm: lowest_mm - BELOW_HUB_MM,
-    };
-    finished(blisk, &sector, [index - 1, index + 1], CHORD_MM)
+    finished(blisk, &sector_about(blisk, middle_rad, reach_rad), [index - 1, index + 1], CHORD_MM)
 }
 
-fn points<'a>(steps: impl Iterator<Item = (&'a ClPoint, &'a FinishMove)> + Clone) -> Vec<PathPoint> {
-    let largest = steps.clone().filter_map(|(point, _)| point.feed_mm_per_min).fold(0.0, f64::max);
-    let (mut time_s, mut before): (f64, Option<Point>) = (0.0, None);
+fn points<'a>(steps: impl Iterator<Item = (&'a ClPoint, &'a FinishMove)>) -> Vec<PathPoint> {
     let point = |(ClPoint { line, pose, feed_mm_per_min }, step): (&ClPoint, &FinishMove)| {
-        let ToolPose { tip_mm, axis } = *pose;
-        let tip = Point::from(tip_mm);
-        let length_mm = before.replace(tip).map_or(0.0, |from| (tip - from).norm());
-        time_s += seconds(length_mm, *feed_mm_per_min, largest);
+        let ToolPose { tip_mm: place_mm, axis } = *pose;
         let purpose = feed_mm_per_min.map(|_| usize::from(step.kind == MoveKind::Cut));
-        PathPoint {
-            time_s,
-            place_mm: tip_mm,
-            axis: Some(axis),
-            line: *line,
-            feed_mm_per_min: *feed_mm_per_min,
-            purpose,
-        }
+        let (axis, line, feed_mm_per_min) = (Some(axis), *line, *feed_mm_per_min);
+        PathPoint { time_s: 0.0, place_mm, axis, line, feed_mm_per_min, purpose }
     };
-    steps.map(point).collect()
+    timed(steps.map(point).collect())
 }
 
 /// Line of the list of moves.

@@ -12,7 +12,7 @@ use arcfeed_plan::vector::Point;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files};
-use super::super::slot_frame::BESIDE_PITCHES;
+use super::super::slot_frame::{BESIDE_PITCHES, bore_mm};
 use super::figures::PlungeFigures;
 use super::page::page;
 use super::result::PlungeResult;
@@ -96,9 +96,10 @@ fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
 
 /// The whole blank, in the frame of the first plunge.
 fn ring(result: &PlungeResult) -> BlankRing {
-    let Blank { radius_mm, faces_mm } = result.part.blisk.blank;
+    let blisk = &result.part.blisk;
+    let Blank { radius_mm, faces_mm } = blisk.blank;
     let turn = result.plan.plunges[0].to_tool;
-    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: result.bore_mm() }
+    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(blisk) }
 }
 
 fn job(result: &PlungeResult, program: &str) -> String {

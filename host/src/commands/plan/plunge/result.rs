@@ -17,7 +17,7 @@ use arcfeed_plan::plunge::passage_plan::PassagePlan;
 use arcfeed_plan::plunge::proof::{PlungeProof, prove};
 use arcfeed_plan::vector::Vector;
 
-use super::super::slot_frame::BELOW_HUB_MM;
+use super::super::slot_frame::sector_about;
 use crate::part::plunge::PlungePart;
 
 /// Difference of two tool axes by which the sense of a rotary axis is found, rad.
@@ -98,23 +98,11 @@ impl PlungeResult {
             part,
         })
     }
-}
 
-impl PlungeResult {
     /// Sector of the part to both sides of the middle of the first passage.
     pub fn sector(&self, reach_rad: f64) -> Sector {
         let middle_rad = self.plan.planes.first().map_or(0.0, |plane| plane.boundary.middle_rad);
-        Sector {
-            angles_rad: [middle_rad - reach_rad, middle_rad + reach_rad],
-            faces_mm: self.part.blisk.blank.faces_mm,
-            inner_radius_mm: self.bore_mm(),
-        }
-    }
-
-    /// Inner radius of blank and finished part.
-    pub fn bore_mm(&self) -> f64 {
-        let profile_mm = &self.part.blisk.hub.profile_mm;
-        profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min) - BELOW_HUB_MM
+        sector_about(&self.part.blisk, middle_rad, reach_rad)
     }
 }
 

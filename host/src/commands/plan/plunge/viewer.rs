@@ -10,7 +10,7 @@ use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 
 use super::super::figures::obstacle_word;
-use super::super::planned_path::{CHORD_MM, PathPoint, RUN, outline, rounded_end, run, seconds, solid};
+use super::super::planned_path::{CHORD_MM, PathPoint, RUN, mill_outline, run, solid, timed};
 use super::super::slot_frame::BESIDE_PITCHES;
 use super::figures::{family_word, mill_part_word};
 use super::result::PlungeResult;
@@ -25,18 +25,14 @@ pub fn data(result: &PlungeResult) -> ViewerData {
     let moves = moves(result);
     let points = points(result, &moves);
     let mill = &part.mill;
+    let end_mm = [mill.radius_mm, mill.corner_radius_mm, mill.length_mm];
     let reach_rad = (0.5 + BESIDE_PITCHES) * part.blisk.pitch_rad();
     let shown = finished(&part.blisk, &result.sector(reach_rad), [0, 1], CHORD_MM);
     ViewerData {
         title: format!("Plan: {}", part.name),
         unit: unit.label(),
         runs: vec![run(unit, &points)],
-        tools: vec![outline(
-            unit,
-            rounded_end(mill.radius_mm, mill.corner_radius_mm),
-            mill.length_mm,
-            mill.neck_mm.iter().chain(&mill.holder_mm),
-        )],
+        tools: vec![mill_outline(unit, end_mm, mill.neck_mm.iter().chain(&mill.holder_mm))],
         heights: None,
         solids: vec![solid(unit, "blades and hub", &shown)],
         findings: findings(result, &points),
@@ -79,21 +75,15 @@ fn moves(result: &PlungeResult) -> Vec<PlannedMove> {
 }
 
 fn points(result: &PlungeResult, moves: &[PlannedMove]) -> Vec<PathPoint> {
-    let largest = result.feeds.plunge_mm_per_min.max(result.feeds.approach_mm_per_min);
-    let (mut time_s, mut before): (f64, Option<Point>) = (0.0, None);
-    let point = |(index, moved): (usize, &PlannedMove)| {
-        let length_mm = before.replace(moved.to).map_or(0.0, |from| (moved.to - from).norm());
-        time_s += seconds(length_mm, moved.feed_mm_per_min, largest);
-        PathPoint {
-            time_s,
-            place_mm: moved.to.into(),
-            axis: Some(result.plan.plunges[moved.plunge].axis.into()),
-            line: index + 1,
-            feed_mm_per_min: moved.feed_mm_per_min,
-            purpose: moved.purpose,
-        }
+    let point = |(index, moved): (usize, &PlannedMove)| PathPoint {
+        time_s: 0.0,
+        place_mm: moved.to.into(),
+        axis: Some(result.plan.plunges[moved.plunge].axis.into()),
+        line: index + 1,
+        feed_mm_per_min: moved.feed_mm_per_min,
+        purpose: moved.purpose,
     };
-    moves.iter().enumerate().map(point).collect()
+    timed(moves.iter().enumerate().map(point).collect())
 }
 
 /// Line of the list of moves.

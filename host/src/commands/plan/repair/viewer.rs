@@ -8,13 +8,13 @@ use super::result::RepairResult;
 use crate::report::page::viewer::column::{Column, ColumnHead};
 use crate::report::page::viewer::{Solid, SurfaceValue, ViewerData};
 
-/// Names of the maps of a repair.
+/// Map of the material above the nominal surface, as measured.
 pub const BEFORE: &str = "Allowance before";
-/// Name of another map.
+/// Map of the material above the nominal surface that finishing is to leave.
 pub const PLANNED: &str = "Allowance planned";
-/// Name of another map.
+/// Map of the difference of both.
 pub const TAKEN: &str = "Depth to be taken";
-/// Name of another map.
+/// Map of the cusps that the planned path leaves.
 pub const PREDICTED: &str = "Predicted result above the planned allowance";
 
 /// Data of the viewer.
