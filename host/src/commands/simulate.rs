@@ -15,6 +15,8 @@ mod body;
 
 pub(super) mod edges;
 
+mod chip_quantity;
+
 mod mark_figures;
 
 pub(super) mod setup;
@@ -42,8 +44,6 @@ mod stock_frames;
 pub(super) mod observer;
 
 mod spindle_load;
-
-mod chip_quantity;
 
 mod path_plot;
 
