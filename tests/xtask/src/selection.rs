@@ -113,7 +113,7 @@ impl Selection {
             }
             Selection::Partition(partition) => {
                 let names = listed()?.into_iter().filter(|name| partition.has(name)).collect();
-                let tests = [all.clone(), words(&["--all-targets", "--", "--exact"]), names].concat();
+                let tests = [all.clone(), words(&["--tests", "--", "--exact"]), names].concat();
                 let examples_of_the_docs = [all, words(&["--doc"])].concat();
                 Ok(if partition.is_first() { vec![tests, examples_of_the_docs] } else { vec![tests] })
             }
@@ -142,9 +142,9 @@ impl Partition {
     }
 }
 
-/// The names of all tests but those in documentation.
+/// The names of all tests but those in documentation. Benchmarks have none, and would take the arguments for theirs.
 fn listed() -> Result<BTreeSet<String>, Failure> {
-    let mut command = cargo(&["test", "--workspace", "--all-targets", "--", "--list", "--format", "terse"]);
+    let mut command = cargo(&["test", "--workspace", "--tests", "--", "--list", "--format", "terse"]);
     let names = output(&mut command)?;
     Ok(names.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect())
 }
