@@ -1,8 +1,9 @@
 //! Building the images of the boards.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock};
 
 use crate::root;
 
@@ -30,17 +31,27 @@ pub fn built(folder: &str) -> PathBuf {
     target_dir().join(TARGET).join("release")
 }
 
-/// Builds the static library with the C interface, for this machine or for the chip, with these further features.
-pub fn static_library(for_chip: bool, features: &str) -> PathBuf {
+/// The static library with the C interface, for this machine or for the chip, with these further features; builds each
+/// of them once.
+pub fn static_library(for_chip: bool, features: &'static str) -> PathBuf {
+    static BUILT: Mutex<BTreeMap<(bool, &str), PathBuf>> = Mutex::new(BTreeMap::new());
+    let mut built = BUILT.lock().expect("no build has failed");
+    built.entry((for_chip, features)).or_insert_with(|| build_library(for_chip, features)).clone()
+}
+
+fn build_library(for_chip: bool, features: &str) -> PathBuf {
     let mut command = Command::new(env!("CARGO"));
     command.args(["rustc", "--package", "arcfeed-c", "--lib", "--crate-type", "staticlib", "--locked", "--quiet"]);
     command.args(["--profile", "static-library", "--features", &format!("static-library,{features}")]);
     command.args(if for_chip { &["--target", TARGET][..] } else { &[] });
-    // A folder for each: without its features the library would have the same name.
-    let folder = target_dir().join(if features.is_empty() { "c" } else { "c-gate" });
+    let folder = target_dir().join("c");
     let output = command.arg("--target-dir").arg(&folder).current_dir(root()).output().expect("cargo runs");
     assert!(output.status.success(), "the library does not build:\n{}", String::from_utf8_lossy(&output.stderr));
-    folder.join(if for_chip { TARGET } else { "" }).join("static-library/libarcfeed_c.a")
+    let library = folder.join(if for_chip { TARGET } else { "" }).join("static-library/libarcfeed_c.a");
+    // The next one, with other features, has the same name.
+    let kept = library.with_file_name(format!("libarcfeed_c-{features}.a"));
+    std::fs::copy(&library, &kept).expect("cargo has built it");
+    kept
 }
 
 /// An image of the emulated board by its name; builds all of them once.
