@@ -82,8 +82,8 @@ impl OverrideSource for InProcessController {
     fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         let job = &self.believed;
         self.io.segment = begun.map(|MoveStart { count, segment, rule, along, spindle, limit, end_percent }| {
-            let own = Conditions::of(segment, rule, job);
-            let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
+            let own = Conditions::with_table(segment, (rule, along), job);
+            let conditions = Conditions { spindle, limit: limit.or(own.limit), end_percent, ..own };
             (count, ActiveSegment::with_conditions(segment, &conditions, job))
         });
     }

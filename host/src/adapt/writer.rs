@@ -1,7 +1,7 @@
 //! Planning and writing of one line at a time: the demand of a law on its move, and the text that is sent for it.
 
 use arcfeed_kinematics::machine::Machine;
-use arcfeed_model::engaged::EngagedTable;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -237,11 +237,15 @@ impl<'a> Writer<'a> {
             Some(_) if descent.mapped.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
                 let mut governed = block.clone();
-                let profile = descent
-                    .table(setup, spindle)
-                    .and_then(|table| govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit)));
-                match profile {
-                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
+                let ruled = descent.table(setup, spindle).and_then(|table| {
+                    let profile = govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit))?;
+                    Some((table, profile))
+                });
+                match ruled {
+                    Some((table, profile)) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
+                        if self.job.policy == FeedPolicy::SafeBase {
+                            governed.along = Some(Box::new(MoveTable::Feeds(table)));
+                        }
                         return (governed, Some(profile));
                     }
                     _ => PlanReason::Overload,
@@ -252,10 +256,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.
-    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<EngagedTable>> {
+    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<MoveTable>> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
-        engaged.next(segment).cloned().map(Box::new)
+        engaged.next(segment).cloned().map(MoveTable::Engaged).map(Box::new)
     }
 
     /// Why no law can look at a line's move by itself.
