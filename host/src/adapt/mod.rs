@@ -27,6 +27,8 @@ mod rule_match;
 
 mod descents;
 
+pub mod held_feeds;
+
 mod known;
 
 pub mod unused_rules;

@@ -2,6 +2,7 @@
 
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_law::move_table::MoveTable;
+use arcfeed_law::table::Table;
 use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -12,6 +13,7 @@ use arcfeed_units::{Nm, PERCENT};
 
 use super::corner_line::{CornerLine, TwoBlocks, governs_corners};
 use super::descents::{Descending, Descents};
+use super::held_feeds::{self, SentMove};
 use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
@@ -47,6 +49,7 @@ pub(super) struct Writer<'a> {
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
     descents: Option<Descents<'a>>,
+    has_sent_feeds: bool,
     /// Lines so far.
     count: usize,
     feeds: FeedRewriter,
@@ -77,6 +80,7 @@ impl<'a> Writer<'a> {
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
             descents: Descents::of(known.plunge, known.map),
+            has_sent_feeds: known.has_sent_feeds,
             count: 0,
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -243,9 +247,7 @@ impl<'a> Writer<'a> {
                 });
                 match ruled {
                     Some((table, profile)) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
-                        if self.job.policy == FeedPolicy::SafeBase {
-                            governed.along = Some(Box::new(MoveTable::Feeds(table)));
-                        }
+                        governed.along = self.held_feeds(&governed, &table).map(MoveTable::Feeds).map(Box::new);
                         return (governed, Some(profile));
                     }
                     _ => PlanReason::Overload,
@@ -253,6 +255,24 @@ impl<'a> Writer<'a> {
             }
         };
         (block, None)
+    }
+
+    /// Feeds that the override may reach along a descending move; `None` in a mode whose override does not act.
+    fn held_feeds(&self, block: &PlannedBlock, law: &Table) -> Option<Table> {
+        if self.job.policy != FeedPolicy::SafeBase {
+            return None;
+        }
+        let feed = if self.has_sent_feeds { block.programmed() } else { block.sent };
+        let (feed_mm_per_min, limits) = (feed?.to_mm(), &self.job.limits);
+        let highest = feed_mm_per_min * f64::from(limits.max_percent) / f64::from(PERCENT);
+        let sent = SentMove {
+            feed_mm_per_min,
+            feed_max_mm_per_min: highest.min(block.limit_mm_per_min()),
+            teeth_per_min: block.teeth_per_min?,
+            length_mm: block.segment.length_mm(),
+            slew_percent_per_s: f64::from(limits.slew_down_percent_per_s),
+        };
+        held_feeds::held(law, &sent)
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.

@@ -9,8 +9,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use arcfeed_firmware::ramp::FeedOverride;
-use arcfeed_link::message::fixed::Q40;
 use arcfeed_law::move_table::MoveTable;
+use arcfeed_link::message::fixed::Q40;
 use arcfeed_link::message::moves::{MoveError, encode, encode_arcs, encode_feed};
 use arcfeed_link::message::{Message, table};
 use arcfeed_model::job::Job;
@@ -157,7 +157,7 @@ pub enum MoveFault {
 
 impl BoardPlan {
     /// Plans the messages for the moves of a transmission to a control in its power-on state. `known` has the
-    /// engagement map, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
+    /// engagement map, the plunge law, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
     /// limits that the text does not show, by line of the program's file.
     ///
     /// # Errors
@@ -177,7 +177,9 @@ impl BoardPlan {
         let text = lines.collect::<Vec<_>>().concat();
         let mut program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
         program.places = Some(Arc::new(places(sending, known.places)));
-        let adapted = adapt_with(&program, job, Known { map: known.map, plunge: known.plunge, scopes: known.scopes, ..Known::default() });
+        let Known { map, plunge, scopes, .. } = known;
+        let known = Known { map, plunge, scopes, has_sent_feeds: true, ..Known::default() };
+        let adapted = adapt_with(&program, job, known);
         let mut blocks = adapted.blocks.iter().peekable();
         let mut plan = BoardPlan::default();
         for (index, line) in program.lines().enumerate() {
@@ -260,9 +262,10 @@ fn series(line: &ProgramLine) -> Vec<Segment> {
 
 #[cfg(test)]
 mod tests {
+    use arcfeed_law::table::Table;
     use arcfeed_model::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
     use arcfeed_nc::segment::Path;
-    use arcfeed_units::Mm;
+    use arcfeed_units::{Mm, MmPerTooth};
 
     use super::*;
 
@@ -310,6 +313,19 @@ mod tests {
         let sent: Vec<usize> = (0..=22).map(|messages| plan.moves_in(messages)).collect();
         assert_eq!(sent[..6], [0, 1, 1, 1, 1, 2]);
         assert!(sent[5..22].iter().all(|moves| *moves == 2) && sent[22] == 3, "{sent:?}");
+    }
+
+    #[test]
+    fn the_feeds_of_a_plunge_come_before_it_and_it_has_no_rule() {
+        let knots = [(0.0, 0.05), (4.0, 0.08)].map(|(at, feed)| (Mm(at), MmPerTooth(feed)));
+        let feeds = MoveTable::Feeds(Table::new(&knots).expect("a table"));
+        let [start, end] = [Pose::default(); 2];
+        let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
+        let bounds = MoveBounds { max_feed: Some(Nm(7)), ..MoveBounds::NONE };
+        let sent = encode_move(&segment, 3, governed(Some(&feeds)), bounds).expect("it can be sent");
+        let expected = knots.map(|knot| Message::from(encode_feed(&knot).expect("it can be sent")));
+        assert_eq!(sent[..2], expected);
+        assert!(matches!(sent[2], Message::Segment(moved) if (moved.rule, moved.max_feed) == (None, Some(7))));
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod world;
 mod example;
 
 mod along;
+mod feeds;
 
 mod command_handler;
 
