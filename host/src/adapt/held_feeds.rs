@@ -19,9 +19,14 @@
 //! Source: own; docs/safety-case.md#plunges-with-an-override.
 
 use arcfeed_firmware::envelope::RESPONSE_S;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_law::table::Table;
+use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_model::knots::Knot;
-use arcfeed_units::{MmPerTooth, PERCENT, S_PER_MIN};
+use arcfeed_units::{LengthUnit, MmPerTooth, Nm, PERCENT, RevPerMin, S_PER_MIN};
+
+use super::planned_block::{PlannedBlock, govern_descent};
+use super::profile::Profile;
 
 /// t: time for which a board holds its last override after a loss, with its settings at start-up, s.
 const HOLD_S: f64 = 0.3;
@@ -45,6 +50,39 @@ pub struct SentMove {
     pub length_mm: f64,
     /// Fastest fall of the override, percentage points per second.
     pub slew_percent_per_s: f64,
+}
+
+/// Plan of a descending move under the plunge law with this table of the path per tooth, with the demand along the move and the feeds that the override
+/// may reach. `has_sent_feeds` as in [`Known`](super::Known). `None` if no feed above 0 can be sent.
+pub fn govern(
+    block: &PlannedBlock,
+    law: &Table,
+    (job, has_sent_feeds): (&Job, bool),
+    conditions: (RevPerMin, LengthUnit),
+) -> Option<(PlannedBlock, Profile)> {
+    let mut governed = block.clone();
+    let profile = govern_descent(&mut governed, law, job, conditions)?;
+    let sent = governed.sent.filter(|sent| *sent > Nm(0))?;
+    let executed = if has_sent_feeds { governed.programmed() } else { Some(sent) };
+    governed.along = executed.and_then(|feed| of_block(&governed, law, job, feed)).map(Box::new);
+    Some((governed, profile))
+}
+
+/// Feeds that the override may reach along a descending move with this F; `None` in a mode whose override does not act.
+fn of_block(block: &PlannedBlock, law: &Table, job: &Job, feed: Nm) -> Option<MoveTable> {
+    if job.policy != FeedPolicy::SafeBase {
+        return None;
+    }
+    let feed_mm_per_min = feed.to_mm();
+    let highest = feed_mm_per_min * f64::from(job.limits.max_percent) / f64::from(PERCENT);
+    let sent = SentMove {
+        feed_mm_per_min,
+        feed_max_mm_per_min: highest.min(block.limit_mm_per_min()),
+        teeth_per_min: block.teeth_per_min?,
+        length_mm: block.segment.length_mm(),
+        slew_percent_per_s: f64::from(job.limits.slew_down_percent_per_s),
+    };
+    held(law, &sent).map(MoveTable::Feeds)
 }
 
 /// Table of the path per tooth that the override may reach, from that of the law, whose knots are in equal distances from the start to the end of

@@ -27,8 +27,6 @@ mod rule_match;
 
 mod descents;
 
-pub mod held_feeds;
-
 mod known;
 
 pub mod unused_rules;
@@ -42,6 +40,8 @@ pub mod split;
 mod corner_line;
 
 mod planned_block;
+
+pub mod held_feeds;
 
 mod writer;
 

@@ -2,7 +2,6 @@
 
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_law::move_table::MoveTable;
-use arcfeed_law::table::Table;
 use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -13,12 +12,12 @@ use arcfeed_units::{Nm, PERCENT};
 
 use super::corner_line::{CornerLine, TwoBlocks, governs_corners};
 use super::descents::{Descending, Descents};
-use super::held_feeds::{self, SentMove};
+use super::held_feeds;
 use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, InsertedMove, OffsetMove, OffsetMoves};
-use super::planned_block::{PlannedBlock, govern, govern_descent};
+use super::planned_block::{PlannedBlock, govern};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
@@ -240,39 +239,15 @@ impl<'a> Writer<'a> {
             None => PlanReason::Spindle,
             Some(_) if descent.mapped.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
-                let mut governed = block.clone();
-                let ruled = descent.table(setup, spindle).and_then(|table| {
-                    let profile = govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit))?;
-                    Some((table, profile))
-                });
-                match ruled {
-                    Some((table, profile)) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
-                        governed.along = self.held_feeds(&governed, &table).map(MoveTable::Feeds).map(Box::new);
-                        return (governed, Some(profile));
-                    }
-                    _ => PlanReason::Overload,
+                let (law, conditions) = (descent.table(setup, spindle), (spindle, self.modes.unit));
+                let known = (self.job, self.has_sent_feeds);
+                match law.and_then(|law| held_feeds::govern(&block, &law, known, conditions)) {
+                    Some((governed, profile)) => return (governed, Some(profile)),
+                    None => PlanReason::Overload,
                 }
             }
         };
         (block, None)
-    }
-
-    /// Feeds that the override may reach along a descending move; `None` in a mode whose override does not act.
-    fn held_feeds(&self, block: &PlannedBlock, law: &Table) -> Option<Table> {
-        if self.job.policy != FeedPolicy::SafeBase {
-            return None;
-        }
-        let feed = if self.has_sent_feeds { block.programmed() } else { block.sent };
-        let (feed_mm_per_min, limits) = (feed?.to_mm(), &self.job.limits);
-        let highest = feed_mm_per_min * f64::from(limits.max_percent) / f64::from(PERCENT);
-        let sent = SentMove {
-            feed_mm_per_min,
-            feed_max_mm_per_min: highest.min(block.limit_mm_per_min()),
-            teeth_per_min: block.teeth_per_min?,
-            length_mm: block.segment.length_mm(),
-            slew_percent_per_s: f64::from(limits.slew_down_percent_per_s),
-        };
-        held_feeds::held(law, &sent)
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.
