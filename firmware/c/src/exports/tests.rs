@@ -304,8 +304,7 @@ fn feeds_before_a_move_without_a_rule_are_its_law() {
         assert_eq!((percents[0], percents.iter().max(), percents[8_000]), (100, Some(&most), 100));
     }
     let mut place = Place::of_moves(1);
-    let (arc, rule) = random_move(&mut Random(1), [-20_000_000, 0], 800_000_000);
-    assert_eq!(load(place.create(), &prepared_with(&knots, &arc, rule)), ArcfeedStatus::Value);
+    assert_eq!(load(place.create(), &prepared_with(&knots, &line, Some(0))), ArcfeedStatus::Value, "with a rule");
 }
 
 #[test]
