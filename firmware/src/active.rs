@@ -2,7 +2,6 @@
 //! arrives.
 
 use arcfeed_model::cut::CutRule;
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{Job, ToolSetup};
 use arcfeed_model::machine::{FeedLimit, LimitedBy};
 use arcfeed_nc::modal::{Feed, Pose};
@@ -14,6 +13,7 @@ use crate::envelope::{Envelope, Sent};
 use crate::progress::Track;
 use crate::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
+use arcfeed_law::move_table::MoveTable;
 
 /// One move of the program, prepared for the control ticks when its block arrives: its path, its sent feed, its
 /// limits, and the largest override ratio at each place of it.
@@ -49,8 +49,9 @@ pub(crate) struct MachineRatio {
 pub struct Conditions<'a> {
     /// Cut rule whose law governs the segment; `None` if no law does.
     pub rule: Option<&'a CutRule>,
-    /// Engaged arcs along the segment, for a rule that expects them with each move; otherwise `None`.
-    pub along: Option<&'a EngagedTable>,
+    /// Table along the segment: engaged arcs for a rule that expects them with each move, or feeds for a segment without
+    /// a rule; otherwise `None`.
+    pub along: Option<&'a MoveTable>,
     /// Commanded spindle speed, for which the law computes the feed.
     pub spindle: RevPerMin,
     /// Largest feed on the segment by the machine's limits and, if a law governs it, by the job's; `None` for rapids
@@ -65,14 +66,32 @@ impl<'a> Conditions<'a> {
     /// Conditions of a move as the control received it: the spindle speed is the job's, the move's F counts as the
     /// programmed feed, and no next move is considered.
     pub fn of(segment: &Segment, rule: Option<&'a CutRule>, job: &Job) -> Self {
+        Conditions::with_table(segment, (rule, None), job)
+    }
+
+    /// As [`Conditions::of`], for a move with this rule and this table.
+    pub fn with_table(
+        segment: &Segment,
+        (rule, along): (Option<&'a CutRule>, Option<&'a MoveTable>),
+        job: &Job,
+    ) -> Self {
         Conditions {
             rule,
-            along: None,
+            along,
             spindle: setup(rule, job).spindle,
-            limit: limit(segment, rule.is_some(), job),
+            limit: limit(segment, is_governed(rule, along), job),
             end_percent: FeedOverride::PROGRAMMED.percent,
         }
     }
+
+    /// Whether a law governs the move: that of its rule, or its table of feeds.
+    pub fn is_governed(&self) -> bool {
+        is_governed(self.rule, self.along)
+    }
+}
+
+fn is_governed(rule: Option<&CutRule>, along: Option<&MoveTable>) -> bool {
+    rule.is_some() || along.and_then(MoveTable::feeds).is_some()
 }
 
 /// Tool of a move's rule; the job's first tool without a rule.
@@ -94,9 +113,9 @@ impl ActiveSegment {
         ActiveSegment::with_conditions(segment, &Conditions::of(segment, rule, job), job)
     }
 
-    /// Prepares a move under these conditions, with the law of their cut rule.
+    /// Prepares a move under these conditions, with the law of their cut rule or table.
     pub fn with_conditions(segment: &Segment, conditions: &Conditions<'_>, job: &Job) -> Self {
-        let law = SegmentLaw::with_engagement(segment, conditions.rule, conditions.along, job);
+        let law = SegmentLaw::with_table(segment, conditions.rule, conditions.along, job);
         ActiveSegment::with_law(segment, &law, conditions, job)
     }
 

@@ -12,4 +12,8 @@ pub enum ControllerFault {
     RadiusScale(f64),
     /// The controller stops ticking after this many ticks; its output stays.
     FrozenAfter(u64),
+    /// No position arrives after this many ticks.
+    PositionLostAfter(u64),
+    /// No message of the host arrives after this many ticks.
+    HostLostAfter(u64),
 }

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::settings::SettingsError;
 use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_model::cut::ContourSide;
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, ToolSetup};
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_model::telemetry::Sample;
@@ -59,8 +59,8 @@ pub struct PlannedConditions {
     pub segment: Segment,
     /// Index of the cut rule for the move in the job's list; `None` without a rule.
     pub rule: Option<usize>,
-    /// Engaged arcs of the tool's circles along the move, for a rule that expects engagement per move.
-    pub along: Option<Box<EngagedTable>>,
+    /// Table along the move: engaged arcs for a rule that expects them with each move, or feeds for a move without a rule.
+    pub along: Option<Box<MoveTable>>,
     /// Largest feed on the move; `None` if the limits of the job's axes and its ceiling apply.
     pub limit: Option<FeedLimit>,
     /// Largest override at the end of the move, %: the next move begins with it.
@@ -281,7 +281,7 @@ impl<D: OverrideSource> Simulation<D> {
         let governing = found.map(|(index, rule)| {
             let setup = self.job.tool_of(rule);
             let target = planned_target.or_else(|| programmed_target(segment, setup, self.context.machining.spindle));
-            GoverningRule { index, rule, setup, along, target }
+            GoverningRule { index, rule, setup, along: along.and_then(MoveTable::engaged), target }
         });
         match continued {
             Some(_) => self.meter.continue_move(count, segment, governing.as_ref()),

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use arcfeed_hil_sim::override_source::board::{AttachedDevices, Traffic, Wire};
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::frame::ENCODED_MAX;
 use arcfeed_link::link::{Link, LinkState};
 use arcfeed_link::message::codes::SettingCode;
@@ -10,7 +11,6 @@ use arcfeed_link::message::fixed::Q46;
 use arcfeed_link::message::table::{Report, SetSetting, StockDisc};
 use arcfeed_link::message::{Message, link_settings, moves, parameters};
 use arcfeed_link::settings::Role;
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::Job;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::Segment;
@@ -67,13 +67,14 @@ impl Host {
         }
     }
 
-    /// The same, with these engaged arcs before each move that a rule speaks of.
+    /// The same, with this table before each move for which it may stand: engaged arcs where a rule speaks of the move,
+    /// feeds where none does.
     #[must_use]
-    pub fn with_engagement_ahead(mut self, table: &EngagedTable) -> Self {
-        let arcs = |knot| Message::from(moves::encode_arcs(knot).expect("it can be encoded"));
+    pub fn with_table_ahead(mut self, table: &MoveTable) -> Self {
+        let is_of_rules = table.engaged().is_some();
         for message in std::mem::take(&mut self.to_send) {
-            if matches!(message, Message::Segment(segment) if segment.rule.is_some()) {
-                self.to_send.extend(table.knots().iter().map(arcs));
+            if matches!(message, Message::Segment(segment) if segment.rule.is_some() == is_of_rules) {
+                self.to_send.extend(table_messages(table));
             }
             self.to_send.push_back(message);
         }
@@ -122,6 +123,21 @@ impl Host {
         let length = message.encode(&mut payload).expect("a payload has room");
         self.link.send(message.kind(), &payload[..length]).is_ok()
     }
+}
+
+/// Messages of a table.
+pub fn table_messages(table: &MoveTable) -> Vec<Message> {
+    let arcs = table
+        .engaged()
+        .into_iter()
+        .flat_map(|arcs| arcs.knots())
+        .map(|knot| moves::encode_arcs(knot).map(Message::from));
+    let feeds = table
+        .feeds()
+        .into_iter()
+        .flat_map(|feeds| feeds.knots())
+        .map(|knot| moves::encode_feed(knot).map(Message::from));
+    arcs.chain(feeds).collect::<Result<_, _>>().expect("it can be encoded")
 }
 
 impl AttachedDevices for Host {

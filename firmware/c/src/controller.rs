@@ -204,7 +204,8 @@ impl Controller {
                 self.buffers.put_in_force();
                 self.take_limits()
             }
-            Message::SegmentArcs(arcs) => self.buffers.arcs.add(arcs),
+            Message::SegmentArcs(arcs) => self.buffers.table.add_arcs(arcs),
+            Message::SegmentFeed(feed) => self.buffers.table.add_feed(feed),
             Message::Segment(segment) => self.add_segment(slots, line, segment),
             part => self.buffers.staging.add(part),
         }

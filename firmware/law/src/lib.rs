@@ -21,8 +21,9 @@ pub mod engagement;
 
 pub mod table;
 
+pub mod move_table;
+
 use arcfeed_model::cut::{ContourSide, CutRule, Work};
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{Job, LawKind, ToolAxis};
 use arcfeed_model::stock::Stock;
 use arcfeed_model::tool::{CupMill, Edge, EndMill, Tool};
@@ -34,6 +35,7 @@ use circumference::Circumference;
 use contour::{Contour, ContourLimits};
 use engaged_arc::{EdgePolicy, EngagedArc, Ring};
 use engagement::{Engagement, PathShape};
+use move_table::MoveTable;
 use region::Region;
 use table::Table;
 
@@ -146,13 +148,16 @@ impl SegmentLaw {
     /// The law of the rule's tool, prepared for a segment. [`SegmentLaw::Programmed`] without a rule, and if tool,
     /// law, rule and segment do not fit together.
     pub fn for_segment(segment: &Segment, rule: Option<&CutRule>, job: &Job) -> Self {
-        SegmentLaw::with_engagement(segment, rule, None, job)
+        SegmentLaw::with_table(segment, rule, None, job)
     }
 
-    /// As [`SegmentLaw::for_segment`], with the engaged arcs that were sent for this segment; they count if the rule
-    /// expects them with each move.
-    pub fn with_engagement(segment: &Segment, rule: Option<&CutRule>, along: Option<&EngagedTable>, job: &Job) -> Self {
-        let Some(rule) = rule else { return SegmentLaw::Programmed };
+    /// As [`SegmentLaw::for_segment`], with the table that was sent for this segment. Engaged arcs count if the rule
+    /// expects them with each move; feeds are the law of a segment without a rule.
+    pub fn with_table(segment: &Segment, rule: Option<&CutRule>, along: Option<&MoveTable>, job: &Job) -> Self {
+        let Some(rule) = rule else {
+            let feeds = along.and_then(MoveTable::feeds);
+            return feeds.map_or(SegmentLaw::Programmed, |feeds| SegmentLaw::Table(feeds.clone()));
+        };
         let setup = job.tool_of(rule);
         if setup.law == LawKind::Table {
             return for_table(rule, job);
@@ -164,7 +169,7 @@ impl SegmentLaw {
             }
             (_, Work::Ring(_, stock), LawKind::EngagedArc { .. }) => {
                 let Some(height) = height(segment, setup.axis) else { return SegmentLaw::Programmed };
-                let region = match (stock, along) {
+                let region = match (stock, along.and_then(MoveTable::engaged)) {
                     (Stock::PerMove, Some(table)) => Some(Region::Engaged(table.clone())),
                     _ => Region::new(stock, origin_mm(segment), height.to_mm()),
                 };

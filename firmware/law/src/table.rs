@@ -34,22 +34,42 @@ impl Table {
     /// # Errors
     /// See [`TableError`].
     pub fn new(knots: &[Knot]) -> Result<Self, TableError> {
-        let mut last = f32::NEG_INFINITY;
-        for (index, (travelled, feed)) in knots.iter().enumerate() {
-            if !(travelled.0 > last && travelled.0.is_finite()) {
-                return Err(TableError::Order(index));
-            }
-            if !(feed.0 > 0.0 && feed.0.is_finite()) {
-                return Err(TableError::Feed(index));
-            }
-            last = travelled.0;
-        }
-        let knots = Vec::from_slice(knots).map_err(|_| TableError::Count)?;
-        if knots.is_empty() { Err(TableError::Count) } else { Ok(Table { knots }) }
+        let (first, others) = knots.split_first().ok_or(TableError::Count)?;
+        let mut table = Table::with_first(*first)?;
+        others.iter().try_for_each(|knot| table.push(*knot))?;
+        Ok(table)
     }
-}
 
-impl Table {
+    /// A table of one knot, to which [`Self::push`] adds the others.
+    ///
+    /// # Errors
+    /// As of [`Self::push`].
+    pub fn with_first(knot: Knot) -> Result<Self, TableError> {
+        let mut table = Table { knots: Vec::new() };
+        table.push(knot)?;
+        Ok(table)
+    }
+
+    /// Appends a knot. The table does not change if the knot is rejected.
+    ///
+    /// # Errors
+    /// See [`TableError`].
+    pub fn push(&mut self, (travelled, feed): Knot) -> Result<(), TableError> {
+        let last = self.knots.last().map_or(f32::NEG_INFINITY, |(last, _)| last.0);
+        if !(travelled.0 > last && travelled.0.is_finite()) {
+            return Err(TableError::Order(self.knots.len()));
+        }
+        if !(feed.0 > 0.0 && feed.0.is_finite()) {
+            return Err(TableError::Feed(self.knots.len()));
+        }
+        self.knots.push((travelled, feed)).map_err(|_| TableError::Count)
+    }
+
+    /// The knots, in the order of the path.
+    pub fn knots(&self) -> &[Knot] {
+        &self.knots
+    }
+
     /// Calls `take` with the position of each knot: path from the segment's start, mm.
     pub fn knots_mm(&self, take: &mut dyn FnMut(f32)) {
         self.knots.iter().for_each(|(travelled, _)| take(travelled.0));

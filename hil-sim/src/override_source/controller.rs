@@ -24,7 +24,8 @@ pub struct InProcessController {
     io: BoardIo,
     /// The job with the tool that the controller assumes.
     believed: Job,
-    frozen_from: Option<Micros>,
+    fault: ControllerFault,
+    period: Span,
     decision: Option<Decision>,
 }
 
@@ -63,16 +64,13 @@ impl InProcessController {
         let is_on = has_override && fault != ControllerFault::LawOff;
         let supervisor = is_on.then(|| Supervisor::new(job, Settings::default())).transpose()?;
         let measured = controller::Measurement { position: None, spindle: job.tools.first().spindle, dt: period };
-        let frozen_from = match fault {
-            ControllerFault::FrozenAfter(ticks) => Some(Micros(ticks * u64::from(period.0))),
-            _ => None,
-        };
         Ok(InProcessController {
             supervisor,
             task: Task::from(Memory::armed()),
             io: BoardIo { segment: None, input: Input::of(measured), output: FeedOverride::PROGRAMMED },
             believed: believed(job, fault),
-            frozen_from,
+            fault,
+            period,
             decision: None,
         })
     }
@@ -82,19 +80,26 @@ impl OverrideSource for InProcessController {
     fn begin(&mut self, begun: Option<MoveStart<'_>>) {
         let job = &self.believed;
         self.io.segment = begun.map(|MoveStart { count, segment, rule, along, spindle, limit, end_percent }| {
-            let own = Conditions::of(segment, rule, job);
-            let conditions = Conditions { along, spindle, limit: limit.or(own.limit), end_percent, ..own };
+            let own = Conditions::with_table(segment, (rule, along), job);
+            let conditions = Conditions { spindle, limit: limit.or(own.limit), end_percent, ..own };
             (count, ActiveSegment::with_conditions(segment, &conditions, job))
         });
     }
 
     fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
         let input = &mut self.io.input;
-        input.measured.position = Some(shown.position);
+        let from = |ticks: u64| Micros(ticks * u64::from(self.period.0));
+        let age = |ticks: u64| Span(u32::try_from(shown.at.since(from(ticks)).0).unwrap_or(u32::MAX));
+        (input.position.age, input.link.age) = match self.fault {
+            ControllerFault::PositionLostAfter(ticks) => (age(ticks), Span(0)),
+            ControllerFault::HostLostAfter(ticks) => (Span(0), age(ticks)),
+            _ => (Span(0), Span(0)),
+        };
+        input.measured.position = (input.position.age == Span(0)).then_some(shown.position);
         input.measured.spindle = shown.spindle;
         input.operator_percent = shown.operator_percent;
         input.signals = shown.signals;
-        let is_frozen = self.frozen_from.is_some_and(|from| shown.at >= from);
+        let is_frozen = matches!(self.fault, ControllerFault::FrozenAfter(ticks) if shown.at >= from(ticks));
         if let Some(supervisor) = self.supervisor.as_ref().filter(|_| !is_frozen) {
             let output = self.task.run(supervisor, &mut self.io);
             self.decision = Some(Decision { state: state_code(&output.state), reason: Some(output.reason) });

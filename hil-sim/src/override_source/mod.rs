@@ -12,9 +12,9 @@ pub mod in_process;
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_firmware::supervisor::report::Reason;
 use arcfeed_firmware::supervisor::signals::Signals;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::message::codes::StateCode;
 use arcfeed_model::cut::CutRule;
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::segment::Segment;
@@ -42,10 +42,10 @@ pub struct MoveStart<'a> {
     pub count: u32,
     /// The move, in the workpiece's coordinates.
     pub segment: &'a Segment,
-    /// Cut rule of the job for the move; `None` if no law governs it.
+    /// Cut rule of the job for the move; `None` if none governs it.
     pub rule: Option<&'a CutRule>,
-    /// Engaged arcs of the tool's circles along the move; `None` unless the rule expects engagement for each move.
-    pub along: Option<&'a EngagedTable>,
+    /// Table along the move: engaged arcs for a rule that expects them with each move, or feeds for a move without a rule.
+    pub along: Option<&'a MoveTable>,
     /// Commanded spindle speed.
     pub spindle: RevPerMin,
     /// Largest feed on the move; `None` if the limits of the job's axes and its ceiling apply.

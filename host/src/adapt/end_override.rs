@@ -62,15 +62,14 @@ impl OverrideEnds {
 fn begin_percent(block: &PlannedBlock, job: &Job) -> u8 {
     let rule = block.rule.filter(|_| block.demand.is_some()).and_then(|index| job.rules.get(index));
     let segment = Segment { feed: block.sent.map_or(block.segment.feed, Feed::PerMinute), ..block.segment };
-    let own = Conditions::of(&segment, rule, job);
+    let own = Conditions::with_table(&segment, (rule, block.along.as_deref()), job);
     let conditions = Conditions {
-        along: block.along.as_deref(),
         spindle: block.spindle.unwrap_or(own.spindle),
         limit: block.limit.map(FeedLimit::from).or(own.limit),
         end_percent: block.end_percent,
         ..own
     };
     let begins = ActiveSegment::with_conditions(&segment, &conditions, job).begin_percent();
-    let most = if rule.is_some() { u8::MAX } else { FeedOverride::PROGRAMMED.percent };
+    let most = if conditions.is_governed() { u8::MAX } else { FeedOverride::PROGRAMMED.percent };
     begins.min(most).max(job.limits.min_percent)
 }

@@ -25,6 +25,8 @@ pub struct Known<'a> {
     pub accelerations_mm_per_s2: Option<[f64; 3]>,
     /// Plunge law of the job, with the spindle's limits of torque and power.
     pub plunge: Option<(Plunge, SpindleLimits)>,
+    /// Whether the program has the feeds that are sent already, because it is the text that the control gets.
+    pub has_sent_feeds: bool,
     /// Part of the program to which each cut rule applies, in the order of the rules.
     pub scopes: &'a [RuleScope],
     /// For a program given as its executed blocks: place of each block in the program's file. `None` if the blocks are
@@ -42,6 +44,7 @@ impl<'a> Known<'a> {
             accelerations_mm_per_s2: drives
                 .map(|drives| drives.linear.each_ref().map(|axis| axis.acceleration_mm_per_s2)),
             plunge: file.plunge.map(|plunge| (plunge, file.spindle)),
+            has_sent_feeds: false,
             scopes: &file.rule_scopes,
             places: None,
         }

@@ -41,6 +41,8 @@ mod corner_line;
 
 mod planned_block;
 
+pub mod held_feeds;
+
 mod writer;
 
 mod line_plan;

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use arcfeed_firmware::ramp::FeedOverride;
 use arcfeed_law::SegmentLaw;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_law::table::Table;
 use arcfeed_model::cut::{ContourSide, CutRule, Work};
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::{FeedPolicy, Job, LawKind};
 use arcfeed_model::machine::LimitedBy;
 use arcfeed_nc::alarm::NotModelled;
@@ -49,8 +49,9 @@ pub struct PlannedBlock {
     pub rule: Option<usize>,
     /// The plunge law is to govern the block; then no cut rule does.
     pub is_descent: bool,
-    /// Engaged arcs of the tool along the move, if its rule expects engagement per move and the map has the move.
-    pub along: Option<Box<EngagedTable>>,
+    /// Table that a controller of the override needs for the move: engaged arcs, if its rule expects them with each move and the map
+    /// has the move; feeds, if the plunge law governs it and the job's mode has an override.
+    pub along: Option<Box<MoveTable>>,
     /// Range of the law's demand along the move; `None` if no law governs it.
     pub demand: Option<DemandRange>,
     /// Feed per minute with which the block is sent; for a move in pieces the smallest of their feeds. `None`: the programmed F stays.
@@ -139,7 +140,7 @@ impl PlannedBlock {
             CutRule { feed_per_tooth, ..rule.clone().into_owned() }
         });
         let rule = of_block.map_or(rule, Cow::Owned);
-        let law = SegmentLaw::with_engagement(&segment, Some(&rule), self.along.as_deref(), job);
+        let law = SegmentLaw::with_table(&segment, Some(&rule), self.along.as_deref(), job);
         Some(BlockLaw { rule, segment, law })
     }
 

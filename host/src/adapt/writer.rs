@@ -1,7 +1,7 @@
 //! Planning and writing of one line at a time: the demand of a law on its move, and the text that is sent for it.
 
 use arcfeed_kinematics::machine::Machine;
-use arcfeed_model::engaged::EngagedTable;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_model::job::{FeedPolicy, Job};
 use arcfeed_nc::alarm::NotModelled;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -12,11 +12,12 @@ use arcfeed_units::{Nm, PERCENT};
 
 use super::corner_line::{CornerLine, TwoBlocks, governs_corners};
 use super::descents::{Descending, Descents};
+use super::held_feeds;
 use super::known::{KeptLines, Known};
 use super::limit::{MoveLimit, is_tip_line};
 use super::modes::Modes;
 use super::offset_moves::{CenterPath, InsertedMove, OffsetMove, OffsetMoves};
-use super::planned_block::{PlannedBlock, govern, govern_descent};
+use super::planned_block::{PlannedBlock, govern};
 use super::profile::Profile;
 use super::reason::PlanReason;
 use super::rewrite::{self, FeedRewriter, Leak};
@@ -47,6 +48,7 @@ pub(super) struct Writer<'a> {
     accelerations_mm_per_s2: [f64; 3],
     engaged: Option<Lookup<'a>>,
     descents: Option<Descents<'a>>,
+    has_sent_feeds: bool,
     /// Lines so far.
     count: usize,
     feeds: FeedRewriter,
@@ -77,6 +79,7 @@ impl<'a> Writer<'a> {
             accelerations_mm_per_s2: known.accelerations_mm_per_s2.unwrap_or([FAST_MACHINE_MM_PER_S2; 3]),
             engaged: known.map.map(EngagementMap::lookup),
             descents: Descents::of(known.plunge, known.map),
+            has_sent_feeds: known.has_sent_feeds,
             count: 0,
             feeds: FeedRewriter::default(),
             modes: Modes::at_power_on(job.unit),
@@ -236,15 +239,11 @@ impl<'a> Writer<'a> {
             None => PlanReason::Spindle,
             Some(_) if descent.mapped.is_none() => PlanReason::Unmapped,
             Some(spindle) => {
-                let mut governed = block.clone();
-                let profile = descent
-                    .table(setup, spindle)
-                    .and_then(|table| govern_descent(&mut governed, &table, self.job, (spindle, self.modes.unit)));
-                match profile {
-                    Some(profile) if governed.sent.is_some_and(|sent| sent > Nm(0)) => {
-                        return (governed, Some(profile));
-                    }
-                    _ => PlanReason::Overload,
+                let (law, conditions) = (descent.table(setup, spindle), (spindle, self.modes.unit));
+                let known = (self.job, self.has_sent_feeds);
+                match law.and_then(|law| held_feeds::govern(&block, &law, known, conditions)) {
+                    Some((governed, profile)) => return (governed, Some(profile)),
+                    None => PlanReason::Overload,
                 }
             }
         };
@@ -252,10 +251,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Engaged arcs along a move, if its rule expects engagement per move.
-    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<EngagedTable>> {
+    fn engagement_along(&mut self, segment: &Segment, tool: ToolInSpindle) -> Option<Box<MoveTable>> {
         let (_, rule) = self.job.rule_for(segment, tool)?;
         let engaged = self.engaged.as_mut().filter(|_| rule.expects_engagement_per_move())?;
-        engaged.next(segment).cloned().map(Box::new)
+        engaged.next(segment).cloned().map(MoveTable::Engaged).map(Box::new)
     }
 
     /// Why no law can look at a line's move by itself.

@@ -2,17 +2,17 @@
 //!
 //! The moves are those of the text as it goes over the DNC line, feeds and a restart's own blocks included. Moves of
 //! canned cycles and reference returns are sent one by one, without a rule: the board follows them by their ends. The
-//! engaged arcs of a move are sent before it: the board has a move once it has all of that.
+//! table along a move (engaged arcs or feeds) is sent before it: the board has a move once it has all of that.
 
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 use arcfeed_firmware::ramp::FeedOverride;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::message::fixed::Q40;
-use arcfeed_link::message::moves::{MoveError, encode, encode_arcs};
+use arcfeed_link::message::moves::{MoveError, encode, encode_arcs, encode_feed};
 use arcfeed_link::message::{Message, table};
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::Job;
 use arcfeed_nc::modal::{Feed, Pose};
 use arcfeed_nc::segment::Segment;
@@ -28,7 +28,7 @@ use crate::program::{ExecutedPlaces, Program, ProgramLine};
 /// Messages that give a feed board the moves of a transmission, in order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardPlan {
-    /// Messages: each move behind its engaged arcs.
+    /// Messages: each move behind its table.
     messages: Vec<Message>,
     /// Number of messages up to and including each move.
     ends: Vec<usize>,
@@ -63,26 +63,32 @@ impl MoveBounds {
     }
 }
 
-/// Messages that give a board one planned move with the feed that is sent: its engaged arcs, then the move.
+/// Messages that give a board one planned move with the feed that is sent: its table, then the move.
 ///
 /// # Errors
 /// A number is out of the range of its message.
 pub fn planned_move(block: &PlannedBlock, job: &Job) -> Result<Vec<Message>, MoveError> {
     let feed = block.sent.map_or(block.segment.feed, Feed::PerMinute);
-    encode_move(&Segment { feed, ..block.segment }, 0, MoveRule::of(block, job), MoveBounds::of_block(block))
+    encode_move(&Segment { feed, ..block.segment }, 0, MoveLaw::of(block, job), MoveBounds::of_block(block))
 }
 
 fn encode_move(
     segment: &Segment,
     number: u32,
-    governed: Option<MoveRule<'_>>,
+    governed: Option<MoveLaw<'_>>,
     bounds: MoveBounds,
 ) -> Result<Vec<Message>, MoveError> {
     let mut messages = Vec::new();
-    for knot in governed.iter().filter_map(|governed| governed.along).flat_map(EngagedTable::knots) {
-        messages.push(encode_arcs(knot)?.into());
+    match governed.and_then(|governed| governed.along) {
+        Some(MoveTable::Engaged(arcs)) => {
+            arcs.knots().iter().try_for_each(|knot| encode_arcs(knot).map(|knot| messages.push(knot.into())))?;
+        }
+        Some(MoveTable::Feeds(feeds)) => {
+            feeds.knots().iter().try_for_each(|knot| encode_feed(knot).map(|knot| messages.push(knot.into())))?;
+        }
+        None => {}
     }
-    let rule = governed.and_then(|governed| u8::try_from(governed.rule).ok());
+    let rule = governed.and_then(|governed| u8::try_from(governed.rule?).ok());
     let speed = governed.and_then(|governed| governed.spindle);
     let message = table::Segment {
         spindle: speed.map(|speed| Q40::of(speed.0).ok_or(MoveError::Range)).transpose()?,
@@ -108,22 +114,24 @@ fn places(sending: &Transmission, of_program: Option<&ExecutedPlaces>) -> Execut
     places
 }
 
-/// Rule that governs a move.
+/// Law that governs a move: that of a rule, or a table of feeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct MoveRule<'a> {
-    rule: usize,
+struct MoveLaw<'a> {
+    rule: Option<usize>,
     /// Spindle speed, if it differs from the tool's.
     spindle: Option<RevPerMin>,
-    along: Option<&'a EngagedTable>,
+    along: Option<&'a MoveTable>,
 }
 
-impl<'a> MoveRule<'a> {
-    /// Rule that governs a planned move.
+impl<'a> MoveLaw<'a> {
+    /// Law that governs a planned move; `None` if none does, or only through F.
     fn of(block: &'a PlannedBlock, job: &Job) -> Option<Self> {
-        let rule = block.rule.filter(|_| block.demand.is_some())?;
-        let of_tool = job.rules.get(rule).map(|rule| job.tool_of(rule).spindle);
-        let spindle = block.spindle.filter(|spindle| Some(*spindle) != of_tool);
-        Some(MoveRule { rule, spindle, along: block.along.as_deref() })
+        let along = block.along.as_deref();
+        let has_law = block.rule.is_some() || along.and_then(MoveTable::feeds).is_some();
+        let cut_rule = block.rule.and_then(|rule| job.rules.get(rule));
+        let of_tool = cut_rule.map_or(job.tools.first(), |rule| job.tool_of(rule)).spindle;
+        let spindle = block.spindle.filter(|spindle| *spindle != of_tool);
+        (has_law && block.demand.is_some()).then_some(MoveLaw { rule: block.rule, spindle, along })
     }
 }
 
@@ -149,7 +157,7 @@ pub enum MoveFault {
 
 impl BoardPlan {
     /// Plans the messages for the moves of a transmission to a control in its power-on state. `known` has the
-    /// engagement map, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
+    /// engagement map, the plunge law, the scopes of the rules, and the places of the program's blocks in its file. `bounds` are the
     /// limits that the text does not show, by line of the program's file.
     ///
     /// # Errors
@@ -169,7 +177,9 @@ impl BoardPlan {
         let text = lines.collect::<Vec<_>>().concat();
         let mut program = Program::parse_with(Path::new(""), &text, power_on.settings, power_on.tables);
         program.places = Some(Arc::new(places(sending, known.places)));
-        let adapted = adapt_with(&program, job, Known { map: known.map, scopes: known.scopes, ..Known::default() });
+        let Known { map, plunge, scopes, .. } = known;
+        let known = Known { map, plunge, scopes, has_sent_feeds: true, ..Known::default() };
+        let adapted = adapt_with(&program, job, known);
         let mut blocks = adapted.blocks.iter().peekable();
         let mut plan = BoardPlan::default();
         for (index, line) in program.lines().enumerate() {
@@ -179,7 +189,7 @@ impl BoardPlan {
             }
             let fault = |why| PlanError { source, why: MoveFault::Move(why) };
             if let Some(block) = blocks.next_if(|block| block.line == index + 1) {
-                let governed = MoveRule::of(block, job);
+                let governed = MoveLaw::of(block, job);
                 let bounds = bounds.get(&source).copied().unwrap_or(MoveBounds::NONE);
                 plan.add(index, &block.segment, governed, bounds).map_err(fault)?;
             }
@@ -194,7 +204,7 @@ impl BoardPlan {
         &mut self,
         line: usize,
         segment: &Segment,
-        governed: Option<MoveRule<'_>>,
+        governed: Option<MoveLaw<'_>>,
         bounds: MoveBounds,
     ) -> Result<(), MoveError> {
         self.messages.extend(encode_move(segment, self.moves() as u32, governed, bounds)?);
@@ -252,14 +262,16 @@ fn series(line: &ProgramLine) -> Vec<Segment> {
 
 #[cfg(test)]
 mod tests {
-    use arcfeed_model::engaged::{EngagedInterval, EngagedKnot};
+    use arcfeed_law::table::Table;
+    use arcfeed_model::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
     use arcfeed_nc::segment::Path;
-    use arcfeed_units::Mm;
+    use arcfeed_units::{Mm, MmPerTooth};
 
     use super::*;
 
-    fn governed(along: Option<&EngagedTable>) -> Option<MoveRule<'_>> {
-        Some(MoveRule { rule: 0, spindle: None, along })
+    fn governed(along: Option<&MoveTable>) -> Option<MoveLaw<'_>> {
+        let rule = along.is_none_or(|along| along.engaged().is_some()).then_some(0);
+        Some(MoveLaw { rule, spindle: None, along })
     }
 
     fn table(knots: usize) -> EngagedTable {
@@ -274,7 +286,7 @@ mod tests {
         let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
         let mut plan = BoardPlan::default();
         for (line, knots) in knots.iter().enumerate() {
-            let along = (*knots > 0).then(|| table(*knots));
+            let along = (*knots > 0).then(|| MoveTable::Engaged(table(*knots)));
             plan.add(line, &segment, governed(along.as_ref()), MoveBounds::NONE).expect("it can be sent");
         }
         plan
@@ -304,10 +316,23 @@ mod tests {
     }
 
     #[test]
+    fn the_feeds_of_a_plunge_come_before_it_and_it_has_no_rule() {
+        let knots = [(0.0, 0.05), (4.0, 0.08)].map(|(at, feed)| (Mm(at), MmPerTooth(feed)));
+        let feeds = MoveTable::Feeds(Table::new(&knots).expect("a table"));
+        let [start, end] = [Pose::default(); 2];
+        let segment = Segment { sequence: None, start, end, feed: Feed::Missing, path: Path::Line };
+        let bounds = MoveBounds { max_feed: Some(Nm(7)), ..MoveBounds::NONE };
+        let sent = encode_move(&segment, 3, governed(Some(&feeds)), bounds).expect("it can be sent");
+        let expected = knots.map(|knot| Message::from(encode_feed(&knot).expect("it can be sent")));
+        assert_eq!(sent[..2], expected);
+        assert!(matches!(sent[2], Message::Segment(moved) if (moved.rule, moved.max_feed) == (None, Some(7))));
+    }
+
+    #[test]
     fn a_table_that_cannot_be_sent_is_refused() {
         let outer = EngagedInterval::EMPTY;
         let far = EngagedKnot { travelled: Mm(9e6), outer, inner: outer };
-        let far = EngagedTable::new(&[far]).expect("a table");
+        let far = MoveTable::Engaged(EngagedTable::new(&[far]).expect("a table"));
         let segment = Segment {
             sequence: None,
             start: Pose::default(),

@@ -47,7 +47,7 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
         ),
         (
             job.policy == FeedPolicy::OverrideOnly,
-            "[plunge] works through F words only: write mode = \"safe-base\" or \"rewrite-only\" in [override]",
+            "[plunge] sends the least feed of each move as F: write mode = \"safe-base\" or \"rewrite-only\" in [override]",
         ),
     ];
     if let Some((_, message)) = missing.iter().find(|(is_missing, _)| *is_missing) {

@@ -4,6 +4,7 @@
 //! that is nearest straight ahead. The new centre O' lies on the path, r0 from C: on a line by a quadratic, on an arc by the
 //! law of cosines in the triangle of C, O' and the rotation centre. To first order the path is a / sin(angle from the side).
 
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_law::{FeedLaw, NoDemand, Place, SegmentLaw};
 use arcfeed_model::cut::{CutRule, Moves, Work};
 use arcfeed_model::engaged::{EngagedInterval, EngagedKnot, EngagedTable};
@@ -99,7 +100,8 @@ fn path_of_chip_mm(segment: &Segment, table: &EngagedTable, travelled_mm: f32, c
         let in_rule = job(end_mill(), Stock::Engaged(table.clone()), both_edges, chip);
         let along = job(end_mill(), Stock::PerMove, both_edges, chip);
         found.push(SegmentLaw::for_segment(segment, in_rule.rules.first(), &in_rule).demand(&place));
-        found.push(SegmentLaw::with_engagement(segment, Some(&along.rules[0]), Some(table), &along).demand(&place));
+        let sent = MoveTable::Engaged(table.clone());
+        found.push(SegmentLaw::with_table(segment, Some(&along.rules[0]), Some(&sent), &along).demand(&place));
     }
     assert!(found.iter().all(|demand| *demand == found[0]), "{found:?}");
     found[0].map(|demand| f64::from(demand.path_mm_per_tooth))
@@ -209,14 +211,11 @@ fn directions_without_a_demand_give_their_reason() {
 
 #[test]
 fn without_a_table_and_for_a_ring_on_a_line_there_is_no_law() {
-    let (line, engagement) = (line(), table([0.0, 60.0]));
+    let (line, engagement) = (line(), MoveTable::Engaged(table([0.0, 60.0])));
     let along = job(end_mill(), Stock::PerMove, true, CHIP_MM);
     let ring =
         Tool::CupMill(CupMill { outer_radius: Nm::from_mm(60.0), inner_radius: Nm::from_mm(50.0), active_teeth: 8 });
     let ring = job(ring, Stock::PerMove, true, CHIP_MM);
     assert_eq!(SegmentLaw::for_segment(&line, along.rules.first(), &along), SegmentLaw::Programmed);
-    assert_eq!(
-        SegmentLaw::with_engagement(&line, Some(&ring.rules[0]), Some(&engagement), &ring),
-        SegmentLaw::Programmed
-    );
+    assert_eq!(SegmentLaw::with_table(&line, Some(&ring.rules[0]), Some(&engagement), &ring), SegmentLaw::Programmed);
 }

@@ -32,7 +32,7 @@ fn missing_keys_of_the_plunge_law_are_named_with_their_place() {
     for (from, to, expected) in [
         ("max_torque = \"5 Nm\"", "", "[plunge] needs max_power or max_torque in [spindle]"),
         ("max_feed = 3000\n", "", "[plunge] needs a fastest feed"),
-        ("mode = \"safe-base\"", "mode = \"override-only\"", "[plunge] works through F words only"),
+        ("mode = \"safe-base\"", "mode = \"override-only\"", "[plunge] sends the least feed of each move as F"),
         ("height = 8", "height = 8\naxis = \"y\"", "[plunge] is for a tool along Z"),
         ("[plunge]\nmap = \"map.toml\"\nramps = true\n", "", "this law needs a table [plunge]"),
         ("ramps = true", "ramp = true", "unknown field `ramp`"),

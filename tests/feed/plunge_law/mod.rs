@@ -20,4 +20,8 @@ mod planned_slot;
 
 mod indexed;
 
+mod held;
+
 mod random;
+
+mod raised_feeds;

@@ -11,16 +11,16 @@ use crate::plunge_law::plunge_job::PlungeJob;
 const CHIP_RATIO: f64 = 1.005;
 
 /// A job with its limits.
-struct RandomPlunges {
-    tool: String,
+pub struct RandomPlunges {
+    pub tool: String,
     workpiece: String,
-    cutting: String,
+    pub cutting: String,
     spindle: String,
-    program: String,
-    feed_per_tooth_mm: f64,
+    pub program: String,
+    pub feed_per_tooth_mm: f64,
     max_raise: f64,
-    power_w: f64,
-    torque_n_m: f64,
+    pub power_w: f64,
+    pub torque_n_m: f64,
 }
 
 fn between(random: &mut Rng, low: f64, high: f64) -> f64 {
@@ -28,7 +28,7 @@ fn between(random: &mut Rng, low: f64, high: f64) -> f64 {
 }
 
 impl RandomPlunges {
-    fn sample(random: &mut Rng) -> Self {
+    pub fn sample(random: &mut Rng) -> Self {
         let diameter = between(random, 6.0, 16.0);
         let (teeth, rev_per_min) = (random.u16(2..=5), random.u16(4..=30) * 100);
         let (specific, exponent) = (between(random, 400.0, 2_500.0), between(random, 0.0, 0.3));
@@ -70,6 +70,21 @@ impl RandomPlunges {
             torque_n_m,
         }
     }
+
+    /// The job in this mode.
+    pub fn job<'a>(&'a self, name: &'a str, mode: &'a str) -> PlungeJob<'a> {
+        PlungeJob {
+            name,
+            tool: &self.tool,
+            workpiece: &self.workpiece,
+            cutting: &self.cutting,
+            spindle: &self.spindle,
+            mode,
+            feed_per_tooth_mm: self.feed_per_tooth_mm,
+            max_raise: self.max_raise,
+            program: &self.program,
+        }
+    }
 }
 
 /// Chains of plunges and ramps in any order, one directly after the other, some of them beside earlier ones.
@@ -102,18 +117,7 @@ fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
         let mut random = Rng::with_seed(0x26 + seed);
         let sample = RandomPlunges::sample(&mut random);
         let mode = ["mode = \"safe-base\"", "mode = \"rewrite-only\""][usize::from(random.bool())];
-        let job = PlungeJob {
-            name: &format!("random-{seed}"),
-            tool: &sample.tool,
-            workpiece: &sample.workpiece,
-            cutting: &sample.cutting,
-            spindle: &sample.spindle,
-            mode,
-            feed_per_tooth_mm: sample.feed_per_tooth_mm,
-            max_raise: sample.max_raise,
-            program: &sample.program,
-        };
-        let found = job.found();
+        let found = sample.job(&format!("random-{seed}"), mode).found();
         let context = || {
             format!(
                 "program {seed}, {mode}\n{}\n{}\n{}\n{}",

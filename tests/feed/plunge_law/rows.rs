@@ -1,26 +1,33 @@
 //! Rows of plunges into a round bar: peaks and time at a constant feed and under the law.
 
+use arcfeed_tests::run;
+use serde_json::Value;
+
 use crate::plunge_law::plunge_job::PlungeJob;
 
 /// Four plunges 4 mm apart, 30 mm deep into the back of a bar.
 const PROGRAM: &str = "%\nG21G17G90G94\nS800M3\nN1G0X0.Y3.Z5.\nN2G1Z-30.F160.\nN3G0Z5.\nN4X4.\nN5G1Z-30.F160.\nN6G0Z5.\nN7X8.\n\
                        N8G1Z-30.F160.\nN9G0Z5.\nN10X12.\nN11G1Z-30.F160.\nN12G0Z5.\nN13M30\n%\n";
 
+/// The row in this mode.
+fn row<'a>(name: &'a str, mode: &'a str) -> PlungeJob<'a> {
+    PlungeJob {
+        name,
+        tool: "kind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 40",
+        workpiece: "round = { from = [-20, 0, -40], to = [30, 0, -40], radius = 40 }\nstep = 0.25",
+        cutting: "material = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 2\nlayers = 2",
+        spindle: "rev_per_min = 800\nmax_power = \"0.6 kW\"\nmax_torque = \"9 Nm\"",
+        mode,
+        feed_per_tooth_mm: 0.08,
+        max_raise: 2.0,
+        program: PROGRAM,
+    }
+}
+
 #[test]
 fn point_7_plunges_under_the_law_keep_power_and_torque_in_both_modes() {
     for mode in ["mode = \"safe-base\"", "mode = \"rewrite-only\""] {
-        let job = PlungeJob {
-            name: "row",
-            tool: "kind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 40",
-            workpiece: "round = { from = [-20, 0, -40], to = [30, 0, -40], radius = 40 }\nstep = 0.25",
-            cutting: "material = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 2\nlayers = 2",
-            spindle: "rev_per_min = 800\nmax_power = \"0.6 kW\"\nmax_torque = \"9 Nm\"",
-            mode,
-            feed_per_tooth_mm: 0.08,
-            max_raise: 2.0,
-            program: PROGRAM,
-        };
-        let found = job.found();
+        let found = row("row", mode).found();
         let (power, torque) = (found.most(|load| load.power_w), found.most(|load| load.torque_n_m));
         let chip = found.most(|load| load.chip_mm);
         println!(
@@ -34,4 +41,27 @@ fn point_7_plunges_under_the_law_keep_power_and_torque_in_both_modes() {
         let laws = found.adapted.iter().filter(|block| block["law"] == "plunge").count();
         assert_eq!(laws, 4);
     }
+}
+
+/// Cycle time of a command's report, s.
+fn cycle_time_s(arguments: &[&str]) -> f64 {
+    let output = run(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    report["cycle_time_s"].as_f64().expect("a time")
+}
+
+#[test]
+fn a_board_raises_the_least_feed_of_a_streamed_row_as_the_controller_of_a_simulated_run_does() {
+    let (scratch, job) = row("streamed-row", "mode = \"safe-base\"").written();
+    assert!(run(&["engage", &job]).status.success());
+    let journal = scratch.path("journal");
+    let board = ["stream", &job, "--port", "sim:", "--board", "sim:", "--journal", &journal, "--json"];
+    let least = ["simulate", &job, "--json", "--set", "override.max=100"];
+    let time_s = [&["simulate", &job, "--json"][..], &board, &least].map(cycle_time_s);
+    println!(
+        "simulated {:.2} s, streamed with a board {:.2} s, at the least feed {:.2} s",
+        time_s[0], time_s[1], time_s[2]
+    );
+    assert!((time_s[1] / time_s[0] - 1.0).abs() < 1e-3 && time_s[0] < 0.85 * time_s[2], "{time_s:?}");
 }

@@ -1,6 +1,7 @@
 //! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
 
 use arcfeed_board_app::application::control_task::Supply;
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::message::codes::RefusalCode;
 use arcfeed_link::message::fixed::Q40;
 use arcfeed_link::message::{Message, moves, parameters, table};
@@ -27,7 +28,7 @@ const SEGMENT: u8 = 0x20;
 struct HostData {
     job: Job,
     moves: Vec<(Segment, Option<usize>)>,
-    arcs: Vec<Option<EngagedTable>>,
+    arcs: Vec<Option<MoveTable>>,
 }
 
 fn interval(random: &mut Rng) -> EngagedInterval {
@@ -69,7 +70,7 @@ fn host_data(is_along: bool) -> HostData {
         let index = run.rule(segment).map(|_| governed % TABLES);
         governed += usize::from(index.is_some());
         moves.push((*segment, index.map(|index| if is_along { 0 } else { index })));
-        arcs.push(index.filter(|_| is_along).map(|index| tables[index].clone()));
+        arcs.push(index.filter(|_| is_along).map(|index| MoveTable::Engaged(tables[index].clone())));
     }
     HostData { job, moves, arcs }
 }
@@ -77,7 +78,7 @@ fn host_data(is_along: bool) -> HostData {
 fn world(data: &HostData, latency_ms: u64, lost_per_mille: u64) -> World {
     let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
     let mut world = World::new(&data.job, &data.moves, channels);
-    world.host.add_engagement(&data.arcs);
+    world.host.add_tables(&data.arcs);
     world.arm();
     world
 }
@@ -105,7 +106,7 @@ fn arcs_sent_with_each_move_give_the_overrides_of_the_same_arcs_in_rules() {
     let mut values: Vec<u8> = found.clone();
     values.sort_unstable();
     values.dedup();
-    let knots = along.arcs.iter().flatten().map(|table| table.knots().len());
+    let knots = along.arcs.iter().flatten().filter_map(MoveTable::engaged).map(|table| table.knots().len());
     println!("{} ticks, {} knots sent, {} overrides", found.len(), knots.sum::<usize>(), values.len());
     assert!(values.len() > 50, "the tables govern: {values:?}");
     assert!(trace(world(&along, 20, 50)) == in_rules, "a slow line that loses every twentieth frame");

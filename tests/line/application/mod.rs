@@ -1,6 +1,6 @@
 //! The board application (`firmware::application`) in process, between a host at the other end of its link and a machine.
 //!
-//! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `restarts.rs` restarts either side at random points, `schedules.rs` corrupts the line,
+//! `example.rs` runs the example job through it, `along.rs` one whose engaged arcs come with each move, `feeds.rs` one whose feeds do, `restarts.rs` restarts either side at random points, `schedules.rs` corrupts the line,
 //! `faults.rs` measures
 //! the times that `docs/board-safety.md` quotes, `copies.rs` replays recorded frames, `handler.rs` asks for what is refused, `document.rs` compares
 //! `docs/protocol.md` with the messages.
@@ -10,6 +10,7 @@ mod world;
 mod example;
 
 mod along;
+mod feeds;
 
 mod command_handler;
 

@@ -11,16 +11,17 @@ use arcfeed_firmware::supervisor::Output;
 use arcfeed_firmware::supervisor::input::Freshness;
 use arcfeed_firmware::supervisor::settings::Settings;
 use arcfeed_firmware::supervisor::signals::{BoardFault, Signals};
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::frame::ENCODED_MAX;
 use arcfeed_link::link::{Link, LinkState, Loss};
 use arcfeed_link::message::codes::{RefusalCode, RequestCode, ResetCode};
 use arcfeed_link::message::field::PAYLOAD_MAX;
 use arcfeed_link::message::{self, Message, moves, parameters, table};
 use arcfeed_link::settings::{LinkSettings, Role};
-use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::Job;
 use arcfeed_nc::modal::Pose;
 use arcfeed_nc::segment::Segment;
+use arcfeed_tests::emulation::host::table_messages;
 use arcfeed_units::{Micros, RevPerMin};
 
 /// The tick of everything.
@@ -55,7 +56,7 @@ pub struct Host {
     has_begun: bool,
     /// Sends no parameters by itself.
     pub is_silent: bool,
-    /// Still to be sent: moves, each behind its engaged arcs.
+    /// Still to be sent: moves, each behind its table.
     segments: VecDeque<Vec<Message>>,
     sent: u32,
     executed_before: Option<u32>,
@@ -221,11 +222,10 @@ impl Host {
         }
     }
 
-    /// Puts its engaged arcs, where it has some, before each move.
-    pub fn add_engagement(&mut self, arcs: &[Option<EngagedTable>]) {
-        for (messages, table) in self.segments.iter_mut().zip(arcs) {
-            let knots = table.iter().flat_map(|table| table.knots());
-            messages.splice(..0, knots.map(|knot| moves::encode_arcs(knot).expect("it can be encoded").into()));
+    /// Puts its table, where it has one, before each move.
+    pub fn add_tables(&mut self, tables: &[Option<MoveTable>]) {
+        for (messages, table) in self.segments.iter_mut().zip(tables) {
+            messages.splice(..0, table.iter().flat_map(table_messages));
         }
     }
 

@@ -11,10 +11,10 @@ use arcfeed_units::{MmPerMin, Nm, RevPerMin};
 
 use arcfeed_firmware::active::{ActiveSegment, Conditions};
 
-use super::arcs::ReceivedArcs;
+use super::received_table::ReceivedTable;
 
-/// Large data of the command handler: the job in force, the job that is being received, and the engaged arcs of the
-/// next segment.
+/// Large data of the command handler: the job in force, the job that is being received, and the table along the next
+/// segment.
 #[derive(Debug)]
 pub struct Buffers {
     /// The job in force, if there is one.
@@ -22,8 +22,8 @@ pub struct Buffers {
     has_job: bool,
     /// Receiver of the next job's messages.
     pub staging: Staging,
-    /// Engaged arcs received for the next segment, or for one that waits for a free slot.
-    pub arcs: ReceivedArcs,
+    /// Table received for the next segment, or for one that waits for a free slot.
+    pub table: ReceivedTable,
 }
 
 impl Default for Buffers {
@@ -33,16 +33,16 @@ impl Default for Buffers {
 }
 
 impl Buffers {
-    /// Empty buffers: no job, no parameter set, no arcs.
+    /// Empty buffers: no job, no parameter set, no table.
     pub const fn new() -> Self {
-        Buffers { job: empty_job(), has_job: false, staging: Staging::new(), arcs: ReceivedArcs::None }
+        Buffers { job: empty_job(), has_job: false, staging: Staging::new(), table: ReceivedTable::None }
     }
 
     /// Makes the buffers empty in place, because they are too large to be built elsewhere and moved.
     pub fn clear(&mut self) {
         self.has_job = false;
         self.staging.forget();
-        self.arcs = ReceivedArcs::None;
+        self.table = ReceivedTable::None;
     }
 
     /// The job in force; `None` if there is none.
@@ -56,7 +56,7 @@ impl Buffers {
         self.has_job = true;
     }
 
-    /// Checks a segment of the host, with the arcs received for it, against the job in force.
+    /// Checks a segment of the host, with the table received for it, against the job in force.
     ///
     /// # Errors
     /// [`RefusalCode`] to be sent to the host.
@@ -64,27 +64,26 @@ impl Buffers {
         let job = self.job().ok_or(RefusalCode::NoParameters)?;
         let rule = segment.rule.map(|rule| job.rules.get(usize::from(rule)).ok_or(RefusalCode::Value)).transpose()?;
         moves::decode(segment).map_err(|_| RefusalCode::Value)?;
-        self.arcs.check_rule(rule)
+        self.table.check_rule(rule)
     }
 
-    /// Prepares a checked segment under its law, with the arcs received for it, which are then deleted. `None` only
-    /// for a segment that was not checked.
+    /// Prepares a checked segment under its law, with the table received for it, which is then deleted. `None` only for
+    /// a segment that was not checked.
     pub fn prepare(&mut self, message: &table::Segment) -> Option<ActiveSegment> {
         let job = self.has_job.then_some(&self.job)?;
         let segment = moves::decode(message).ok()?;
         let rule = message.rule.and_then(|rule| job.rules.get(usize::from(rule)));
-        let own = Conditions::of(&segment, rule, job);
+        let own = Conditions::with_table(&segment, (rule, self.table.table()), job);
         let ceiling =
             message.max_feed.map(|feed| FeedLimit { feed: MmPerMin(Nm(feed).to_mm() as f32), by: LimitedBy::Ceiling });
         let conditions = Conditions {
-            along: self.arcs.table(),
             spindle: message.spindle.map_or(own.spindle, |speed| RevPerMin(speed.value())),
             end_percent: message.end_percent.unwrap_or(own.end_percent),
             limit: own.limit.map_or(ceiling, |own| Some(ceiling.map_or(own, |ceiling| own.lower(ceiling)))),
             ..own
         };
         let active = ActiveSegment::with_conditions(&segment, &conditions, job);
-        self.arcs = ReceivedArcs::None;
+        self.table = ReceivedTable::None;
         Some(active)
     }
 

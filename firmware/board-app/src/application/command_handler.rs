@@ -18,12 +18,12 @@ use arcfeed_firmware::supervisor::Supervisor;
 use arcfeed_firmware::supervisor::settings::{Settings, SettingsError};
 use arcfeed_firmware::supervisor::signals::BoardFault;
 
-use super::arcs::ReceivedArcs;
 use super::board_settings::BoardSettings;
 use super::buffers::Buffers;
 use super::dispatch::Dispatch;
 pub use super::identity::Identity;
 use super::messages::{HostQueues, Notice, TaskStatus};
+use super::received_table::ReceivedTable;
 use super::report;
 
 /// Maximum number of answers that wait for the link.
@@ -194,7 +194,7 @@ impl<'q> CommandHandler<'q> {
     /// Starts a new run of segments: those that have not ended are discarded.
     pub fn begin_run(&mut self) {
         (self.next, self.parked, self.has_first) = (None, None, false);
-        self.buffers.arcs = ReceivedArcs::None;
+        self.buffers.table = ReceivedTable::None;
         self.dispatch.begin_run();
     }
 
@@ -217,14 +217,15 @@ impl<'q> CommandHandler<'q> {
 
     fn execute(&mut self, message: &Message) {
         let refused = match message {
-            Message::Begin(_) | Message::SegmentArcs(_) | Message::Segment(_) | Message::Clear(_) if self.is_tapped => {
-                Err((0, RefusalCode::Message))
-            }
+            Message::Begin(_) | Message::Clear(_) if self.is_tapped => Err((0, RefusalCode::Message)),
+            Message::Segment(_) if self.is_tapped => Err((0, RefusalCode::Message)),
+            Message::SegmentArcs(_) | Message::SegmentFeed(_) if self.is_tapped => Err((0, RefusalCode::Message)),
             Message::Begin(begin) => self.buffers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
-            // The arcs of a segment that waits for room are complete.
-            Message::SegmentArcs(_) if self.parked.is_some() => Err((0, RefusalCode::Full)),
-            Message::SegmentArcs(arcs) => self.buffers.arcs.add(arcs).map_err(|why| (0, why)),
+            // The table of a segment that waits for room is complete.
+            Message::SegmentArcs(_) | Message::SegmentFeed(_) if self.parked.is_some() => Err((0, RefusalCode::Full)),
+            Message::SegmentArcs(arcs) => self.buffers.table.add_arcs(arcs).map_err(|why| (0, why)),
+            Message::SegmentFeed(feed) => self.buffers.table.add_feed(feed).map_err(|why| (0, why)),
             Message::Segment(segment) => self.segment(segment).map_err(|why| (segment.count, why)),
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
             Message::SetSetting(set) => self.set(set).map_err(|why| (set.setting as u32, why)),
@@ -319,8 +320,8 @@ impl<'q> CommandHandler<'q> {
             return Err(RefusalCode::Full);
         }
         if let Err(why) = self.check(segment) {
-            // The next segment brings its own arcs.
-            self.buffers.arcs = ReceivedArcs::None;
+            // The next segment brings its own table.
+            self.buffers.table = ReceivedTable::None;
             return Err(why);
         }
         self.next = Some(segment.count.wrapping_add(1));

@@ -11,7 +11,7 @@
 //! other: three single-producer, single-consumer queues connect them. There is no clock and no I/O: `now` and bytes
 //! are arguments. docs/board-safety.md lists each fault, its effect and its delay.
 
-pub mod arcs;
+pub mod received_table;
 
 pub mod buffers;
 

@@ -23,10 +23,11 @@ use arcfeed_link::message::staging::empty_job;
 use arcfeed_link::message::{moves as encoding, parameters};
 use arcfeed_model::cut::{ContourSide, CutRule, Moves, Work};
 use arcfeed_model::job::{FeedPolicy, Job, LawKind, ToolSetup, Tools};
+use arcfeed_model::knots::Knot;
 use arcfeed_model::tool::{EndMill, Tool};
 use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_nc::segment::{Arc, Path, Segment};
-use arcfeed_units::{MmPerTooth, Nm, RevPerMin, Span};
+use arcfeed_units::{Mm, MmPerTooth, Nm, RevPerMin, Span};
 
 /// Room of the tests.
 const MOVES: usize = 40;
@@ -200,12 +201,17 @@ fn memory_state(memory: &Memory) -> u8 {
 
 /// A prepared program of one half circle at line 5.
 fn prepared() -> Vec<u8> {
+    let (segment, rule) = random_move(&mut Random(1), [-20_000_000, 0], 800_000_000);
+    prepared_with(&[], &segment, rule)
+}
+
+/// A prepared program of one move at line 5, with feeds before it.
+fn prepared_with(feeds: &[Knot], segment: &Segment, rule: Option<u8>) -> Vec<u8> {
     let (job, mut entries) = (job(), Vec::new());
     let emit = &mut |bytes: &[u8]| entries.extend_from_slice(bytes);
     parameters::messages(&job, 1, &mut |message| write_entry(0, &message, emit)).unwrap();
-    let mut random = Random(1);
-    let (segment, rule) = random_move(&mut random, [-20_000_000, 0], 800_000_000);
-    write_entry(5, &encoding::encode(&segment, 0, rule).unwrap().into(), emit);
+    feeds.iter().for_each(|knot| write_entry(5, &encoding::encode_feed(knot).unwrap().into(), emit));
+    write_entry(5, &encoding::encode(segment, 0, rule).unwrap().into(), emit);
     let header = PreparedHeader { moves: 1, entries_len: entries.len() as u32, ..PreparedHeader::default() };
     let mut bytes = [&header.encode()[..], &entries].concat();
     bytes.extend(seal(&bytes));
@@ -246,8 +252,12 @@ fn a_program_is_in_force_when_its_last_byte_is_right_and_never_before() {
 
 /// A controller with the prepared program, armed.
 fn armed(place: &mut Place) -> *mut ArcfeedController {
+    armed_with(place, &prepared())
+}
+
+fn armed_with(place: &mut Place, prepared: &[u8]) -> *mut ArcfeedController {
     let controller = place.create();
-    assert_eq!(load(controller, &prepared()), ArcfeedStatus::Ok);
+    assert_eq!(load(controller, prepared), ArcfeedStatus::Ok);
     tick(controller, &inputs(0, None, 100).0);
     let (output, _) = tick(controller, &inputs(ARCFEED_SIGNAL_ARM, None, 100).0);
     assert_eq!((output.state, output.override_percent), (ARCFEED_STATE_ARMED, 100));
@@ -275,6 +285,26 @@ fn only_the_prepared_line_from_its_start_is_governed() {
         let (output, _) = tick(controller, &inputs(0, Some((line, at(-20.0, 0.0))), 100).0);
         assert_eq!(output.is_followed, u8::from(is_governed));
     }
+}
+
+#[test]
+fn feeds_before_a_move_without_a_rule_are_its_law() {
+    let at = |x_mm: f64| Pose { linear: [x_mm, 0.0, 0.0].map(Nm::from_mm), ..Pose::default() };
+    let feed = Feed::PerMinute(Nm(800_000_000));
+    let line = Segment { sequence: None, start: at(0.0), end: at(40.0), feed, path: Path::Line };
+    // 150 % in the middle: 0.075 mm by 4 teeth at 4 000 rev/min is 1 200 mm/min.
+    let knots = [(0.0, 0.05), (5.0, 0.075), (30.0, 0.075), (35.0, 0.05)];
+    let knots = knots.map(|(travelled, feed)| (Mm(travelled), MmPerTooth(feed)));
+    for (feeds, most) in [(&knots[..], 150), (&[], 100)] {
+        let mut place = Place::of_moves(1);
+        let controller = armed_with(&mut place, &prepared_with(feeds, &line, None));
+        let percent =
+            |ms: u32| tick(controller, &inputs(0, Some((5, at(f64::from(ms) / 200.0))), 100).0).0.override_percent;
+        let percents: Vec<u8> = (0..=8_000).map(percent).collect();
+        assert_eq!((percents[0], percents.iter().max(), percents[8_000]), (100, Some(&most), 100));
+    }
+    let mut place = Place::of_moves(1);
+    assert_eq!(load(place.create(), &prepared_with(&knots, &line, Some(0))), ArcfeedStatus::Value, "with a rule");
 }
 
 #[test]

@@ -9,6 +9,7 @@
 
 use std::collections::HashMap;
 
+use arcfeed_law::move_table::MoveTable;
 use arcfeed_milling::cutting::measured_move::GoverningRule;
 use arcfeed_milling::cutting::meter::ChipMeter;
 use arcfeed_model::job::Job;
@@ -207,7 +208,7 @@ impl<'a> MeasuredRun<'a> {
             index,
             rule,
             setup: self.job.tool_of(rule),
-            along: block.along.as_deref(),
+            along: block.along.as_deref().and_then(MoveTable::engaged),
             target: block.target(self.job),
         });
         self.meter.begin(self.count, &block.segment, governing.as_ref());

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::iter;
 
 use arcfeed_hil_sim::simulation::PlannedConditions;
+use arcfeed_law::move_table::MoveTable;
+use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::FeedPolicy;
 use arcfeed_model::machine::FeedLimit;
 use arcfeed_units::PERCENT;
@@ -14,7 +16,8 @@ use crate::job::JobFile;
 use crate::program::Program;
 
 /// Conditions of moves that the simulated machine cannot know by itself, taken from the plan: moves under G43.4, and
-/// moves that a cut rule matches, with their engagement and their largest feed.
+/// moves that a cut rule matches, with their engagement and their largest feed; all moves, if some have feeds of their own: a move is
+/// recognised by its path, and another one on the same path must not get these feeds.
 pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     foreseen_where(program, adapted, file, |_| true)
 }
@@ -24,7 +27,7 @@ pub fn foreseen(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<Pla
 pub fn foreseen_before(program: &Program, adapted: &Adapted, file: &JobFile) -> Vec<PlannedConditions> {
     let needs_all = has_scopes(file) || matches!(file.job.policy, FeedPolicy::RewriteOnly(_));
     foreseen_where(program, adapted, file, |block| {
-        needs_all || block.along.is_some() || block.contour.is_some() || block.is_cut_off
+        needs_all || engaged(block).is_some() || block.contour.is_some() || block.is_cut_off
     })
 }
 
@@ -38,9 +41,10 @@ fn foreseen_where(
     let tip_lines: BTreeSet<usize> =
         (1..).zip(program.lines()).filter(|(_, line)| is_tip_line(line)).map(|(number, _)| number).collect();
     let is_of_tip = |block: &PlannedBlock| tip_lines.contains(&block.line);
-    let has_scopes = has_scopes(file);
+    let has_feeds = adapted.blocks.iter().any(|block| block.along.as_deref().and_then(MoveTable::feeds).is_some());
+    let takes_all = has_scopes(file) || has_feeds;
     let is_known = |block: &&PlannedBlock| {
-        has_scopes || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
+        takes_all || block.rule.is_some() || is_of_tip(block) || block.end_percent != PERCENT as u8
     };
     let moves =
         adapted.blocks.iter().flat_map(|block| iter::once(block).chain(block.inserted.as_deref())).filter(is_known);
@@ -54,6 +58,10 @@ fn foreseen_where(
         target: block.target(&file.job),
     });
     known.collect()
+}
+
+fn engaged(block: &PlannedBlock) -> Option<&EngagedTable> {
+    block.along.as_deref().and_then(MoveTable::engaged)
 }
 
 /// Whether a cut rule of the job is restricted to lines of the file or to a plane, which a simulated machine does not

@@ -1,12 +1,13 @@
-//! Encoding of segments (moves) and of their engaged arcs as messages.
+//! Encoding of segments (moves) and of the tables along them as messages: engaged arcs, feeds.
 //!
 //! An arc is sent with its centre only: the board computes start and end relative to it and checks them as the control
 //! does.
 
 use arcfeed_model::engaged::{EngagedInterval, EngagedKnot};
+use arcfeed_model::knots::Knot;
 use arcfeed_nc::modal::{Center, Feed, Motion, MotionKind, Plane, Pose, Turn};
 use arcfeed_nc::segment::{Path, Segment};
-use arcfeed_units::{MicroDeg, Mm, Nm};
+use arcfeed_units::{MicroDeg, Mm, MmPerTooth, Nm};
 
 use super::codes::{FeedCode, PathCode};
 use super::fixed::Q40;
@@ -15,12 +16,12 @@ use super::table;
 /// Largest coordinate, nm: 9 km, so that no difference of two overflows.
 const AXIS_MAX: u64 = 1 << 53;
 
-/// Reason why a segment (one move) or its engaged arcs cannot be encoded, or a message with them cannot be decoded.
+/// Reason why a segment (one move) or a table along it cannot be encoded, or a message with them cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MoveError {
     /// An arc has no centre or no radius, its ends do not lie on it, or its coordinates contradict each other.
     Arc,
-    /// A coordinate, or the path at a knot, is too large, or an engaged arc is invalid.
+    /// A coordinate, or the path or the feed at a knot, is too large, or an engaged arc is invalid.
     Range,
     /// A centre for a move that is not an arc, or a feed for one that has none.
     Surplus,
@@ -102,6 +103,20 @@ pub fn encode_arcs(knot: &EngagedKnot) -> Result<table::SegmentArcs, MoveError> 
 pub fn decode_arcs(travelled: Q40, [outer, inner]: [[i16; 2]; 2]) -> Result<EngagedKnot, MoveError> {
     let interval = |units| EngagedInterval::from_units(units).ok_or(MoveError::Range);
     Ok(EngagedKnot { travelled: Mm(travelled.value()), outer: interval(outer)?, inner: interval(inner)? })
+}
+
+/// Encodes one knot of the feeds that govern the segment sent next.
+///
+/// # Errors
+/// [`MoveError::Range`].
+pub fn encode_feed((travelled, feed): &Knot) -> Result<table::SegmentFeed, MoveError> {
+    let fixed = |number: f32| Q40::of(number).ok_or(MoveError::Range);
+    Ok(table::SegmentFeed { travelled: fixed(travelled.0)?, feed_per_tooth: fixed(feed.0)? })
+}
+
+/// Decodes one knot of the feeds of a segment.
+pub fn decode_feed(message: &table::SegmentFeed) -> Knot {
+    (Mm(message.travelled.value()), MmPerTooth(message.feed_per_tooth.value()))
 }
 
 /// Positions of all axes: X, Y, Z in nanometres, and A, B, C in microdegrees, 0 if they are absent.
@@ -223,6 +238,17 @@ mod tests {
         assert_eq!(encode_arcs(&far), Err(MoveError::Range));
         for arcs in [[[0, 32_401], [0, 0]], [[0, 0], [-1, 32_400]]] {
             assert_eq!(decode_arcs(Q40(0), arcs), Err(MoveError::Range), "{arcs:?}");
+        }
+    }
+
+    #[test]
+    fn feeds_come_back_to_the_last_bit_and_are_refused_where_they_are_too_large() {
+        for (travelled, feed) in [(0.0, 0.05), (0.1, 1.0e-5), (8e6, 0.123_456_78), (31.25, 2.0_f32.powi(-17))] {
+            let knot = (Mm(travelled), MmPerTooth(feed));
+            assert_eq!(decode_feed(&encode_feed(&knot).unwrap()), knot);
+        }
+        for (travelled, feed) in [(9e6, 0.1), (0.0, 9e6), (f32::NAN, 0.1), (0.0, f32::INFINITY)] {
+            assert_eq!(encode_feed(&(Mm(travelled), MmPerTooth(feed))), Err(MoveError::Range));
         }
     }
 

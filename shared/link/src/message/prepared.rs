@@ -13,7 +13,7 @@
 //! 24 + n  CRC-32C over all before, four bytes
 //! ```
 //! Numbers are little endian. The entries are the messages of a set of parameters, `Begin` to `Commit`, at line 0, then
-//! those of the moves, `SegmentArcs` and `Segment`, at the line of their block, the first of the file being 1. Each line
+//! those of the moves, `SegmentArcs` or `SegmentFeed` and `Segment`, at the line of their block, the first of the file being 1. Each line
 //! has one move at most, and lines grow. A line that the control executes more than once has none. Source: our own; the
 //! messages are those of `docs/protocol.md`.
 

@@ -305,6 +305,13 @@ messages! {
         /// Engaged arc of the inner circle, likewise.
         inner: [i16; 2],
     }
+    /// Feed per tooth at one place of the next segment, which no rule governs; sent in the order of the path.
+    0x27 Down SegmentFeed {
+        /// Path from the segment's start, mm.
+        travelled: Q40,
+        /// Feed per tooth at the tool's centre, mm.
+        feed_per_tooth: Q40,
+    }
     /// Description of the board.
     0x40 Up Info {
         /// Version of the firmware.

@@ -1,0 +1,166 @@
+//! The override along plunges and ramps, millisecond by millisecond: the machine's speed at each place against the law there, also if the
+//! controller stops, or its position or its host is lost.
+
+use std::path::Path;
+
+use arcfeed::adapt::{Adapted, Known, adapt_with};
+use arcfeed::axial_law::{AxialLaw, Edges, Inclination, floor_mm2, torque_max_n_m};
+use arcfeed::commands::job_input::load_text;
+use arcfeed::commands::simulate::control::control_settings;
+use arcfeed::commands::simulate::foreseen;
+use arcfeed::engagement::sections::{MappedDescent, MappedSection};
+use arcfeed::job::JobFile;
+use arcfeed::program::Program;
+use arcfeed_hil_sim::faults::ControllerFault;
+use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_model::governed::Descent;
+use arcfeed_model::job::ToolAxis;
+use arcfeed_model::tool::Tool;
+use arcfeed_nc::segment::Segment;
+use arcfeed_tests::{of_full_set, run};
+use arcfeed_units::{Nm, S_PER_MIN};
+use fastrand::Rng;
+
+use crate::plunge_law::random::RandomPlunges;
+
+/// Runs of each program with each fault, at random times.
+const TIMES: usize = 3;
+/// From the last tick of a controller to its watchdog, which sets 0 %.
+const WATCHDOG_MS: u64 = 100;
+/// Rounding of the halvings, and of the step of F.
+const ROUNDING_RATIO: f64 = 1.0 + 1e-6;
+
+/// A program with the law's own quantities on each of its descents.
+struct Plunges {
+    file: JobFile,
+    program: Program,
+    adapted: Adapted,
+    law: AxialLaw,
+}
+
+/// What a run finds.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    time_ms: u64,
+    descending_ms: u64,
+    raised_ms: u64,
+    most_ratio: f64,
+}
+
+impl Plunges {
+    fn load(job: &str) -> Self {
+        let (file, source, _) = load_text(Path::new(job)).unwrap_or_else(|failure| panic!("{failure:?}"));
+        let program = source.whole().expect("it is short");
+        let adapted = adapt_with(&program, &file.job, Known::of(&file));
+        let (plunge, setup) = (file.plunge.expect("a table"), file.job.tools.first());
+        let radius = match &setup.tool {
+            Tool::CupMill(cup) => cup.outer_radius,
+            Tool::EndMill(mill) => mill.radius,
+        };
+        let law = AxialLaw {
+            feed_per_tooth_mm: plunge.feed_per_tooth_mm,
+            edges: Edges::of(&setup.tool),
+            diameter_mm: 2.0 * radius.to_mm(),
+            force: file.map.as_ref().expect("a map").descents.force,
+            torque_max_n_m: torque_max_n_m(file.spindle.torque_n_m, file.spindle.power_w, f64::from(setup.spindle.0)),
+            floor_mm2: floor_mm2(&setup.tool),
+        };
+        Plunges { file, program, adapted, law }
+    }
+
+    /// The governed descent on the path of a move of the machine, the next one behind these.
+    fn descent(&self, segment: &Segment, behind: &mut usize) -> Option<&MappedDescent> {
+        let mut blocks = self.adapted.blocks.iter().enumerate().skip(*behind);
+        let path = |of: &Segment| (of.start, of.end, of.path);
+        let (at, block) = blocks.find(|(_, block)| path(&block.segment) == path(segment))?;
+        *behind = at + 1;
+        block.demand.filter(|_| block.is_descent)?;
+        self.file.map.as_ref()?.descents.moves.iter().find(|moved| moved.line == block.line)
+    }
+
+    /// Largest of chip and torque over their limits at a place, with this path per tooth.
+    fn excess(&self, moved: &MappedDescent, descent: &Descent, at_mm: f64, path_mm: f64) -> f64 {
+        let inclination = Inclination::of_sine(descent.sine_ratio);
+        let next = moved.sections.partition_point(|section| section.at_mm <= at_mm);
+        let around = &moved.sections[next.saturating_sub(1)..(next + 1).min(moved.sections.len())];
+        let torque = |section: &MappedSection| self.law.torque_n_m(path_mm, section, inclination);
+        let torque_n_m = around.iter().map(torque).fold(0.0, f64::max);
+        // In front of the first contact a plunge has half of the chip.
+        let is_in_air = around.iter().all(|section| section.end_mm2 <= 0.0)
+            && moved.sections[..next].iter().all(|section| section.end_mm2 <= 0.0);
+        let gentle = if descent.is_plunge() && is_in_air { 0.5 } else { 1.0 };
+        (path_mm / (gentle * self.law.feed_per_tooth_mm)).max(torque_n_m / self.law.torque_max_n_m)
+    }
+
+    fn run(&self, fault: ControllerFault) -> Found {
+        let text = [&self.adapted.text[..], b"\n"].concat();
+        let simulation = Simulation::from_memory(control_settings(&self.file), &text, &self.file.job, fault);
+        let mut simulation = simulation.expect("the limits of the override make sense");
+        simulation.set_planned_conditions(foreseen(&self.program, &self.adapted, &self.file));
+        let setup = self.file.job.tools.first();
+        let teeth_per_s = f64::from(setup.spindle.0) * f64::from(setup.tool.active_teeth()) / S_PER_MIN;
+        let (mut found, mut begun, mut behind, mut moved) = (Found::default(), None, 0, None);
+        let ends_ms = if let ControllerFault::FrozenAfter(ticks) = fault { ticks + WATCHDOG_MS } else { u64::MAX };
+        while !simulation.is_done() && found.time_ms < ends_ms {
+            simulation.step();
+            found.time_ms += 1;
+            let Some((count, segment)) = simulation.control().active() else {
+                begun = None;
+                continue;
+            };
+            if begun != Some(count) {
+                begun = Some(count);
+                moved = self.descent(segment, &mut behind);
+            }
+            let (Some(moved), Some(descent)) = (moved, Descent::of(segment, ToolAxis::Z)) else { continue };
+            let position = simulation.control().position();
+            let parts =
+                position.linear.iter().zip(&segment.start.linear).map(|(at, from)| Nm::to_mm(Nm(at.0 - from.0)));
+            let at_mm = libm::sqrt(parts.map(|part| part * part).sum());
+            let path_mm = simulation.control().speed_mm_per_s() / teeth_per_s;
+            found.most_ratio = found.most_ratio.max(self.excess(moved, &descent, at_mm, path_mm / ROUNDING_RATIO));
+            found.descending_ms += 1;
+            found.raised_ms += u64::from(simulation.override_output().percent > 100);
+        }
+        found
+    }
+}
+
+#[test]
+fn the_override_keeps_every_descent_within_the_law_also_when_the_board_is_lost() {
+    let (mut total, mut faults) = (Found::default(), 0);
+    for seed in 0..of_full_set(60, 12) {
+        let mut random = Rng::with_seed(0x0226 + seed);
+        let sample = RandomPlunges::sample(&mut random);
+        let name = format!("raised-{seed}");
+        let (_scratch, job) = sample.job(&name, "mode = \"safe-base\"\nmax = 200").written();
+        let made = run(&["engage", &job]);
+        assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+        let plunges = Plunges::load(&job);
+        let mut judge = |fault: ControllerFault| {
+            let found = plunges.run(fault);
+            assert!(
+                found.most_ratio <= 1.0,
+                "program {seed}, {fault:?}: {found:?}\n{}\n{}",
+                sample.tool,
+                sample.program
+            );
+            total.descending_ms += found.descending_ms;
+            total.raised_ms += found.raised_ms;
+            total.most_ratio = total.most_ratio.max(found.most_ratio);
+            found.time_ms
+        };
+        let time_ms = judge(ControllerFault::None);
+        for _ in 0..TIMES {
+            let at = random.u64(..time_ms);
+            for fault in
+                [ControllerFault::FrozenAfter, ControllerFault::PositionLostAfter, ControllerFault::HostLostAfter]
+            {
+                judge(fault(at));
+                faults += 1;
+            }
+        }
+    }
+    println!("{faults} faults; {total:?}");
+    assert!(total.raised_ms > total.descending_ms / 20, "{total:?}");
+}
