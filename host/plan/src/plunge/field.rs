@@ -32,6 +32,8 @@ const STRIDE_MM: f64 = 0.02;
 const PRECISION_MM: f64 = 1e-10;
 /// First step in search of the angle nearest to a blade, mm.
 const FIRST_STEP_MM: f64 = 0.5;
+/// Distance from that angle within which the search ends, mm: more than its precision.
+const FLAT_MM: f64 = 1e-3;
 /// Rounding of a turned point, mm.
 const SAME_POINT_MM: f64 = 1e-9;
 /// Pieces of a side, in both directions, whose corners are the blade's points from which a search starts.
@@ -231,7 +233,19 @@ impl Wall<'_> {
         let value = |[angle_rad, _]: [f64; 2]| self.beyond_mm(radius_mm, angle_rad);
         let start = Minimum { at: [near_rad, 0.0], value: value([near_rad, 0.0]) };
         let ranges = [[near_rad - self.field.pitch_rad, near_rad + self.field.pitch_rad], [0.0; 2]];
-        descend(ranges, start, [FIRST_STEP_MM / radius_mm, 0.0], value).at[0]
+        let found = descend(ranges, start, [FIRST_STEP_MM / radius_mm, 0.0], value).at[0];
+        // The least distance is flat; the way to the blade's nearest point is square to the circle at one angle.
+        let ahead_mm = |angle_rad: f64| {
+            self.beyond_mm(radius_mm, angle_rad);
+            let ((sin, cos), on) = (libm::sincos(angle_rad - self.turn_rad), self.last.get());
+            on.y * cos - on.x * sin
+        };
+        let (mut low, mut high) = (found - FLAT_MM / radius_mm, found + FLAT_MM / radius_mm);
+        while (high - low) * radius_mm > PRECISION_MM {
+            let middle = f64::midpoint(low, high);
+            if ahead_mm(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        high
     }
 
     /// Wall at a radius, from the blade's point nearest to the plane there; `None` if the blade does not come near.
