@@ -12,6 +12,8 @@ mod passage;
 
 mod plans;
 
+mod steps;
+
 mod stock;
 
 mod executed;

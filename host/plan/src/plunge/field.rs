@@ -15,7 +15,9 @@ use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
+use crate::geometry::face::Face;
 use crate::proof::bodies;
+use crate::search::{Minimum, descend};
 use crate::vector::{Point, Vector};
 
 use super::distance::SlabTree;
@@ -28,6 +30,10 @@ const SPACING_MM: f64 = 0.3;
 const STRIDE_MM: f64 = 0.02;
 /// Precision of the wall, mm.
 const PRECISION_MM: f64 = 1e-10;
+/// First step in search of the angle nearest to a blade, mm.
+const FIRST_STEP_MM: f64 = 0.5;
+/// Distance from that angle within which the search ends, mm: more than its precision.
+const FLAT_MM: f64 = 1e-3;
 /// Rounding of a turned point, mm.
 const SAME_POINT_MM: f64 = 1e-9;
 /// Pieces of a side, in both directions, whose corners are the blade's points from which a search starts.
@@ -40,6 +46,8 @@ pub struct Field {
     tree: SlabTree,
     /// Points of the first blade: radius, place along the rotor's axis, angle about it.
     sheet: Vec<[f64; 3]>,
+    /// Lines of the blade's tip on both sides, from edge to edge: place along the rotor's axis, radius.
+    tips_mm: [Vec<[f64; 2]>; 2],
     /// Angle from one blade to the next about the rotor's axis.
     pub pitch_rad: f64,
     /// Greatest and least distance of the blade from the rotor's axis, mm.
@@ -86,7 +94,23 @@ impl Field {
             corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
         };
         let (radii_mm, ends_mm) = (range(|point| libm::hypot(point.x, point.y)), range(|point| point.z));
-        Field { sheet: sheet(blisk), tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
+        let tips_mm = [&blisk.pressure, &blisk.suction].map(tip_line_mm);
+        Field { sheet: sheet(blisk), tips_mm, tree, pitch_rad: blisk.pitch_rad(), radii_mm, ends_mm }
+    }
+
+    /// Radius of the blade's tip in the plane at `z_mm`, mm; beyond the tip's edges that of the nearer one.
+    pub fn tip_mm(&self, z_mm: f64) -> f64 {
+        let on = |line: &Vec<[f64; 2]>| {
+            let pieces = line.windows(2).filter(|piece| (piece[0][0] - z_mm) * (piece[1][0] - z_mm) <= 0.0);
+            let at = |piece: &[[f64; 2]]| {
+                let share = (z_mm - piece[0][0]) / (piece[1][0] - piece[0][0]);
+                piece[0][1] + (piece[1][1] - piece[0][1]) * if share.is_nan() { 0.0 } else { share }
+            };
+            let off = |place: &&[f64; 2]| (place[0] - z_mm).abs();
+            let nearest = || line.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map(|place| place[1]);
+            pieces.map(at).reduce(f64::max).or_else(nearest)
+        };
+        self.tips_mm.iter().filter_map(on).fold(0.0, f64::max)
     }
 
     /// Distance, mm, of a point from the blade of this wall, and the blade's nearest point.
@@ -113,9 +137,8 @@ impl Field {
 
     /// Places of both walls at a distance from the blades, by growing radius from `from_mm` up to where the blades end, in the plane at `z_mm`.
     pub fn walls(&self, z_mm: f64, distance_mm: f64, from_mm: f64) -> [Vec<WallPlace>; 2] {
-        let [_, tip_mm] = self.radii_mm;
-        let radii_mm =
-            spaced([from_mm, tip_mm]).chain(spaced([tip_mm, tip_mm + distance_mm]).skip(1)).collect::<Vec<f64>>();
+        let (tip_mm, end_mm) = (self.tip_mm(z_mm), self.radii_mm[1] + distance_mm);
+        let radii_mm = spaced([from_mm, tip_mm]).chain(spaced([tip_mm, end_mm]).skip(1)).collect::<Vec<f64>>();
         let sides = [WallSide::Left, WallSide::Right];
         let found: Vec<_> = sides
             .into_par_iter()
@@ -134,6 +157,12 @@ fn sheet(blisk: &Blisk) -> Vec<[f64; 3]> {
     let faces = [&blisk.pressure, &blisk.suction].into_iter();
     let points = faces.flat_map(|face| places().map(|[u, v]| face.point(u, v)));
     points.map(|point| [libm::hypot(point.x, point.y), point.z, libm::atan2(point.y, point.x)]).collect()
+}
+
+/// Tip of a side: place along the rotor's axis, radius.
+fn tip_line_mm(face: &Face) -> Vec<[f64; 2]> {
+    let points = (0..=2 * SHEET).map(|k| face.point(f64::from(k) / f64::from(2 * SHEET), 1.0));
+    points.map(|point| [point.z, libm::hypot(point.x, point.y)]).collect()
 }
 
 /// Radii from one to another, evenly.
@@ -172,12 +201,12 @@ impl Wall<'_> {
             return Vec::new();
         };
         let follow = |indices: &mut dyn Iterator<Item = usize>| {
-            let mut last_rad = first_rad;
+            let (mut last_rad, tip_mm) = (first_rad, self.field.tip_mm(self.z_mm));
             let mut found = Vec::new();
             for radius_mm in indices.map(|index| radii_mm[index]) {
                 // Where the blade ends before the plane the axis may come as far as its edge stands.
-                let is_beside = radius_mm <= self.field.radii_mm[1];
-                let found_rad = self.edge(radius_mm, last_rad).or_else(|| self.sheet(radius_mm).filter(|_| is_beside));
+                let edge_rad = || (radius_mm <= tip_mm).then(|| self.nearest(radius_mm, last_rad));
+                let found_rad = self.edge(radius_mm, last_rad).or_else(edge_rad);
                 if let Some(angle_rad) = found_rad {
                     last_rad = angle_rad;
                     found.push(WallPlace { radius_mm, angle_rad });
@@ -198,9 +227,30 @@ impl Wall<'_> {
         Some(nearest[2] + self.turn_rad)
     }
 
+    /// Angle at which the plane's point at a radius is nearest to the blade, from an angle near it. Where the material of a radius ends,
+    /// both sides of the wall meet there.
+    fn nearest(&self, radius_mm: f64, near_rad: f64) -> f64 {
+        let value = |[angle_rad, _]: [f64; 2]| self.beyond_mm(radius_mm, angle_rad);
+        let start = Minimum { at: [near_rad, 0.0], value: value([near_rad, 0.0]) };
+        let ranges = [[near_rad - self.field.pitch_rad, near_rad + self.field.pitch_rad], [0.0; 2]];
+        let found = descend(ranges, start, [FIRST_STEP_MM / radius_mm, 0.0], value).at[0];
+        // The least distance is flat; the way to the blade's nearest point is square to the circle at one angle.
+        let ahead_mm = |angle_rad: f64| {
+            self.beyond_mm(radius_mm, angle_rad);
+            let ((sin, cos), on) = (libm::sincos(angle_rad - self.turn_rad), self.last.get());
+            on.y * cos - on.x * sin
+        };
+        let (mut low, mut high) = (found - FLAT_MM / radius_mm, found + FLAT_MM / radius_mm);
+        while (high - low) * radius_mm > PRECISION_MM {
+            let middle = f64::midpoint(low, high);
+            if ahead_mm(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        high
+    }
+
     /// Wall at a radius, from the blade's point nearest to the plane there; `None` if the blade does not come near.
     fn start(&self, radius_mm: f64) -> Option<f64> {
-        let angle_rad = self.sheet(radius_mm)?;
+        let angle_rad = self.nearest(radius_mm, self.sheet(radius_mm)?);
         if self.beyond_mm(radius_mm, angle_rad) < 0.0 { self.edge(radius_mm, angle_rad) } else { None }
     }
 

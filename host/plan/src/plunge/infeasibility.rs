@@ -59,6 +59,18 @@ pub enum PlungeInfeasible {
         /// Cusp.
         cusp_mm: f64,
     },
+    /// The boundary axes jump between planes that are as near to each other as possible.
+    #[error(
+        "at z {z_mm:.2} mm the boundary axes jump by {moved_mm:.3} mm, more than a cusp of {cusp_mm:.3} mm allows: raise `cusp`, or take another mill"
+    )]
+    Jump {
+        /// Plane.
+        z_mm: f64,
+        /// Distance by which an axis moves.
+        moved_mm: f64,
+        /// Cusp.
+        cusp_mm: f64,
+    },
     /// Neighbouring plunges would leave pillars or the core's material.
     #[error(
         "rows {row_mm:.3} mm apart leave pillars, or the core of radius {core_mm:.3} mm would stand on material: reduce `cusp`, or take a mill that cuts up to its axis"

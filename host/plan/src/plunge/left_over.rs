@@ -49,7 +49,7 @@ pub fn left_over(plan: &PassagePlan, field: &Field, distance_mm: f64) -> Vec<Lef
 fn at_mm(plunge: &Plunge, field: &Field, side: WallSide, share: f64) -> Option<f64> {
     let depth_mm = plunge.roof_mm[0] - (plunge.to_tool * plunge.tip).z;
     let place = plunge.tip + plunge.axis * (depth_mm * share);
-    let ([from_mm, to_mm], tip_mm) = (field.ends_mm, field.radii_mm[1]);
+    let ([from_mm, to_mm], tip_mm) = (field.ends_mm, field.tip_mm(place.z));
     let is_beside = libm::hypot(place.x, place.y) <= tip_mm && (from_mm..=to_mm).contains(&place.z);
     is_beside.then(|| field.distance(side, &place).0)
 }

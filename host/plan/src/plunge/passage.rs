@@ -50,7 +50,7 @@ impl Passage<'_> {
     pub fn circles(&self, z_mm: f64) -> Circles {
         Circles {
             roof_mm: self.blisk.blank.radius_mm,
-            tip_mm: self.field.radii_mm[1],
+            tip_mm: self.field.tip_mm(z_mm),
             floor_mm: self.blisk.hub.radius_mm(z_mm) + self.needs.allowance_mm,
         }
     }

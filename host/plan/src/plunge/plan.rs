@@ -1,7 +1,7 @@
 //! Plan of one passage: planes, columns, tips, order.
 //!
 //! ```text
-//! floor: the tip moves along t onto the hub with its allowance, and is lifted for its flat end (mill.rs)
+//! floor: the tip moves along t onto the hub with its allowance, and is lifted for its flat end (mill.rs), further where the hub is hollow
 //! order: planes from one face of the blank to the other; in a plane from the side that was cut last         (1)
 //! ```
 //!
@@ -9,7 +9,10 @@
 //!
 //! Source: An Luling et al. for planes and axes; the rest is ours.
 
+use nalgebra::Rotation3;
+
 use crate::frame::slot_frame;
+use crate::vector::{Point, Vector};
 
 use super::assembly::Assembly;
 use super::boundary::{Boundary, LargestTool};
@@ -17,12 +20,17 @@ use super::column::Column;
 use super::faces::{EntryFace, FaceFamily, radial_stretch};
 use super::field::WallSide;
 use super::infeasibility::PlungeInfeasible;
+use super::mill::PlungeMill;
 use super::passage::{Passage, PlungeRequirements};
 use super::passage_plan::{PassagePlan, Plunge, PlungeFamily};
 use super::section::{Midway, PlungeSection, SectionFamily, SectionPlane};
 
 /// Largest angle between the tool's axis and the hub's normal, degrees.
 const ANGLE_MAX_DEG: f64 = 60.0;
+/// Precision of the lift of a mill's end, mm.
+const LIFT_PRECISION_MM: f64 = 1e-3;
+/// Points of the end's rim at which it is measured.
+const END_POINTS: u32 = 64;
 
 /// Planes across the rotor's axis, by their place along it.
 struct Radial<'p> {
@@ -140,10 +148,10 @@ impl Passage<'_> {
         if lean_rad.to_degrees() > ANGLE_MAX_DEG {
             return Err(PlungeInfeasible::Steep { z_mm, angle_deg: lean_rad.to_degrees() });
         }
-        let lift_mm = self.mill.lift_mm(lean_rad);
-        let tip = on_floor + column.axis * lift_mm;
         // The axis lies across the rotor's axis: its frame exists.
         let to_tool = slot_frame(&column.axis).ok_or(PlungeInfeasible::NoBoundary { z_mm })?;
+        let lift_mm = self.lift_mm(&on_floor, &to_tool, self.mill.lift_mm(lean_rad));
+        let tip = on_floor + column.axis * lift_mm;
         let beside_mm = (to_tool * tip).x.abs();
         let room_mm = axes.room_mm() * column.share.max(1.0 - column.share);
         let is_clear = self.mill.is_relieved_by(relief_mm) && room_mm >= relief_mm;
@@ -160,6 +168,32 @@ impl Passage<'_> {
             lift_mm,
             lean_rad,
         })
+    }
+
+    /// Lift of the mill's end from a place on the floor, at least that of a plane: where the hub is hollow along the rotor's axis, it rises beside the
+    /// plane. Middles of the corner, and the end within them, keep the allowance.
+    fn lift_mm(&self, on_floor: &Point, to_tool: &Rotation3<f64>, plane_mm: f64) -> f64 {
+        let PlungeMill { radius_mm, corner_radius_mm, .. } = *self.mill;
+        let needed_mm = self.needs.allowance_mm + corner_radius_mm - LIFT_PRECISION_MM;
+        let angles = (0..END_POINTS).map(|k| core::f64::consts::TAU * f64::from(k) / f64::from(END_POINTS));
+        let rings_mm = [0.5, 1.0].map(|share| (radius_mm - corner_radius_mm) * share);
+        let points =
+            angles.flat_map(|angle| rings_mm.map(|ring| Vector::new(libm::cos(angle), libm::sin(angle), 0.0) * ring));
+        let points: Vec<Vector> = points.collect();
+        let is_clear = |lift_mm: f64| {
+            let up = Vector::z() * (lift_mm + corner_radius_mm);
+            let at = |point: &Vector| on_floor + to_tool.inverse() * (point + up);
+            points.iter().all(|point| self.blisk.hub.height_mm(&at(point)) >= needed_mm)
+        };
+        let (mut low, mut high) = (plane_mm, plane_mm + 4.0 * radius_mm);
+        if is_clear(low) {
+            return low;
+        }
+        while high - low > LIFT_PRECISION_MM {
+            let middle = f64::midpoint(low, high);
+            if is_clear(middle) { high = middle } else { low = middle }
+        }
+        high
     }
 }
 

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! for both sides, at roof and floor; then as many equal steps as that takes. The distance follows from boundary axes in planes of a grid; those in between
-//! are interpolated, and the result is measured. E10: the source looks at the hub only, where the step is the smaller one.
+//! are interpolated, and the result is measured: a step above (1) is halved. E10: the source looks at the hub only, where the step is the smaller one.
 
 use crate::geometry::face::Face;
 use crate::search::{Minimum, descend};
@@ -24,6 +24,9 @@ const GRID_MM: f64 = 2.0;
 const SAMPLES: [usize; 2] = [24, 8];
 /// Share of the allowed step that is used: the steps are interpolated.
 const USED_RATIO: f64 = 0.98;
+
+/// Least distance of two planes along their coordinate, mm: across it the boundary axes jump.
+const FINEST_MM: f64 = 1e-3;
 
 /// Planes of one family between two of its coordinates, as far apart as the cusps allow.
 pub struct Rows<'r> {
@@ -57,43 +60,45 @@ impl Rows<'_> {
     /// Planes in order.
     ///
     /// # Errors
-    /// A plane has no boundary axes, or the cusp does not fit.
+    /// A plane has no boundary axes, the cusp does not fit, or the axes jump by more than it allows.
     pub fn places(&self) -> Result<Vec<Row>, PlungeInfeasible> {
         let [from_mm, to_mm] = self.range_mm;
         let count = libm::ceil((to_mm - from_mm).abs() / GRID_MM).max(1.0) as usize;
         let place = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
         let grid = (0..=count).map(|index| self.grid_plane(place(index))).collect::<Result<Vec<_>, _>>()?;
+        let mut planes = self.divided(&grid)?;
+        let mut index = 1;
+        while let [from, to] = &planes[index - 1..(index + 1).min(planes.len())] {
+            if ratio(from, to) <= 1.0 {
+                index += 1;
+                continue;
+            }
+            if (to.at_mm - from.at_mm).abs() < FINEST_MM {
+                let (z_mm, moved_mm) = (to.section.plane.origin.z, largest_mm(from, to));
+                return Err(PlungeInfeasible::Jump { z_mm, moved_mm, cusp_mm: self.passage.needs.cusp_mm });
+            }
+            let middle = self.grid_plane(f64::midpoint(from.at_mm, to.at_mm))?;
+            planes.insert(index, middle);
+        }
+        Ok(rows(&planes))
+    }
+
+    /// Planes in equal steps of the allowed ones, by interpolation in a grid.
+    fn divided(&self, grid: &[GridPlane]) -> Result<Vec<GridPlane>, PlungeInfeasible> {
         // Number of allowed steps up to each grid plane.
         let mut steps = vec![0.0];
         for pair in grid.windows(2) {
             steps.push(steps[steps.len() - 1] + ratio(&pair[0], &pair[1]));
         }
-        let needed = libm::ceil(steps[count] / USED_RATIO).max(1.0) as usize;
-        for pieces in needed..=2 * needed {
-            let rows = self.divided(&grid, &steps, pieces)?;
-            if rows.iter().all(|row| row.step_ratio <= 1.0) {
-                return Ok(rows);
-            }
-        }
-        Err(PlungeInfeasible::Cusp { z_mm: grid[0].section.plane.origin.z, cusp_mm: self.passage.needs.cusp_mm })
-    }
-
-    /// Planes in equal steps of the allowed ones, measured.
-    fn divided(&self, grid: &[GridPlane], steps: &[f64], pieces: usize) -> Result<Vec<Row>, PlungeInfeasible> {
-        let count = grid.len() - 1;
-        let mut rows: Vec<Row> = Vec::new();
-        let mut before: Option<GridPlane> = None;
-        for index in 0..=pieces {
-            let share = steps[count] * index as f64 / pieces as f64;
-            let piece = steps.partition_point(|known| *known < share).clamp(1, count);
+        let last = grid.len() - 1;
+        let pieces = libm::ceil(steps[last] / USED_RATIO).max(1.0) as usize;
+        let place = |index: usize| {
+            let share = steps[last] * index as f64 / pieces as f64;
+            let piece = steps.partition_point(|known| *known < share).clamp(1, last);
             let within = ((share - steps[piece - 1]) / (steps[piece] - steps[piece - 1])).clamp(0.0, 1.0);
-            let here = self.grid_plane(grid[piece - 1].at_mm + (grid[piece].at_mm - grid[piece - 1].at_mm) * within)?;
-            let (distance_mm, step_ratio) =
-                before.as_ref().map_or((0.0, 0.0), |last| (largest_mm(last, &here), ratio(last, &here)));
-            rows.push(Row { section: here.section, distance_mm, step_ratio });
-            before = Some(here);
-        }
-        Ok(rows)
+            grid[piece - 1].at_mm + (grid[piece].at_mm - grid[piece - 1].at_mm) * within
+        };
+        (0..=pieces).map(|index| self.grid_plane(place(index))).collect()
     }
 
     fn grid_plane(&self, at_mm: f64) -> Result<GridPlane, PlungeInfeasible> {
@@ -124,6 +129,16 @@ impl Rows<'_> {
         let z_mm = section.plane.origin.z;
         found.map(|step| step.axes_mm.min(most_mm)).ok_or(PlungeInfeasible::Cusp { z_mm, cusp_mm: needs.cusp_mm })
     }
+}
+
+/// Planes with their distances.
+fn rows(planes: &[GridPlane]) -> Vec<Row> {
+    let row = |(index, plane): (usize, &GridPlane)| {
+        let before = index.checked_sub(1).map(|before| &planes[before]);
+        let (distance_mm, step_ratio) = before.map_or((0.0, 0.0), |last| (largest_mm(last, plane), ratio(last, plane)));
+        Row { section: plane.section, distance_mm, step_ratio }
+    };
+    planes.iter().enumerate().map(row).collect()
 }
 
 fn nearest_place(face: &Face, point: &Point) -> Minimum {
