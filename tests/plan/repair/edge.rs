@@ -29,8 +29,7 @@ const SETTINGS: RepairSettings = RepairSettings {
     depth_mm: 0.25,
 };
 
-/// Place on the measured blade: side, its parameters, height, and the direction of the height on the edge itself, from the first side's normal (0) to
-/// the second's (1).
+/// Measured point with the side, the way from the edge as a share of the side, and the height that it was made with.
 struct Made {
     point: Point,
     side: usize,
@@ -59,7 +58,7 @@ fn made(faces: &[Face; 2], edge: BladeEdge, noise_mm: f64, height_mm: impl Fn(us
             // The weld turns about the rounding of the edge: there its points are closer to one another on the nominal surface.
             for k in 0..90 {
                 let share = (f64::from(k) + random.f64()) / 90.0;
-                let way = 0.95 * (0.3 * share * share * share + 0.7 * share.powi(6)).max(1e-6) + 0.0;
+                let way = 0.95 * (0.3 * share * share * share + 0.7 * share.powi(6)).max(1e-6);
                 let height_mm = height_mm(side, way, span) + noise_mm * normal(&mut random);
                 let u = side_u(edge, way);
                 found.push(Made { point: face.offset(u, span, height_mm), side, way, height_mm });
@@ -68,10 +67,8 @@ fn made(faces: &[Face; 2], edge: BladeEdge, noise_mm: f64, height_mm: impl Fn(us
         let u = side_u(edge, 0.0);
         let [first, last] = [0, 1].map(|k: usize| faces[k].normal(u, span));
         let tip = nalgebra::center(&faces[0].point(u, span), &faces[1].point(u, span));
-        let inner = nalgebra::center(
-            &faces[0].point(side_u(edge, 0.05), span),
-            &faces[1].point(side_u(edge, 0.05), span),
-        );
+        let inner =
+            nalgebra::center(&faces[0].point(side_u(edge, 0.05), span), &faces[1].point(side_u(edge, 0.05), span));
         let whole = first.angle(&last);
         for k in 0..8 {
             let height_mm = height_mm(0, 0.0, span) + noise_mm * normal(&mut random);
@@ -90,18 +87,20 @@ fn weld(side: usize, way: f64, span: f64) -> f64 {
     OLD_MM + (WELD_MM - OLD_MM) * t * t * (3.0 - 2.0 * t)
 }
 
-/// Plan of a repair over an edge from some of the points.
+/// Plan of a repair over an edge from some of the points, and more.
 fn planned(
     blisk: &Blisk,
     edge: BladeEdge,
     noise_mm: f64,
     height_mm: impl Fn(usize, f64, f64) -> f64,
     is_kept: impl Fn(&Made) -> bool,
+    more: &[Point],
 ) -> Result<RepairPlan, RepairInfeasible> {
     let faces = sides(blisk, 1);
     let blade = NominalBlade::new([&faces[0], &faces[1]], blisk);
     let points = made(&faces, edge, noise_mm, height_mm);
-    let points: Vec<Point> = points.iter().filter(|at| is_kept(at)).map(|at| at.point).collect();
+    let points = points.iter().filter(|at| is_kept(at)).map(|at| at.point);
+    let points: Vec<Point> = points.chain(more.iter().copied()).collect();
     let strip = NominalSurface::with(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap(), EdgeStrip::foot);
     plan(&strip, &blade.edge_heights(&points, &strip, 0.0).unwrap(), &SETTINGS)
 }
@@ -127,7 +126,9 @@ fn points_over_an_edge_have_the_feet_and_heights_that_they_were_made_with() {
             }
         }
         let angle = strip.surface().edge_angle_rad().to_degrees();
-        println!("{edge:?}: normals {angle:.1} degrees apart; {on_edge} points on the edge; heights off by {off:.1e} mm, feet by {apart:.1e} mm, directions by {turn:.1e}");
+        println!(
+            "{edge:?}: normals {angle:.1} degrees apart; {on_edge} points on the edge; heights off by {off:.1e} mm, feet by {apart:.1e} mm, directions by {turn:.1e}"
+        );
         // The sides of the leading edge end up to 0.0013 mm apart.
         assert!(off < 2e-3 && apart < 2e-3 && turn < 0.02);
     }
@@ -163,25 +164,40 @@ fn an_edge_without_enough_material_is_refused_with_its_place_and_amount() {
     let blisk = blisk();
     let faces = sides(&blisk, 1);
     for edge in EDGES {
-        // A weld that ends 0.3 mm behind the edge about one place: nothing stands in front of it there.
+        // A weld that ends 0.3 mm behind the edge about one place, in a plane face.
         let broken = faces[0].point(side_u(edge, 0.0), 0.6);
         let strip = EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap();
-        let out = strip.point_and_normal([0.6, strip.v_on_side(0, side_u(edge, 0.0) - if edge == BladeEdge::Leading { 1.0 } else { -1.0 })]).1;
+        let out = strip
+            .point_and_normal([
+                0.6,
+                strip.v_on_side(0, side_u(edge, 0.0) - if edge == BladeEdge::Leading { 1.0 } else { -1.0 }),
+            ])
+            .1;
         let is_kept = |at: &Made| {
             let off = at.point - broken;
             (off - out * off.dot(&out)).norm() > 1.6 || off.dot(&out) < -0.3
         };
-        let refused = planned(&blisk, edge, 0.0, weld, is_kept).expect_err("a refusal");
+        let along = (faces[0].point(side_u(edge, 0.0), 0.61) - broken).normalize();
+        let across = out.cross(&along).normalize();
+        let face = |k: i32| {
+            let (i, j) = (k % 15 - 7, k / 15 - 4);
+            broken - out * 0.3 + along * (0.2 * f64::from(i)) + across * (0.2 * f64::from(j))
+        };
+        let end: Vec<Point> = (0..135).map(face).collect();
+        let refused = planned(&blisk, edge, 0.0, weld, is_kept, &end).expect_err("a refusal");
         println!("{edge:?}: {refused}");
         let RepairInfeasible::Short { point, missing_mm, planned_mm, .. } = refused else { panic!("{refused}") };
         assert!((point - broken).norm() < 1.6 && (planned_mm - LEAST_MM).abs() < 1e-12);
         assert!((missing_mm - 0.32).abs() < 0.15, "{missing_mm}");
-        // Too thin a weld all over the edge.
+        // Too thin a weld about one place of the edge; behind a sharp edge no surface lies that far inside.
+        if edge == BladeEdge::Trailing {
+            continue;
+        }
         let thin = |side: usize, way: f64, span: f64| {
             let near = libm::exp(-(26.0 * way).powi(2) - ((span - 0.6) * 28.6).powi(2));
             weld(side, way, span) * (1.0 - near) - 0.04 * near
         };
-        let refused = planned(&blisk, edge, 0.0, thin, |_| true).expect_err("a refusal");
+        let refused = planned(&blisk, edge, 0.0, thin, |_| true, &[]).expect_err("a refusal");
         println!("{edge:?}: {refused}");
         let RepairInfeasible::Short { point, missing_mm, .. } = refused else { panic!("{refused}") };
         assert!((point - broken).norm() < 0.6 && (missing_mm - 0.06).abs() < 0.01, "{point} {missing_mm}");
@@ -201,20 +217,20 @@ fn points_of_one_side_and_welds_round_the_whole_blade_are_refused() {
     println!("{refused}");
     assert!(matches!(refused, CloudFault::OtherSide { side: "suction", .. }));
     // Both sides, but the one without points where the weld is.
-    let refused = planned(&blisk, edge, 0.0, weld, |at| at.side == 0 || at.way > 0.4).expect_err("a refusal");
+    let refused = planned(&blisk, edge, 0.0, weld, |at| at.side == 0 || at.way > 0.4, &[]).expect_err("a refusal");
     println!("{refused}");
-    assert!(matches!(refused, RepairInfeasible::Unmeasured { .. } | RepairInfeasible::Short { .. }));
+    assert!(matches!(refused, RepairInfeasible::Unmeasured { .. }), "{refused}");
     let long = |side: usize, way: f64, span: f64| weld(side, way / 7.0, span);
-    let refused = planned(&blisk, edge, 0.0, long, |_| true).expect_err("a refusal");
+    let refused = planned(&blisk, edge, 0.0, long, |_| true, &[]).expect_err("a refusal");
     println!("{refused}");
-    assert!(matches!(refused, RepairInfeasible::Around { .. } | RepairInfeasible::Unmeasured { .. }), "{refused}");
+    assert!(matches!(refused, RepairInfeasible::Around { .. }), "{refused}");
 }
 
 #[test]
 fn a_weld_over_either_edge_is_planned_on_both_sides() {
     let blisk = blisk();
     for edge in EDGES {
-        let plan = planned(&blisk, edge, 0.005, weld, |_| true).unwrap();
+        let plan = planned(&blisk, edge, 0.005, weld, |_| true, &[]).unwrap();
         let (mut counts, mut reach) = ([0; 3], [0.0_f64; 2]);
         let nodes = plan.field.nodes().zip(plan.regions.regions.iter().flatten());
         for ((node, region), left) in nodes.zip(plan.planned_mm.iter().flatten()) {
@@ -232,7 +248,9 @@ fn a_weld_over_either_edge_is_planned_on_both_sides() {
             }
         }
         let old = [plan.regions.allowance.old_mm, plan.regions.old_beyond_mm];
-        println!("{edge:?}: {counts:?} nodes; the weld reaches {reach:.2?} mm from the edge; old deviations {old:.4?} mm");
+        println!(
+            "{edge:?}: {counts:?} nodes; the weld reaches {reach:.2?} mm from the edge; old deviations {old:.4?} mm"
+        );
         println!("  {} passes, {} layers, {:?} mm3", plan.finish.len(), plan.layers.len(), plan.removed_mm3);
         // The made weld stands 0.1 mm above the old surface at 0.962 of its extent; places are 0.5 mm apart.
         let faces = sides(&blisk, 1);

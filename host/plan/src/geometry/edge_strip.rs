@@ -41,7 +41,9 @@ pub enum BladeEdge {
 
 /// The sides of a blade do not meet at an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("the sides end {gap_mm:.3} mm apart at this edge, and {GAP_MAX_MM} mm at most is planned: give the part sections whose sides meet there")]
+#[error(
+    "the sides end {gap_mm:.3} mm apart at this edge, and {GAP_MAX_MM} mm at most is planned: give the part sections whose sides meet there"
+)]
 pub struct OpenEdge {
     /// Largest gap.
     pub gap_mm: f64,
@@ -215,8 +217,7 @@ impl<'f> EdgeStrip<'f> {
         };
         let on = |side: usize| nearest(&SpanwiseFace(self.sides[side]), point, [span, self.face_u(way)]);
         let (pressure, suction) = (on(0), on(1));
-        let (side, foot) =
-            if suction.distance_mm < pressure.distance_mm { (1, suction) } else { (0, pressure) };
+        let (side, foot) = if suction.distance_mm < pressure.distance_mm { (1, suction) } else { (0, pressure) };
         let [span, face_u] = foot.at;
         let way = self.way(face_u);
         let course = if way > 0.0 {
@@ -274,7 +275,14 @@ impl Surface for EdgeStrip<'_> {
                 let jet = self.sides[side].jet(self.face_u(way), span);
                 let outwards = if side == 0 { -rate } else { rate };
                 let rate = if self.edge == BladeEdge::Leading { outwards } else { -outwards };
-                Jet { point: jet.point, u: jet.v, v: jet.u * rate, uu: jet.vv, uv: jet.uv * rate, vv: jet.uu * rate * rate }
+                Jet {
+                    point: jet.point,
+                    u: jet.v,
+                    v: jet.u * rate,
+                    uu: jet.vv,
+                    uv: jet.uv * rate,
+                    vv: jet.uu * rate * rate,
+                }
             }
             Piece::Edge(share) => {
                 let [from, to] = self.edge_at(span).jets;

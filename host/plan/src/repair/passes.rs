@@ -115,7 +115,10 @@ fn chords<'s>(
 /// Normal curvatures along the first and the second parameter, positive if convex.
 fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
     let jet = surface.jet(at);
-    let normal = jet.u.cross(&jet.v).normalize() * surface.outward();
+    // On an edge the derivatives define no normal.
+    let is_over_edge = surface.gauge_mm() > 0.0;
+    let normal =
+        if is_over_edge { surface.point_and_normal(at).1 } else { jet.u.cross(&jet.v).normalize() * surface.outward() };
     [-jet.uu.dot(&normal) / jet.u.norm_squared(), -jet.vv.dot(&normal) / jet.v.norm_squared()]
 }
 

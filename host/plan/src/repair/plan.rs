@@ -15,6 +15,9 @@ use crate::vector::Point;
 /// Steepest slope of the blended allowance.
 const SLOPE_MAX: f64 = 1.0 / 20.0;
 
+/// Points behind what is to be left that are no outliers.
+const LOW_POINTS: usize = 3;
+
 /// Requirements on the milling of a repaired side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RepairSettings {
@@ -162,21 +165,19 @@ pub fn plan<S: Surface + Sync>(
     let is_over_edge = surface.gauge_mm() > 0.0;
     if is_over_edge {
         check_around(&field, &found)?;
-        bare_edge(surface, samples, &mut field, &heights, &found)?;
+        correct_edge(surface, samples, &mut field, &heights, &found);
     }
     check_slope(&found, &settings.regions)?;
-    check_measured(&field, &planned_mm, heights.hole_mm())?;
     check_material(&field, &found, &planned_mm, threshold_mm)?;
+    check_measured(&field, &planned_mm, heights.hole_mm())?;
     let ball_mm = settings.passes.ball_mm;
     let vs = if is_over_edge { finished_range(&field, &found) } else { surface.ranges()[1] };
     let lines =
         pass_lines(surface, found.allowance.from_u, vs, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
-    let region =
-        |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, &surface.unfolded(at, point).point);
+    let region = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, &surface.unfolded(at, point).point);
     let is_repaired = |at: [f64; 2], point: &Point| region(at, point) == Region::Repaired;
-    let whole = lines.contacts(surface, |at, point| {
-        found.left_mm(at, surface.unfolded(at, point), is_repaired(at, point))
-    });
+    let whole =
+        lines.contacts(surface, |at, point| found.left_mm(at, surface.unfolded(at, point), is_repaired(at, point)));
     // Beside an island or a nick the old surface stays; above c1 of a border from edge to edge everything is finished.
     let is_all = matches!(found.border, RepairBorder::Rising { .. });
     let is_finished =
@@ -220,8 +221,8 @@ fn nearest_region(field: &AllowanceField, regions: &RepairRegions, at: [f64; 2],
 fn check_slope(regions: &RepairRegions, settings: &RegionSettings) -> Result<(), RepairInfeasible> {
     let allowance = &regions.allowance;
     let fall_mm = |old_mm: f64| (old_mm - allowance.least_mm).abs();
-    let fall_mm = fall_mm(allowance.old_mm).max(fall_mm(regions.old_beyond_mm))
-        * BlendShape::steepest_ratio(settings.shape);
+    let fall_mm =
+        fall_mm(allowance.old_mm).max(fall_mm(regions.old_beyond_mm)) * BlendShape::steepest_ratio(settings.shape);
     let slope = fall_mm / settings.width_mm;
     if slope <= SLOPE_MAX {
         return Ok(());
@@ -252,43 +253,38 @@ fn check_around(field: &AllowanceField, regions: &RepairRegions) -> Result<(), R
     }
 }
 
-/// Places of the weld on an edge in front of which no measured point lies become holes: heights from beside the edge say nothing of what stands there. Where
-/// the measured points end behind what is to be left, material is missing. The old edge beside the weld has no surface on which points would lie.
-fn bare_edge(
+/// Corrects the allowance of the weld on an edge, where heights from beside it say little of what stands in front of it. Without a measured point there a place
+/// is a hole. Points behind what is to be left are nearest to a side: of them the highest along the normal of the edge counts.
+fn correct_edge(
     surface: &impl Surface,
     samples: &[HeightSample],
     field: &mut AllowanceField,
     heights: &HeightField,
     regions: &RepairRegions,
-) -> Result<(), RepairInfeasible> {
-    let planned_mm = regions.allowance.least_mm;
+) {
     let gauge_mm = surface.gauge_mm();
     let measured = |sample: &HeightSample| {
         let (point, normal) = surface.point_and_normal(sample.at);
         point + normal * sample.height_mm
     };
-    let points: Vec<Point> = samples.iter().map(measured).collect();
-    let mut lowest: Option<(f64, Point)> = None;
+    let low: Vec<Point> =
+        samples.iter().filter(|sample| sample.height_mm < regions.allowance.least_mm).map(measured).collect();
     for (node, region) in field.rows.iter_mut().flatten().zip(regions.regions.iter().flatten()) {
-        let is_on_edge = *region == Region::Repaired && node.unfolded.beyond_mm.abs() < gauge_mm;
-        if !is_on_edge || heights.is_measured(node.at, gauge_mm) {
+        if *region != Region::Repaired || node.unfolded.beyond_mm.abs() >= gauge_mm {
             continue;
         }
-        node.along_mm = None;
-        let reach = |point: &Point| {
-            let (off, along_mm) = (point - node.point, (point - node.point).dot(&node.normal));
-            ((off - node.normal * along_mm).norm() < heights.hole_mm().max(gauge_mm)).then_some(along_mm)
+        let along = |point: &Point| {
+            let off = point - node.point;
+            let along_mm = off.dot(&node.normal);
+            ((off - node.normal * along_mm).norm() < gauge_mm).then_some(along_mm)
         };
-        let Some(stands_mm) = points.iter().filter_map(reach).reduce(f64::max) else { continue };
-        if stands_mm < lowest.map_or(planned_mm, |(lowest_mm, _)| lowest_mm) {
-            lowest = Some((stands_mm, node.point));
-        }
-    }
-    match lowest {
-        Some((measured_mm, point)) => {
-            Err(RepairInfeasible::Short { point, missing_mm: planned_mm - measured_mm, measured_mm, planned_mm })
-        }
-        None => Ok(()),
+        let near: Vec<f64> = low.iter().filter_map(along).collect();
+        let highest_mm = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_measured = heights.is_measured(node.at, gauge_mm);
+        node.along_mm = match near.len() >= LOW_POINTS {
+            true => Some(node.along_mm.map_or(highest_mm, |height_mm| height_mm.min(highest_mm))),
+            false => node.along_mm.filter(|_| is_measured),
+        };
     }
 }
 

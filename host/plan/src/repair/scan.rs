@@ -163,7 +163,10 @@ impl HeightField {
     /// Whether a measured point lies within a distance of the parameters `at`, as far as the surface is measured at its gauge.
     pub fn is_measured(&self, at: [f64; 2], within_mm: f64) -> bool {
         let place = scaled(at, self.lengths_mm);
-        self.samples.nearest_neighbor_iter_with_distance_2(place).next().is_some_and(|(_, square)| square <= within_mm * within_mm)
+        self.samples
+            .nearest_neighbor_iter_with_distance_2(place)
+            .next()
+            .is_some_and(|(_, square)| square <= within_mm * within_mm)
     }
 
     /// Measured height, mm, at the parameters `at`; `None` in a hole of the measurement.

@@ -128,7 +128,7 @@ fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Res
 /// Nominal surface of the part that is repaired.
 enum Nominal<'b, 'f> {
     Side(&'b NominalBlade<'f>, BladeSide),
-    Edge(&'b NominalBlade<'f>, NominalSurface<EdgeStrip<'f>>),
+    Edge(&'b NominalBlade<'f>, Box<NominalSurface<EdgeStrip<'f>>>),
 }
 
 impl<'b, 'f> Nominal<'b, 'f> {
@@ -137,7 +137,7 @@ impl<'b, 'f> Nominal<'b, 'f> {
             RepairedPart::Side(side) => Ok(Nominal::Side(blade, side)),
             RepairedPart::Edge(edge) => {
                 let strip = EdgeStrip::new(faces, edge).map_err(|open| open.to_string())?;
-                Ok(Nominal::Edge(blade, NominalSurface::with(strip, EdgeStrip::foot)))
+                Ok(Nominal::Edge(blade, Box::new(NominalSurface::with(strip, EdgeStrip::foot))))
             }
         }
     }
