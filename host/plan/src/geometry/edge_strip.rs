@@ -6,7 +6,7 @@
 //! v(q) = share of the length, at mid span, of the course at the gauge height: |d(S + h n)|                          (3)
 //! ```
 //!
-//! Where both sides end with one normal, (2) is a point; on a sharp edge it is the fan of directions in which the edge is the nearest point. By (3) places
+//! On an edge where both sides end with one normal (2) is a point; on a sharp one it is the fan of directions in which the edge is the nearest point. By (3) places
 //! at equal v lie evenly on the rounding of an edge, on which points of the surface itself crowd.
 //!
 //! Source: ours.
