@@ -41,5 +41,5 @@ fn entered_mm(point: Point, normal: Vector, centre: Point, ball_mm: f64) -> Opti
     let half_square = ball_mm * ball_mm - (off - normal * along_mm).norm_squared();
     let half_mm = libm::sqrt(half_square.max(0.0));
     // A ball on the other side of the blade ends behind it.
-    (half_square > 0.0 && along_mm + half_mm > 0.0).then(|| along_mm - half_mm)
+    (half_square > 0.0 && along_mm + half_mm > 0.0).then_some(along_mm - half_mm)
 }
