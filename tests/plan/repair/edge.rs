@@ -1,7 +1,6 @@
 //! Repairs over an edge: the strip over it on the blade of examples/blisk-19, whose leading edge is round and whose trailing edge is sharp; feet and heights of
 //! points that were made with them; refusals.
 
-use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::edge_strip::{BladeEdge, EdgeStrip};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::surface::Surface;
@@ -89,15 +88,15 @@ fn weld(side: usize, way: f64, span: f64) -> f64 {
 
 /// Plan of a repair over an edge from some of the points, and more.
 fn planned(
-    blisk: &Blisk,
     edge: BladeEdge,
     noise_mm: f64,
     height_mm: impl Fn(usize, f64, f64) -> f64,
     is_kept: impl Fn(&Made) -> bool,
     more: &[Point],
 ) -> Result<RepairPlan, RepairInfeasible> {
-    let faces = sides(blisk, 1);
-    let blade = NominalBlade::new([&faces[0], &faces[1]], blisk);
+    let blisk = blisk();
+    let faces = sides(&blisk, 1);
+    let blade = NominalBlade::new([&faces[0], &faces[1]], &blisk);
     let points = made(&faces, edge, noise_mm, height_mm);
     let points = points.iter().filter(|at| is_kept(at)).map(|at| at.point);
     let points: Vec<Point> = points.chain(more.iter().copied()).collect();
@@ -184,7 +183,7 @@ fn an_edge_without_enough_material_is_refused_with_its_place_and_amount() {
             broken - out * 0.3 + along * (0.2 * f64::from(i)) + across * (0.2 * f64::from(j))
         };
         let end: Vec<Point> = (0..135).map(face).collect();
-        let refused = planned(&blisk, edge, 0.0, weld, is_kept, &end).expect_err("a refusal");
+        let refused = planned(edge, 0.0, weld, is_kept, &end).expect_err("a refusal");
         println!("{edge:?}: {refused}");
         let RepairInfeasible::Short { point, missing_mm, planned_mm, .. } = refused else { panic!("{refused}") };
         assert!((point - broken).norm() < 1.6 && (planned_mm - LEAST_MM).abs() < 1e-12);
@@ -197,7 +196,7 @@ fn an_edge_without_enough_material_is_refused_with_its_place_and_amount() {
             let near = libm::exp(-(26.0 * way).powi(2) - ((span - 0.6) * 28.6).powi(2));
             weld(side, way, span) * (1.0 - near) - 0.04 * near
         };
-        let refused = planned(&blisk, edge, 0.0, thin, |_| true, &[]).expect_err("a refusal");
+        let refused = planned(edge, 0.0, thin, |_| true, &[]).expect_err("a refusal");
         println!("{edge:?}: {refused}");
         let RepairInfeasible::Short { point, missing_mm, .. } = refused else { panic!("{refused}") };
         assert!((point - broken).norm() < 0.6 && (missing_mm - 0.06).abs() < 0.01, "{point} {missing_mm}");
@@ -217,11 +216,11 @@ fn points_of_one_side_and_welds_round_the_whole_blade_are_refused() {
     println!("{refused}");
     assert!(matches!(refused, CloudFault::OtherSide { side: "suction", .. }));
     // Both sides, but the one without points where the weld is.
-    let refused = planned(&blisk, edge, 0.0, weld, |at| at.side == 0 || at.way > 0.4, &[]).expect_err("a refusal");
+    let refused = planned(edge, 0.0, weld, |at| at.side == 0 || at.way > 0.4, &[]).expect_err("a refusal");
     println!("{refused}");
     assert!(matches!(refused, RepairInfeasible::Unmeasured { .. }), "{refused}");
     let long = |side: usize, way: f64, span: f64| weld(side, way / 7.0, span);
-    let refused = planned(&blisk, edge, 0.0, long, |_| true, &[]).expect_err("a refusal");
+    let refused = planned(edge, 0.0, long, |_| true, &[]).expect_err("a refusal");
     println!("{refused}");
     assert!(matches!(refused, RepairInfeasible::Around { .. }), "{refused}");
 }
@@ -230,7 +229,7 @@ fn points_of_one_side_and_welds_round_the_whole_blade_are_refused() {
 fn a_weld_over_either_edge_is_planned_on_both_sides() {
     let blisk = blisk();
     for edge in EDGES {
-        let plan = planned(&blisk, edge, 0.005, weld, |_| true, &[]).unwrap();
+        let plan = planned(edge, 0.005, weld, |_| true, &[]).unwrap();
         let (mut counts, mut reach) = ([0; 3], [0.0_f64; 2]);
         let nodes = plan.field.nodes().zip(plan.regions.regions.iter().flatten());
         for ((node, region), left) in nodes.zip(plan.planned_mm.iter().flatten()) {
