@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use arcfeed_plan::geometry::edge_strip::BladeEdge;
 use arcfeed_plan::geometry::flaws::BladeSide;
 use arcfeed_plan::geometry::point_cloud;
+use arcfeed_plan::repair::blade::RepairedPart;
 use arcfeed_plan::repair::blend::BlendShape;
 use arcfeed_plan::repair::evenness::DatumTolerance;
 use arcfeed_plan::repair::passes::PassSettings;
@@ -60,6 +62,8 @@ struct NominalTable {
 enum SideWord {
     Pressure,
     Suction,
+    Leading,
+    Trailing,
 }
 
 #[derive(Debug, Deserialize)]
@@ -116,8 +120,8 @@ pub struct RepairFile {
     pub part: FinishPart,
     /// Number of the repaired blade, counted from 1.
     pub blade: u32,
-    /// Side that is repaired.
-    pub side: BladeSide,
+    /// Side that is repaired, or edge over which the repair runs.
+    pub repaired: RepairedPart,
     /// Measured points.
     pub points: Vec<Point>,
     /// Radius of the stylus, if the points are centres of its ball; 0 if they are points on the surface. In mm.
@@ -173,9 +177,11 @@ fn build(table: &RepairFileTable, path: &Path, folder: &Path) -> Result<RepairFi
         name: table.name.clone().unwrap_or_else(own_name),
         inputs: [&table.nominal.part, &table.measured.points].map(|file| folder.join(file.as_ref())).to_vec(),
         blade: blade(table.nominal.blade.as_ref(), part.blisk.blades)?,
-        side: match table.nominal.side {
-            SideWord::Pressure => BladeSide::Pressure,
-            SideWord::Suction => BladeSide::Suction,
+        repaired: match table.nominal.side {
+            SideWord::Pressure => RepairedPart::Side(BladeSide::Pressure),
+            SideWord::Suction => RepairedPart::Side(BladeSide::Suction),
+            SideWord::Leading => RepairedPart::Edge(BladeEdge::Leading),
+            SideWord::Trailing => RepairedPart::Edge(BladeEdge::Trailing),
         },
         stylus_mm: stylus.map_or(Ok(0.0), |given| length_mm(given, unit, "stylus_radius"))?,
         settings: settings(table, &part, unit)?,

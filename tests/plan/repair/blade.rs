@@ -10,7 +10,7 @@ use super::scan::normal;
 use crate::published_rotor::ROTOR;
 
 /// Rotor of examples/blisk-19.
-fn blisk() -> Blisk {
+pub fn blisk() -> Blisk {
     let [pressure, suction] = ROTOR.sections(9, 81).unwrap().faces().unwrap();
     let hub = Revolution { profile_mm: vec![[-14.0, 70.0], [14.0, 70.0]] };
     Blisk { blades: 19, pressure, suction, hub, blank: Blank { radius_mm: 98.6, faces_mm: [-14.0, 14.0] } }

@@ -129,6 +129,8 @@ fn wrong_files_and_points_are_refused_with_place_and_remedy_and_nothing_is_writt
     refused(&points, &bad, &["bad.csv:3831:5", "is no number"]);
     let mirrored = scratch.write("mirrored.csv", mirrored(&table));
     refused(&points, &mirrored, &["mirror image", "`hand`"]);
+    let over = scratch.write("over.csv", format!("{table}PS,98.84,-3.32,-3.98\n"));
+    refused(&points, &over, &["weld stands 0.", "beyond the tip at (98.84, -3.32, -3.98)", "take off"]);
     let short = scratch.write("short.csv", with_pit(&table));
     refused(&points, &short, &["material is missing", "weld more on"]);
 }

@@ -43,7 +43,7 @@ fn finished(allowance: &FinishAllowance, weld_mm: f64, border_v: impl Fn(f64) ->
     let block = Block { lowest_mm: [0.0, 0.0, -1.0], highest_mm: [PLATE_MM[0], PLATE_MM[1], weld_mm] };
     let mut stock = Stock::new(&block, RAYS_MM, 1 << 30).unwrap();
     let tool = Tool::ball(PASSES.ball_mm, 10.0, 1e-5).unwrap();
-    let lines = pass_lines(&Plate, allowance.from_u, &PASSES).unwrap();
+    let lines = pass_lines(&Plate, allowance.from_u, [0.0, 1.0], &PASSES).unwrap();
     let tip = |at: &RepairContact| (at.point + (at.normal - Vector::z()) * PASSES.ball_mm).coords.into();
     for line in lines.contacts(&Plate, |at, _| allowance.left_mm(at, border_v(at[0]))) {
         let sweep =

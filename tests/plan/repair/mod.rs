@@ -26,4 +26,8 @@ mod command;
 
 mod chain;
 
+mod edge;
+
+mod edge_chain;
+
 mod peers;

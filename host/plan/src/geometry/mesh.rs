@@ -68,11 +68,12 @@ pub fn blade(blade: &Blade, root_mm: f64, tolerance_mm: f64) -> Vec<Triangle> {
 }
 
 /// Blade whose sides are displaced, as a solid: `point` of a side at (u, v). The grid is that of the blade without displacement within
-/// `tolerance_mm`, with steps of `step_mm` at most.
+/// `tolerance_mm`, with steps of `step_mm` at most. `beyond` are further places u of both sides, below 0 or above 1 and increasing: over an edge.
 pub fn displaced_blade(
     blade: &Blade,
     root_mm: f64,
     [tolerance_mm, step_mm]: [f64; 2],
+    beyond: &[f64],
     point: impl Fn(BladeSide, f64, f64) -> Point,
 ) -> Vec<Triangle> {
     let [us, vs] = grid(&[&blade.pressure, &blade.suction], tolerance_mm);
@@ -83,6 +84,8 @@ pub fn displaced_blade(
     let greatest = |way: &dyn Fn(f64) -> f64| PROBES.into_iter().map(way).fold(0.0, f64::max);
     let us = divided(&us, |a, b| greatest(&|v| apart_mm([a, v], [b, v])) / step_mm);
     let vs = divided(&vs, |a, b| greatest(&|u| apart_mm([u, a], [u, b])) / step_mm);
+    let before = beyond.iter().filter(|u| **u < 0.0).chain(&us);
+    let us: Vec<f64> = before.chain(beyond.iter().filter(|u| **u > 1.0)).copied().collect();
     blade_over(&[us, vs], root_mm, point)
 }
 

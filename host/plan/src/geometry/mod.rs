@@ -8,6 +8,8 @@ pub mod surface;
 
 pub mod nearest;
 
+pub mod edge_strip;
+
 pub mod blisk;
 
 pub mod turning_height;

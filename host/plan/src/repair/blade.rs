@@ -7,10 +7,11 @@ use thiserror::Error;
 use super::registration::{NominalFoot, median};
 use super::scan::{HeightSample, NominalSurface};
 use crate::geometry::blisk::{Blisk, Revolution};
+use crate::geometry::edge_strip::{BladeEdge, EdgeStrip};
 use crate::geometry::face::Face;
 use crate::geometry::flaws::BladeSide;
 use crate::geometry::nearest::Foot;
-use crate::geometry::surface::SpanwiseFace;
+use crate::geometry::surface::{SpanwiseFace, Surface};
 use crate::vector::{Point, Vector};
 
 /// Median distance above which points are not those of this blade, mm.
@@ -21,6 +22,8 @@ const OFF_SOUND_MM: f64 = 0.1;
 const BETTER_RATIO: f64 = 4.0;
 /// Points that are compared with the blade.
 const COMPARED: usize = 500;
+/// Fewest points on a side that is repaired.
+const POINTS_LEAST: usize = 100;
 /// Other units: name of the unit of the points, and its factor.
 const UNITS: [(&str, f64); 6] = [
     ("inches read as millimetres", 25.4),
@@ -30,6 +33,15 @@ const UNITS: [(&str, f64); 6] = [
     ("millimetres read as metres", 1.0 / 1000.0),
     ("millimetres read as centimetres", 1.0 / 10.0),
 ];
+
+/// Part of a blade that is repaired.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RepairedPart {
+    /// One side, without its edges.
+    Side(BladeSide),
+    /// Both sides about an edge.
+    Edge(BladeEdge),
+}
 
 /// One blade of a rotor as nominal surfaces.
 pub struct NominalBlade<'f> {
@@ -80,6 +92,16 @@ pub enum CloudFault {
         /// Median distance.
         off_mm: f64,
     },
+    /// Weld stands beyond the tip's face.
+    #[error(
+        "weld stands {beyond_mm:.2} mm beyond the tip at ({}), and the tip's face is not planned: take off all that stands more than `threshold` beyond it, and measure anew", place(.point)
+    )]
+    OverTip {
+        /// Greatest height above the tip.
+        beyond_mm: f64,
+        /// Measured point with that height.
+        point: Point,
+    },
     /// Too few points lie on the side that is to be repaired.
     #[error(
         "{found} of {points} points lie on the {side} side, and 100 at least are needed: measure that side, or set `side` in [nominal]"
@@ -92,6 +114,26 @@ pub enum CloudFault {
         /// Side.
         side: &'static str,
     },
+}
+
+fn place(point: &Point) -> String {
+    format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
+}
+
+/// Checks that no point stands higher beyond the tip of the part to be repaired than `most_mm`.
+///
+/// # Errors
+/// Names the highest one.
+pub fn check_tip<S: Surface + Sync>(
+    points: &[Point],
+    nominal: &NominalSurface<S>,
+    most_mm: f64,
+) -> Result<(), CloudFault> {
+    let over = points.par_iter().filter_map(|point| Some((nominal.beyond_tip_mm(point)?, *point)));
+    match over.filter(|(beyond_mm, _)| *beyond_mm > most_mm).max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((beyond_mm, point)) => Err(CloudFault::OverTip { beyond_mm, point }),
+        None => Ok(()),
+    }
 }
 
 /// Pressure and suction side of the blade with this number, from 1, in the rotor's own frame.
@@ -154,10 +196,37 @@ impl<'f> NominalBlade<'f> {
         };
         let found: Vec<HeightSample> = points.par_iter().filter_map(sample).collect();
         let word = if side == BladeSide::Pressure { "pressure" } else { "suction" };
-        if found.len() < 100 {
+        if found.len() < POINTS_LEAST {
             return Err(CloudFault::OtherSide { found: found.len(), points: points.len(), side: word });
         }
         Ok(found)
+    }
+
+    /// Heights above both sides about an edge; `stylus_mm` is subtracted. Points on the hub, beyond the tip and in front of the other edge are not used.
+    ///
+    /// # Errors
+    /// There are too few on one of the sides.
+    pub fn edge_heights(
+        &self,
+        points: &[Point],
+        strip: &NominalSurface<EdgeStrip<'_>>,
+        stylus_mm: f64,
+    ) -> Result<Vec<HeightSample>, CloudFault> {
+        let sample = |point: &Point| {
+            let (foot, on) = strip.foot_and_normal(point);
+            let is_hub = self.hub.height_mm(point).abs() < foot.distance_mm;
+            let height_mm = on.normal.dot(&(point - on.point)) - stylus_mm;
+            let is_beyond = strip.surface().unfolded(foot.at, &foot.point).beyond_mm > 0.0;
+            (!is_hub && !foot.is_on_border).then_some((is_beyond, HeightSample { at: foot.at, height_mm }))
+        };
+        let found: Vec<(bool, HeightSample)> = points.par_iter().filter_map(sample).collect();
+        for (is_beyond, side) in [(false, "pressure"), (true, "suction")] {
+            let count = found.iter().filter(|(beyond, _)| *beyond == is_beyond).count();
+            if count < POINTS_LEAST {
+                return Err(CloudFault::OtherSide { found: count, points: points.len(), side });
+            }
+        }
+        Ok(found.into_iter().map(|(_, sample)| sample).collect())
     }
 
     /// Checks that points are those of this blade, `blade` of the rotor, in its frame and in millimetres. Ball centres lie `stylus_mm` off it.

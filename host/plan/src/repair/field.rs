@@ -11,7 +11,7 @@ use super::arc_length::ArcLength;
 use super::scan::{HeightField, NominalSurface};
 use crate::geometry::face::{Face, FaceError};
 use crate::geometry::nearest::nearest;
-use crate::geometry::surface::{SpanwiseFace, Surface};
+use crate::geometry::surface::{SpanwiseFace, Surface, Unfolded};
 use crate::vector::{Point, Vector};
 
 /// Node: point of the nominal surface with its measured allowance.
@@ -23,9 +23,11 @@ pub struct FieldNode {
     pub point: Point,
     /// Outward unit normal n_Q.
     pub normal: Vector,
+    /// The point, as distances along the surface count from it.
+    pub unfolded: Unfolded,
     /// Allowance D_n along the normal; `None` in a hole of the measurement.
     pub along_mm: Option<f64>,
-    /// Distance D_p of the nearest measured point, with the sign of D_n; `None` in a hole of the measurement.
+    /// Distance D_p of the nearest measured point, with the sign of D_n; `None` in a hole of the measurement, and on a surface over an edge.
     pub nearest_mm: Option<f64>,
 }
 
@@ -50,7 +52,10 @@ impl AllowanceField {
         for node in field.rows.iter_mut().flatten() {
             node.along_mm = heights.height_mm(node.at);
         }
-        field.measure_nearest()?;
+        // Round an edge the places of the old surface lie too close for a B-spline through them.
+        if nominal.surface().gauge_mm() == 0.0 {
+            field.measure_nearest()?;
+        }
         Ok(field)
     }
 
@@ -61,10 +66,11 @@ impl AllowanceField {
         let middle_v = (vs[0] + vs[1]) / 2.0;
         let up = ArcLength::new(us, |u| surface.jet([u, middle_v]).u.norm());
         let row = |u: f64| {
-            let line = ArcLength::new(vs, |v| surface.jet([u, v]).v.norm());
+            let line = ArcLength::new(vs, |v| surface.speed_mm([u, v], surface.gauge_mm()));
             let node = |v: f64| {
                 let (point, normal) = surface.point_and_normal([u, v]);
-                FieldNode { at: [u, v], point, normal, along_mm: None, nearest_mm: None }
+                let unfolded = surface.unfolded([u, v], &point);
+                FieldNode { at: [u, v], point, normal, unfolded, along_mm: None, nearest_mm: None }
             };
             line.equal_arcs(count(across_mm)).into_iter().map(node).collect()
         };
@@ -109,9 +115,9 @@ impl AllowanceField {
         self.rows.iter().flatten()
     }
 
-    /// Area of the surface about a node: half of the cells beside it.
-    pub fn area_mm2(&self, row: usize, column: usize) -> f64 {
-        let at = |i: usize, j: usize| self.rows[i][j].point;
+    /// Area about a node: half of the cells beside it, on the surface displaced by `height_mm`.
+    pub fn area_mm2(&self, row: usize, column: usize, height_mm: f64) -> f64 {
+        let at = |i: usize, j: usize| self.rows[i][j].point + self.rows[i][j].normal * height_mm;
         let cell = |i: usize, j: usize| {
             let diagonals = (at(i + 1, j + 1) - at(i, j)).cross(&(at(i + 1, j) - at(i, j + 1)));
             diagonals.norm() / 2.0

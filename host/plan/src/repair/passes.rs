@@ -18,6 +18,8 @@ use crate::vector::{Point, Vector};
 const PROBES: usize = 17;
 /// Step of the differences in (1), as a share of a parameter's range.
 const DIFFERENCE: f64 = 1e-5;
+/// Product of both slopes in (1) below which they define no normal.
+const FLAT_MM2: f64 = 1e-6;
 /// Distance of points along a pass where the surface between the probes is too curved for the ball.
 const STEP_LEAST_MM: f64 = 0.05;
 /// Most points of all passes of one kind.
@@ -56,14 +58,16 @@ pub struct PassLines {
     pub us: Vec<f64>,
     /// Number of points on each line.
     pub points: usize,
+    /// Parameters v between which the lines run.
+    pub vs: [f64; 2],
     /// Smallest and largest distance of neighbouring lines.
     pub steps_mm: [f64; 2],
     settings: PassSettings,
 }
 
-/// Lines from `from_u` to the tip; `None` where a hollow is as narrow as the ball, or there would be more points than a control takes.
-pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) -> Option<PassLines> {
-    let [us, vs] = surface.ranges();
+/// Lines from `from_u` to the tip, between two parameters `vs`; `None` where a hollow is as narrow as the ball, or there would be more points than a control takes.
+pub fn pass_lines(surface: &impl Surface, from_u: f64, vs: [f64; 2], settings: &PassSettings) -> Option<PassLines> {
+    let [us, _] = surface.ranges();
     let probe = |from: f64, to: f64, k: usize| from + (to - from) * k as f64 / (PROBES - 1) as f64;
     let mut step_mm = f64::INFINITY;
     for at in (0..PROBES).flat_map(|i| (0..PROBES).map(move |j| (i, j))) {
@@ -77,7 +81,7 @@ pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) 
         .collect();
     let longest = (0..PROBES).max_by(|a, b| lines[*a].total_cmp(&lines[*b]))?;
     let spacing = pass_spacing(&lines, step_mm)?;
-    let chords = (0..PROBES).map(|i| chords(surface, probe(from_u, us[1], i), settings).length_mm());
+    let chords = (0..PROBES).map(|i| chords(surface, probe(from_u, us[1], i), vs, settings).length_mm());
     let points = libm::ceil(chords.fold(0.0, f64::max)).max(1.0) + 1.0;
     if points * spacing.passes as f64 > POINTS_MAX as f64 {
         return None;
@@ -85,24 +89,36 @@ pub fn pass_lines(surface: &impl Surface, from_u: f64, settings: &PassSettings) 
     let longest_v = probe(vs[0], vs[1], longest);
     let us = ArcLength::new([from_u, us[1]], |u| surface.jet([u, longest_v]).u.norm()).equal_arcs(spacing.passes);
     let steps_mm = [spacing.least_mm, spacing.greatest_mm];
-    Some(PassLines { us, points: points as usize, steps_mm, settings: *settings })
+    Some(PassLines { us, points: points as usize, vs, steps_mm, settings: *settings })
 }
 
-/// A line u = const, measured in chords of the tolerance: equal parts of it are dense where it is curved.
-fn chords<'s>(surface: &'s impl Surface, u: f64, settings: &PassSettings) -> ArcLength<impl Fn(f64) -> f64 + 's> {
+/// A line u = const, measured in chords of the tolerance: equal parts of it are dense where it is curved. Over an edge the path of the ball's centre is
+/// measured, because the contact hardly moves there.
+fn chords<'s>(
+    surface: &'s impl Surface,
+    u: f64,
+    vs: [f64; 2],
+    settings: &PassSettings,
+) -> ArcLength<impl Fn(f64) -> f64 + 's> {
     let PassSettings { ball_mm, chord_mm, step_mm, .. } = *settings;
+    let is_over_edge = surface.gauge_mm() > 0.0;
     let per_parameter = move |v: f64| {
         let [_, along] = curvatures_per_mm(surface, [u, v]);
-        let chord = contact_chord(ball_mm, chord_mm, along).map_or(STEP_LEAST_MM, |chord| chord.surface_mm);
-        surface.jet([u, v]).v.norm() / chord.min(step_mm)
+        let chord = contact_chord(ball_mm, chord_mm, along);
+        let chord = chord.map(|chord| if is_over_edge { chord.centres_mm } else { chord.surface_mm });
+        let height_mm = if is_over_edge { ball_mm } else { 0.0 };
+        surface.speed_mm([u, v], height_mm) / chord.unwrap_or(STEP_LEAST_MM).min(step_mm)
     };
-    ArcLength::new(surface.ranges()[1], per_parameter)
+    ArcLength::new(vs, per_parameter)
 }
 
 /// Normal curvatures along the first and the second parameter, positive if convex.
 fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
     let jet = surface.jet(at);
-    let normal = jet.u.cross(&jet.v).normalize() * surface.outward();
+    // On an edge the derivatives define no normal.
+    let is_over_edge = surface.gauge_mm() > 0.0;
+    let normal =
+        if is_over_edge { surface.point_and_normal(at).1 } else { jet.u.cross(&jet.v).normalize() * surface.outward() };
     [-jet.uu.dot(&normal) / jet.u.norm_squared(), -jet.vv.dot(&normal) / jet.v.norm_squared()]
 }
 
@@ -114,7 +130,7 @@ impl PassLines {
         left_mm: impl Fn([f64; 2], &Point) -> f64,
     ) -> Vec<Vec<RepairContact>> {
         let line = |u: &f64| {
-            let curve = chords(surface, *u, &self.settings);
+            let curve = chords(surface, *u, self.vs, &self.settings);
             let contact = |v: f64| contact(surface, [*u, v], &left_mm);
             curve.equal_arcs(self.points).into_iter().map(contact).collect()
         };
@@ -138,7 +154,10 @@ fn contact(surface: &impl Surface, at: [f64; 2], left_mm: impl Fn([f64; 2], &Poi
         (displaced(after).0 - displaced(before).0) / (after[k] - before[k])
     };
     let (point, left_mm) = displaced(at);
-    RepairContact { at, point, normal: slope(0).cross(&slope(1)).normalize() * surface.outward(), left_mm }
+    let across = slope(0).cross(&slope(1)).try_normalize(FLAT_MM2).map(|normal| normal * surface.outward());
+    // On an edge the surface has no extent unless it is displaced.
+    let normal = across.unwrap_or_else(|| surface.point_and_normal(at).1);
+    RepairContact { at, point, normal, left_mm }
 }
 
 /// Heights of rough layers (2), from the highest; none if nothing stands above the rough allowance.

@@ -4,16 +4,19 @@ use thiserror::Error;
 
 use super::blend::BlendShape;
 use super::border::square_to;
-use super::field::AllowanceField;
+use super::field::{AllowanceField, FieldNode};
 use super::passes::{PassLines, PassSettings, RepairContact, layer_heights_mm, pass_lines, runs};
 use super::regions::{Region, RegionSettings, RepairBorder, RepairRegions, regions};
 use super::scan::{HeightField, HeightSample, NominalSurface};
 use crate::geometry::face::FaceError;
-use crate::geometry::surface::Surface;
+use crate::geometry::surface::{Surface, Unfolded};
 use crate::vector::Point;
 
 /// Steepest slope of the blended allowance.
 const SLOPE_MAX: f64 = 1.0 / 20.0;
+
+/// Points behind what is to be left that are no outliers.
+const LOW_POINTS: usize = 3;
 
 /// Requirements on the milling of a repaired side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +101,14 @@ pub enum RepairInfeasible {
         /// Width that is enough.
         needed_mm: f64,
     },
+    /// A weld over one edge reaches the other one.
+    #[error(
+        "the weld over this edge, with its transition, reaches the other edge at ({}): repair the sides one by one, or reduce `width`", place(.point)
+    )]
+    Around {
+        /// Place.
+        point: Point,
+    },
     /// The ball does not fit.
     #[error(
         "a ball of radius {ball_mm:.2} mm cannot finish this side: a hollow is as narrow, or `cusp` or `chord` ask for millions of points"
@@ -146,20 +157,27 @@ pub fn plan<S: Surface + Sync>(
 ) -> Result<RepairPlan, RepairInfeasible> {
     let surface = nominal.surface();
     let heights = settings.height_field(nominal, samples);
-    let field = AllowanceField::new(nominal, &heights, settings.spacing_mm)?;
+    let mut field = AllowanceField::new(nominal, &heights, settings.spacing_mm)?;
     let threshold_mm = settings.regions.threshold_mm;
     let found =
         regions(surface, &field, &settings.regions).ok_or(RepairInfeasible::NothingRepaired { threshold_mm })?;
     let planned_mm = found.planned_mm(&field);
+    let is_over_edge = surface.gauge_mm() > 0.0;
+    if is_over_edge {
+        check_around(&field, &found)?;
+        correct_edge(surface, samples, &mut field, &heights, &found);
+    }
     check_slope(&found, &settings.regions)?;
-    check_measured(&field, &planned_mm, heights.hole_mm())?;
     check_material(&field, &found, &planned_mm, threshold_mm)?;
+    check_measured(&field, &planned_mm, heights.hole_mm())?;
     let ball_mm = settings.passes.ball_mm;
+    let vs = if is_over_edge { finished_range(&field, &found) } else { surface.ranges()[1] };
     let lines =
-        pass_lines(surface, found.allowance.from_u, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
-    let region = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, point);
+        pass_lines(surface, found.allowance.from_u, vs, &settings.passes).ok_or(RepairInfeasible::Ball { ball_mm })?;
+    let region = |at: [f64; 2], point: &Point| nearest_region(&field, &found, at, &surface.unfolded(at, point).point);
     let is_repaired = |at: [f64; 2], point: &Point| region(at, point) == Region::Repaired;
-    let whole = lines.contacts(surface, |at, point| found.left_mm(at, point, is_repaired(at, point)));
+    let whole =
+        lines.contacts(surface, |at, point| found.left_mm(at, surface.unfolded(at, point), is_repaired(at, point)));
     // Beside an island or a nick the old surface stays; above c1 of a border from edge to edge everything is finished.
     let is_all = matches!(found.border, RepairBorder::Rising { .. });
     let is_finished =
@@ -171,37 +189,40 @@ pub fn plan<S: Surface + Sync>(
             && heights.height_mm(contact.at).is_none_or(|height_mm| height_mm > contact.left_mm)
     };
     let layers = layers(surface, &lines, settings, greatest_mm(&field, &found), stands_above);
-    let removed_mm3 = removed_mm3(&field, &found, &planned_mm);
+    let removed_mm3 = removed_mm3(&field, &found, &planned_mm, is_over_edge);
     Ok(RepairPlan { layers, finish, whole, lines, removed_mm3, planned_mm, regions: found, field, heights })
 }
 
 impl RepairPlan {
     /// Allowance, mm, that finishing leaves at a point; where it removes nothing, the deviation of the old blade.
-    pub fn left_mm(&self, at: [f64; 2], point: &Point) -> f64 {
-        let is_repaired = nearest_region(&self.field, &self.regions, at, point) == Region::Repaired;
-        self.regions.left_mm(at, point, is_repaired)
+    pub fn left_mm(&self, at: [f64; 2], place: impl Into<Unfolded>) -> f64 {
+        let place = place.into();
+        let is_repaired = nearest_region(&self.field, &self.regions, at, &place.point) == Region::Repaired;
+        self.regions.left_mm(at, place, is_repaired)
     }
 
     /// Allowance, mm, before the milling at a point; in a hole of the measurement, the deviation of the old blade.
-    pub fn standing_mm(&self, at: [f64; 2]) -> f64 {
-        self.heights.height_mm(at).unwrap_or(self.regions.allowance.old_mm)
+    pub fn standing_mm(&self, at: [f64; 2], place: impl Into<Unfolded>) -> f64 {
+        self.heights.height_mm(at).unwrap_or_else(|| self.regions.old_at_mm(&place.into()))
     }
 }
 
-/// Region of the node nearest to a place.
+/// Region of the node nearest to a place; `point` is unfolded.
 fn nearest_region(field: &AllowanceField, regions: &RepairRegions, at: [f64; 2], point: &Point) -> Region {
     let row = field.rows.partition_point(|row| row[0].at[0] < at[0]).min(field.rows.len() - 1);
     let rows = row.saturating_sub(1)..=row;
     let column = |i: usize| field.rows[i].partition_point(|node| node.at[1] < at[1]).min(field.rows[i].len() - 1);
     let beside = rows.flat_map(|i| (column(i).saturating_sub(1)..=column(i)).map(move |j| (i, j)));
-    let off = |(i, j): &(usize, usize)| square_to(&field.rows[*i][*j].point, *point, *point);
+    let off = |(i, j): &(usize, usize)| square_to(&field.rows[*i][*j].unfolded.point, *point, *point);
     let (i, j) = beside.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or((row, 0));
     regions.regions[i][j]
 }
 
 fn check_slope(regions: &RepairRegions, settings: &RegionSettings) -> Result<(), RepairInfeasible> {
     let allowance = &regions.allowance;
-    let fall_mm = (allowance.old_mm - allowance.least_mm).abs() * BlendShape::steepest_ratio(settings.shape);
+    let fall_mm = |old_mm: f64| (old_mm - allowance.least_mm).abs();
+    let fall_mm =
+        fall_mm(allowance.old_mm).max(fall_mm(regions.old_beyond_mm)) * BlendShape::steepest_ratio(settings.shape);
     let slope = fall_mm / settings.width_mm;
     if slope <= SLOPE_MAX {
         return Ok(());
@@ -219,6 +240,65 @@ fn check_measured(
     let Some((first, _)) = holes.peek() else { return Ok(()) };
     let point = first.point;
     Err(RepairInfeasible::Unmeasured { point, holes: holes.count(), places: finished().count(), hole_mm })
+}
+
+/// A weld over an edge must end before the other edge.
+fn check_around(field: &AllowanceField, regions: &RepairRegions) -> Result<(), RepairInfeasible> {
+    let ends = |row: &Vec<FieldNode>| [0, row.len() - 1];
+    let rows = field.rows.iter().zip(&regions.regions);
+    let mut reached = rows.flat_map(|(nodes, marks)| ends(nodes).map(|j| (&nodes[j], marks[j])));
+    match reached.find(|(_, region)| *region != Region::Norm) {
+        Some((node, _)) => Err(RepairInfeasible::Around { point: node.point }),
+        None => Ok(()),
+    }
+}
+
+/// Corrects the allowance of the weld on an edge, where heights from beside it say little of what stands in front of it. Without a measured point there a place
+/// is a hole. Points behind what is to be left are nearest to a side: of them the highest along the normal of the edge counts.
+fn correct_edge(
+    surface: &impl Surface,
+    samples: &[HeightSample],
+    field: &mut AllowanceField,
+    heights: &HeightField,
+    regions: &RepairRegions,
+) {
+    let gauge_mm = surface.gauge_mm();
+    let measured = |sample: &HeightSample| {
+        let (point, normal) = surface.point_and_normal(sample.at);
+        point + normal * sample.height_mm
+    };
+    let low: Vec<Point> =
+        samples.iter().filter(|sample| sample.height_mm < regions.allowance.least_mm).map(measured).collect();
+    for (node, region) in field.rows.iter_mut().flatten().zip(regions.regions.iter().flatten()) {
+        if *region != Region::Repaired || node.unfolded.beyond_mm.abs() >= gauge_mm {
+            continue;
+        }
+        let along = |point: &Point| {
+            let off = point - node.point;
+            let along_mm = off.dot(&node.normal);
+            ((off - node.normal * along_mm).norm() < gauge_mm).then_some(along_mm)
+        };
+        let near: Vec<f64> = low.iter().filter_map(along).collect();
+        let highest_mm = near.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let is_measured = heights.is_measured(node.at, gauge_mm);
+        node.along_mm = match near.len() >= LOW_POINTS {
+            true => Some(node.along_mm.map_or(highest_mm, |height_mm| height_mm.min(highest_mm))),
+            false => node.along_mm.filter(|_| is_measured),
+        };
+    }
+}
+
+/// Parameters v between which everything lies that is finished over an edge, with a place beyond either end.
+fn finished_range(field: &AllowanceField, regions: &RepairRegions) -> [f64; 2] {
+    let mut range = [1.0, 0.0];
+    for (nodes, marks) in field.rows.iter().zip(&regions.regions) {
+        let is_finished = |mark: &Region| *mark != Region::Norm;
+        if let Some((first, last)) = marks.iter().position(is_finished).zip(marks.iter().rposition(is_finished)) {
+            let (first, last) = (first.saturating_sub(1), (last + 1).min(nodes.len() - 1));
+            range = [nodes[first].at[1].min(range[0]), nodes[last].at[1].max(range[1])];
+        }
+    }
+    range
 }
 
 /// In the transition the old surface itself may lie below the plan by the threshold; the repaired region may not.
@@ -265,13 +345,20 @@ fn layers(
     layer_heights_mm(greatest_mm, settings.rough_mm, settings.depth_mm).into_iter().map(layer).collect()
 }
 
-fn removed_mm3(field: &AllowanceField, regions: &RepairRegions, planned_mm: &[Vec<Option<f64>>]) -> [f64; 2] {
+/// Over an edge areas count half way between what stands and what is left: the surface itself has hardly any there.
+fn removed_mm3(
+    field: &AllowanceField,
+    regions: &RepairRegions,
+    planned_mm: &[Vec<Option<f64>>],
+    is_over_edge: bool,
+) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for (i, row) in field.rows.iter().enumerate() {
         for (j, node) in row.iter().enumerate() {
             let Some((measured, planned)) = node.along_mm.zip(planned_mm[i][j]) else { continue };
             let region = usize::from(regions.regions[i][j] != Region::Repaired);
-            sums[region] += (measured - planned).max(0.0) * field.area_mm2(i, j);
+            let height_mm = if is_over_edge { (measured + planned) / 2.0 } else { 0.0 };
+            sums[region] += (measured - planned).max(0.0) * field.area_mm2(i, j, height_mm);
         }
     }
     sums

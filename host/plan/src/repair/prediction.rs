@@ -39,5 +39,7 @@ fn entered_mm(point: Point, normal: Vector, centre: Point, ball_mm: f64) -> Opti
     let off = centre - point;
     let along_mm = off.dot(&normal);
     let half_square = ball_mm * ball_mm - (off - normal * along_mm).norm_squared();
-    (half_square > 0.0).then(|| along_mm - libm::sqrt(half_square))
+    let half_mm = libm::sqrt(half_square.max(0.0));
+    // A ball on the other side of the blade ends behind it.
+    (half_square > 0.0 && along_mm + half_mm > 0.0).then_some(along_mm - half_mm)
 }

@@ -6,6 +6,8 @@
 //! S2: distance from c_b at most w, outside of S3;  S1: the rest                                               (3)
 //! ```
 //!
+//! Over an edge (1) is taken on both sides, with a smooth change from one to the other across the edge, and distances count on the unfolded surface.
+//!
 //! If c_b runs from one edge to the other and rises or falls all the way, with all of S3 towards the tip, the allowance is that of Feng et al. with
 //! u1, u2, u3; otherwise (a nick in an edge, an island) it blends by distance from c_b.
 
@@ -13,7 +15,7 @@ use super::blend::{BlendShape, FinishAllowance};
 use super::border::{MonotoneBorder, square_to, transition_begin};
 use super::field::{AllowanceField, FieldNode};
 use super::registration::median;
-use crate::geometry::surface::Surface;
+use crate::geometry::surface::{Surface, Unfolded};
 use crate::vector::Point;
 
 /// Crossings on either side of one over which c_b is smoothed.
@@ -66,20 +68,29 @@ pub struct RepairRegions {
     pub border: RepairBorder,
     /// Allowance that finishing is to leave.
     pub allowance: FinishAllowance,
+    /// Deviation of the old blade beyond the edge, mm; on a surface without one that of the whole.
+    pub old_beyond_mm: f64,
     width_mm: f64,
 }
 
 /// Regions of a measured side; `None` if no place is to be repaired.
 pub fn regions(surface: &impl Surface, field: &AllowanceField, settings: &RegionSettings) -> Option<RepairRegions> {
-    let old_mm = old_deviation_mm(field, settings.threshold_mm);
-    let limit_mm = old_mm + settings.threshold_mm;
+    let old_mm = |is_beyond: bool| old_deviation_mm(field, is_beyond, settings.threshold_mm);
+    let before_mm = old_mm(false);
+    let old_mm = [before_mm, if surface.gauge_mm() > 0.0 { old_mm(true) } else { before_mm }];
+    let limit_mm = |node: &FieldNode| old_at_mm(old_mm, &node.unfolded, settings.width_mm) + settings.threshold_mm;
     let repaired = repaired_nodes(field, limit_mm);
     if !repaired.iter().flatten().any(|is_repaired| *is_repaired) {
         return None;
     }
-    let border = border(field, &repaired, limit_mm);
-    let allowance = allowance(surface, field, &border, old_mm, settings);
-    let mut found = RepairRegions { regions: Vec::new(), border, allowance, width_mm: settings.width_mm };
+    let border = match surface.gauge_mm() > 0.0 {
+        true => RepairBorder::Pieces(pieces(field, &repaired)),
+        false => border(field, &repaired, old_mm[0] + settings.threshold_mm),
+    };
+    let allowance = allowance(surface, field, &border, old_mm[0], settings);
+    let [_, old_beyond_mm] = old_mm;
+    let mut found =
+        RepairRegions { regions: Vec::new(), border, allowance, old_beyond_mm, width_mm: settings.width_mm };
     let region = |is_repaired: bool, node: &FieldNode| match is_repaired {
         true => Region::Repaired,
         false if found.is_in_transition(node) => Region::Transition,
@@ -95,8 +106,9 @@ pub fn regions(surface: &impl Surface, field: &AllowanceField, settings: &Region
 }
 
 /// (1): the median of what is left after the repaired places, whose own median is far above, are taken out.
-fn old_deviation_mm(field: &AllowanceField, threshold_mm: f64) -> f64 {
-    let mut kept: Vec<f64> = field.nodes().filter_map(|node| node.along_mm).collect();
+fn old_deviation_mm(field: &AllowanceField, is_beyond: bool, threshold_mm: f64) -> f64 {
+    let nodes = field.nodes().filter(|node| (node.unfolded.beyond_mm > 0.0) == is_beyond);
+    let mut kept: Vec<f64> = nodes.filter_map(|node| node.along_mm).collect();
     loop {
         let low = lower_half_median(&kept);
         let count = kept.len();
@@ -107,6 +119,11 @@ fn old_deviation_mm(field: &AllowanceField, threshold_mm: f64) -> f64 {
     }
 }
 
+/// Deviation of the old blade at a place, of those before and beyond an edge.
+fn old_at_mm([before_mm, beyond_mm]: [f64; 2], place: &Unfolded, width_mm: f64) -> f64 {
+    before_mm + (beyond_mm - before_mm) * BlendShape::Cubic.value(0.5 + place.beyond_mm / (2.0 * width_mm))
+}
+
 /// Median of the lower half: of old surface as long as at least a quarter of the field is old.
 fn lower_half_median(values: &[f64]) -> f64 {
     let middle = median(values);
@@ -115,8 +132,8 @@ fn lower_half_median(values: &[f64]) -> f64 {
 }
 
 /// (2)
-fn repaired_nodes(field: &AllowanceField, limit_mm: f64) -> Vec<Vec<bool>> {
-    let above = |node: &FieldNode| node.along_mm.is_some_and(|height_mm| height_mm > limit_mm);
+fn repaired_nodes(field: &AllowanceField, limit_mm: impl Fn(&FieldNode) -> f64) -> Vec<Vec<bool>> {
+    let above = |node: &FieldNode| node.along_mm.is_some_and(|height_mm| height_mm > limit_mm(node));
     let marks: Vec<Vec<bool>> = field.rows.iter().map(|row| row.iter().map(above).collect()).collect();
     let grown = spread(&marks, true);
     let closed = spread(&grown, false);
@@ -244,7 +261,7 @@ fn smoothed(places: &[[f64; 2]], at: usize) -> [f64; 2] {
 /// Marching squares between nodes with and without a mark: pieces through the middles of the edges.
 fn pieces(field: &AllowanceField, repaired: &[Vec<bool>]) -> Vec<[Point; 2]> {
     let middle = |a: (usize, usize), b: (usize, usize)| {
-        nalgebra::center(&field.rows[a.0][a.1].point, &field.rows[b.0][b.1].point)
+        nalgebra::center(&field.rows[a.0][a.1].unfolded.point, &field.rows[b.0][b.1].unfolded.point)
     };
     let cell = |i: usize, j: usize| {
         let corners = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)];
@@ -270,7 +287,7 @@ fn allowance(
             [transition_begin(surface, at, settings.width_mm), curve.u_at(0.0), curve.u_at(1.0)]
         }
         RepairBorder::Pieces(pieces) => {
-            let is_beside = |node: &&FieldNode| distance_mm(pieces, &node.point) <= settings.width_mm;
+            let is_beside = |node: &&FieldNode| distance_mm(pieces, &node.unfolded.point) <= settings.width_mm;
             let least = field.nodes().filter(is_beside).map(|node| node.at[0]).fold(f64::INFINITY, f64::min);
             [least.min(1.0), least.min(1.0), 1.0]
         }
@@ -284,7 +301,7 @@ fn distance_mm(pieces: &[[Point; 2]], point: &Point) -> f64 {
 
 impl RepairRegions {
     /// Allowance, mm, that finishing leaves at a point; `is_repaired` (the point is in S3) is used only if the border is no function.
-    pub fn left_mm(&self, at: [f64; 2], point: &Point, is_repaired: bool) -> f64 {
+    pub fn left_mm(&self, at: [f64; 2], place: impl Into<Unfolded>, is_repaired: bool) -> f64 {
         match &self.border {
             RepairBorder::Rising { curve, is_mirrored } => {
                 let v = if *is_mirrored { 1.0 - at[1] } else { at[1] };
@@ -292,16 +309,24 @@ impl RepairRegions {
             }
             RepairBorder::Pieces(_) if is_repaired => self.allowance.least_mm,
             RepairBorder::Pieces(pieces) => {
-                self.allowance.left_at_distance_mm(distance_mm(pieces, point), self.width_mm)
+                let place = place.into();
+                let old_mm = self.old_at_mm(&place);
+                let distance_mm = distance_mm(pieces, &place.point);
+                FinishAllowance { old_mm, ..self.allowance }.left_at_distance_mm(distance_mm, self.width_mm)
             }
         }
+    }
+
+    /// Deviation of the old blade at a place, mm.
+    pub fn old_at_mm(&self, place: &Unfolded) -> f64 {
+        old_at_mm([self.allowance.old_mm, self.old_beyond_mm], place, self.width_mm)
     }
 
     /// Planned allowance of each node, mm, row by row; `None` in the norm region, which stays.
     pub fn planned_mm(&self, field: &AllowanceField) -> Vec<Vec<Option<f64>>> {
         let node = |(node, region): (&FieldNode, &Region)| match region {
             Region::Norm => None,
-            _ => Some(self.left_mm(node.at, &node.point, *region == Region::Repaired)),
+            _ => Some(self.left_mm(node.at, node.unfolded, *region == Region::Repaired)),
         };
         let row = |(nodes, regions): (&Vec<FieldNode>, &Vec<Region>)| nodes.iter().zip(regions).map(node).collect();
         field.rows.iter().zip(&self.regions).map(row).collect()
@@ -310,7 +335,7 @@ impl RepairRegions {
     fn is_in_transition(&self, node: &FieldNode) -> bool {
         match &self.border {
             RepairBorder::Rising { .. } => node.at[0] > self.allowance.from_u,
-            RepairBorder::Pieces(pieces) => distance_mm(pieces, &node.point) <= self.width_mm,
+            RepairBorder::Pieces(pieces) => distance_mm(pieces, &node.unfolded.point) <= self.width_mm,
         }
     }
 }

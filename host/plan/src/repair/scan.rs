@@ -21,6 +21,8 @@ use crate::vector::Point;
 
 /// Seeds along both parameters.
 const SEEDS: [usize; 2] = [33, 65];
+/// Points farther from the tip are no weld on it.
+const WELD_MAX_MM: f64 = 5.0;
 /// Points of a fit (2).
 const NEIGHBOURS: usize = 24;
 /// Unknowns of a fit.
@@ -33,6 +35,8 @@ const HOLE_SPACINGS: f64 = 3.0;
 /// Nominal surface, prepared for finding the nearest point to a measured one.
 pub struct NominalSurface<S> {
     surface: S,
+    /// Nearest point, from a seed.
+    find: fn(&S, &Point, [f64; 2]) -> Foot,
     seeds: RTree<GeomWithData<[f64; 3], [f64; 2]>>,
     /// Mean lengths of the lines of both parameters, mm.
     lengths_mm: [f64; 2],
@@ -59,6 +63,11 @@ pub struct HeightField {
 impl<S: Surface> NominalSurface<S> {
     /// Prepares a surface for finding nearest points.
     pub fn new(surface: S) -> Self {
+        NominalSurface::with(surface, nearest)
+    }
+
+    /// Prepares a surface with its own way to find the nearest point from a seed.
+    pub fn with(surface: S, find: fn(&S, &Point, [f64; 2]) -> Foot) -> Self {
         let [us, vs] = surface.ranges();
         let place =
             |range: [f64; 2], k: usize, count: usize| range[0] + (range[1] - range[0]) * k as f64 / (count - 1) as f64;
@@ -68,14 +77,19 @@ impl<S: Surface> NominalSurface<S> {
                 (0..SEEDS[1]).map(|j| (surface.jet(at(j)).point, at(j))).collect()
             })
             .collect();
-        let apart = |a: &(Point, [f64; 2]), b: &(Point, [f64; 2])| (a.0 - b.0).norm();
+        let gauge_mm = surface.gauge_mm();
+        let raised = |at: &(Point, [f64; 2])| match gauge_mm > 0.0 {
+            true => at.0 + surface.point_and_normal(at.1).1 * gauge_mm,
+            false => at.0,
+        };
+        let apart = |a: &(Point, [f64; 2]), b: &(Point, [f64; 2])| (raised(a) - raised(b)).norm();
         let across: f64 = rows.iter().flat_map(|row| row.windows(2)).map(|pair| apart(&pair[0], &pair[1])).sum();
         let along: f64 =
             rows.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1])).map(|(one, other)| apart(one, other)).sum();
         let lengths_mm = [along / SEEDS[1] as f64, across / SEEDS[0] as f64];
         let seeds = rows.into_iter().flatten().map(|(point, at)| GeomWithData::new(point.into(), at)).collect();
         let area_mm2 = lengths_mm[0] * lengths_mm[1];
-        NominalSurface { surface, seeds: RTree::bulk_load(seeds), lengths_mm, area_mm2 }
+        NominalSurface { surface, find, seeds: RTree::bulk_load(seeds), lengths_mm, area_mm2 }
     }
 
     /// The surface itself.
@@ -88,10 +102,21 @@ impl<S: Surface> NominalSurface<S> {
         self.lengths_mm
     }
 
+    fn seed(&self, point: &Point) -> [f64; 2] {
+        self.seeds.nearest_neighbor([point.x, point.y, point.z]).map_or([0.5; 2], |found| found.data)
+    }
+
     /// Nearest point of the surface, with its parameters.
     pub fn foot(&self, point: &Point) -> Foot {
-        let seed = self.seeds.nearest_neighbor([point.x, point.y, point.z]).map_or([0.5; 2], |found| found.data);
-        nearest(&self.surface, point, seed)
+        (self.find)(&self.surface, point, self.seed(point))
+    }
+
+    /// Height of a point above the end of the surface at the tip; `None` if its nearest point lies elsewhere, or farther than a weld is thick.
+    pub fn beyond_tip_mm(&self, point: &Point) -> Option<f64> {
+        let tip = self.surface.ranges()[0][1];
+        let foot = (self.seed(point)[0] >= tip).then(|| self.foot(point))?;
+        let is_over = foot.at[0] >= tip && foot.distance_mm < WELD_MAX_MM;
+        is_over.then(|| self.surface.jet(foot.at).u.normalize().dot(&(point - foot.point)))
     }
 
     /// Nearest point of the surface and its normal.
@@ -133,6 +158,15 @@ impl HeightField {
     /// Farthest distance from a point that is no hole.
     pub fn hole_mm(&self) -> f64 {
         self.hole_mm
+    }
+
+    /// Whether a measured point lies within a distance of the parameters `at`, as far as the surface is measured at its gauge.
+    pub fn is_measured(&self, at: [f64; 2], within_mm: f64) -> bool {
+        let place = scaled(at, self.lengths_mm);
+        self.samples
+            .nearest_neighbor_iter_with_distance_2(place)
+            .next()
+            .is_some_and(|(_, square)| square <= within_mm * within_mm)
     }
 
     /// Measured height, mm, at the parameters `at`; `None` in a hole of the measurement.

@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
+use arcfeed_plan::geometry::edge_strip::BladeEdge;
 use arcfeed_plan::geometry::flaws::BladeSide;
+use arcfeed_plan::repair::blade::RepairedPart;
 use arcfeed_plan::repair::field::FieldNode;
 use arcfeed_plan::repair::regions::{Region, RepairBorder};
 use arcfeed_plan::repair::registration::DIRECTIONS;
@@ -19,7 +21,7 @@ pub struct RepairFigures {
     pub name: String,
     /// The mill keeps all distances, and the machine can follow the path.
     pub safe: bool,
-    /// Side of the blade that is finished: `pressure` or `suction`.
+    /// Part of the blade that is finished: the `pressure` or `suction` side, or both about the `leading` or `trailing` edge.
     pub side: &'static str,
     /// Number of the blade.
     pub blade: u32,
@@ -29,8 +31,10 @@ pub struct RepairFigures {
     pub used_points: usize,
     /// Registration: position of the measured blade relative to the nominal one.
     pub registration: RegistrationFigures,
-    /// Deviation of the old blade from the nominal surface, which stays.
+    /// Deviation of the old blade from the nominal surface, which stays; over an edge that of the pressure side.
     pub old_mm: f64,
+    /// Deviation of the old suction side, if the repair runs over an edge.
+    pub old_suction_mm: Option<f64>,
     /// Start of the transition, and lowest and highest point of the border of the repaired region, as places between
     /// root (0) and tip (1).
     pub places: [f64; 3],
@@ -101,6 +105,16 @@ pub struct RegionFigures {
     pub left_mm: Option<[f64; 2]>,
 }
 
+/// Name of the repaired part in the JSON.
+fn part_word(part: RepairedPart) -> &'static str {
+    match part {
+        RepairedPart::Side(BladeSide::Pressure) => "pressure",
+        RepairedPart::Side(BladeSide::Suction) => "suction",
+        RepairedPart::Edge(BladeEdge::Leading) => "leading",
+        RepairedPart::Edge(BladeEdge::Trailing) => "trailing",
+    }
+}
+
 /// Name of a region in the JSON and on the page.
 pub fn region_word(region: Region) -> &'static str {
     match region {
@@ -118,12 +132,13 @@ impl RepairFigures {
         RepairFigures {
             name: file.name.clone(),
             safe: result.path.refusal().is_none(),
-            side: if file.side == BladeSide::Pressure { "pressure" } else { "suction" },
+            side: part_word(file.repaired),
             blade: file.blade,
             points: file.points.len(),
             used_points: result.used,
             registration: registration(result),
             old_mm: allowance.old_mm,
+            old_suction_mm: matches!(file.repaired, RepairedPart::Edge(_)).then_some(plan.regions.old_beyond_mm),
             places: [allowance.from_u, allowance.leading_u, allowance.trailing_u],
             is_rising: matches!(plan.regions.border, RepairBorder::Rising { .. }),
             regions: [Region::Norm, Region::Transition, Region::Repaired].map(|region| of_region(result, region)),
@@ -195,8 +210,13 @@ fn of_region(result: &RepairResult, region: Region) -> RegionFigures {
 pub fn text(figures: &RepairFigures) -> String {
     let found = &figures.registration;
     let mut text = format!(
-        "{}: blade {}, {} side; {} of {} points lie on it\n",
-        figures.name, figures.blade, figures.side, figures.used_points, figures.points
+        "{}: blade {}, {} {}; {} of {} points lie on it\n",
+        figures.name,
+        figures.blade,
+        figures.side,
+        if figures.old_suction_mm.is_some() { "edge with both sides" } else { "side" },
+        figures.used_points,
+        figures.points
     );
     let free = if found.free.is_empty() { "nothing is free".into() } else { found.free.join(", ") };
     let _ = writeln!(

@@ -2,16 +2,22 @@
 
 use arcfeed_plan::finish::access::{BladeAccess, outward};
 use arcfeed_plan::finish::obstacles::{FinishBody, FinishObstacle, around};
+use arcfeed_plan::geometry::edge_strip::EdgeStrip;
 use arcfeed_plan::geometry::face::Face;
+use arcfeed_plan::geometry::flaws::BladeSide;
 use arcfeed_plan::geometry::mesh::Triangle;
-use arcfeed_plan::repair::blade::{NominalBlade, sides};
+use arcfeed_plan::geometry::surface::Surface;
+use arcfeed_plan::repair::blade::{NominalBlade, RepairedPart, check_tip, sides};
 use arcfeed_plan::repair::evenness::{AllowancePlace, EvenMotion, most_even};
-use arcfeed_plan::repair::field::AllowanceField;
-use arcfeed_plan::repair::plan::{RepairPlan, plan};
+use arcfeed_plan::repair::field::{AllowanceField, FieldNode};
+use arcfeed_plan::repair::plan::{RepairPlan, RepairSettings, plan};
 use arcfeed_plan::repair::prediction::predicted_mm;
 use arcfeed_plan::repair::regions::{Region, regions};
 use arcfeed_plan::repair::registration::{NominalFoot, Registration, RegistrationSettings, RigidMotion, register};
-use arcfeed_plan::repair::solids::{LEFT_CHORD_MM, STOCK_CHORD_MM, left_blade, standing_blade};
+use arcfeed_plan::repair::scan::{HeightSample, NominalSurface};
+use arcfeed_plan::repair::solids::{
+    LEFT_CHORD_MM, STOCK_CHORD_MM, left_blade, left_edge, standing_blade, standing_edge,
+};
 use arcfeed_plan::repair::tool_path::tool_path;
 use arcfeed_plan::vector::Point;
 
@@ -24,7 +30,7 @@ const REGISTERED_MAX: usize = 10_000;
 /// Repetitions of the linear program for the most even allowance.
 const EVEN_ROUNDS: usize = 2;
 
-/// Repair plan of one blade side with everything derived from it.
+/// Repair plan of one blade side, or of both about an edge, with everything derived from it.
 pub struct RepairResult {
     /// Content of the repair file.
     pub file: RepairFile,
@@ -32,7 +38,7 @@ pub struct RepairResult {
     pub registration: Registration,
     /// Additional motion that makes the allowance most even, if the datum's tolerances allow any.
     pub even: Option<EvenMotion>,
-    /// Number of measured points on the side.
+    /// Number of measured points on that part.
     pub used: usize,
     /// Allowances and finishing passes.
     pub plan: RepairPlan,
@@ -53,22 +59,24 @@ impl RepairResult {
         check_rotor(&file.part.blisk)?;
         let faces = sides(&file.part.blisk, file.blade);
         let blade = NominalBlade::new([&faces[0], &faces[1]], &file.part.blisk);
+        let nominal = Nominal::new(&blade, [&faces[0], &faces[1]], file.repaired)?;
         blade.check(&file.points, file.blade, file.stylus_mm).map_err(|fault| fault.to_string())?;
         let registration = registration(&file, &blade, &faces[0])?;
         let mut points: Vec<Point> = file.points.iter().map(|point| registration.motion.moved(point)).collect();
         let mut even = None;
         for _ in 0..if file.tolerance.is_some() { EVEN_ROUNDS } else { 0 } {
-            let found = evened(&file, &blade, &points, &registration.motion.centre)?;
+            let found = nominal.evened(&file, &points, &registration.motion.centre)?;
             let centre = registration.motion.centre;
             let motion = RigidMotion { centre, omega_rad: found.omega_rad, shift_mm: found.shift_mm };
             points.iter_mut().for_each(|point| *point = motion.moved(point));
             even = Some(found);
         }
-        let samples = blade.heights(&points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
-        let plan = plan(blade.side(file.side), &samples, &file.settings).map_err(|why| why.to_string())?;
+        nominal.check_tip(&points, file.stylus_mm + file.settings.regions.threshold_mm)?;
+        let samples = nominal.heights(&points, file.stylus_mm)?;
+        let plan = nominal.plan(&samples, &file.settings)?;
         let predicted_mm = predicted_mm(&plan, file.part.mill.radius_mm);
         note(format_args!("planning the path, then proving every move of the whole mill"));
-        let solids = [standing_blade, left_blade].map(|solid| solid(&file.part.blisk, file.blade, file.side, &plan));
+        let solids = nominal.solids(&file, &plan);
         let path = path(&file, &plan, &solids, &faces[0])?;
         Ok(RepairResult { registration, even, used: samples.len(), plan, predicted_mm, solids, path, file })
     }
@@ -117,21 +125,84 @@ fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Res
     register(&registered, &settings, foot).map_err(|error| error.to_string())
 }
 
-/// Motion that makes the repaired region's allowance most even.
-fn evened(file: &RepairFile, blade: &NominalBlade<'_>, points: &[Point], centre: &Point) -> Result<EvenMotion, String> {
-    let nominal = blade.side(file.side);
-    let samples = blade.heights(points, file.side, file.stylus_mm).map_err(|fault| fault.to_string())?;
-    let heights = file.settings.height_field(nominal, &samples);
-    let field = AllowanceField::new(nominal, &heights, file.settings.spacing_mm).map_err(|error| error.to_string())?;
-    let found = regions(nominal.surface(), &field, &file.settings.regions).ok_or("nothing is repaired on this side")?;
+/// Nominal surface of the part that is repaired.
+enum Nominal<'b, 'f> {
+    Side(&'b NominalBlade<'f>, BladeSide),
+    Edge(&'b NominalBlade<'f>, Box<NominalSurface<EdgeStrip<'f>>>),
+}
+
+impl<'b, 'f> Nominal<'b, 'f> {
+    fn new(blade: &'b NominalBlade<'f>, faces: [&'f Face; 2], repaired: RepairedPart) -> Result<Self, String> {
+        match repaired {
+            RepairedPart::Side(side) => Ok(Nominal::Side(blade, side)),
+            RepairedPart::Edge(edge) => {
+                let strip = EdgeStrip::new(faces, edge).map_err(|open| open.to_string())?;
+                Ok(Nominal::Edge(blade, Box::new(NominalSurface::with(strip, EdgeStrip::foot))))
+            }
+        }
+    }
+
+    fn heights(&self, points: &[Point], stylus_mm: f64) -> Result<Vec<HeightSample>, String> {
+        let found = match self {
+            Nominal::Side(blade, side) => blade.heights(points, *side, stylus_mm),
+            Nominal::Edge(blade, strip) => blade.edge_heights(points, strip, stylus_mm),
+        };
+        found.map_err(|fault| fault.to_string())
+    }
+
+    fn check_tip(&self, points: &[Point], most_mm: f64) -> Result<(), String> {
+        let found = match self {
+            Nominal::Side(blade, side) => check_tip(points, blade.side(*side), most_mm),
+            Nominal::Edge(_, strip) => check_tip(points, strip, most_mm),
+        };
+        found.map_err(|fault| fault.to_string())
+    }
+
+    fn plan(&self, samples: &[HeightSample], settings: &RepairSettings) -> Result<RepairPlan, String> {
+        let found = match self {
+            Nominal::Side(blade, side) => plan(blade.side(*side), samples, settings),
+            Nominal::Edge(_, strip) => plan(strip, samples, settings),
+        };
+        found.map_err(|why| why.to_string())
+    }
+
+    /// Blade before and after finishing.
+    fn solids(&self, file: &RepairFile, plan: &RepairPlan) -> [Vec<Triangle>; 2] {
+        let (blisk, blade) = (&file.part.blisk, file.blade);
+        match self {
+            Nominal::Side(_, side) => [standing_blade, left_blade].map(|solid| solid(blisk, blade, *side, plan)),
+            Nominal::Edge(_, strip) => {
+                [standing_edge(blisk, blade, strip.surface(), plan), left_edge(blisk, blade, strip.surface(), plan)]
+            }
+        }
+    }
+
+    /// Motion that makes the repaired region's allowance most even.
+    fn evened(&self, file: &RepairFile, points: &[Point], centre: &Point) -> Result<EvenMotion, String> {
+        let samples = self.heights(points, file.stylus_mm)?;
+        let places = match self {
+            Nominal::Side(blade, side) => places(blade.side(*side), &samples, &file.settings),
+            Nominal::Edge(_, strip) => places(strip, &samples, &file.settings),
+        }?;
+        let tolerance = file.tolerance.as_ref().ok_or("the datums allow no motion")?;
+        most_even(&places, centre, tolerance).ok_or_else(|| "the most even allowance was not found".into())
+    }
+}
+
+/// Places of the repaired region with their allowances.
+fn places<S: Surface + Sync>(
+    nominal: &NominalSurface<S>,
+    samples: &[HeightSample],
+    settings: &RepairSettings,
+) -> Result<Vec<AllowancePlace>, String> {
+    let heights = settings.height_field(nominal, samples);
+    let field = AllowanceField::new(nominal, &heights, settings.spacing_mm).map_err(|error| error.to_string())?;
+    let found = regions(nominal.surface(), &field, &settings.regions).ok_or("nothing is repaired on this side")?;
     let of_repair =
         field.nodes().zip(found.regions.iter().flatten()).filter(|(_, region)| **region == Region::Repaired);
-    let places: Vec<AllowancePlace> = of_repair
-        .filter_map(|(node, _)| {
-            let allowance_mm = node.along_mm?;
-            Some(AllowancePlace { point: node.point, normal: node.normal, allowance_mm })
-        })
-        .collect();
-    let tolerance = file.tolerance.as_ref().ok_or("the datums allow no motion")?;
-    most_even(&places, centre, tolerance).ok_or_else(|| "the most even allowance was not found".into())
+    let place = |(node, _): (&FieldNode, &Region)| {
+        let allowance_mm = node.along_mm?;
+        Some(AllowancePlace { point: node.point, normal: node.normal, allowance_mm })
+    };
+    Ok(of_repair.filter_map(place).collect())
 }
