@@ -61,7 +61,7 @@ fn flash_ram_and_stack_stay_within_their_budgets() {
 
 /// Bytes that the whole board may take, with its rings, its queues, its jobs and, behind a tap, the tap with its reader of NC text
 /// and the 16 KiB that stand for the page of flash with its parameters, which a chip reads in place: flash and RAM.
-const BOARDS: [(&str, u32, u32); 2] = [("feedboard", 117 * 1024, 39 * 1024), ("feedboard-tap", 193 * 1024, 80 * 1024)];
+const BOARDS: [(&str, u32, u32); 2] = [("feedboard", 117 * 1024, 39 * 1024), ("feedboard-tap", 195 * 1024, 80 * 1024)];
 
 #[test]
 fn whole_boards_stay_within_their_budgets() {
