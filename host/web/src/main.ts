@@ -475,6 +475,7 @@ class Viewer implements Follower {
         const finding: Finding | undefined = this.data.findings[index];
         const run = this.runs.find((run) => run.name === finding?.run);
         if (!finding || !run) return;
+        if (this.playing) this.play();
         this.finding = index;
         const buttons = document.querySelectorAll<HTMLElement>('#findings button');
         buttons.forEach((button, at) => button.setAttribute('aria-current', String(at === index)));
@@ -482,6 +483,7 @@ class Viewer implements Follower {
         if (this.shown !== 'both' && this.shown !== run.name) this.show(run.name as Shown);
         this.select(run, finding.at ?? run.timeOfBlock(finding.block), 'scrub');
         this.scene?.mark(finding.place ?? null);
+        element('scene').scrollIntoView({ block: 'nearest' });
     }
 
     private play(): void {

@@ -52,6 +52,10 @@ const questions = new Questions(element('questions'), compose);
 let isEdited = false;
 /** Values of the form in the job, and the job of the report. */
 let [inJob, inReport] = ['', ''];
+/** What the job's values were warned of. */
+let warnings = '';
+/** Field of the form with an open question. */
+let asked = '';
 
 /** Writes the job with answers and stock, unless it was changed by hand. */
 function compose(): void {
@@ -88,10 +92,14 @@ function show(next: State, cause: Cause): void {
         form.begin(next.found?.proposed ?? [], next.found?.unit ?? '');
         showFound(next.found);
     }
-    if (cause !== 'run') inJob = formText();
+    if (cause !== 'run') {
+        inJob = formText();
+        warnings = next.messages.split('\n').filter((line) => line.startsWith('warning: ')).map((line) => `${line}\n`).join('');
+    }
+    const messages = (cause === 'run' && !isEdited ? warnings : '') + next.messages;
     showJob(next, cause);
-    element('messages').hidden = next.messages.trim() === '';
-    element('messages').textContent = next.messages;
+    element('messages').hidden = messages.trim() === '';
+    element('messages').textContent = messages;
     element('report-part').hidden = !next.has_report;
     if (!next.has_report) showReport(null);
     else if (cause === 'run' || !before) void backend.address('report').then(({ url }) => state === next && showReport(url));
@@ -209,6 +217,8 @@ async function run(): Promise<void> {
         if (wrong) return wrong.focus();
         if (formText() !== inJob && !(await propose())) return;
         const open = isEdited ? null : questions.open();
+        if (asked) form.say(asked, null);
+        asked = open && 'ofForm' in open ? open.ofForm : '';
         if (open && 'ofForm' in open) form.say(open.ofForm, open.help)?.focus();
         else if (open) {
             open.field.setAttribute('aria-invalid', 'true');
@@ -242,7 +252,9 @@ function controls(): void {
     file.addEventListener('change', () => void take(file.files?.[0]));
     element('values').addEventListener('submit', async (event) => {
         event.preventDefault();
-        if (await propose()) element<HTMLDetailsElement>('job-details').open = true;
+        if (!(await propose())) return;
+        element<HTMLDetailsElement>('job-details').open = true;
+        element('job-details').scrollIntoView({ block: 'nearest' });
     });
     element('questions').addEventListener('submit', (event) => {
         event.preventDefault();
