@@ -110,7 +110,10 @@ pub fn files() -> Vec<(PathBuf, String)> {
             if path.is_dir() {
                 let is_of_others = ["embassy", "campaigns"].iter().any(|name| path.ends_with(name));
                 folders.extend((!is_of_others).then_some(path));
-            } else if !path.ends_with("REPAIR.toml") && path.extension().is_some_and(|extension| extension == "toml") {
+                continue;
+            }
+            let is_of_repairs = ["REPAIR.toml", "EDGE.toml"].iter().any(|name| path.ends_with(name));
+            if !is_of_repairs && path.extension().is_some_and(|extension| extension == "toml") {
                 files.push((path.clone(), std::fs::read_to_string(path).expect("text")));
             }
         }
