@@ -100,8 +100,8 @@ impl PreparedProgram {
             (whole, reports) = Reports::insert_into(&whole, every, &control, &wire).map_err(refused)?;
         }
         // Comments, and settings for the simulation or the line only, may change between two transmissions.
-        let JobFile { job, control, nc, tables, dnc, map, rule_scopes, .. } = &file;
-        let said = format!("{:?}", (job, control, nc, tables, dnc, map, rule_scopes));
+        let JobFile { job, control, nc, tables, dnc, map, rule_scopes, plunge, spindle, .. } = &file;
+        let said = format!("{:?}", (job, control, nc, tables, dnc, map, rule_scopes, plunge, spindle));
         let start = Start {
             program: fingerprint(program.bytes()),
             job: fingerprint(said.as_bytes()),
