@@ -192,7 +192,7 @@ fn check_updates(Watched { clients, late }: &Watched) {
 #[test]
 fn browsers_on_a_simulated_line_change_no_figure_and_see_position_line_and_chip() {
     let scratch = Scratch::new("live-sim");
-    let slowly = ["stream", JOB, "--port", "sim:", "--baudrate", "2400", "--json", "--speed", "20"];
+    let slowly = ["stream", JOB, "--port", "sim:", "--baudrate", "2400", "--json", "--speed", "10"];
     let without = report(&Running::start(&scratch, "without", &slowly).end());
     let (ended, seen) = with_browsers(Running::start(&scratch, "with", &[&slowly[..], &["--web"]].concat()));
     let with = report(&ended);
