@@ -10,11 +10,11 @@ use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, En
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_model::stock::Stock;
 use arcfeed_model::tool::Edge;
-use arcfeed_nc::segment::Segment;
 use arcfeed_units::Mm;
 use fastrand::Rng;
 
-use crate::application::world::{Board, Channel, Host, World, standing};
+use crate::application::host_data::{HostData, trace};
+use crate::application::world::{Board, Host, World};
 use arcfeed_tests::recording::ibr_slot;
 
 /// Tables that fit into the rules of a job.
@@ -23,13 +23,6 @@ const TABLES: usize = 16;
 const REACH_MM: f32 = 60.0;
 const ARCS: u8 = 0x26;
 const SEGMENT: u8 = 0x20;
-
-/// Data that a host sends.
-struct HostData {
-    job: Job,
-    moves: Vec<(Segment, Option<usize>)>,
-    arcs: Vec<Option<MoveTable>>,
-}
 
 fn interval(random: &mut Rng) -> EngagedInterval {
     let (from, to) = (random.f64() * 60.0, random.f64() * 90.0);
@@ -72,65 +65,40 @@ fn host_data(is_along: bool) -> HostData {
         moves.push((*segment, index.map(|index| if is_along { 0 } else { index })));
         arcs.push(index.filter(|_| is_along).map(|index| MoveTable::Engaged(tables[index].clone())));
     }
-    HostData { job, moves, arcs }
-}
-
-fn world(data: &HostData, latency_ms: u64, lost_per_mille: u64) -> World {
-    let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
-    let mut world = World::new(&data.job, &data.moves, channels);
-    world.host.add_tables(&data.arcs);
-    world.arm();
-    world
-}
-
-/// Overrides of the example's positions.
-fn trace(mut world: World) -> Vec<u8> {
-    let run = ibr_slot();
-    let mut trace = Vec::new();
-    for (position, ..) in &run.ticks {
-        world.sensors = standing(*position, run.job.tools.first().spindle);
-        trace.push(world.step().feed_override.percent);
-    }
-    assert_eq!(world.host.refusals, []);
-    assert_eq!(world.board.task.executed() as usize, run.segments.len());
-    trace
+    HostData { job, moves, tables: arcs }
 }
 
 #[test]
 fn arcs_sent_with_each_move_give_the_overrides_of_the_same_arcs_in_rules() {
-    let in_rules = trace(world(&host_data(false), 0, 0));
+    let in_rules = trace(host_data(false).world(0, 0));
     let along = host_data(true);
-    let found = trace(world(&along, 0, 0));
+    let found = trace(along.world(0, 0));
     let first = (0..found.len()).find(|at| found[*at] != in_rules[*at]);
     assert_eq!(first, None, "the first tick with another override");
     let mut values: Vec<u8> = found.clone();
     values.sort_unstable();
     values.dedup();
-    let knots = along.arcs.iter().flatten().filter_map(MoveTable::engaged).map(|table| table.knots().len());
+    let knots = along.tables.iter().flatten().filter_map(MoveTable::engaged).map(|table| table.knots().len());
     println!("{} ticks, {} knots sent, {} overrides", found.len(), knots.sum::<usize>(), values.len());
     assert!(values.len() > 50, "the tables govern: {values:?}");
-    assert!(trace(world(&along, 20, 50)) == in_rules, "a slow line that loses every twentieth frame");
+    assert!(trace(along.world(20, 50)) == in_rules, "a slow line that loses every twentieth frame");
 }
 
 #[test]
 fn a_move_that_waits_for_room_keeps_its_arcs() {
-    let mut flooded = world(&host_data(true), 0, 0);
+    let mut flooded = host_data(true).world(0, 0);
     flooded.host.say_all_moves();
-    assert!(trace(flooded) == trace(world(&host_data(false), 0, 0)));
+    assert!(trace(flooded) == trace(host_data(false).world(0, 0)));
 }
 
 #[test]
 fn without_arcs_a_move_of_such_a_rule_has_no_law() {
-    let along = host_data(true);
-    let silent = HostData { arcs: vec![None; along.arcs.len()], ..along };
-    assert!(trace(world(&silent, 0, 0)).iter().all(|percent| *percent == 100));
+    assert!(trace(host_data(true).without_tables().world(0, 0)).iter().all(|percent| *percent == 100));
 }
 
 /// A board with the set of these rules, and with nothing to do: 0 gets its arcs with each move, 1 has a shape.
 fn ready() -> World {
-    let mut world = World::new(&host_data(true).job, &[], [1, 2].map(|seed| Channel::new(0, 0, seed)));
-    world.until("the parameters", |world| world.host.is_accepted);
-    world
+    host_data(true).ready()
 }
 
 fn arcs(travelled_mm: i64, to: i16) -> Message {

@@ -11,12 +11,12 @@ use arcfeed_model::cut::CutRule;
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_model::knots::{Knot, Knots, TABLE_KNOTS_MAX};
 use arcfeed_nc::modal::Feed;
-use arcfeed_nc::segment::Segment;
 use arcfeed_tests::recording::ibr_slot;
 use arcfeed_units::{Mm, MmPerTooth};
 use fastrand::Rng;
 
-use crate::application::world::{Board, Channel, Host, World, standing};
+use crate::application::host_data::{HostData, trace};
+use crate::application::world::{Board, Host, World};
 
 /// Tables that a job has room for.
 const TABLES: usize = 2;
@@ -25,13 +25,6 @@ const REACH_MM: f32 = 60.0;
 const SEGMENT: u8 = 0x20;
 const ARCS: u8 = 0x26;
 const FEED: u8 = 0x27;
-
-/// Data that a host sends.
-struct HostData {
-    job: Job,
-    moves: Vec<(Segment, Option<usize>)>,
-    tables: Vec<Option<MoveTable>>,
-}
 
 /// Feeds from that of the slowest arc up to three times of it.
 fn knots(random: &mut Rng) -> Vec<Knot> {
@@ -68,30 +61,10 @@ fn host_data(is_along: bool) -> HostData {
     HostData { job, moves, tables: indices.iter().map(|index| index.filter(|_| is_along).map(sent)).collect() }
 }
 
-fn world(data: &HostData, latency_ms: u64, lost_per_mille: u64) -> World {
-    let channels = [1, 2].map(|seed| Channel::new(latency_ms, lost_per_mille, seed));
-    let mut world = World::new(&data.job, &data.moves, channels);
-    world.host.add_tables(&data.tables);
-    world.arm();
-    world
-}
-
-/// Overrides of the example's positions.
-fn trace(mut world: World) -> Vec<u8> {
-    let run = ibr_slot();
-    let mut trace = Vec::new();
-    for (position, ..) in &run.ticks {
-        world.sensors = standing(*position, run.job.tools.first().spindle);
-        trace.push(world.step().feed_override.percent);
-    }
-    assert_eq!(world.host.refusals, []);
-    trace
-}
-
 #[test]
 fn feeds_sent_with_each_move_give_the_overrides_of_the_same_feeds_in_rules() {
-    let in_rules = trace(world(&host_data(false), 0, 0));
-    let found = trace(world(&host_data(true), 0, 0));
+    let in_rules = trace(host_data(false).world(0, 0));
+    let found = trace(host_data(true).world(0, 0));
     let first = (0..found.len()).find(|at| found[*at] != in_rules[*at]);
     assert_eq!(first, None, "the first tick with another override");
     let mut values = found.clone();
@@ -99,24 +72,20 @@ fn feeds_sent_with_each_move_give_the_overrides_of_the_same_feeds_in_rules() {
     values.dedup();
     println!("{} ticks, {} overrides up to {:?} %", found.len(), values.len(), values.last());
     assert!(values.len() > 50, "the tables govern: {values:?}");
-    assert!(trace(world(&host_data(true), 20, 50)) == in_rules, "a slow line that loses every twentieth frame");
-    let mut flooded = world(&host_data(true), 0, 0);
+    assert!(trace(host_data(true).world(20, 50)) == in_rules, "a slow line that loses every twentieth frame");
+    let mut flooded = host_data(true).world(0, 0);
     flooded.host.say_all_moves();
     assert!(trace(flooded) == in_rules, "a move that waits for room keeps its feeds");
 }
 
 #[test]
 fn without_feeds_a_move_without_a_rule_has_no_law() {
-    let data = host_data(true);
-    let silent = HostData { tables: vec![None; data.tables.len()], ..data };
-    assert!(trace(world(&silent, 0, 0)).iter().all(|percent| *percent == 100));
+    assert!(trace(host_data(true).without_tables().world(0, 0)).iter().all(|percent| *percent == 100));
 }
 
 /// A board with a set, and with nothing to do.
 fn ready() -> World {
-    let mut world = World::new(&host_data(true).job, &[], [1, 2].map(|seed| Channel::new(0, 0, seed)));
-    world.until("the parameters", |world| world.host.is_accepted);
-    world
+    host_data(true).ready()
 }
 
 fn feed(travelled_mm: i64, feed_per_tooth: i64) -> Message {
