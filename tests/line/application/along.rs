@@ -1,10 +1,9 @@
 //! Engaged arcs that come with each move: the same overrides as by tables in the rules, and what is refused.
 
-use arcfeed_board_app::application::control_task::Supply;
 use arcfeed_law::move_table::MoveTable;
 use arcfeed_link::message::codes::RefusalCode;
 use arcfeed_link::message::fixed::Q40;
-use arcfeed_link::message::{Message, moves, parameters, table};
+use arcfeed_link::message::{Message, parameters, table};
 use arcfeed_model::cut::{CutRule, Work};
 use arcfeed_model::engaged::{ENGAGED_KNOTS_MAX, EngagedInterval, EngagedKnot, EngagedTable};
 use arcfeed_model::job::{Job, LawKind};
@@ -13,8 +12,8 @@ use arcfeed_model::tool::Edge;
 use arcfeed_units::Mm;
 use fastrand::Rng;
 
-use crate::application::host_data::{HostData, trace};
-use crate::application::world::{Board, Host, World};
+use crate::application::host_data::{HostData, say, segment, trace};
+use crate::application::world::Host;
 use arcfeed_tests::recording::ibr_slot;
 
 /// Tables that fit into the rules of a job.
@@ -96,30 +95,13 @@ fn without_arcs_a_move_of_such_a_rule_has_no_law() {
     assert!(trace(host_data(true).without_tables().world(0, 0)).iter().all(|percent| *percent == 100));
 }
 
-/// A board with the set of these rules, and with nothing to do: 0 gets its arcs with each move, 1 has a shape.
-fn ready() -> World {
-    host_data(true).ready()
-}
-
 fn arcs(travelled_mm: i64, to: i16) -> Message {
     table::SegmentArcs { travelled: Q40(travelled_mm << 40), outer: [0, to], inner: [0, 0] }.into()
 }
 
-fn segment(count: u32, rule: Option<u8>) -> Message {
-    let segment = ibr_slot().segments.iter().find(|segment| segment.arc().is_some()).expect("an arc");
-    moves::encode(segment, count, rule).expect("it can be encoded").into()
-}
-
-fn say(world: &mut World, messages: &[Message]) -> Vec<(u8, RefusalCode)> {
-    world.host.refusals.clear();
-    messages.iter().for_each(|message| world.host.say(*message));
-    world.run(20);
-    world.host.refusals.clone()
-}
-
 #[test]
 fn half_a_table_is_refused_and_so_is_its_move() {
-    let mut world = ready();
+    let mut world = host_data(true).ready();
     let many: Vec<Message> = (0..=16).map(|at| arcs(at, 8_100)).collect();
     for (bad, why) in [
         (&[arcs(1, 8_100), arcs(1, 8_100)][..], RefusalCode::Order),
@@ -139,7 +121,7 @@ fn half_a_table_is_refused_and_so_is_its_move() {
 
 #[test]
 fn arcs_belong_to_the_next_move_only_and_to_one_whose_rule_asks_for_them() {
-    let mut world = ready();
+    let mut world = host_data(true).ready();
     for rule in [Some(1), None] {
         assert_eq!(say(&mut world, &[arcs(0, 8_100), segment(1, rule)]), [(SEGMENT, RefusalCode::Value)]);
     }
@@ -152,7 +134,7 @@ fn arcs_belong_to_the_next_move_only_and_to_one_whose_rule_asks_for_them() {
 
 #[test]
 fn a_new_run_a_new_set_and_a_new_session_forget_arcs() {
-    let mut world = ready();
+    let mut world = host_data(true).ready();
     assert_eq!(say(&mut world, &[arcs(0, 8_100), table::Clear {}.into(), segment(5, Some(1))]), []);
     let mut set = vec![arcs(0, 8_100)];
     parameters::messages(&host_data(true).job, 9, &mut |message| set.push(message)).expect("a job");
@@ -169,10 +151,6 @@ fn a_new_run_a_new_set_and_a_new_session_forget_arcs() {
 
 #[test]
 fn a_tapped_board_receives_none() {
-    let mut world = ready();
-    world.host = Host::new(2, &ibr_slot().job, &[]);
-    world.host.is_silent = true;
-    world.board = Board::supplied(Supply::Tap, 2, None);
-    world.run(1_000);
+    let mut world = host_data(true).tapped();
     assert_eq!(say(&mut world, &[arcs(0, 8_100)]), [(ARCS, RefusalCode::Message)]);
 }

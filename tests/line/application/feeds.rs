@@ -1,12 +1,11 @@
 //! Tables of feeds that come with moves that no rule governs, as plunges have them: the same overrides as by tables in rules, and
 //! what is refused.
 
-use arcfeed_board_app::application::control_task::Supply;
 use arcfeed_law::move_table::MoveTable;
 use arcfeed_law::table::Table;
 use arcfeed_link::message::codes::RefusalCode;
 use arcfeed_link::message::fixed::Q40;
-use arcfeed_link::message::{Message, moves, parameters, table};
+use arcfeed_link::message::{Message, parameters, table};
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::job::{Job, LawKind};
 use arcfeed_model::knots::{Knot, Knots, TABLE_KNOTS_MAX};
@@ -15,8 +14,7 @@ use arcfeed_tests::recording::ibr_slot;
 use arcfeed_units::{Mm, MmPerTooth};
 use fastrand::Rng;
 
-use crate::application::host_data::{HostData, trace};
-use crate::application::world::{Board, Host, World};
+use crate::application::host_data::{HostData, say, segment, trace};
 
 /// Tables that a job has room for.
 const TABLES: usize = 2;
@@ -83,30 +81,13 @@ fn without_feeds_a_move_without_a_rule_has_no_law() {
     assert!(trace(host_data(true).without_tables().world(0, 0)).iter().all(|percent| *percent == 100));
 }
 
-/// A board with a set, and with nothing to do.
-fn ready() -> World {
-    host_data(true).ready()
-}
-
 fn feed(travelled_mm: i64, feed_per_tooth: i64) -> Message {
     table::SegmentFeed { travelled: Q40(travelled_mm << 40), feed_per_tooth: Q40(feed_per_tooth) }.into()
 }
 
-fn segment(count: u32, rule: Option<u8>) -> Message {
-    let segment = ibr_slot().segments.iter().find(|segment| segment.arc().is_some()).expect("an arc");
-    moves::encode(segment, count, rule).expect("it can be encoded").into()
-}
-
-fn say(world: &mut World, messages: &[Message]) -> Vec<(u8, RefusalCode)> {
-    world.host.refusals.clear();
-    messages.iter().for_each(|message| world.host.say(*message));
-    world.run(20);
-    world.host.refusals.clone()
-}
-
 #[test]
 fn half_a_table_is_refused_and_so_is_its_move() {
-    let mut world = ready();
+    let mut world = host_data(true).ready();
     let arcs: Message = table::SegmentArcs { travelled: Q40(1 << 40), outer: [0, 8_100], inner: [0, 0] }.into();
     let many: Vec<Message> = (0..=TABLE_KNOTS_MAX as i64).map(|at| feed(at, 1 << 36)).collect();
     for (bad, kind, why) in [
@@ -128,7 +109,7 @@ fn half_a_table_is_refused_and_so_is_its_move() {
 
 #[test]
 fn feeds_belong_to_the_next_move_only_and_to_one_without_a_rule() {
-    let mut world = ready();
+    let mut world = host_data(true).ready();
     assert_eq!(say(&mut world, &[feed(0, 1 << 36), segment(1, Some(0))]), [(SEGMENT, RefusalCode::Value)]);
     // Those of a refused move went with it: of this one they would be refused.
     assert_eq!(say(&mut world, &[segment(1, Some(0))]), []);
@@ -142,10 +123,6 @@ fn feeds_belong_to_the_next_move_only_and_to_one_without_a_rule() {
 
 #[test]
 fn a_tapped_board_receives_none() {
-    let mut world = ready();
-    world.host = Host::new(2, &ibr_slot().job, &[]);
-    world.host.is_silent = true;
-    world.board = Board::supplied(Supply::Tap, 2, None);
-    world.run(1_000);
+    let mut world = host_data(true).tapped();
     assert_eq!(say(&mut world, &[feed(0, 1 << 36)]), [(FEED, RefusalCode::Message)]);
 }

@@ -1,11 +1,14 @@
 //! The example job with tables that the host sends with its moves.
 
+use arcfeed_board_app::application::control_task::Supply;
 use arcfeed_law::move_table::MoveTable;
+use arcfeed_link::message::codes::RefusalCode;
+use arcfeed_link::message::{Message, moves};
 use arcfeed_model::job::Job;
 use arcfeed_nc::segment::Segment;
 use arcfeed_tests::recording::ibr_slot;
 
-use crate::application::world::{Channel, World, standing};
+use crate::application::world::{Board, Channel, Host, World, standing};
 
 /// Data that a host sends.
 pub struct HostData {
@@ -33,6 +36,16 @@ impl HostData {
         world
     }
 
+    /// A board that taps its line, behind a host that says nothing by itself.
+    pub fn tapped(&self) -> World {
+        let mut world = self.ready();
+        world.host = Host::new(2, &ibr_slot().job, &[]);
+        world.host.is_silent = true;
+        world.board = Board::supplied(Supply::Tap, 2, None);
+        world.run(1_000);
+        world
+    }
+
     /// The same without the tables.
     pub fn without_tables(self) -> Self {
         HostData { tables: vec![None; self.tables.len()], ..self }
@@ -50,4 +63,18 @@ pub fn trace(mut world: World) -> Vec<u8> {
     assert_eq!(world.host.refusals, []);
     assert_eq!(world.board.task.executed() as usize, run.segments.len());
     trace
+}
+
+/// An arc of the example, under a rule or none.
+pub fn segment(count: u32, rule: Option<u8>) -> Message {
+    let segment = ibr_slot().segments.iter().find(|segment| segment.arc().is_some()).expect("an arc");
+    moves::encode(segment, count, rule).expect("it can be encoded").into()
+}
+
+/// What the board refuses of these messages: kind and reason.
+pub fn say(world: &mut World, messages: &[Message]) -> Vec<(u8, RefusalCode)> {
+    world.host.refusals.clear();
+    messages.iter().for_each(|message| world.host.say(*message));
+    world.run(20);
+    world.host.refusals.clone()
 }

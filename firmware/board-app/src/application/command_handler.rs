@@ -217,9 +217,15 @@ impl<'q> CommandHandler<'q> {
 
     fn execute(&mut self, message: &Message) {
         let refused = match message {
-            Message::Begin(_) | Message::Clear(_) if self.is_tapped => Err((0, RefusalCode::Message)),
-            Message::Segment(_) if self.is_tapped => Err((0, RefusalCode::Message)),
-            Message::SegmentArcs(_) | Message::SegmentFeed(_) if self.is_tapped => Err((0, RefusalCode::Message)),
+            Message::Begin(_)
+            | Message::SegmentArcs(_)
+            | Message::SegmentFeed(_)
+            | Message::Segment(_)
+            | Message::Clear(_)
+                if self.is_tapped =>
+            {
+                Err((0, RefusalCode::Message))
+            }
             Message::Begin(begin) => self.buffers.staging.begin(begin.set).map_err(|why| (begin.set, why)),
             Message::Commit(commit) => self.commit(commit).map_err(|why| (commit.set, why)),
             // The table of a segment that waits for room is complete.

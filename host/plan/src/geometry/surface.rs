@@ -56,6 +56,11 @@ pub trait Surface {
         0.0
     }
 
+    /// Whether the surface runs over an edge.
+    fn is_over_edge(&self) -> bool {
+        self.gauge_mm() > 0.0
+    }
+
     /// Speed along the second parameter of the point at a height above the surface, mm.
     fn speed_mm(&self, at: [f64; 2], height_mm: f64) -> f64 {
         self.jet(at).speed_mm(height_mm * self.outward())

@@ -53,7 +53,7 @@ impl AllowanceField {
             node.along_mm = heights.height_mm(node.at);
         }
         // Round an edge the places of the old surface lie too close for a B-spline through them.
-        if nominal.surface().gauge_mm() == 0.0 {
+        if !nominal.surface().is_over_edge() {
             field.measure_nearest()?;
         }
         Ok(field)

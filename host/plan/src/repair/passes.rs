@@ -101,7 +101,7 @@ fn chords<'s>(
     settings: &PassSettings,
 ) -> ArcLength<impl Fn(f64) -> f64 + 's> {
     let PassSettings { ball_mm, chord_mm, step_mm, .. } = *settings;
-    let is_over_edge = surface.gauge_mm() > 0.0;
+    let is_over_edge = surface.is_over_edge();
     let per_parameter = move |v: f64| {
         let [_, along] = curvatures_per_mm(surface, [u, v]);
         let chord = contact_chord(ball_mm, chord_mm, along);
@@ -116,7 +116,7 @@ fn chords<'s>(
 fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
     let jet = surface.jet(at);
     // On an edge the derivatives define no normal.
-    let is_over_edge = surface.gauge_mm() > 0.0;
+    let is_over_edge = surface.is_over_edge();
     let normal =
         if is_over_edge { surface.point_and_normal(at).1 } else { jet.u.cross(&jet.v).normalize() * surface.outward() };
     [-jet.uu.dot(&normal) / jet.u.norm_squared(), -jet.vv.dot(&normal) / jet.v.norm_squared()]

@@ -162,7 +162,7 @@ pub fn plan<S: Surface + Sync>(
     let found =
         regions(surface, &field, &settings.regions).ok_or(RepairInfeasible::NothingRepaired { threshold_mm })?;
     let planned_mm = found.planned_mm(&field);
-    let is_over_edge = surface.gauge_mm() > 0.0;
+    let is_over_edge = surface.is_over_edge();
     if is_over_edge {
         check_around(&field, &found)?;
         correct_edge(surface, samples, &mut field, &heights, &found);

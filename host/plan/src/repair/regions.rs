@@ -77,13 +77,13 @@ pub struct RepairRegions {
 pub fn regions(surface: &impl Surface, field: &AllowanceField, settings: &RegionSettings) -> Option<RepairRegions> {
     let old_mm = |is_beyond: bool| old_deviation_mm(field, is_beyond, settings.threshold_mm);
     let before_mm = old_mm(false);
-    let old_mm = [before_mm, if surface.gauge_mm() > 0.0 { old_mm(true) } else { before_mm }];
+    let old_mm = [before_mm, if surface.is_over_edge() { old_mm(true) } else { before_mm }];
     let limit_mm = |node: &FieldNode| old_at_mm(old_mm, &node.unfolded, settings.width_mm) + settings.threshold_mm;
     let repaired = repaired_nodes(field, limit_mm);
     if !repaired.iter().flatten().any(|is_repaired| *is_repaired) {
         return None;
     }
-    let border = match surface.gauge_mm() > 0.0 {
+    let border = match surface.is_over_edge() {
         true => RepairBorder::Pieces(pieces(field, &repaired)),
         false => border(field, &repaired, old_mm[0] + settings.threshold_mm),
     };

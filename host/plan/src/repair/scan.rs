@@ -78,7 +78,7 @@ impl<S: Surface> NominalSurface<S> {
             })
             .collect();
         let gauge_mm = surface.gauge_mm();
-        let raised = |at: &(Point, [f64; 2])| match gauge_mm > 0.0 {
+        let raised = |at: &(Point, [f64; 2])| match surface.is_over_edge() {
             true => at.0 + surface.point_and_normal(at.1).1 * gauge_mm,
             false => at.0,
         };
