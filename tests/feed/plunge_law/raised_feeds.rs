@@ -21,14 +21,22 @@ use arcfeed_tests::{of_full_set, run};
 use arcfeed_units::{Nm, S_PER_MIN};
 use fastrand::Rng;
 
+use crate::plunge_law::plunge_job::PlungeJob;
 use crate::plunge_law::random::RandomPlunges;
 
-/// Runs of each program with each fault, at random times.
+/// Runs of each program with each fault, at random times at which the override is raised.
 const TIMES: usize = 3;
 /// From the last tick of a controller to its watchdog, which sets 0 %.
 const WATCHDOG_MS: u64 = 100;
 /// Rounding of the halvings, and of the step of F.
 const ROUNDING_RATIO: f64 = 1.0 + 1e-6;
+
+/// A plunge beside a shallower one: below that its section is several times as large.
+const STEPPED: &str =
+    "%\nG21G17G90G94\nS3000M3\nN1G0X0.Y3.Z5.\nN2G1Z-15.F160.\nN3G0Z5.\nN4X3.\nN5G1Z-30.F160.\nN6G0Z5.\nN7M30\n%\n";
+/// What a controller may lose, at a tick.
+const LOSSES: [fn(u64) -> ControllerFault; 3] =
+    [ControllerFault::FrozenAfter, ControllerFault::PositionLostAfter, ControllerFault::HostLostAfter];
 
 /// A program with the law's own quantities on each of its descents.
 struct Plunges {
@@ -39,11 +47,12 @@ struct Plunges {
 }
 
 /// What a run finds.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Found {
     time_ms: u64,
     descending_ms: u64,
-    raised_ms: u64,
+    /// Times on descents at which the override was above 100 %.
+    raised_at_ms: Vec<u64>,
     most_ratio: f64,
 }
 
@@ -120,7 +129,9 @@ impl Plunges {
             let path_mm = simulation.control().speed_mm_per_s() / teeth_per_s;
             found.most_ratio = found.most_ratio.max(self.excess(moved, &descent, at_mm, path_mm / ROUNDING_RATIO));
             found.descending_ms += 1;
-            found.raised_ms += u64::from(simulation.override_output().percent > 100);
+            if simulation.override_output().percent > 100 {
+                found.raised_at_ms.push(found.time_ms);
+            }
         }
         found
     }
@@ -128,7 +139,7 @@ impl Plunges {
 
 #[test]
 fn the_override_keeps_every_descent_within_the_law_also_when_the_board_is_lost() {
-    let (mut total, mut faults) = (Found::default(), 0);
+    let (mut descending_ms, mut raised_ms, mut most_ratio, mut faults) = (0, 0, 0.0_f64, 0);
     for seed in 0..of_full_set(60, 12) {
         let mut random = Rng::with_seed(0x0226 + seed);
         let sample = RandomPlunges::sample(&mut random);
@@ -139,28 +150,55 @@ fn the_override_keeps_every_descent_within_the_law_also_when_the_board_is_lost()
         let plunges = Plunges::load(&job);
         let mut judge = |fault: ControllerFault| {
             let found = plunges.run(fault);
-            assert!(
-                found.most_ratio <= 1.0,
-                "program {seed}, {fault:?}: {found:?}\n{}\n{}",
-                sample.tool,
-                sample.program
-            );
-            total.descending_ms += found.descending_ms;
-            total.raised_ms += found.raised_ms;
-            total.most_ratio = total.most_ratio.max(found.most_ratio);
-            found.time_ms
+            let Found { most_ratio: ratio, .. } = found;
+            assert!(ratio <= 1.0, "program {seed}, {fault:?}: {ratio}\n{}\n{}", sample.tool, sample.program);
+            descending_ms += found.descending_ms;
+            raised_ms += found.raised_at_ms.len() as u64;
+            most_ratio = most_ratio.max(ratio);
+            found.raised_at_ms
         };
-        let time_ms = judge(ControllerFault::None);
+        let raised_at_ms = judge(ControllerFault::None);
         for _ in 0..TIMES {
-            let at = random.u64(..time_ms);
-            for fault in
-                [ControllerFault::FrozenAfter, ControllerFault::PositionLostAfter, ControllerFault::HostLostAfter]
-            {
-                judge(fault(at));
+            // Elsewhere a loss leaves the least feed in force.
+            let Some(at) = random.choice(&raised_at_ms) else { continue };
+            for fault in LOSSES {
+                judge(fault(*at));
                 faults += 1;
             }
         }
     }
-    println!("{faults} faults; {total:?}");
-    assert!(total.raised_ms > total.descending_ms / 20, "{total:?}");
+    println!(
+        "{faults} faults, {descending_ms} ms on descents, {raised_ms} ms above 100 %, {most_ratio} of the limits at most"
+    );
+    assert!(raised_ms > descending_ms / 20 && faults > 0);
+}
+
+#[test]
+fn a_loss_in_front_of_a_larger_section_finds_the_override_low_enough_for_it() {
+    let job = PlungeJob {
+        name: "stepped",
+        tool: "kind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 40",
+        workpiece: "round = { from = [-20, 0, -40], to = [30, 0, -40], radius = 40 }\nstep = 0.25",
+        cutting: "material = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 2\nlayers = 2",
+        spindle: "rev_per_min = 3000\nmax_power = \"2.25 kW\"\nmax_torque = \"9 Nm\"",
+        mode: "mode = \"safe-base\"\nmax = 200",
+        feed_per_tooth_mm: 0.08,
+        max_raise: 4.0,
+        program: STEPPED,
+    };
+    let (_scratch, job) = job.written();
+    let made = run(&["engage", &job]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let plunges = Plunges::load(&job);
+    let raised_at_ms = plunges.run(ControllerFault::None).raised_at_ms;
+    assert!(raised_at_ms.len() > 500, "{} ms above 100 %", raised_at_ms.len());
+    let mut most_ratio = 0.0_f64;
+    for at in raised_at_ms.iter().step_by(20) {
+        for fault in LOSSES {
+            let ratio = plunges.run(fault(*at)).most_ratio;
+            assert!(ratio <= 1.0, "{:?}: {ratio}", fault(*at));
+            most_ratio = most_ratio.max(ratio);
+        }
+    }
+    println!("{} ms above 100 %, {most_ratio} of the limits at most", raised_at_ms.len());
 }
