@@ -1,5 +1,5 @@
-//! Execution of the host's messages: each is checked, prepared and put into the queues to the control task. Answers to the host
-//! wait in a queue of their own.
+//! Execution of the host's messages: each is checked, prepared and put into the queues to the control task. Answers to
+//! the host wait in a queue of their own.
 //!
 //! Parameters take effect as a whole, and only while the laws do not have the override or no segment is in execution.
 //! Segments are accepted only in the order of their counts and with parameters of the same session. A request arms the
@@ -11,7 +11,6 @@ use arcfeed_link::message::page::{PageError, TappedLine};
 use arcfeed_link::message::{Message, table};
 use arcfeed_model::job::{Job, OverrideLimits};
 use arcfeed_units::{Micros, Nm};
-use heapless::Deque;
 
 use arcfeed_firmware::active::ActiveSegment;
 use arcfeed_firmware::supervisor::Supervisor;
@@ -24,10 +23,8 @@ use super::dispatch::Dispatch;
 pub use super::identity::Identity;
 use super::messages::{HostQueues, Notice, TaskStatus};
 use super::received_table::ReceivedTable;
+use super::replies::Replies;
 use super::report;
-
-/// Maximum number of answers that wait for the link.
-const REPLIES: usize = 8;
 
 /// Checks and executes the host's messages, passes moves and settings to the control task, and holds the answers.
 pub struct CommandHandler<'q> {
@@ -49,7 +46,7 @@ pub struct CommandHandler<'q> {
     /// A segment for which there was no room; it is executed before any other message.
     parked: Option<table::Segment>,
     status: Option<TaskStatus>,
-    replies: Deque<Message, REPLIES>,
+    replies: Replies,
 }
 
 impl<'q> CommandHandler<'q> {
@@ -71,7 +68,7 @@ impl<'q> CommandHandler<'q> {
             has_first: false,
             parked: None,
             status: None,
-            replies: Deque::new(),
+            replies: Replies::default(),
         })
     }
 
@@ -84,14 +81,14 @@ impl<'q> CommandHandler<'q> {
 
     /// Whether the next message of the host can be executed now. While it cannot, the link holds messages back.
     pub fn is_ready(&self) -> bool {
-        self.parked.is_none() && self.dispatch.is_done() && self.replies.len() < REPLIES / 2
+        self.parked.is_none() && self.dispatch.is_done() && self.replies.has_room()
     }
 
     /// Executes a message of the host. Bytes that are not a valid message are answered by `Refused`.
     pub fn handle(&mut self, kind: u8, payload: &[u8]) {
         match Message::decode(kind, payload) {
             Ok(message) => self.execute(&message),
-            Err(_) => self.refuse(kind, 0, RefusalCode::Message),
+            Err(_) => self.replies.refuse(kind, 0, RefusalCode::Message),
         }
     }
 
@@ -111,20 +108,15 @@ impl<'q> CommandHandler<'q> {
         while let Some(status) = self.dispatch.status() {
             if let Some(refusal) = status.refusal {
                 let kind = table::Request { what: RequestCode::Arm, epoch: 0 };
-                self.refuse(Message::from(kind).kind(), u32::from(status.epoch), report::refusal_code(refusal));
+                self.replies.refuse(Message::from(kind).kind(), u32::from(status.epoch), report::refusal_code(refusal));
             }
             self.status = Some(status);
         }
     }
 
-    /// The next answer to the host; `None` if none waits.
-    pub fn reply(&mut self) -> Option<Message> {
-        self.replies.pop_front()
-    }
-
-    /// Puts an answer that could not be sent back in front of the others.
-    pub fn requeue(&mut self, reply: Message) {
-        let _room = self.replies.push_front(reply);
+    /// Answers to the host.
+    pub fn replies(&mut self) -> &mut Replies {
+        &mut self.replies
     }
 
     /// Status report for the host; `None` before the first tick.
@@ -236,11 +228,11 @@ impl<'q> CommandHandler<'q> {
             Message::Request(request) => self.request(request).map_err(|why| (u32::from(request.epoch), why)),
             Message::SetSetting(set) => self.set(set).map_err(|why| (set.setting as u32, why)),
             Message::AskSetting(ask) => {
-                self.answer(self.settings.value(ask.setting).into());
+                self.replies.push(self.settings.value(ask.setting).into());
                 Ok(())
             }
             Message::AskInfo(_) => {
-                self.answer(self.info().into());
+                self.replies.push(self.info().into());
                 Ok(())
             }
             Message::Clear(_) => {
@@ -254,7 +246,7 @@ impl<'q> CommandHandler<'q> {
             _ => Err((0, RefusalCode::Message)),
         };
         if let Err((reference, why)) = refused {
-            self.refuse(message.kind(), reference, why);
+            self.replies.refuse(message.kind(), reference, why);
         }
     }
 
@@ -286,7 +278,7 @@ impl<'q> CommandHandler<'q> {
                 self.buffers.put_in_force();
                 self.take_effect(commit.set);
                 self.is_current = true;
-                self.answer(table::Accepted { set: commit.set }.into());
+                self.replies.push(table::Accepted { set: commit.set }.into());
             }
             Err(RefusalCode::Busy | RefusalCode::NoSet) => {}
             Err(_) => self.dispatch.notify(Notice::Fault(BoardFault::Parameters)),
@@ -382,7 +374,7 @@ impl<'q> CommandHandler<'q> {
         }
         self.settings.set(set.setting, set.value)?;
         self.send_parameters();
-        self.answer(self.settings.value(set.setting).into());
+        self.replies.push(self.settings.value(set.setting).into());
         Ok(())
     }
 
@@ -390,14 +382,5 @@ impl<'q> CommandHandler<'q> {
         let Identity { name, version, reset, starts } = self.identity;
         let capacity = u16::try_from(self.dispatch.capacity()).unwrap_or(u16::MAX);
         table::Info { version, reset, starts, capacity, set: self.set, name: Chunk::of(name.as_bytes()) }
-    }
-
-    fn refuse(&mut self, kind: u8, reference: u32, why: RefusalCode) {
-        self.answer(table::Refused { kind, reference, why }.into());
-    }
-
-    /// Queues an answer. A host that sends requests faster than it reads loses answers.
-    fn answer(&mut self, message: Message) {
-        let _room = self.replies.push_back(message);
     }
 }

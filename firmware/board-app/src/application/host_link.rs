@@ -141,9 +141,9 @@ impl<'q, const WINDOW: usize, const KINDS: usize> HostLink<'q, WINDOW, KINDS> {
     }
 
     fn answer(&mut self) {
-        while let Some(reply) = self.handler.reply() {
+        while let Some(reply) = self.handler.replies().pop() {
             if send(&mut self.link, &reply) == Err(SendError::Full) {
-                return self.handler.requeue(reply);
+                return self.handler.replies().requeue(reply);
             }
         }
     }

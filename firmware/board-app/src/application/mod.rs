@@ -21,6 +21,8 @@ pub mod messages;
 
 pub mod report;
 
+pub mod replies;
+
 pub mod sensors;
 
 pub mod control_task;
