@@ -43,8 +43,8 @@ pub struct AxisSearch<'s, V> {
     pub prepared: &'s [PreparedSlot; 2],
     /// Cutter.
     pub cutter: &'s CupMill,
-    /// Function that returns the removed fraction of the slot, by index of the start edges, tool direction and number of eighths of the
-    /// height left out; `None` if there is no plan.
+    /// Function that returns the removed fraction of the slot, by index of the start edges, tool direction and the uncut eighths of the
+    /// blades' height (from the hub up); `None` if there is no plan.
     pub value: V,
 }
 

@@ -20,7 +20,7 @@ const TURN_DEG: f64 = 360.0;
 /// Half the resolution of a table's arc ends.
 const ROUNDING_DEG: f64 = 0.5 / 90.0;
 
-/// Engaged intervals of direction at one position of a move.
+/// Engaged arcs of the cutting circles at one position of a move, as intervals of direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<const N: usize> {
     /// Path along the move up to the position, mm; increases from sample to sample.

@@ -40,8 +40,8 @@ impl Deframer {
         Deframer { stuffing: DecoderState::Idle, body: [0; BODY_MAX], len: 0 }
     }
 
-    /// Processes a byte. Returns the frame that it completes, if it does; its checksum is not checked here, but by the
-    /// caller, who compares the frame's salt.
+    /// Processes a byte. Returns a frame if the byte completes one. The caller checks the checksum: the frame's salt is
+    /// the difference between the received and the computed one, and must be that of the session.
     pub fn push(&mut self, byte: u8) -> Option<Result<Frame<'_>, FramingError>> {
         match self.stuffing.feed(byte) {
             Ok(DecodeResult::NoData) => None,

@@ -48,7 +48,8 @@ const PART: usize = 64;
 /// Setpoint if there is none: all lines released.
 const NOTHING: Setpoint = Setpoint { at: 0, lines: 0, state: StateCode::Faulted, link_bytes: 0, tap_bytes: 0 };
 
-/// The main program of the emulated board: link, tapped line and machine line. Its tap has room for `N` characters.
+/// The main program of the emulated board: the link to the host, the tap on the DNC line, and the line to the simulated machine. Its tap has
+/// room for `N` characters.
 pub struct Main<const N: usize> {
     front: MainLoop<'static, N>,
     lines: Lines,

@@ -149,7 +149,7 @@ pub const MATERIALS: [CatalogueMaterial; 11] = [
 /// has Ktc from 600 to 1319 N/mm2.
 pub const AL_7075_T6: Cutting = Cutting::linear([767.01, 168.8, 222.0], [27.7, 26.6, 0.7]);
 
-/// Al 6082-T6, linear; cemented carbide, dry. Source: the same table (its reference 189).
+/// Al 6082-T6, linear; tool of cemented carbide, dry. Source: table 5 of the paper named at [`AL_7075_T6`] (its reference 189).
 pub const AL_6082_T6: Cutting = Cutting::linear([631.0, 99.0, 273.0], [13.0, 10.0, 2.8]);
 
 /// Ti-6Al-4V with a right-hand helix of 30 degrees, linear. Not verified: recalled from text-books, no page was at hand, and an

@@ -72,8 +72,8 @@ pub trait Surface {
     }
 }
 
-/// Side of a blade with its parameters in the order of the repair's source: the first from the root (0) to the tip (1), the second from the
-/// leading (0) to the trailing edge (1).
+/// Side of a blade with its parameters in the order of Feng et al., the paper on repaired blades: the first from the root (0) to the tip
+/// (1), the second from the leading (0) to the trailing edge (1).
 #[derive(Clone, Copy, Debug)]
 pub struct SpanwiseFace<'f>(pub &'f Face);
 
