@@ -18,8 +18,8 @@ const BROWSERS: usize = 5;
 const AFTER_DC3_MAX: u64 = 10;
 /// Snapshots a second that the page promises.
 const UPDATES_PER_S: f64 = 20.0;
-/// Rate of the pseudo-terminal in wall time: ten characters last 3 ms, in which a busy computer still reacts to a DC3.
-const RATE: &str = "38400";
+/// Rate of the pseudo-terminal in wall time: ten characters last 11 ms, in which a busy computer still reacts to a DC3.
+const RATE: &str = "9600";
 
 /// Address of a page that arcfeed serves.
 #[derive(Clone, Debug)]
