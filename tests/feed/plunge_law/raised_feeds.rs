@@ -150,7 +150,7 @@ fn the_override_keeps_every_descent_within_the_law_also_when_the_board_is_lost()
         let plunges = Plunges::load(&job);
         let mut judge = |fault: ControllerFault| {
             let found = plunges.run(fault);
-            let Found { most_ratio: ratio, .. } = found;
+            let ratio = found.most_ratio;
             assert!(ratio <= 1.0, "program {seed}, {fault:?}: {ratio}\n{}\n{}", sample.tool, sample.program);
             descending_ms += found.descending_ms;
             raised_ms += found.raised_at_ms.len() as u64;
