@@ -264,10 +264,10 @@ pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(us
     }
     if let Path::Arc(arc) = path {
         let (first, second, _) = arc.plane.axes();
-        let crossed = crossed_axes(arc);
+        let (crossed, radius_mm) = (crossed_axes(arc), arc.radius_mm());
         for (quarter, _) in crossed.into_iter().enumerate().filter(|(_, is_crossed)| *is_crossed) {
             let (axis, center) = if quarter % 2 == 0 { (first, arc.center[0]) } else { (second, arc.center[1]) };
-            let outwards_mm = if quarter < 2 { arc.radius_mm() } else { -arc.radius_mm() };
+            let outwards_mm = if quarter < 2 { radius_mm } else { -radius_mm };
             include(axis, length_mm(center, origin.linear[axis]) + outwards_mm);
         }
     }

@@ -31,18 +31,42 @@ const OPEN: u8 = 9;
 const CLOSE: u8 = 10;
 const MACRO: u8 = 11;
 const MARK: u8 = 12;
+const LINE_END: u8 = 13;
 
 const KINDS: [u8; 256] = kinds();
 const NEXT: [u8; 256] = next_states();
 
+/// Bytes that are read before the state is looked at.
+const AT_ONCE: usize = 16;
+
 /// Whether a line certainly needs no macro interpreter: it has only words with plain numbers, and comments. False for
 /// some plain lines too.
 pub fn has_plain_bytes(line: &[u8]) -> bool {
-    let next = |state: u8, byte: &u8| {
-        let kind = KINDS.get(usize::from(*byte)).copied().unwrap_or(MACRO);
-        NEXT.get(usize::from(state | kind)).copied().unwrap_or(OTHER)
+    first_odd_byte(line).is_none()
+}
+
+/// Index of the byte with which the first line of a text that is not certainly plain stops being so; `None` if all lines
+/// are. Lines end with LF.
+pub fn first_odd_byte(text: &[u8]) -> Option<usize> {
+    let (mut state, mut passed) = (OUTSIDE, 0);
+    for bytes in text.as_chunks::<AT_ONCE>().0 {
+        let after = bytes.iter().fold(state, next);
+        if after == OTHER {
+            break;
+        }
+        (state, passed) = (after, passed + AT_ONCE);
+    }
+    let is_odd = |byte| {
+        state = next(state, byte);
+        state == OTHER
     };
-    line.iter().fold(OUTSIDE, next) != OTHER
+    text.iter().skip(passed).position(is_odd).map(|index| passed + index)
+}
+
+#[inline]
+fn next(state: u8, byte: &u8) -> u8 {
+    let kind = KINDS.get(usize::from(*byte)).copied().unwrap_or(MACRO);
+    NEXT.get(usize::from(state | kind)).copied().unwrap_or(OTHER)
 }
 
 const fn kinds() -> [u8; 256] {
@@ -63,6 +87,7 @@ const fn kind_of(byte: u8) -> u8 {
         b'9' => NINE,
         b'2'..=b'8' => DIGIT,
         b' ' | b'\t' | b'\r' => BLANK,
+        b'\n' => LINE_END,
         b'G' | b'g' => G,
         b'M' | b'm' => M,
         b'A'..=b'Z' | b'a'..=b'z' => ADDRESS,
@@ -87,6 +112,7 @@ const fn next_states() -> [u8; 256] {
 const fn next_state(state: u8, kind: u8) -> u8 {
     match (state, kind) {
         (OTHER.., _) => OTHER,
+        (_, LINE_END) => OUTSIDE,
         (COMMENT, CLOSE) => OUTSIDE,
         (COMMENT, _) => COMMENT,
         (LETTER_G | ZEROS_G, SIX) | (LETTER_M | ZEROS_M, ONE | NINE) => OTHER,
@@ -151,5 +177,18 @@ mod tests {
             }
         }
         assert!(counts[0] > 100_000 && counts[1] > 100_000, "{counts:?}");
+    }
+    #[test]
+    fn the_first_line_that_is_not_plain_is_found_in_a_text_of_any_length() {
+        let plain = "N1G2X-2.5752Y11.5549 (OPEN\r\n";
+        for count in 0..7 {
+            for begin in ["G", "M0", "N1X5 "] {
+                let before = plain.repeat(count) + begin;
+                assert_eq!(first_odd_byte((before.clone() + "#1\n" + plain).as_bytes()), Some(before.len()));
+            }
+        }
+        assert_eq!(first_odd_byte(plain.repeat(9).as_bytes()), None);
+        // The comment that stays open ends with its line.
+        assert_eq!(first_odd_byte(b"(OPEN\nG65"), Some(7));
     }
 }

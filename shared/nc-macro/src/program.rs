@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use super::code::{Head, MacroCode, is_keyword, is_short_keyword};
 use super::offsets;
-use super::plain_bytes::has_plain_bytes;
+use super::plain_bytes::{first_odd_byte, has_plain_bytes};
 use arcfeed_nc::block::is_title;
 use arcfeed_nc::text::Lines;
 
@@ -215,8 +215,27 @@ fn is_call(letter: u8, value: &[u8]) -> bool {
 /// Number of the line, from 1, of the program's first macro statement or call; `None` if it has none. A G67 (cancels a
 /// modal call) before any call does not count.
 pub fn first_macro(text: &[u8]) -> Option<usize> {
-    let is_macro = |line: &[u8]| needs_interpreter(line) && !only_cancels(line);
-    Lines::new(text).position(|line| is_macro(line.text)).map(|index| index + 1)
+    let is_end = |byte: &u8| *byte == b'\n';
+    if !text.iter().any(is_end) {
+        // CR ends its lines.
+        return Lines::new(text).position(|line| is_macro(line.text)).map(|index| index + 1);
+    }
+    let mut begin = 0;
+    loop {
+        let (before, from_odd) = text.split_at_checked(begin + first_odd_byte(text.get(begin..)?)?)?;
+        let start = before.iter().rposition(is_end).map_or(0, |end| end + 1);
+        let end = before.len() + from_odd.iter().position(is_end).unwrap_or(from_odd.len());
+        // CR behind LF belongs to its line end.
+        let returns = text.iter().skip(start).take_while(|byte| start > 0 && **byte == b'\r').count();
+        if is_macro(text.get(start + returns..end)?) {
+            return Some(1 + before.iter().filter(|byte| is_end(byte)).count());
+        }
+        begin = end;
+    }
+}
+
+fn is_macro(line: &[u8]) -> bool {
+    needs_interpreter(line) && !only_cancels(line)
 }
 
 /// Whether G67 is all that the macro interpreter would execute of a line.
@@ -322,17 +341,42 @@ mod tests {
         assert_eq!(first_macro(b"G67X#1"), Some(1));
     }
 
-    #[test]
-    fn no_line_of_plain_bytes_has_an_effect() {
-        const PARTS: [&str; 30] = [
-            "G", "M", "X", "O", "N", "D", "I", "F", "0", "1", "5", "6", "7", "8", "9", ".", "-", " ", "\t", "/", ":",
-            "#", "=", "[", "]", "(", ")", "%", "g", "GOTO",
-        ];
-        let (mut seed, mut plain) = (1_u32, 0);
-        let mut next = |below: usize| {
+    const PARTS: [&str; 30] = [
+        "G", "M", "X", "O", "N", "D", "I", "F", "0", "1", "5", "6", "7", "8", "9", ".", "-", " ", "\t", "/", ":", "#",
+        "=", "[", "]", "(", ")", "%", "g", "GOTO",
+    ];
+
+    /// Numbers below a bound, the same in each run.
+    fn numbers() -> impl FnMut(usize) -> usize {
+        let mut seed = 1_u32;
+        move |below| {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             (seed >> 16) as usize % below
-        };
+        }
+    }
+
+    #[test]
+    fn the_first_macro_of_a_text_is_that_of_its_lines() {
+        const ENDS: [&str; 6] = ["\n", "\n", "\r\n", "\n\r\r", "\r", "\n\n"];
+        let (mut next, mut found) = (numbers(), [0, 0]);
+        for _ in 0..100_000 {
+            let mut text = Vec::new();
+            for _ in 0..next(6) {
+                for _ in 0..next(6) {
+                    text.extend_from_slice(PARTS[next(PARTS.len())].as_bytes());
+                }
+                text.extend_from_slice(ENDS[next(ENDS.len())].as_bytes());
+            }
+            let line = Lines::new(&text).position(|line| is_macro(line.text)).map(|index| index + 1);
+            assert_eq!(first_macro(&text), line, "{}", text.escape_ascii());
+            found[usize::from(line.is_some_and(|line| line > 1))] += 1;
+        }
+        assert!(found[1] > 20_000, "{found:?}");
+    }
+
+    #[test]
+    fn no_line_of_plain_bytes_has_an_effect() {
+        let (mut next, mut plain) = (numbers(), 0);
         for _ in 0..500_000 {
             let mut line = Vec::new();
             for _ in 0..next(9) {
