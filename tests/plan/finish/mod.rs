@@ -4,6 +4,8 @@ mod contact;
 
 mod axes;
 
+mod rotary;
+
 mod plans;
 
 mod feed;

@@ -1,5 +1,7 @@
 //! Plans of a whole blade: what is left on the surface, gouges, distances, and the feed at the contact, all measured from the path.
 
+use arcfeed::machine_file::MachineFile;
+use arcfeed_kinematics::machine::Machine;
 use arcfeed_plan::finish::access::{FinishInfeasible, MoveKind};
 use arcfeed_plan::finish::feed::ContactFeed;
 use arcfeed_plan::finish::mill::{CutterLocation, FinishMill};
@@ -14,6 +16,8 @@ use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::geometry::generator::Rotor;
 use arcfeed_plan::vector::{Point, Vector};
 
+use arcfeed_tests::root;
+
 use crate::published_rotor;
 
 const SCALLOP_MM: f64 = 0.02;
@@ -22,7 +26,7 @@ const TOLERANCE_MM: f64 = 0.005;
 const GOUGE_MM: f64 = 0.015;
 
 /// The rotor of the published size, with its round leading and sharp trailing edge.
-fn blisk() -> Blisk {
+pub fn blisk() -> Blisk {
     published_rotor::rotor(&published_rotor::ROTOR.sections(9, 161).unwrap())
 }
 
@@ -31,7 +35,7 @@ fn blisk_with_kinks() -> Blisk {
     published_rotor::rotor(&Rotor { edge_mm: 0.5, ..published_rotor::ROTOR }.sections(9, 81).unwrap())
 }
 
-fn mill() -> FinishMill {
+pub fn mill() -> FinishMill {
     FinishMill {
         radius_mm: 2.5,
         corner_radius_mm: 2.5,
@@ -42,7 +46,7 @@ fn mill() -> FinishMill {
     }
 }
 
-fn needs(course: Course, spacing: Spacing) -> FinishNeeds {
+pub fn needs(course: Course, spacing: Spacing) -> FinishNeeds {
     FinishNeeds {
         margins: Margins { safety_mm: 0.5, gouge_mm: GOUGE_MM },
         sampling: Sampling { tolerance_mm: TOLERANCE_MM, step_mm: 2.0, angle_rad: 0.02 },
@@ -57,8 +61,13 @@ fn needs(course: Course, spacing: Spacing) -> FinishNeeds {
     }
 }
 
+/// Machine of the example.
+pub fn mikron() -> Machine {
+    MachineFile::load(&root().join("host/machines/mikron-ucp710.toml")).expect("a preset").machine
+}
+
 fn plan(blisk: &Blisk, needs: &FinishNeeds) -> Result<FinishPlan, FinishInfeasible> {
-    Planner { blisk, mill: &mill(), needs, bodies: &obstacles(blisk, &[]) }.plan()
+    Planner { blisk, mill: &mill(), machine: &mikron(), needs, bodies: &obstacles(blisk, &[]) }.plan()
 }
 
 /// Centres of the ball along the cutting moves, as a control leads them: the tip straight, the axis turned with it.
@@ -184,7 +193,7 @@ fn the_proof_holds_and_is_nowhere_above_the_distances_of_samples() {
     assert!(least >= needs.margins.safety_mm);
     // A mill with a neck as thick as the passage is refused, with the place.
     let thick = FinishMill { neck_mm: vec![[9.0, 34.0]], ..mill };
-    let refused = Planner { blisk: &blisk, mill: &thick, needs: &needs, bodies: &bodies }.plan();
+    let refused = Planner { blisk: &blisk, mill: &thick, machine: &mikron(), needs: &needs, bodies: &bodies }.plan();
     assert!(matches!(refused, Err(FinishInfeasible::NoAxis { .. })), "{refused:?}");
 }
 

@@ -1,5 +1,6 @@
 //! Access of a finishing mill to a blade: admissible tool axes, approaches, links, and the way out along the mill's axis.
 
+use arcfeed_kinematics::machine::Machine;
 use thiserror::Error;
 
 use crate::geometry::face::Face;
@@ -7,12 +8,13 @@ use crate::vector::{Point, Vector};
 
 use super::axis::{AxisProgram, along_arc};
 use super::contact::Contact;
-use super::course::CourseSearch;
+use super::course::{CourseGap, CourseSearch};
 use super::mill::{CutterLocation, FinishMill};
 use super::needs::FinishNeeds;
 use super::obstacles::FinishBody;
 use super::passes::PassPoint;
 use super::reach::AxisReach;
+use super::rotary::RangeExcess;
 
 /// Longest way out along the tool axis, mm.
 const OUT_MAX_MM: f64 = 1_000.0;
@@ -59,6 +61,17 @@ pub enum FinishInfeasible {
         /// That position, in per cent of the way round the blade.
         percent: f64,
     },
+    /// At one position along the passes the machine's rotary axes do not reach the tool axes that are admissible.
+    #[error(
+        "the rotary axes reach no admissible tool axis at {percent:.0} % of the way round the blade: {excess}. Take a wider range `tilt_deg`, a thinner or longer \
+         neck, a smaller `safety`, a shorter span, or a machine with a wider range of this axis"
+    )]
+    OutOfRange {
+        /// That position, in per cent of the way round the blade.
+        percent: f64,
+        /// Least excess over the range of a rotary axis.
+        excess: RangeExcess,
+    },
     /// The mill cannot leave the part along its axis.
     #[error("the mill does not leave the part along its axis: its axis does not lead out of the rotor")]
     NoWayOut,
@@ -68,6 +81,8 @@ pub enum FinishInfeasible {
 pub struct BladeAccess<'a> {
     /// Mill with neck and holder.
     pub mill: &'a FinishMill,
+    /// Machine whose rotary axes must reach the tool axes.
+    pub machine: &'a Machine,
     /// Requirements on the passes.
     pub needs: &'a FinishNeeds,
     /// Obstacles: this blade, its neighbours, hub and fixtures.
@@ -97,8 +112,13 @@ impl BladeAccess<'_> {
         let FinishNeeds { margins, sampling, tilt_rad, .. } = self.needs;
         let turn_rad = sampling.angle_rad / 2.0;
         let reach = AxisReach { mill: self.mill, pieces: &pieces, bodies: self.bodies, margins: *margins, turn_rad };
-        let search = CourseSearch { reach: &reach, passes, outward: self.outward, tilt_rad: *tilt_rad, is_closed };
-        search.course().map_err(|share| FinishInfeasible::NoAxis { percent: 100.0 * share })
+        let (outward, machine, tilt_rad) = (self.outward, self.machine, *tilt_rad);
+        let search = CourseSearch { reach: &reach, machine, passes, outward, tilt_rad, is_closed };
+        search.course().map_err(|CourseGap { share, excess }| {
+            let percent = 100.0 * share;
+            excess
+                .map_or(FinishInfeasible::NoAxis { percent }, |excess| FinishInfeasible::OutOfRange { percent, excess })
+        })
     }
 
     /// Whole path: passes with approaches, links and the way out along the mill's axis. Of joined passes, each begins where the last ends.

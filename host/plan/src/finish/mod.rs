@@ -14,6 +14,8 @@ pub mod rows;
 
 pub mod passes;
 
+pub mod rotary;
+
 pub mod course;
 
 pub mod needs;

@@ -1,5 +1,7 @@
 //! Plan of finishing passes of one blade: span, passes, tool axes.
 
+use arcfeed_kinematics::machine::Machine;
+
 use crate::geometry::blisk::Blisk;
 use crate::geometry::face::Face;
 use crate::geometry::flaws::BladeSide;
@@ -34,6 +36,8 @@ pub struct Planner<'a> {
     pub blisk: &'a Blisk,
     /// Mill.
     pub mill: &'a FinishMill,
+    /// Machine.
+    pub machine: &'a Machine,
     /// Requirements.
     pub needs: &'a FinishNeeds,
     /// Obstacles.
@@ -109,9 +113,9 @@ impl Planner<'_> {
 
     /// The blade with everything about it, as obstacles for the mill.
     pub fn access(&self) -> BladeAccess<'_> {
-        let Planner { blisk, mill, needs, bodies } = *self;
+        let Planner { blisk, mill, machine, needs, bodies } = *self;
         let blank_radius_mm = blisk.blank.radius_mm;
-        BladeAccess { mill, needs, bodies, outward: outward(&blisk.pressure), blank_radius_mm }
+        BladeAccess { mill, machine, needs, bodies, outward: outward(&blisk.pressure), blank_radius_mm }
     }
 
     fn axes(&self, layout: &Layout<'_>, access: &BladeAccess<'_>) -> Result<AxisProgram, FinishInfeasible> {

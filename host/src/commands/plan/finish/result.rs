@@ -56,7 +56,8 @@ impl FinishResult {
     pub fn of(part: FinishPart) -> Result<Self, String> {
         check_rotor(&part.blisk)?;
         let bodies = obstacles(&part.blisk, &part.fixtures);
-        let planner = Planner { blisk: &part.blisk, mill: &part.mill, needs: &part.needs, bodies: &bodies };
+        let machine = &part.machine.machine;
+        let planner = Planner { blisk: &part.blisk, mill: &part.mill, machine, needs: &part.needs, bodies: &bodies };
         let plan = planner.plan().map_err(|why| why.to_string())?;
         let clearances = clearances(&plan, &planner.access());
         Ok(FinishResult::proven(part, plan, clearances))

@@ -99,6 +99,7 @@ fn path(
     let bodies = around(&part.blisk, file.blade, own, &part.fixtures);
     let access = BladeAccess {
         mill: &part.mill,
+        machine: &part.machine.machine,
         needs: &part.needs,
         bodies: &bodies,
         outward: outward(face),
