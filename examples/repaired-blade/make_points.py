@@ -5,11 +5,12 @@ weld 0.9 mm high covers it above a line from 55 % of the height at the leading e
 asks for about as many points, spread in the same way, instead of 4028.
 
 With the argument "edge" a weld 0.8 mm high lies over the leading edge instead (edge.csv): about 60 % of the height, 4.5 mm up and down, 5 mm along the
-pressure and 4 mm along the suction side, which stand 0.05 and 0.03 mm above the nominal surface.
+pressure and 4 mm along the suction side, which stand 0.05 and 0.03 mm above the nominal surface. With "trailing" the same lies over the trailing edge
+(trailing.csv).
 """
 
 import sys
-from math import asin, cos, pi, radians, sin, sqrt
+from math import acos, asin, cos, pi, radians, sin, sqrt
 from random import Random
 
 HALF_PERCENT = [
@@ -100,36 +101,58 @@ def round_edge(t, s):
     return at(t, s), [c / length for c in n]
 
 
-def over_edge_mm(t, s):
-    """Height of both sides above the nominal surface, with the weld over the leading edge."""
-    along = CHORD_MM * t * abs(t)
+def over_edge_mm(along, s):
+    """Height of both sides above the nominal surface at a distance from the edge (pressure side below 0), with the weld over the edge."""
     old = 0.04 - 0.01 * min(max(along / 2.0, -1.0), 1.0)
     off = sqrt(((s - 0.6) * (TIP_MM - HUB_MM) / 4.5) ** 2 + (along / (5.0 if along < 0.0 else 4.0)) ** 2)
     ramp = min(max((1.0 - off) * 6.0, 0.0), 1.0)
     return old + (0.8 - old) * ramp * ramp * (3.0 - 2.0 * ramp)
 
 
-def over_edge():
-    """Points evenly along the measured surface itself, 0.5 mm apart, within 13 mm of the edge; fewer beyond."""
-    random, rows = Random(29), 64
-    print("# a blade repaired over its leading edge, synthetic (make_points.py edge)\nside,x_mm,y_mm,z_mm")
+def round_leading(s):
+    """Points, normals and distances from the leading edge, from the pressure to the suction side."""
+    for k in range(-3990, 3991):
+        t = k / 4000
+        yield *round_edge(t, s), CHORD_MM * t * abs(t)
+
+
+def round_trailing(s):
+    """The same about the trailing edge, which is sharp: there the direction turns from the normal of one side to that of the other."""
+    def on_side(side, k):
+        x = 1.0 - k / 4000
+        return surface(side, x, s), normal(side, min(x, 1.0 - 2e-5), s), side * CHORD_MM * (1.0 - x)
+    yield from (on_side(-1, k) for k in range(3990, -1, -1))
+    (tip, first, _), (_, last, _) = on_side(-1, 0), on_side(1, 0)
+    whole = acos(sum(a * b for a, b in zip(first, last)))
+    for k in range(1, 1000):
+        share = k / 1000
+        weights = sin((1.0 - share) * whole) / sin(whole), sin(share * whole) / sin(whole)
+        yield tip, [weights[0] * a + weights[1] * b for a, b in zip(first, last)], 0.0
+    yield from (on_side(1, k) for k in range(3991))
+
+
+def over_edge(name, round_it, seed, stylus_mm):
+    """Points evenly along the path of a stylus with this radius, 0.5 mm apart, within 13 mm of the edge; fewer beyond."""
+    random, rows = Random(seed), 64
+    print(f"# a blade repaired over its {name} edge, synthetic (make_points.py {sys.argv[1]})\nside,x_mm,y_mm,z_mm")
     for i in range(rows):
         last, so_far, due = None, 0.0, 0.0
         s = 0.005 + 0.99 * (i + 0.5) / rows
-        for k in range(-3990, 3991):
-            t = k / 4000
-            (point, n), height = round_edge(t, s), over_edge_mm(t, s)
-            now = [p + d * height for p, d in zip(point, n)]
-            so_far += sqrt(sum((p - q) ** 2 for p, q in zip(now, last))) if last else 0.0
-            last = now
+        for point, n, along in round_it(s):
+            height = over_edge_mm(along, s)
+            centre = [p + d * (height + stylus_mm) for p, d in zip(point, n)]
+            so_far += sqrt(sum((p - q) ** 2 for p, q in zip(centre, last))) if last else 0.0
+            last = centre
             if so_far < due:
                 continue
-            due = so_far + (0.5 if abs(t) < 0.707 else 1.5) * random.uniform(0.8, 1.2)
+            due = so_far + (0.5 if abs(along) < 12.996 else 1.5) * random.uniform(0.8, 1.2)
             height += random.gauss(0.0, NOISE_MM)
-            print("PS" if t < 0.0 else "SS", *(f"{p + d * height:.4f}" for p, d in zip(point, n)), sep=",")
+            print("PS" if along < 0.0 else "SS", *(f"{p + d * height:.4f}" for p, d in zip(point, n)), sep=",")
 
 
 if sys.argv[1:] == ["edge"]:
-    over_edge()
+    over_edge("leading", round_leading, 29, 0.0)
+elif sys.argv[1:] == ["trailing"]:
+    over_edge("trailing", round_trailing, 31, 0.5)
 else:
     main(int(sys.argv[1]) if len(sys.argv) > 1 else 4028)

@@ -112,7 +112,7 @@ pub fn files() -> Vec<(PathBuf, String)> {
                 folders.extend((!is_of_others).then_some(path));
                 continue;
             }
-            let is_of_repairs = ["REPAIR.toml", "EDGE.toml"].iter().any(|name| path.ends_with(name));
+            let is_of_repairs = ["REPAIR.toml", "EDGE.toml", "TRAILING.toml"].iter().any(|name| path.ends_with(name));
             if !is_of_repairs && path.extension().is_some_and(|extension| extension == "toml") {
                 files.push((path.clone(), std::fs::read_to_string(path).expect("text")));
             }

@@ -204,7 +204,7 @@ fn an_edge_without_enough_material_is_refused_with_its_place_and_amount() {
 }
 
 #[test]
-fn points_of_one_side_and_welds_round_the_whole_blade_are_refused() {
+fn points_of_one_side_and_welds_over_the_other_edge_are_refused() {
     let blisk = blisk();
     let faces = sides(&blisk, 1);
     let blade = NominalBlade::new([&faces[0], &faces[1]], &blisk);
@@ -222,7 +222,21 @@ fn points_of_one_side_and_welds_round_the_whole_blade_are_refused() {
     let long = |side: usize, way: f64, span: f64| weld(side, way / 7.0, span);
     let refused = planned(edge, 0.0, long, |_| true, &[]).expect_err("a refusal");
     println!("{refused}");
-    assert!(matches!(refused, RepairInfeasible::Around { .. }), "{refused}");
+    assert!(matches!(refused, RepairInfeasible::Around { is_weld: true, .. }), "{refused}");
+    // A weld over the whole tip, both sides and both edges.
+    let tip = |_: usize, _: f64, span: f64| OLD_MM + (WELD_MM - OLD_MM) * ((span - 0.7) * 20.0).clamp(0.0, 1.0);
+    let refused = planned(edge, 0.0, tip, |_| true, &[]).expect_err("a refusal");
+    println!("{refused}");
+    let RepairInfeasible::Around { point, standing_mm, is_weld: true } = refused else { panic!("{refused}") };
+    let strip = strip.surface();
+    let ends = [0.0, 1.0].map(|v| (0..=100).map(move |k| [f64::from(k) / 100.0, v])).into_iter().flatten();
+    let off_mm = ends.map(|at| (strip.point_and_normal(at).0 - point).norm()).fold(f64::INFINITY, f64::min);
+    assert!((standing_mm - WELD_MM).abs() < 0.01 && off_mm < 0.2, "{standing_mm} {off_mm}");
+    // The transition alone.
+    let near = |side: usize, way: f64, span: f64| weld(side, way / 4.9, span);
+    let refused = planned(edge, 0.0, near, |_| true, &[]).expect_err("a refusal");
+    println!("{refused}");
+    assert!(matches!(refused, RepairInfeasible::Around { is_weld: false, .. }), "{refused}");
 }
 
 #[test]

@@ -30,4 +30,6 @@ mod edge;
 
 mod edge_chain;
 
+mod clouds;
+
 mod peers;

@@ -102,6 +102,34 @@ pub enum CloudFault {
         /// Measured point with that height.
         point: Point,
     },
+    /// Weld stands in front of an edge, and one side alone is to be repaired.
+    #[error(
+        "weld stands {beyond_mm:.2} mm in front of the {edge} edge at ({}), and `side = \"{side}\"` plans nothing there: set `side` in [nominal] to \"{edge}\", or take off all that stands more than `threshold` in front of that edge, and measure anew", place(.point)
+    )]
+    OverEdge {
+        /// Greatest height in front of the edge.
+        beyond_mm: f64,
+        /// Measured point with that height.
+        point: Point,
+        /// Edge.
+        edge: &'static str,
+        /// Side that is to be repaired.
+        side: &'static str,
+    },
+    /// Many points stand apart from their neighbours.
+    #[error(
+        "{percent:.1} % of the points are outliers: they lie more than {off_mm:.2} mm (`threshold`) outside of the heights of their neighbours, the farthest {apart_mm:.2} mm at ({}): take them out, or measure anew", place(.point)
+    )]
+    Outliers {
+        /// Share of the outliers.
+        percent: f64,
+        /// Distance from which on a point is one.
+        off_mm: f64,
+        /// Distance of the farthest one.
+        apart_mm: f64,
+        /// The farthest one.
+        point: Point,
+    },
     /// Too few points lie on the side that is to be repaired.
     #[error(
         "{found} of {points} points lie on the {side} side, and 100 at least are needed: measure that side, or set `side` in [nominal]"
@@ -118,22 +146,6 @@ pub enum CloudFault {
 
 fn place(point: &Point) -> String {
     format!("{:.2}, {:.2}, {:.2}", point.x, point.y, point.z)
-}
-
-/// Checks that no point stands higher beyond the tip of the part to be repaired than `most_mm`.
-///
-/// # Errors
-/// Names the highest one.
-pub fn check_tip<S: Surface + Sync>(
-    points: &[Point],
-    nominal: &NominalSurface<S>,
-    most_mm: f64,
-) -> Result<(), CloudFault> {
-    let over = points.par_iter().filter_map(|point| Some((nominal.beyond_tip_mm(point)?, *point)));
-    match over.filter(|(beyond_mm, _)| *beyond_mm > most_mm).max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((beyond_mm, point)) => Err(CloudFault::OverTip { beyond_mm, point }),
-        None => Ok(()),
-    }
 }
 
 /// Pressure and suction side of the blade with this number, from 1, in the rotor's own frame.

@@ -18,6 +18,8 @@ pub mod scan;
 
 pub mod blade;
 
+pub mod cloud_check;
+
 pub mod field;
 
 pub mod border;

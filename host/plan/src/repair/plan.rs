@@ -103,11 +103,16 @@ pub enum RepairInfeasible {
     },
     /// A weld over one edge reaches the other one.
     #[error(
-        "the weld over this edge, with its transition, reaches the other edge at ({}): repair the sides one by one, or reduce `width`", place(.point)
+        "the {} over this edge reaches the other edge at ({}), where {standing_mm:.3} mm stand, and one edge at a time is planned: {}", if *.is_weld { "weld" } else { "transition of the weld" },
+        place(.point), if *.is_weld { "take off there what stands more than `threshold`, and measure anew" } else { "reduce `width`" }
     )]
     Around {
         /// Place.
         point: Point,
+        /// Measured allowance there.
+        standing_mm: f64,
+        /// Whether the weld itself reaches it; otherwise its transition does.
+        is_weld: bool,
     },
     /// The ball does not fit.
     #[error(
@@ -244,17 +249,30 @@ fn check_measured(
 
 /// A weld over an edge must end before the other edge.
 fn check_around(field: &AllowanceField, regions: &RepairRegions) -> Result<(), RepairInfeasible> {
-    let ends = |row: &Vec<FieldNode>| [0, row.len() - 1];
-    let rows = field.rows.iter().zip(&regions.regions);
-    let mut reached = rows.flat_map(|(nodes, marks)| ends(nodes).map(|j| (&nodes[j], marks[j])));
-    match reached.find(|(_, region)| *region != Region::Norm) {
-        Some((node, _)) => Err(RepairInfeasible::Around { point: node.point }),
+    // The other edge itself may lie beside the measurement.
+    let measured_mm = |node: &FieldNode| node.along_mm;
+    let ends = |(nodes, marks): (&Vec<FieldNode>, &Vec<Region>)| {
+        let last = nodes.len() - 1;
+        [
+            (marks[0], nodes.iter().find_map(measured_mm).unwrap_or(0.0), nodes[0].point),
+            (marks[last], nodes.iter().rev().find_map(measured_mm).unwrap_or(0.0), nodes[last].point),
+        ]
+    };
+    let reached = field.rows.iter().zip(&regions.regions).flat_map(ends).filter(|(region, ..)| *region != Region::Norm);
+    let highest = reached.max_by(|(a, a_mm, _), (b, b_mm, _)| {
+        let [a, b] = [a, b].map(|region| *region == Region::Repaired);
+        a.cmp(&b).then(a_mm.total_cmp(b_mm))
+    });
+    match highest {
+        Some((region, standing_mm, point)) => {
+            Err(RepairInfeasible::Around { point, standing_mm, is_weld: region == Region::Repaired })
+        }
         None => Ok(()),
     }
 }
 
 /// Corrects the allowance of the weld on an edge, where heights from beside it say little of what stands in front of it. Without a measured point there a place
-/// is a hole. Points behind what is to be left are nearest to a side: of them the highest along the normal of the edge counts.
+/// is a hole. Points of the weld behind what is to be left are nearest to a side: of them the highest along the normal of the edge counts.
 fn correct_edge(
     surface: &impl Surface,
     samples: &[HeightSample],
@@ -265,10 +283,12 @@ fn correct_edge(
     let gauge_mm = surface.gauge_mm();
     let measured = |sample: &HeightSample| {
         let (point, normal) = surface.point_and_normal(sample.at);
-        point + normal * sample.height_mm
+        // By its noise the old surface lies behind it, too.
+        let region = nearest_region(field, regions, sample.at, &surface.unfolded(sample.at, &point).point);
+        (region == Region::Repaired).then(|| point + normal * sample.height_mm)
     };
     let low: Vec<Point> =
-        samples.iter().filter(|sample| sample.height_mm < regions.allowance.least_mm).map(measured).collect();
+        samples.iter().filter(|sample| sample.height_mm < regions.allowance.least_mm).filter_map(measured).collect();
     for (node, region) in field.rows.iter_mut().flatten().zip(regions.regions.iter().flatten()) {
         if *region != Region::Repaired || node.unfolded.beyond_mm.abs() >= gauge_mm {
             continue;

@@ -25,6 +25,8 @@ const SEEDS: [usize; 2] = [33, 65];
 const WELD_MAX_MM: f64 = 5.0;
 /// Points of a fit (2).
 const NEIGHBOURS: usize = 24;
+/// Neighbours with which a point is compared.
+const BESIDE: usize = 8;
 /// Unknowns of a fit.
 const UNKNOWNS: usize = 6;
 /// Largest variance of a fit over that of a point.
@@ -119,6 +121,16 @@ impl<S: Surface> NominalSurface<S> {
         is_over.then(|| self.surface.jet(foot.at).u.normalize().dot(&(point - foot.point)))
     }
 
+    /// Nearest point of the surface, if it lies on an end of the second parameter between the ends of the first.
+    pub fn edge_foot(&self, point: &Point) -> Option<Foot> {
+        let [[root, tip], [first, last]] = self.surface.ranges();
+        let beside = 2.0 * (last - first) / (SEEDS[1] - 1) as f64;
+        let v = self.seed(point)[1];
+        let foot = (v <= first + beside || v >= last - beside).then(|| self.foot(point))?;
+        let [u, v] = foot.at;
+        (u > root && u < tip && (v <= first || v >= last)).then_some(foot)
+    }
+
     /// Nearest point of the surface and its normal.
     pub fn foot_and_normal(&self, point: &Point) -> (Foot, NominalFoot) {
         let foot = self.foot(point);
@@ -167,6 +179,14 @@ impl HeightField {
             .nearest_neighbor_iter_with_distance_2(place)
             .next()
             .is_some_and(|(_, square)| square <= within_mm * within_mm)
+    }
+
+    /// Distance, mm, of the height of one of the samples from the range of the heights of its nearest neighbours.
+    pub fn apart_mm(&self, sample: &HeightSample) -> f64 {
+        let near = self.samples.nearest_neighbor_iter(scaled(sample.at, self.lengths_mm)).skip(1).take(BESIDE);
+        let (low, high) = near
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), other| (low.min(other.data), high.max(other.data)));
+        (low - sample.height_mm).max(sample.height_mm - high)
     }
 
     /// Measured height, mm, at the parameters `at`; `None` in a hole of the measurement.

@@ -7,7 +7,8 @@ use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::flaws::BladeSide;
 use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::geometry::surface::Surface;
-use arcfeed_plan::repair::blade::{NominalBlade, RepairedPart, check_tip, sides};
+use arcfeed_plan::repair::blade::{NominalBlade, RepairedPart, sides};
+use arcfeed_plan::repair::cloud_check::{check_edges, check_outliers, check_tip};
 use arcfeed_plan::repair::evenness::{AllowancePlace, EvenMotion, most_even};
 use arcfeed_plan::repair::field::{AllowanceField, FieldNode};
 use arcfeed_plan::repair::plan::{RepairPlan, RepairSettings, plan};
@@ -71,9 +72,10 @@ impl RepairResult {
             points.iter_mut().for_each(|point| *point = motion.moved(point));
             even = Some(found);
         }
-        nominal.check_tip(&points, file.stylus_mm + file.settings.regions.threshold_mm)?;
         let samples = nominal.heights(&points, file.stylus_mm)?;
+        nominal.check_points(&file, &points, &samples)?;
         let plan = nominal.plan(&samples, &file.settings)?;
+        nominal.check_edges(&file, &points)?;
         let predicted_mm = predicted_mm(&plan, file.part.mill.radius_mm);
         note(format_args!("planning the path, then proving every move of the whole mill"));
         let solids = nominal.solids(&file, &plan);
@@ -151,12 +153,23 @@ impl<'b, 'f> Nominal<'b, 'f> {
         found.map_err(|fault| fault.to_string())
     }
 
-    fn check_tip(&self, points: &[Point], most_mm: f64) -> Result<(), String> {
+    fn check_points(&self, file: &RepairFile, points: &[Point], samples: &[HeightSample]) -> Result<(), String> {
+        let off_mm = file.settings.regions.threshold_mm;
+        let most_mm = file.stylus_mm + off_mm;
         let found = match self {
-            Nominal::Side(blade, side) => check_tip(points, blade.side(*side), most_mm),
-            Nominal::Edge(_, strip) => check_tip(points, strip, most_mm),
+            Nominal::Side(blade, side) => check_outliers(samples, blade.side(*side), off_mm)
+                .and_then(|()| check_tip(points, blade.side(*side), most_mm)),
+            Nominal::Edge(_, strip) => {
+                check_outliers(samples, strip, off_mm).and_then(|()| check_tip(points, strip, most_mm))
+            }
         };
         found.map_err(|fault| fault.to_string())
+    }
+
+    fn check_edges(&self, file: &RepairFile, points: &[Point]) -> Result<(), String> {
+        let Nominal::Side(blade, side) = self else { return Ok(()) };
+        let most_mm = file.stylus_mm + file.settings.regions.threshold_mm;
+        check_edges(points, blade, *side, most_mm).map_err(|fault| fault.to_string())
     }
 
     fn plan(&self, samples: &[HeightSample], settings: &RepairSettings) -> Result<RepairPlan, String> {
