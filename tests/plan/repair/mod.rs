@@ -32,4 +32,6 @@ mod edge_chain;
 
 mod clouds;
 
+mod large_clouds;
+
 mod peers;
