@@ -36,10 +36,10 @@ fn contacts() -> Vec<Contact> {
     (-REACH_DEG..=REACH_DEG).map(at).collect()
 }
 
-fn strategy(number: u8) -> AxisProgram {
+fn strategy(number: u8, yaw_deg: f64) -> AxisProgram {
     let station = |share: f64, tilt_deg: f64| Station {
         share,
-        value: Orientation { tilt_rad: tilt_deg.to_radians(), yaw_rad: 0.0 },
+        value: Orientation { tilt_rad: tilt_deg.to_radians(), yaw_rad: yaw_deg.to_radians() },
     };
     match number {
         1 => AxisProgram::Angles(vec![station(0.0, 0.0)]),
@@ -54,6 +54,8 @@ struct Outcome {
     /// Least and greatest A.
     a_deg: [f64; 2],
     is_fault: bool,
+    /// Smallest distance of fast turns from the pole, and largest turn of C there and back.
+    near_pole_deg: [f64; 2],
     c_travel_deg: f64,
     /// Greatest speeds of C and A that 2 m/min asks for.
     asked_deg_per_min: [f64; 2],
@@ -91,6 +93,10 @@ fn asked_deg_per_min(poses: &[ToolPose], course: &[[f64; 2]]) -> [f64; 2] {
 }
 
 fn outcome(number: u8) -> Outcome {
+    with_yaw(number, 0.0)
+}
+
+fn with_yaw(number: u8, yaw_deg: f64) -> Outcome {
     let mikron = with_free_a(&machine("mikron-ucp710"));
     let mill = FinishMill {
         radius_mm: 5.0,
@@ -101,7 +107,7 @@ fn outcome(number: u8) -> Outcome {
         teeth: 2,
     };
     let contacts = contacts();
-    let axes = strategy(number).axes(&contacts, 5.0);
+    let axes = strategy(number, yaw_deg).axes(&contacts, 5.0);
     let location = |(contact, axis): (&Contact, &Vector)| mill.at(contact, *axis);
     let pose = |at: CutterLocation| ToolPose { tip_mm: at.tip.into(), axis: at.axis.into() };
     let mut poses: Vec<ToolPose> = contacts.iter().zip(&axes).map(location).map(pose).collect();
@@ -115,6 +121,10 @@ fn outcome(number: u8) -> Outcome {
         amplitude_deg: axes[0].angle(&axes[axes.len() - 1]).to_degrees(),
         a_deg: [a.clone().fold(f64::INFINITY, f64::min), a.fold(f64::NEG_INFINITY, f64::max)],
         is_fault: found.iter().any(|interval| interval.is_fault()),
+        near_pole_deg: [
+            found.iter().map(|interval| interval.from_pole_deg).fold(90.0, f64::min),
+            found.iter().map(|interval| interval.reversal_deg).fold(0.0, f64::max),
+        ],
         c_travel_deg: travels(&course)[0],
         asked_deg_per_min: asked_deg_per_min(&poses, &course),
         least_feed,
@@ -150,4 +160,30 @@ fn the_papers_statements_about_its_strategies() {
     assert!(outcomes.iter().all(exceeds));
     assert!(outcomes.iter().all(|outcome| outcome.least_feed < FEED));
     assert!([one, three, four].iter().all(|other| two.least_feed < other.least_feed));
+}
+
+/// The yaw angles of strategy 4 are not published. How near the axis passes the pole depends on them.
+#[test]
+fn the_fault_of_strategy_4_depends_on_its_yaw() {
+    let mut free = Vec::new();
+    for yaw_deg in -60_i32..=60 {
+        let found = with_yaw(4, f64::from(yaw_deg));
+        let [from_pole, reversal] = found.near_pole_deg;
+        if yaw_deg % 5 == 0 || yaw_deg.abs() < 4 {
+            println!(
+                "yaw {yaw_deg}: fault {}, {from_pole:.3} deg from the pole, C there and back {reversal:.2}, C travels {:.1}, A {:.1?}, {:.2} s",
+                found.is_fault, found.c_travel_deg, found.a_deg, found.seconds
+            );
+        }
+        if !found.is_fault {
+            // C turns one way round the pole.
+            assert!(from_pole > 0.25 && reversal < 1e-6 && (150.0..190.0).contains(&found.c_travel_deg));
+            assert!((2.0..3.5).contains(&found.seconds), "{}", found.seconds);
+            free.push(yaw_deg);
+        }
+    }
+    assert_eq!(free, (-60..=60).filter(|yaw_deg: &i32| yaw_deg.abs() > 1).collect::<Vec<_>>());
+    for number in 1..=4 {
+        println!("strategy {number}: {:?}", outcome(number).near_pole_deg);
+    }
 }
