@@ -4,10 +4,12 @@
 //!
 //! One simulated time base, in steps of one millisecond; no wall clock, no randomness. The control and its axes are in
 //! `arcfeed-control`, the stock in `arcfeed-dexel`, modes in `arcfeed-modal`, chips and forces in `arcfeed-milling`. Here [`faults`] corrupt the
-//! controller on purpose, an [`override_source`] sets the override, the [`simulation`] combines them all, and [`removal`] cuts a stock
+//! controller on purpose, an [`override_source`] sets the override, [`move_override`] records it, the [`simulation`] combines them all, and [`removal`] cuts a stock
 //! with its run.
 
 pub mod faults;
+
+pub mod move_override;
 
 pub mod override_source;
 

@@ -16,6 +16,7 @@ use arcfeed_nc::segment::{Arc, Path, RADIUS_TOLERANCE, Segment};
 use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
+use crate::move_override::MoveOverride;
 use crate::override_source::controller::InProcessController;
 use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_control::action::MoveContext;
@@ -41,6 +42,9 @@ pub struct Simulation<D = InProcessController> {
     job: Job,
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
+    descents: Vec<MoveOverride>,
+    /// Number of the descent in execution; `None` on other moves.
+    descent: Option<u32>,
     first_move: Option<Micros>,
     /// Time until which the axes still lag from the move before.
     settles_until: Micros,
@@ -96,18 +100,6 @@ impl PlannedConditions {
     }
 }
 
-/// Override during one move under a cut rule: smallest and largest value, and number of changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MoveOverride {
-    /// Smallest override, %.
-    pub min_percent: u8,
-    /// Largest override, %.
-    pub max_percent: u8,
-    /// Number of times that the override changed.
-    pub changes: u32,
-    last_percent: u8,
-}
-
 impl Simulation {
     /// Simulation of a control that reads from its DNC line, with the controller of the job.
     ///
@@ -146,6 +138,8 @@ impl<D: OverrideSource> Simulation<D> {
             meter: ChipMeter::new(job.tools.first()),
             job: job.clone(),
             overrides: Vec::new(),
+            descents: Vec::new(),
+            descent: None,
             first_move: None,
             settles_until: Micros(0),
             context: MoveContext::default(),
@@ -232,6 +226,11 @@ impl<D: OverrideSource> Simulation<D> {
         &self.overrides
     }
 
+    /// The override on each descent (plunge or ramp) with a table of feeds, in order of execution.
+    pub fn descent_overrides(&self) -> &[MoveOverride] {
+        &self.descents
+    }
+
     /// Index of the cut rule for the last move begun; `None` without one.
     pub fn rule(&self) -> Option<usize> {
         self.last.and_then(|(_, rule)| rule)
@@ -292,7 +291,12 @@ impl<D: OverrideSource> Simulation<D> {
             }
         }
         if found.is_some() && continued.is_none() {
-            self.overrides.push(MoveOverride { min_percent: u8::MAX, max_percent: 0, changes: 0, last_percent: 0 });
+            self.overrides.push(MoveOverride::NONE);
+        }
+        let is_descent = found.is_none() && matches!(along, Some(MoveTable::Feeds(_)));
+        self.descent = is_descent.then_some(count);
+        if is_descent {
+            self.descents.push(MoveOverride::NONE);
         }
         self.last = Some((*segment, found.map(|(index, _)| index)));
         let limit = known.as_ref().and_then(|known| known.limit);
@@ -342,11 +346,14 @@ impl<D: OverrideSource> Simulation<D> {
     }
 
     fn record_override(&mut self, block: u32, percent: u8) {
-        let Some(figures) = self.overrides.last_mut().filter(|_| self.meter.is_on(block)) else { return };
-        figures.changes += u32::from(figures.max_percent > 0 && percent != figures.last_percent);
-        figures.min_percent = figures.min_percent.min(percent);
-        figures.max_percent = figures.max_percent.max(percent);
-        figures.last_percent = percent;
+        let governed = if self.descent == Some(block) {
+            self.descents.last_mut()
+        } else {
+            self.overrides.last_mut().filter(|_| self.meter.is_on(block))
+        };
+        if let Some(figures) = governed {
+            figures.record(percent);
+        }
     }
 }
 

@@ -42,6 +42,8 @@ pub struct RunReport {
     pub r#override: Option<OverrideFigures>,
     /// Override and chip load of each cut rule's moves.
     pub movements: Vec<MovementFigures>,
+    /// Override on the descents (plunges and ramps) that the plunge law governs with a table of feeds.
+    pub descents: Option<DescentFigures>,
     /// Blocks that an axis of the machine kept below their programmed feed.
     pub axis_limited: Vec<AxisLimitFigures>,
     /// Material removed from the workpiece, if the job has one.
@@ -160,6 +162,15 @@ impl OverrideFigures {
             changes: self.changes + other.changes,
         }
     }
+}
+
+/// Results for all descents that the plunge law governs with a table of feeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct DescentFigures {
+    /// Number of executed moves.
+    pub moves: usize,
+    /// Smallest and largest override on these moves.
+    pub r#override: OverrideFigures,
 }
 
 /// Results for all moves that one cut rule selects.

@@ -5,7 +5,9 @@ use std::fmt::{self, Write};
 use arcfeed_model::report::THIN_RATIO;
 
 use super::chip_load::ChipLoadFigures;
-use super::figures::{LineErrorFigures, MovementFigures, ReportFigures, RestartFigures, RunReport};
+use super::figures::{
+    DescentFigures, LineErrorFigures, MovementFigures, OverrideFigures, ReportFigures, RestartFigures, RunReport,
+};
 use crate::plural::counted;
 
 /// Most blocks limited by an axis in the summary.
@@ -32,6 +34,10 @@ impl fmt::Display for RunSummary<'_> {
         write_times(f, report)?;
         if let Some(chip_load) = &report.chip_load {
             write_chips(f, report, chip_load)?;
+        }
+        if let Some(DescentFigures { moves, r#override: OverrideFigures { min, max, changes } }) = report.descents {
+            let (moves, changes) = (counted(moves, "descent"), counted(changes as usize, "change"));
+            writeln!(f, "  plunge law: {moves} at an override of {min} .. {max} %, {changes}")?;
         }
         if let Some(error) = report.path_error {
             writeln!(f, "  largest distance from the programmed path: {error:.6} {}", report.unit)?;

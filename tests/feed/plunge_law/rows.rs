@@ -43,12 +43,56 @@ fn point_7_plunges_under_the_law_keep_power_and_torque_in_both_modes() {
     }
 }
 
-/// Cycle time of a command's report, s.
-fn cycle_time_s(arguments: &[&str]) -> f64 {
+/// Report of a command.
+fn report(arguments: &[&str]) -> Value {
     let output = run(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    let report: Value = serde_json::from_slice(&output.stdout).expect("one object");
-    report["cycle_time_s"].as_f64().expect("a time")
+    serde_json::from_slice(&output.stdout).expect("one object")
+}
+
+/// Cycle time of a command's report, s.
+fn cycle_time_s(arguments: &[&str]) -> f64 {
+    report(arguments)["cycle_time_s"].as_f64().expect("a time")
+}
+
+/// Number of feed moves down in a table of blocks, their smallest and largest override, and the changes.
+fn descents_in_table(path: &str) -> [u64; 4] {
+    let text = std::fs::read_to_string(path).expect("a table");
+    let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+    let heads = lines.next().expect("a head");
+    let column = |name: &str| heads.iter().position(|head| *head == name).expect("a column");
+    let columns = ["n", "override_min_percent", "override_max_percent", "override_changes"].map(column);
+    let rows = lines.map(|words| columns.map(|column| words[column].parse().unwrap_or(0)));
+    let plunges = rows.filter(|[n, ..]: &[u64; 4]| [2, 5, 8, 11].contains(n));
+    plunges.fold([0, u64::MAX, 0, 0], |[count, min, max, changes], [_, least, most, changed]| {
+        [count + 1, min.min(least), max.max(most), changes + changed]
+    })
+}
+
+#[test]
+fn the_reports_have_the_override_of_the_descents_as_the_table_of_blocks_has_it() {
+    let (scratch, job) = row("override-row", "mode = \"safe-base\"").written();
+    assert!(run(&["engage", &job]).status.success());
+    let [trace, journal] = ["run.csv", "journal"].map(|name| scratch.path(name));
+    let stream = ["stream", &job, "--port", "sim:", "--journal", &journal];
+    let reports = [
+        report(&["simulate", &job, "--json", "--trace", &trace]),
+        report(&[&stream[..], &["--json"]].concat()),
+        report(&["simulate", &job, "--json", "--set", "override.max=100"]),
+    ];
+    let [found, streamed, least] = reports.each_ref().map(|report| {
+        let figures = &report["descents"];
+        let of = |key: &str| figures["override"][key].as_u64().expect("a figure");
+        [figures["moves"].as_u64().expect("a number"), of("min"), of("max"), of("changes")]
+    });
+    println!("moves, least and largest override, changes: {found:?}, streamed {streamed:?}, at 100 % {least:?}");
+    assert_eq!(found, descents_in_table(&scratch.path("run-blocks.csv")));
+    assert_eq!(streamed, found);
+    assert!(found[0] == 4 && found[1] == 100 && found[2] > 110 && least == [4, 100, 100, 0], "{found:?} {least:?}");
+    let output = run(&["simulate", &job]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = format!("plunge law: 4 descents at an override of 100 .. {} %, {} changes", found[2], found[3]);
+    assert!(text.contains(&line), "{text}");
 }
 
 #[test]

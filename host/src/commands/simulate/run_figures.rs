@@ -1,8 +1,9 @@
 //! Results of a run for reports.
 
 use arcfeed_control::interpolator::AxisLimited;
+use arcfeed_hil_sim::move_override::MoveOverride;
 use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::simulation::{MoveOverride, Simulation};
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_milling::cutting::measured_move::ChipMeasure;
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::cut::{CutRule, Moves};
@@ -12,7 +13,7 @@ use arcfeed_units::{LengthUnit, S_PER_MIN};
 use super::super::adapt::{direction_word, rotation_word, side_word};
 use crate::report::chip_load::{ChipLoadFigures, ChipSamples, ToolFigures};
 use crate::report::figures::{
-    AlarmFigures, AxisLimitFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
+    AlarmFigures, AxisLimitFigures, DescentFigures, MovementFigures, OverrideFigures, RestartFigures, RunReport,
 };
 use crate::report::print_output;
 
@@ -47,6 +48,7 @@ pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunR
         tools: tools(job, simulation.meter().moves()),
         r#override: overrides(moves.iter().filter_map(|(_, figures)| *figures)),
         movements,
+        descents: descents(simulation.descent_overrides()),
         axis_limited: simulation.control().limited().iter().map(|limited| axis_limit(job.unit, limited)).collect(),
         restart: simulation.control().restart_list().map(|list| RestartFigures {
             t: list.t,
@@ -154,6 +156,11 @@ fn chip_load<'a>(
     }
     let only = (targets_mm.len() == 1 && !follows_program).then(|| targets_mm[0]);
     ChipLoadFigures::new(&samples, only, job.unit)
+}
+
+/// Results of all descents with a table of feeds; `None` without one.
+fn descents(executed: &[MoveOverride]) -> Option<DescentFigures> {
+    Some(DescentFigures { moves: executed.len(), r#override: overrides(executed.iter())? })
 }
 
 fn overrides<'a>(arcs: impl Iterator<Item = &'a MoveOverride>) -> Option<OverrideFigures> {
