@@ -9,6 +9,7 @@ use arcfeed_nc::settings::ArcCenters;
 use arcfeed_nc::tape_code::TapeCode as LineCode;
 
 use super::outcome::{Failure, refuse_inputs, say, warn_of_rules, write_whole};
+use crate::console::note;
 use crate::job::{JobFile, TapeCode};
 
 /// Write tool, laws and cut rules of a job as a board at a tapped line keeps them in flash (docs/tap.md)
@@ -30,6 +31,13 @@ impl Parameters {
         let file = JobFile::load(&self.job)?;
         refuse_inputs(&[Some(&self.output)], &file.inputs(&self.job))?;
         warn_of_rules(&self.job, &file, None);
+        if file.plunge.is_some() {
+            note(format_args!(
+                "{}:1:1: warning: a board at a tapped line leaves plunges and ramps their programmed feed: it has no table of their sections \
+                 there; send with arcfeed stream --board, or send what arcfeed adapt -o writes, for the plunge law (in `plunge`)",
+                self.job.display()
+            ));
+        }
         file.refuse_scopes(&self.job, "a board at a tapped line").map_err(Failure::Input)?;
         let job = self.job.display();
         let code = match file.dnc.code {

@@ -109,3 +109,13 @@ fn a_board_raises_the_least_feed_of_a_streamed_row_as_the_controller_of_a_simula
     );
     assert!((time_s[1] / time_s[0] - 1.0).abs() < 1e-3 && time_s[0] < 0.85 * time_s[2], "{time_s:?}");
 }
+
+#[test]
+fn parameters_of_a_board_at_a_tapped_line_warn_that_plunges_keep_their_programmed_feed() {
+    let (scratch, job) = row("tapped-row", "mode = \"safe-base\"").written();
+    assert!(run(&["engage", &job]).status.success());
+    let output = run(&["parameters", &job, "--output", &scratch.path("page")]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert_eq!(said.matches("leaves plunges and ramps their programmed feed").count(), 1, "{said}");
+}

@@ -17,6 +17,7 @@ fn a_page_of_flash_has_the_whole_job() {
         let output = run(&["parameters", &job.to_string_lossy(), "--output", &page]);
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
         println!("{}", String::from_utf8_lossy(&output.stdout));
+        assert!(!String::from_utf8_lossy(&output.stderr).contains("plunges"), "it has none");
         let bytes = fs::read(page).expect("it is written");
         let wanted = JobFile::load(&job).expect("the example is sound").job;
         let tapped = TappedLine { code: Some(TapeCode::Ascii), decimals: Decimals::LeastIncrement };
