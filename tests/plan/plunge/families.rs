@@ -199,3 +199,42 @@ fn an_inlet_that_radial_axes_do_not_pass_is_opened_from_its_face_and_a_middle_is
     let found = radial_stretch(&passage(&blisk, &field, &mill), [-FLAT_MM[2], FLAT_MM[2]]);
     assert!(found.is_err_and(|z_mm| z_mm.abs() < 15.0), "{found:?}");
 }
+
+/// Radius of a bowl's generatrix, and that of its start about the rotor's axis.
+const BOWL_MM: [f64; 2] = [40.0, 30.0];
+
+/// Place of the bowl's hub at an angle of its generatrix, and its normal: z, radius.
+fn bowl(angle_rad: f64) -> ([f64; 2], [f64; 2]) {
+    let (sin, cos) = libm::sincos(angle_rad);
+    ([BOWL_MM[0] * sin, BOWL_MM[1] + BOWL_MM[0] * (1.0 - cos)], [-sin, cos])
+}
+
+/// Eight flat blades on a hub that turns from the rotor's axis into the plane across it.
+fn centrifugal() -> Blisk {
+    let angle = |share: f64| share * core::f64::consts::FRAC_PI_2;
+    let [pressure, suction] = blade(|u, v| {
+        let ([z, radius], [up_z, up_radius]) = bowl(angle(1.07 * u - 0.1));
+        let height = -2.0 + 17.0 * v;
+        [radius + up_radius * height, 0.0, z + up_z * height]
+    });
+    let hub = Revolution { profile_mm: (0..=400).map(|k| bowl(angle(f64::from(k) / 400.0)).0).collect() };
+    Blisk { blades: 8, pressure, suction, hub, blank: Blank { radius_mm: 70.0, faces_mm: [0.0, 40.0] } }
+}
+
+/// In a plane across the rotor's axis the hub's normal leans by the angle of the generatrix, and a boundary axis, parallel to its blade, by its
+/// own angle in the plane as well.
+#[test]
+fn a_centrifugal_hub_is_refused_where_its_normal_leans_too_far_from_radial_axes() {
+    let blisk = centrifugal();
+    let (field, mill) = (Field::new(&blisk), mill(5.0));
+    let refused = passage(&blisk, &field, &mill).plan().unwrap_err();
+    let PlungeInfeasible::Steep { z_mm, angle_deg } = refused else { panic!("{refused:?}") };
+    let above_mm = BOWL_MM[0] - NEEDS.allowance_mm;
+    let angle_rad = libm::asin(z_mm / above_mm);
+    let radius_mm = BOWL_MM[0] + BOWL_MM[1] - above_mm * libm::cos(angle_rad);
+    let beside_ratio = (mill.radius_mm + NEEDS.allowance_mm + THICKNESS_MM / 2.0) / radius_mm;
+    let most_rad = libm::acos(libm::cos(angle_rad) * libm::sqrt(1.0 - beside_ratio * beside_ratio));
+    println!("{refused}: between {:.2} and {:.2} degrees", angle_rad.to_degrees(), most_rad.to_degrees());
+    assert!(angle_deg > 60.0);
+    assert!(angle_deg > angle_rad.to_degrees() - 0.05 && angle_deg < most_rad.to_degrees() + 0.05);
+}
