@@ -29,10 +29,10 @@ use crate::proof_cases::published_tool;
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 
 /// Place along the axis, radius, and the angles of both sides.
-type Row = [f64; 4];
+pub type Row = [f64; 4];
 
 /// The 13 stream surfaces, 100 rows each.
-fn surfaces() -> Option<Vec<Vec<Row>>> {
+pub fn surfaces() -> Option<Vec<Vec<Row>>> {
     let path = arcfeed_tests::shared_or_skip("data/nasa/rotor37_mm.csv", "plan rotor37")?;
     let text = std::fs::read_to_string(path).unwrap();
     let row = |line: &str| -> Row {
@@ -49,7 +49,8 @@ fn line(z_mm: f64, radius_mm: f64, angle: f64) -> String {
     format!("{:.9}, {:.9}, {:.9}\n", z_mm / 1000.0, radius_mm * cos / 1000.0, radius_mm * sin / 1000.0)
 }
 
-fn read(surfaces: &[Vec<Row>]) -> Curves {
+/// Curve files of hub, shroud and profile.
+pub fn curve_files(surfaces: &[Vec<Row>]) -> [String; 3] {
     // The gas path goes on beyond the blade.
     let path = |rows: &[Row]| -> String {
         let ends = |row: &Row, by_mm: f64| line(row[0] + by_mm, row[1], 0.3);
@@ -64,8 +65,19 @@ fn read(surfaces: &[Vec<Row>]) -> Curves {
         let back = rows.iter().rev().skip(1).map(|row| line(row[0], row[1], row[3]));
         profile.extend(there.chain(back));
     }
-    let texts = Texts { hub: &path(&surfaces[0]), shroud: &path(&surfaces[12]), profile: &profile };
-    curves::read(&texts, &PointFileFrame { axis: RotorAxis::X, unit_mm: 1000.0 }).unwrap()
+    [path(&surfaces[0]), path(&surfaces[12]), profile]
+}
+
+fn read(surfaces: &[Vec<Row>]) -> Curves {
+    let [hub, shroud, profile] = &curve_files(surfaces);
+    curves::read(&Texts { hub, shroud, profile }, &PointFileFrame { axis: RotorAxis::X, unit_mm: 1000.0 }).unwrap()
+}
+
+/// The rotor in the blank of the plunge plans.
+pub fn blisk(surfaces: &[Vec<Row>]) -> Blisk {
+    let Curves { hub, blade, .. } = read(surfaces);
+    let [pressure, suction] = blade.faces().unwrap();
+    Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } }
 }
 
 #[test]
@@ -136,9 +148,7 @@ fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
 #[test]
 fn a_plunge_mill_bores_out_a_passage_of_rotor_37() {
     let Some(surfaces) = surfaces() else { return };
-    let Curves { hub, blade, .. } = read(&surfaces);
-    let [pressure, suction] = blade.faces().unwrap();
-    let blisk = Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } };
+    let blisk = blisk(&surfaces);
     let mill = PlungeMill {
         radius_mm: 4.0,
         corner_radius_mm: 0.4,

@@ -16,6 +16,8 @@ mod steps;
 
 mod stock;
 
+mod rotor37;
+
 mod executed;
 
 mod families;

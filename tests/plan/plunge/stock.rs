@@ -261,7 +261,8 @@ fn no_pillar_stands_and_the_rest_has_the_volume_of_points(planned: &Planned, sto
     assert!((found_mm3 / expected_mm3 - 1.0).abs() < 0.01);
 }
 
-fn check(planned: &Planned) {
+/// Cuts the plan in dexels and holds what is left to all of the above.
+pub fn check(planned: &Planned) {
     let stock = planned.stock(of_full_set(0.25, 0.4));
     no_mark_is_in_blades_or_hub(planned, &stock);
     no_pillar_stands_and_the_rest_has_the_volume_of_points(planned, &stock);

@@ -6,7 +6,7 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 /// Tests with a full set, and what their names begin with.
-const CAMPAIGNS: [(&str, &str); 12] = [
+const CAMPAIGNS: [(&str, &str); 13] = [
     ("feed", ""),
     ("line", "dnc::"),
     ("line", "campaigns::"),
@@ -16,6 +16,7 @@ const CAMPAIGNS: [(&str, &str); 12] = [
     ("board", ""),
     ("plan", "widths::"),
     ("plan", "repair::large_clouds::"),
+    ("plan", "plunge::"),
     ("machine", "drives::"),
     ("machine", "kinematics::"),
     ("program", "fuzz::"),

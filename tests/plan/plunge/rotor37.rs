@@ -1,0 +1,90 @@
+//! Plunge plans of NASA's rotor 37: the workpiece after them in dexels, and their program on the simulated control.
+
+use arcfeed_plan::plunge::line::Fit;
+use arcfeed_plan::plunge::mill::PlungeMill;
+use arcfeed_plan::plunge::passage::PlungeRequirements;
+use arcfeed_tests::{Scratch, of_full_set, run};
+
+use super::executed::assert_streamed;
+use super::stock::{Planned, check};
+use crate::rotor37::{Row, blisk, curve_files, surfaces};
+
+/// Radius of a mill, allowance, and cusp, mm: the plans of docs/plunge.md.
+type Mill = [f64; 3];
+const MILLS: [Mill; 4] = [[4.0, 0.5, 0.4], [4.0, 0.4, 0.1], [3.0, 0.4, 0.1], [2.0, 0.4, 0.1]];
+
+fn planned(surfaces: &[Vec<Row>], [radius_mm, allowance_mm, cusp_mm]: Mill) -> Planned {
+    let mill = PlungeMill {
+        radius_mm,
+        corner_radius_mm: 0.4,
+        core_radius_mm: 0.0,
+        width_max_mm: radius_mm,
+        length_mm: 90.0,
+        neck_mm: Vec::new(),
+        holder_mm: vec![[20.0, 60.0]],
+        teeth: 3,
+    };
+    let needs = PlungeRequirements { allowance_mm, cusp_mm, fit: Fit::Gap, clearance_mm: 5.0, relief_mm: 0.2 };
+    Planned::of(blisk(surfaces), mill, needs)
+}
+
+/// Part file of the same plan, with the curve files beside it.
+fn write_part(scratch: &Scratch, surfaces: &[Vec<Row>], [radius_mm, allowance_mm, cusp_mm]: Mill) -> String {
+    let [hub, shroud, profile] = curve_files(surfaces);
+    for (name, text) in [("hub.curve", hub), ("shroud.curve", shroud), ("profile.curve", profile)] {
+        scratch.write(name, text);
+    }
+    let diameter_mm = 2.0 * radius_mm;
+    scratch.write(
+        "PART.toml",
+        format!(
+            r#"units = "mm"
+name = "rotor-37"
+
+[geometry]
+curves = {{ hub = "hub.curve", shroud = "shroud.curve", profile = "profile.curve", blades = 36, axis = "x", units = "m" }}
+
+[blank]
+radius = 253.0
+from = -5.0
+to = 50.0
+
+[roughing]
+allowance = {allowance_mm}
+rev_per_min = 2000
+feed_per_tooth = 0.04
+approach_feed = 2000
+
+[plunge]
+diameter = {diameter_mm}
+corner_radius = 0.4
+teeth = 3
+length = 90.0
+holder = [[20.0, 60.0]]
+cusp = {cusp_mm}
+
+[machine]
+preset = "mitsui-seiki-hu80a-5x"
+"#
+        ),
+    )
+}
+
+#[test]
+fn the_dexels_of_rotor_37_after_its_plan_have_allowance_no_pillar_and_the_volume_of_points() {
+    let Some(surfaces) = surfaces() else { return };
+    for mill in of_full_set(&MILLS[..], &MILLS[..1]) {
+        println!("mill of {} mm, allowance and cusp {:?}", 2.0 * mill[0], &mill[1..]);
+        check(&planned(&surfaces, *mill));
+    }
+}
+
+#[test]
+fn the_plan_of_rotor_37_is_streamed_to_the_simulated_control() {
+    let Some(surfaces) = surfaces() else { return };
+    let scratch = Scratch::new("plunge-rotor-37");
+    let (part, folder) = (write_part(&scratch, &surfaces, MILLS[0]), scratch.path("out"));
+    let output = run(&["plan", "plunge", &part, "-o", &folder]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_streamed(&folder, "rotor-37");
+}
