@@ -24,3 +24,29 @@ impl MoveOverride {
         self.last_percent = percent;
     }
 }
+
+/// Override on each descent of a run.
+#[derive(Debug, Default)]
+pub(crate) struct DescentOverrides {
+    moves: Vec<MoveOverride>,
+    /// Number of the descent in execution; `None` on other moves.
+    current: Option<u32>,
+}
+
+impl DescentOverrides {
+    /// Begins the descent with this number; `None` begins another move.
+    pub(crate) fn begin(&mut self, count: Option<u32>) {
+        self.current = count;
+        self.moves.extend(count.map(|_| MoveOverride::NONE));
+    }
+
+    /// The descent in execution, if it has this number.
+    pub(crate) fn on(&mut self, count: u32) -> Option<&mut MoveOverride> {
+        self.moves.last_mut().filter(|_| self.current == Some(count))
+    }
+
+    /// All descents, in order of execution.
+    pub(crate) fn moves(&self) -> &[MoveOverride] {
+        &self.moves
+    }
+}

@@ -16,7 +16,7 @@ use arcfeed_nc::segment::{Arc, Path, RADIUS_TOLERANCE, Segment};
 use arcfeed_units::{Micros, MmPerTooth, Nm, PERCENT, RevPerMin, US_PER_S};
 
 use crate::faults::ControllerFault;
-use crate::move_override::MoveOverride;
+use crate::move_override::{DescentOverrides, MoveOverride};
 use crate::override_source::controller::InProcessController;
 use crate::override_source::{MachineSignals, MoveStart, OverrideSource};
 use arcfeed_control::action::MoveContext;
@@ -42,9 +42,7 @@ pub struct Simulation<D = InProcessController> {
     job: Job,
     meter: ChipMeter,
     overrides: Vec<MoveOverride>,
-    descents: Vec<MoveOverride>,
-    /// Number of the descent in execution; `None` on other moves.
-    descent: Option<u32>,
+    descents: DescentOverrides,
     first_move: Option<Micros>,
     /// Time until which the axes still lag from the move before.
     settles_until: Micros,
@@ -138,8 +136,7 @@ impl<D: OverrideSource> Simulation<D> {
             meter: ChipMeter::new(job.tools.first()),
             job: job.clone(),
             overrides: Vec::new(),
-            descents: Vec::new(),
-            descent: None,
+            descents: DescentOverrides::default(),
             first_move: None,
             settles_until: Micros(0),
             context: MoveContext::default(),
@@ -228,7 +225,7 @@ impl<D: OverrideSource> Simulation<D> {
 
     /// The override on each descent (plunge or ramp) with a table of feeds, in order of execution.
     pub fn descent_overrides(&self) -> &[MoveOverride] {
-        &self.descents
+        self.descents.moves()
     }
 
     /// Index of the cut rule for the last move begun; `None` without one.
@@ -294,10 +291,7 @@ impl<D: OverrideSource> Simulation<D> {
             self.overrides.push(MoveOverride::NONE);
         }
         let is_descent = found.is_none() && matches!(along, Some(MoveTable::Feeds(_)));
-        self.descent = is_descent.then_some(count);
-        if is_descent {
-            self.descents.push(MoveOverride::NONE);
-        }
+        self.descents.begin(is_descent.then_some(count));
         self.last = Some((*segment, found.map(|(index, _)| index)));
         let limit = known.as_ref().and_then(|known| known.limit);
         let end_percent = known.as_ref().map_or(FeedOverride::PROGRAMMED.percent, |known| known.end_percent);
@@ -346,12 +340,8 @@ impl<D: OverrideSource> Simulation<D> {
     }
 
     fn record_override(&mut self, block: u32, percent: u8) {
-        let governed = if self.descent == Some(block) {
-            self.descents.last_mut()
-        } else {
-            self.overrides.last_mut().filter(|_| self.meter.is_on(block))
-        };
-        if let Some(figures) = governed {
+        let of_rule = self.overrides.last_mut().filter(|_| self.meter.is_on(block));
+        if let Some(figures) = self.descents.on(block).or(of_rule) {
             figures.record(percent);
         }
     }
