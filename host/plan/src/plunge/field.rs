@@ -195,7 +195,8 @@ impl Wall<'_> {
     fn places(&self, radii_mm: &[f64]) -> Vec<WallPlace> {
         // From the middle of the blade outwards, or else from where it comes near to the plane.
         let half_mm = (radii_mm[0] + self.field.radii_mm[1]) / 2.0;
-        let half = radii_mm.partition_point(|radius_mm| *radius_mm < half_mm);
+        // On a wheel whose blades reach far beyond this plane all radii are below it.
+        let half = radii_mm.partition_point(|radius_mm| *radius_mm < half_mm).min(radii_mm.len() - 1);
         let mut starts = (0..=half).rev().chain(half + 1..radii_mm.len());
         let Some((start, first_rad)) = starts.find_map(|index| Some((index, self.start(radii_mm[index])?))) else {
             return Vec::new();
