@@ -35,13 +35,7 @@ impl fmt::Display for RunSummary<'_> {
         if let Some(chip_load) = &report.chip_load {
             write_chips(f, report, chip_load)?;
         }
-        if let Some(DescentFigures { moves, r#override: OverrideFigures { min, max, changes } }) = report.descents {
-            let (moves, changes) = (counted(moves, "descent"), counted(changes as usize, "change"));
-            writeln!(f, "  plunge law: {moves} at an override of {min} .. {max} %, {changes}")?;
-        }
-        if let Some(error) = report.path_error {
-            writeln!(f, "  largest distance from the programmed path: {error:.6} {}", report.unit)?;
-        }
+        write_descents_and_path(f, report)?;
         if let Some(material) = &report.material {
             write!(f, "{material}")?;
         }
@@ -140,6 +134,17 @@ fn write_times(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {
         (None, Some(after)) => writeln!(f, "  cycle time: {after:.1} s"),
         _ => Ok(()),
     }
+}
+
+fn write_descents_and_path(f: &mut fmt::Formatter<'_>, report: &RunReport) -> fmt::Result {
+    if let Some(DescentFigures { moves, r#override: OverrideFigures { min, max, changes } }) = report.descents {
+        let (moves, changes) = (counted(moves, "descent"), counted(changes as usize, "change"));
+        writeln!(f, "  plunge law: {moves} at an override of {min} .. {max} %, {changes}")?;
+    }
+    if let Some(error) = report.path_error {
+        writeln!(f, "  largest distance from the programmed path: {error:.6} {}", report.unit)?;
+    }
+    Ok(())
 }
 
 fn write_chips(f: &mut fmt::Formatter<'_>, report: &RunReport, all: &ChipLoadFigures) -> fmt::Result {
