@@ -15,8 +15,6 @@ use arcfeed_tests::of_full_set;
 const STEP_MM: f64 = 0.5;
 /// Shares are those of cells of a millimetre: so far one of the sweep may be above the search's.
 const CELLS_RATIO: f64 = 0.003;
-/// Known limit of the search for directions, which compares paths of six levels: the best of all levels may be above its by this.
-const LEVELS_RATIO: f64 = 0.01;
 
 const ROTOR: Rotor = Rotor {
     blades: 19,
@@ -127,7 +125,7 @@ fn directions(middle_rad: f64, step_deg: f64) -> Vec<Vector> {
 }
 
 #[test]
-fn no_direction_of_a_sweep_removes_much_more_than_the_search() {
+fn no_direction_of_a_sweep_removes_more_than_the_search() {
     for rotor in rotors() {
         let (blisk, cutter) = (blisk(&rotor), cutter());
         let slot = blisk.slot();
@@ -139,6 +137,6 @@ fn no_direction_of_a_sweep_removes_much_more_than_the_search() {
         let shares = swept.iter().filter_map(|axis| Some(problem.along(AxisChoice::Given(*axis)).ok()?.share_ratio));
         let (passed, most) = shares.fold((0, 0.0_f64), |(count, most), share| (count + 1, most.max(share)));
         println!("search {found:.4}; best of {} directions, {passed} with a plan: {most:.4}", swept.len());
-        assert!(passed > 0 && found >= most - LEVELS_RATIO, "{rotor:?}");
+        assert!(passed > 0 && found >= most, "{rotor:?}");
     }
 }

@@ -33,6 +33,8 @@ const HALVINGS: usize = 3;
 const ROUNDS_MAX: usize = 9;
 /// Least distance of places about which the search goes on, in steps of the grid.
 const APART_STEPS: f64 = 1.5;
+/// Places that are nearer are the same.
+const SAME_RAD: f64 = 1e-9;
 /// Steps about a place.
 const AROUND: [[f64; 2]; 8] =
     [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
@@ -58,6 +60,19 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
         let starts = apart(found, STARTS);
         let refined = starts.par_iter().map(|start| self.refined(*start)).collect();
         apart(refined, STARTS)
+    }
+
+    /// Directions that another search has found, by the values of this one, and first what is found about the best of them.
+    pub fn near(&self, starts: &[Candidate]) -> Vec<Candidate> {
+        let valued = |start: &Candidate| Some(Candidate { share_ratio: self.value_of(start)?, ..*start });
+        let mut valued = apart(starts.par_iter().filter_map(valued).collect(), STARTS);
+        let refined = valued.first().map(|best| self.refined(*best));
+        valued.splice(0..0, refined);
+        valued
+    }
+
+    fn value_of(&self, one: &Candidate) -> Option<f64> {
+        (self.value)(one.edge, one.free_width, one.uncut_eighths)
     }
 
     /// Direction at a place, with as little of the sides left out as possible.
@@ -88,12 +103,15 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
         let mut best = start;
         let mut step = LEAN_STEP_RAD / 2.0;
         let mut halvings = 0;
+        // None of these is better than the best one.
+        let mut tried = vec![start.at];
         for _ in 0..ROUNDS_MAX {
-            let near = |by: &[f64; 2]| {
-                let at = [0, 1].map(|k: usize| (best.at[k] + by[k] * step).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD));
-                self.candidate(best.edge, at)
-            };
-            let around: Vec<Candidate> = AROUND.par_iter().filter_map(near).collect();
+            let places =
+                AROUND.map(|by| [0, 1].map(|k: usize| (best.at[k] + by[k] * step).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD)));
+            let is_new = |at: &[f64; 2]| !tried.iter().any(|other| distance_rad(at, other) < SAME_RAD);
+            let places: Vec<[f64; 2]> = places.into_iter().filter(is_new).collect();
+            let around: Vec<Candidate> = places.par_iter().filter_map(|at| self.candidate(best.edge, *at)).collect();
+            tried.extend(places);
             let nearest = around.into_iter().max_by(|a, b| a.share_ratio.total_cmp(&b.share_ratio));
             match nearest.filter(|near| near.share_ratio > best.share_ratio) {
                 Some(better) => best = better,
@@ -108,14 +126,18 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
     }
 }
 
+/// Largest of the differences in lean and tilt.
+fn distance_rad(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
 /// The `count` best candidates that are not near to better ones.
 fn apart(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
     candidates.sort_by(|a, b| b.share_ratio.total_cmp(&a.share_ratio));
     let mut kept: Vec<Candidate> = Vec::new();
     for one in candidates {
         let is_near = |other: &Candidate| {
-            let off = [0, 1].map(|k: usize| (one.at[k] - other.at[k]).abs());
-            one.edge == other.edge && off[0].max(off[1]) < APART_STEPS * LEAN_STEP_RAD
+            one.edge == other.edge && distance_rad(&one.at, &other.at) < APART_STEPS * LEAN_STEP_RAD
         };
         if kept.len() < count && !kept.iter().any(is_near) {
             kept.push(one);

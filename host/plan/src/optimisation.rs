@@ -1,7 +1,8 @@
 //! Plan of a slot that removes most from it, over the tool's axis and the edges from which it starts, with its proof.
 //!
 //! The value of a plan is the fraction of the slot that it removes, between the blades and above the hub with their
-//! allowances: the volume of the columns under the ring's path. Paths with few levels are compared first.
+//! allowances: the volume of the columns under the ring's path. Paths with few levels are compared first, then paths with all levels about
+//! the best of them.
 
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
@@ -188,9 +189,17 @@ impl<'p> Problem<'p> {
         };
         let search = AxisSearch { prepared: &self.prepared, cutter, value };
         let (found, roomiest) = rayon::join(|| search.best(), || self.along_with(cutter, AxisChoice::Roomiest));
-        let full = |one: &Candidate| self.full(cutter, one.edge, AxisChoice::Found(one.free_width), one.uncut_eighths);
+        let full = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
+            self.full(cutter, edge, AxisChoice::Found(free_width), uncut_eighths)
+        };
+        let value = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
+            let valued = full(edge, free_width, uncut_eighths).ok()?;
+            admits(&valued.plan).then_some(valued.share_ratio)
+        };
+        let search = AxisSearch { prepared: &self.prepared, cutter, value };
+        let plan = |one: &Candidate| full(one.edge, one.free_width, one.uncut_eighths);
         let (found, blade) = rayon::join(
-            || found.par_iter().map(full).collect::<Vec<_>>(),
+            || search.near(&found).par_iter().map(plan).collect::<Vec<_>>(),
             || self.along_with(cutter, AxisChoice::Blade),
         );
         let all = found.into_iter().chain([blade, roomiest.clone()]).flatten();
