@@ -5,7 +5,6 @@ use std::fmt::Write;
 
 use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::AxisChoice;
-use arcfeed_plan::cup_mill::side::edges;
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blade::RotorAxis;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
@@ -14,14 +13,6 @@ use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::flaws::{flaws, nearest};
 use arcfeed_plan::geometry::point_file::PointFileFrame;
 use arcfeed_plan::optimisation::Problem;
-use arcfeed_plan::output::plunge_nc::{PlungeFeeds, plunging_min};
-use arcfeed_plan::plunge::assembly::ball_mm;
-use arcfeed_plan::plunge::field::Field;
-use arcfeed_plan::plunge::line::Fit;
-use arcfeed_plan::plunge::machinability::SideMeasures;
-use arcfeed_plan::plunge::mill::PlungeMill;
-use arcfeed_plan::plunge::passage::{Passage, PlungeRequirements};
-use arcfeed_plan::plunge::proof as plunge_proof;
 use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Point;
 
@@ -145,53 +136,8 @@ fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
     }
 }
 
-#[test]
-fn a_plunge_mill_bores_out_a_passage_of_rotor_37() {
-    let Some(surfaces) = surfaces() else { return };
-    let blisk = blisk(&surfaces);
-    let mill = PlungeMill {
-        radius_mm: 4.0,
-        corner_radius_mm: 0.4,
-        core_radius_mm: 0.0,
-        width_max_mm: 4.0,
-        length_mm: 90.0,
-        neck_mm: Vec::new(),
-        holder_mm: vec![[20.0, 60.0]],
-        teeth: 3,
-    };
-    let needs =
-        PlungeRequirements { allowance_mm: 0.5, cusp_mm: 0.4, fit: Fit::Gap, clearance_mm: 5.0, relief_mm: 0.2 };
-    let field = Field::new(&blisk);
-    let (turning_mm, turning_ball_mm) = (blisk.blank.radius_mm, ball_mm(&blisk.blank));
-    let passage = Passage { blisk: &blisk, field: &field, mill: &mill, needs: &needs, turning_mm, turning_ball_mm };
-    let plan = passage.plan().unwrap();
-    let proof = plunge_proof::prove(&blisk, &mill, &plan.plunges, needs.allowance_mm, &[]);
-    let needed_mm = mill.radius_mm + needs.allowance_mm;
-    // Points of the table itself, not of the faces.
-    let pitch_rad = core::f64::consts::TAU / 36.0;
-    let blades = [0.0, pitch_rad].map(|turn| [side(&surfaces, 2, turn), side(&surfaces, 3, turn)].concat()).concat();
-    let places =
-        plan.plunges.iter().flat_map(|plunge| (0..8).map(move |k| plunge.tip + plunge.axis * (9.0 * f64::from(k))));
-    let near_mm = places.map(|place| blades.iter().map(|at| (at - place).norm()).fold(f64::INFINITY, f64::min));
-    let near_mm = near_mm.fold(f64::INFINITY, f64::min);
-    let (planes, plunges) = (plan.planes.len(), plan.plunges.len());
-    let lift_mm = plan.plunges.iter().map(|plunge| plunge.lift_mm).fold(0.0, f64::max);
-    println!(
-        "{planes} planes, {plunges} plunges, lift up to {lift_mm:.2} mm; axes {near_mm:.4} mm from the table's points"
-    );
-    let feeds = PlungeFeeds { plunge_mm_per_min: 240.0, approach_mm_per_min: 2000.0 };
-    println!("{:.1} min a passage at 240 mm/min", plunging_min(&plan.plunges, &feeds));
-    for face in [&blisk.pressure, &blisk.suction] {
-        let SideMeasures { twist_rad, bend_rad, sag_mm, depth_mm, .. } = SideMeasures::new(face, edges(face));
-        let [twist_deg, bend_deg] = [twist_rad, bend_rad].map(|[by_curvature, _]| by_curvature.to_degrees());
-        println!("twist {twist_deg:.1}, bend {bend_deg:.1} degrees, sag {sag_mm:.2}, depth {depth_mm:.1} mm");
-    }
-    assert!(proof.holds(), "{proof:?}");
-    assert!(near_mm > needed_mm - 0.01 && plan.planes.iter().all(|plane| plane.step_ratio <= 1.0));
-}
-
 /// Points of the table on one side of a blade that is turned about the rotor's axis.
-fn side(surfaces: &[Vec<Row>], column: usize, turn: f64) -> Vec<Point> {
+pub fn side(surfaces: &[Vec<Row>], column: usize, turn: f64) -> Vec<Point> {
     let place = |row: &Row| {
         let (sin, cos) = libm::sincos(row[column] + turn);
         Point::new(row[1] * cos, row[1] * sin, row[0])

@@ -64,15 +64,14 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
 
     /// Directions that another search has found, by the values of this one, and first what is found about the best of them.
     pub fn near(&self, starts: &[Candidate]) -> Vec<Candidate> {
-        let valued = |start: &Candidate| Some(Candidate { share_ratio: self.value_of(start)?, ..*start });
+        let valued = |start: &Candidate| {
+            let share_ratio = (self.value)(start.edge, start.free_width, start.uncut_eighths)?;
+            Some(Candidate { share_ratio, ..*start })
+        };
         let mut valued = apart(starts.par_iter().filter_map(valued).collect(), STARTS);
         let refined = valued.first().map(|best| self.refined(*best));
         valued.splice(0..0, refined);
         valued
-    }
-
-    fn value_of(&self, one: &Candidate) -> Option<f64> {
-        (self.value)(one.edge, one.free_width, one.uncut_eighths)
     }
 
     /// Direction at a place, with as little of the sides left out as possible.

@@ -33,8 +33,8 @@ impl Parameters {
         warn_of_rules(&self.job, &file, None);
         if file.plunge.is_some() {
             note(format_args!(
-                "{}:1:1: warning: a board at a tapped line leaves plunges and ramps their programmed feed: it has no table of their sections \
-                 there; send with arcfeed stream --board, or send what arcfeed adapt -o writes, for the plunge law (in `plunge`)",
+                "{}:1:1: warning: a board at a tapped line leaves plunges and ramps their programmed feed, because no sender gives it a table of \
+                 their feeds: send with arcfeed stream --board, or send what arcfeed adapt -o writes, with their least feeds as F (found `[plunge]`)",
                 self.job.display()
             ));
         }

@@ -29,12 +29,13 @@ fn rounding(folder: &str) -> [f64; 2] {
 
 #[test]
 fn what_is_left_round_the_leading_edge_is_what_was_planned_and_the_old_surface() {
-    check_chain("EDGE.toml", "repaired-edge.nc");
+    check_chain("EDGE.toml", "repaired-edge.nc", 500, 40);
 }
 
 #[test]
 fn what_is_left_round_the_trailing_edge_is_what_was_planned_and_the_old_surface() {
-    check_chain("TRAILING.toml", "repaired-trailing-edge.nc");
+    // The blade is thin there: fewer rays end on it.
+    check_chain("TRAILING.toml", "repaired-trailing-edge.nc", 300, 10);
 }
 
 /// Positions of A in a program, the smallest and the largest.
@@ -46,7 +47,8 @@ fn range_of_a(program: &str) -> [f64; 2] {
     words.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], a| [least.min(a), most.max(a)])
 }
 
-fn check_chain(file: &str, program: &str) {
+/// At least so many finished places and columns along a border are compared by rays.
+fn check_chain(file: &str, program: &str, finished: usize, columns: usize) {
     let scratch = Scratch::new(&format!("repair-chain-{program}"));
     let folder = scratch.path("out");
     let planned = run(&["plan", "repair", &format!("examples/repaired-blade/{file}"), "-o", &folder]);
@@ -85,9 +87,9 @@ fn check_chain(file: &str, program: &str) {
         before.zip(after).filter(|_| is_inside && is_thick).map(|(before, after)| [before, after])
     });
     println!("by rays on the simulated stock:");
-    check(&simulated, [1000, 300]);
+    check(&simulated, [1000, finished]);
     for border in [["norm", "transition"], ["transition", "repaired"]] {
-        let step = step_mm(&simulated, border, true, 10);
+        let step = step_mm(&simulated, border, true, columns);
         assert!(step <= 0.01, "{border:?} {step}");
     }
     // The truth of the points: the weld, and what it stands on.
