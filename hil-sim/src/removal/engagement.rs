@@ -203,9 +203,11 @@ impl EngagementMeter {
     fn process_period(&mut self, period: &Period) {
         let (section, machine) = (&period.section, self.settings.machine);
         let Some(chord) = self.placement.tool_chord(section, machine.as_ref()) else { return };
+        let chord =
+            chord.map_err(|reason| if reason == LeftOutReason::AxisTurns { LeftOutReason::Tilted } else { reason });
         match chord {
             Ok(chord) if chord.is_tilted() && self.tilted.is_some() => self.process_tilted(period, &chord),
-            _ => self.process_upright(period),
+            _ => self.process_upright(period, chord.and_then(upright_mm)),
         }
         if let Some(tilted) = &mut self.tilted {
             tilted.state.add(section, &self.placement, machine.as_ref());
@@ -241,11 +243,14 @@ impl EngagementMeter {
         }
     }
 
-    fn process_upright(&mut self, Period { section, segment, axes }: &Period) {
-        let ends = match self.placement.chord_mm(section, self.settings.machine.as_ref()) {
-            None => return,
-            Some(Ok(ends)) => ends,
-            Some(Err(reason)) => return LeftOut::count(&mut self.left_out, section.block, reason),
+    fn process_upright(
+        &mut self,
+        Period { section, segment, axes }: &Period,
+        ends: Result<[Vector; 2], LeftOutReason>,
+    ) {
+        let ends = match ends {
+            Ok(ends) => ends,
+            Err(reason) => return LeftOut::count(&mut self.left_out, section.block, reason),
         };
         let fine_mm = CLEAR_RATIO * self.step_mm();
         let count = libm::ceil(length(difference(ends[1], ends[0])) / fine_mm).max(1.0);
@@ -332,6 +337,11 @@ impl EngagementMeter {
         };
         (lowest..=highest).filter_map(of_layer).reduce(hull)
     }
+}
+
+/// Ends of the tip's motion of an upright tool.
+fn upright_mm(chord: ToolChord) -> Result<[Vector; 2], LeftOutReason> {
+    if chord.is_tilted() { Err(LeftOutReason::Tilted) } else { Ok(chord.ends_mm) }
 }
 
 /// Slice of the tool at a height; `None` if no part of the tool cuts there.

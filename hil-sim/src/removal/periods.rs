@@ -32,11 +32,12 @@ pub struct Period {
 impl Periods {
     /// Processes the period that the simulation has just computed; `None` in the first one, and before the first block.
     pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
-        let active =
-            BlockRef::in_execution(simulation).map(|(block, segment)| (block, *simulation.context(), *segment));
-        self.last = active.or(self.last);
+        if let Some((block, segment)) = BlockRef::in_execution(simulation) {
+            self.last = Some((block, *simulation.context(), *segment));
+        }
         let axes = simulation.control().actual_axes();
-        let (before, (block, context, segment)) = self.axes.replace(axes).zip(self.last)?;
+        let before = self.axes.replace(axes)?;
+        let &(block, context, segment) = self.last.as_ref()?;
         let positions = vec![at_tip(&before, &context), at_tip(&axes, &context)];
         let section =
             PathSection { block, context, from: Micros(simulation.now().0 - STEP.0), to: simulation.now(), positions };

@@ -122,30 +122,10 @@ impl WorkpiecePlacement {
         machine: Option<&Machine>,
         tolerance_mm: f64,
     ) -> Result<Vec<Sweep>, LeftOutReason> {
-        let poses = self.poses(section, machine)?;
+        let poses: Vec<Pose> = section.positions.iter().map(self.pose_on_part(section, machine)?).collect();
         let chords = poses.windows(2).map(|pair| Move::Straight { from: pair[0], to: pair[1] });
         let sweeps: Result<Vec<Vec<Sweep>>, MoveError> = chords.map(|chord| chord.sweeps(tool, tolerance_mm)).collect();
         sweeps.map(|sweeps| sweeps.concat()).map_err(|_| LeftOutReason::Turning)
-    }
-
-    /// Straight motion of the tip of an upright tool on the workpiece, for a path section of one chord; `None` before the first cut
-    /// has given the workpiece's position.
-    ///
-    /// # Errors
-    /// The tool's position on the workpiece is unknown, or the tool is tilted.
-    pub fn chord_mm(
-        &mut self,
-        section: &PathSection,
-        machine: Option<&Machine>,
-    ) -> Option<Result<[Vector; 2], LeftOutReason>> {
-        let upright_mm =
-            |chord: ToolChord| if chord.is_tilted() { Err(LeftOutReason::Tilted) } else { Ok(chord.ends_mm) };
-        let chord = self.tool_chord(section, machine)?;
-        Some(
-            chord
-                .map_err(|reason| if reason == LeftOutReason::AxisTurns { LeftOutReason::Tilted } else { reason })
-                .and_then(upright_mm),
-        )
     }
 
     /// Straight motion of the tip of a tool with a fixed axis on the workpiece, for a path section of one chord; `None` before the
@@ -166,11 +146,12 @@ impl WorkpiecePlacement {
     }
 
     fn fixed_chord(&self, section: &PathSection, machine: Option<&Machine>) -> Result<ToolChord, LeftOutReason> {
-        let poses = self.poses(section, machine)?;
+        let pose = self.pose_on_part(section, machine)?;
         let is_by_axes = section.context.programmed_path == ProgrammedPath::Axes;
         if is_by_axes && !self.is_indexed && !self.is_at_first_cut(section) {
             return Err(LeftOutReason::OtherPosition);
         }
+        let poses: Vec<Pose> = section.positions.iter().map(pose).collect();
         let ends_mm = [poses[0].tip_mm, poses[1].tip_mm];
         if poses.iter().all(|pose| !is_tilted(pose.axis)) {
             return Ok(ToolChord { ends_mm, frame: Frame::OWN });
@@ -202,45 +183,52 @@ impl WorkpiecePlacement {
         }
     }
 
-    /// Tip and axis on the part at each point.
-    fn poses(&self, section: &PathSection, machine: Option<&Machine>) -> Result<Vec<Pose>, LeftOutReason> {
+    /// Function that returns tip and axis on the part at a point of the section.
+    fn pose_on_part<'p>(
+        &'p self,
+        section: &'p PathSection,
+        machine: Option<&'p Machine>,
+    ) -> Result<Box<dyn Fn(&AxisPosition) -> Pose + 'p>, LeftOutReason> {
         if section.context.place != WorkpiecePlace::Known {
             return Err(LeftOutReason::MachinePosition);
         }
         let origin_mm = self.origin_mm.unwrap_or_default();
-        let tip_mm = |position: &AxisPosition| difference([position[0], position[1], position[2]], origin_mm);
-        let pose: Box<dyn Fn(&AxisPosition) -> Pose + '_> = match (section.context.programmed_path, machine) {
-            (ProgrammedPath::Contour, _) => return Err(LeftOutReason::Contour),
-            (ProgrammedPath::Tip, None) => return Err(LeftOutReason::NoMachine),
-            (ProgrammedPath::Tip, Some(machine)) => Box::new(move |position| Pose {
+        let tip_mm = move |position: &AxisPosition| difference([position[0], position[1], position[2]], origin_mm);
+        match (section.context.programmed_path, machine) {
+            (ProgrammedPath::Contour, _) => Err(LeftOutReason::Contour),
+            (ProgrammedPath::Tip, None) => Err(LeftOutReason::NoMachine),
+            (ProgrammedPath::Tip, Some(machine)) => Ok(Box::new(move |position| Pose {
                 tip_mm: tip_mm(position),
                 axis: axis_at(machine, position, &section.context),
-            }),
-            (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => return Err(LeftOutReason::Turning),
+            })),
+            (ProgrammedPath::Axes, _) if section.turn_deg() > SAME_DEG => Err(LeftOutReason::Turning),
             (ProgrammedPath::Axes, _) if self.is_at_first_cut(section) => {
-                Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: UP })
+                Ok(Box::new(move |position| Pose { tip_mm: tip_mm(position), axis: UP }))
             }
             (ProgrammedPath::Axes, Some(machine)) if turns_part(machine) => {
-                Box::new(move |position| self.indexed_pose(machine, position, origin_mm))
+                Ok(Box::new(move |position| self.indexed_pose(machine, position, origin_mm)))
             }
-            (ProgrammedPath::Axes, _) => return Err(LeftOutReason::OtherPosition),
-        };
-        Ok(section.positions.iter().map(pose).collect())
+            (ProgrammedPath::Axes, _) => Err(LeftOutReason::OtherPosition),
+        }
     }
 
     /// Tip and axis on the part at other positions of the rotary axes than at the first cut. (1), (2)
     fn indexed_pose(&self, machine: &Machine, position: &AxisPosition, origin_mm: Vector) -> Pose {
-        let axes = machine_axes(machine, position);
-        let on_part = machine.forward(&axes, &Setup::default()).tip_mm;
-        let at_first_cut = machine.linear_for(on_part, self.first_deg(machine), &Setup::default());
-        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: self.in_first_cut(machine, position).axes[2] }
+        let on_part = machine.forward(&machine_axes(machine, position), &Setup::default());
+        let at_first_cut = machine.linear_for(on_part.tip_mm, self.first_deg(machine), &Setup::default());
+        Pose { tip_mm: difference(at_first_cut, origin_mm), axis: self.turned_back(machine, on_part.axis) }
     }
 
     /// Frame of the tool on the part as it was at the first cut. (2)
     fn in_first_cut(&self, machine: &Machine, position: &AxisPosition) -> Frame {
+        let now = frame_at(machine, machine_axes(machine, position).rotary_deg);
+        Frame { axes: now.axes.map(|direction| self.turned_back(machine, direction)) }
+    }
+
+    /// Direction on the part, turned back to the position of the part at the first cut. (2)
+    fn turned_back(&self, machine: &Machine, direction: Vector) -> Vector {
         let ([first, second], [first_deg, second_deg]) = (machine.rotary(), self.first_deg(machine));
-        let turned_back = |v: Vector| turned(turned(v, first.direction, -first_deg), second.direction, -second_deg);
-        Frame { axes: frame_at(machine, machine_axes(machine, position).rotary_deg).axes.map(turned_back) }
+        turned(turned(direction, first.direction, -first_deg), second.direction, -second_deg)
     }
 
     /// Positions of the machine's rotary axes at the first cut, in the order of its description.
