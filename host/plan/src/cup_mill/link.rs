@@ -72,9 +72,11 @@ impl Line<'_> {
                 (share, gaps.fold(f64::INFINITY, f64::min))
             });
             let (share, _) = roughly.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((PLACES[0], 0.0));
-            let gap_mm = wall.least(|point| self.gap_mm(share, point)).map_or(f64::INFINITY, |least| least.value);
-            if -gap_mm > worst.1 {
-                worst = (share, -gap_mm);
+            // A wall none of whose samples is nearer is nowhere touched.
+            let near_mm = CLEAR_MM + wall.mesh_mm();
+            let least = wall.least_below(near_mm, |point| self.gap_mm(share, point));
+            if let Some(least) = least.filter(|least| -least.value > worst.1) {
+                worst = (share, -least.value);
             }
         }
         worst

@@ -22,6 +22,8 @@ pub struct Patch {
     /// Steps between samples, along and across.
     steps: [usize; 2],
     samples: Vec<([f64; 2], Point)>,
+    /// Largest distance between neighbouring samples, those across a corner included.
+    mesh_mm: f64,
     /// A search ends at the best sample.
     is_coarse: bool,
 }
@@ -46,8 +48,9 @@ impl Patch {
             low + (high - low) * (1.0 - libm::cos(core::f64::consts::PI * share)) / 2.0
         };
         let places = (0..=steps[0]).flat_map(|i| (0..=steps[1]).map(move |j| [place(0, i), place(1, j)]));
-        let samples = places.map(|at| (at, point(at[0], at[1]))).collect();
-        Patch { point: Arc::new(point), ranges, steps, samples, is_coarse: false }
+        let samples: Vec<_> = places.map(|at| (at, point(at[0], at[1]))).collect();
+        let mesh_mm = mesh_mm(&samples, steps);
+        Patch { point: Arc::new(point), ranges, steps, samples, mesh_mm, is_coarse: false }
     }
 
     /// The same surface after a rotation about the origin.
@@ -60,19 +63,20 @@ impl Patch {
     /// The same surface with every `stride`th sample in both directions; its searches end at the best sample. For
     /// comparisons of many plans.
     pub fn coarse(&self, stride: usize) -> Self {
-        let samples = self.thinned_places(stride).copied().collect();
-        Patch {
-            point: Arc::clone(&self.point),
-            steps: self.steps.map(|steps| steps / stride),
-            samples,
-            is_coarse: true,
-            ..*self
-        }
+        let samples: Vec<_> = self.thinned_places(stride).copied().collect();
+        let steps = self.steps.map(|steps| steps / stride);
+        let mesh_mm = mesh_mm(&samples, steps);
+        Patch { point: Arc::clone(&self.point), steps, samples, mesh_mm, is_coarse: true, ..*self }
     }
 
     /// Whether searches end at the best sample, instead of refining it.
     pub fn is_coarse(&self) -> bool {
         self.is_coarse
+    }
+
+    /// Largest distance between neighbouring samples, mm: every point of the surface is nearer than that to a sample.
+    pub fn mesh_mm(&self) -> f64 {
+        self.mesh_mm
     }
 
     /// Point at `(u, v)`.
@@ -119,4 +123,12 @@ impl Patch {
         let ends = starts.into_iter().map(|start| descend(self.ranges, start, spacing, |[u, v]| f(&self.point(u, v))));
         ends.min_by(|a, b| a.value.total_cmp(&b.value))
     }
+}
+
+/// Largest distance between samples of one cell.
+fn mesh_mm(samples: &[([f64; 2], Point)], steps: [usize; 2]) -> f64 {
+    let rows: Vec<_> = samples.chunks(steps[1] + 1).collect();
+    let cells = rows.windows(2).flat_map(|pair| pair[0].windows(2).zip(pair[1].windows(2)));
+    let diagonals = cells.flat_map(|(low, high)| [high[1].1 - low[0].1, high[0].1 - low[1].1]);
+    diagonals.map(|diagonal| diagonal.norm()).fold(0.0, f64::max)
 }
