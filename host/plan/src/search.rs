@@ -18,13 +18,24 @@ pub struct Minimum {
     pub value: f64,
 }
 
-/// Spacing at which a search ends, relative to the rectangle.
-const FINEST: f64 = 1e-6;
+/// Spacing at which a search ends, relative to that of its first steps.
+pub const FINEST: f64 = 1e-6;
 /// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
 /// Local minimum of a function of two variables near `start`, within `ranges`; the first steps are `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
+    descend_to(FINEST, ranges, start, spacing, f)
+}
+
+/// Local minimum by a search that ends at the spacing `finest`, relative to that of its first steps.
+pub fn descend_to(
+    finest: f64,
+    ranges: [[f64; 2]; 2],
+    start: Minimum,
+    spacing: [f64; 2],
+    f: impl Fn([f64; 2]) -> f64,
+) -> Minimum {
     let around = |best: Minimum, stencil: &mut [Minimum]| {
         for k in 0..stencil.len() {
             // At a border several neighbours coincide.
@@ -32,7 +43,7 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl
             stencil[k].value = known.map_or_else(|| f(stencil[k].at), |known| known.value);
         }
     };
-    descend_by(ranges, start, spacing, around, &f)
+    descend_by(finest, ranges, start, spacing, around, &f)
 }
 
 /// Descent for an expensive function: a stencil's values are computed on all cores.
@@ -43,10 +54,11 @@ pub fn descend_parallel(
     f: impl Fn([f64; 2]) -> f64 + Sync,
 ) -> Minimum {
     let around = |_, stencil: &mut [Minimum]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
-    descend_by(ranges, start, spacing, around, &f)
+    descend_by(FINEST, ranges, start, spacing, around, &f)
 }
 
 fn descend_by(
+    finest: f64,
     ranges: [[f64; 2]; 2],
     start: Minimum,
     spacing: [f64; 2],
@@ -57,7 +69,7 @@ fn descend_by(
     let mut best = start;
     let mut scale = 1.0;
     for _ in 0..ROUNDS_MAX {
-        if scale < FINEST {
+        if scale < finest {
             break;
         }
         let step = spacing.map(|width| width * scale);

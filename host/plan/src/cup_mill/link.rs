@@ -21,6 +21,8 @@ use super::turn::TurningTool;
 const PLACES: [f64; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
 /// Depth that counts as clear, mm: the line is a chord of the turn, and a side through the pivot would allow none.
 const CLEAR_MM: f64 = 0.01;
+/// Last step of the search for the deepest place, in distances between samples: the depth it returns is good to its square.
+const FINEST: f64 = 1e-3;
 /// Number of shortenings after which the lower level's turn is used.
 const ROUNDS_MAX: usize = 8;
 /// Stride through the samples: every second one in both directions is enough to find the worst place of the line.
@@ -74,7 +76,7 @@ impl Line<'_> {
             let (share, _) = roughly.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((PLACES[0], 0.0));
             // A wall none of whose samples is nearer is nowhere touched.
             let near_mm = CLEAR_MM + wall.mesh_mm();
-            let least = wall.least_below(near_mm, |point| self.gap_mm(share, point));
+            let least = wall.least_to(FINEST, near_mm, |point| self.gap_mm(share, point));
             if let Some(least) = least.filter(|least| -least.value > worst.1) {
                 worst = (share, -least.value);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Rotation3;
 
-use crate::search::{Minimum, descend};
+use crate::search::{FINEST, Minimum, descend_to};
 use crate::vector::Point;
 
 /// Number of best samples from which a search descends.
@@ -107,6 +107,11 @@ impl Patch {
     /// Smallest value of a function over the points, if one of the samples is below `limit`, otherwise `None`: fast for surfaces that
     /// rarely matter.
     pub fn least_below(&self, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
+        self.least_to(FINEST, limit, f)
+    }
+
+    /// The same by searches that end at steps of `finest` times the distance between samples.
+    pub fn least_to(&self, finest: f64, limit: f64, f: impl Fn(&Point) -> f64) -> Option<Minimum> {
         let valued = self.samples.iter().map(|(at, point)| Minimum { at: *at, value: f(point) });
         if self.is_coarse {
             return valued.filter(|least| least.value < limit).min_by(|a, b| a.value.total_cmp(&b.value));
@@ -120,7 +125,8 @@ impl Patch {
             candidates.retain(|candidate| !is_near(&start, candidate));
             starts.push(start);
         }
-        let ends = starts.into_iter().map(|start| descend(self.ranges, start, spacing, |[u, v]| f(&self.point(u, v))));
+        let by_place = |[u, v]: [f64; 2]| f(&self.point(u, v));
+        let ends = starts.into_iter().map(|start| descend_to(finest, self.ranges, start, spacing, by_place));
         ends.min_by(|a, b| a.value.total_cmp(&b.value))
     }
 }
