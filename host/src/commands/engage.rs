@@ -2,6 +2,7 @@
 //! law.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 #[cfg(feature = "plan")]
 use std::path::Path;
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use arcfeed_hil_sim::removal::sections::{EdgeCounts, SectionJoint, SectionSample
 use arcfeed_model::cut::CutRule;
 use arcfeed_model::engaged::{EngagedKnot, EngagedTable};
 use arcfeed_model::tool::Tool;
+use arcfeed_nc::segment::Path as Way;
 use arcfeed_units::Nm;
 use serde::Serialize;
 
@@ -107,8 +109,12 @@ impl Engage {
                 "{job}: an engagement map is looked up in a [workpiece], and there is none"
             )));
         };
-        let meter = run(&file, &program, &setup)?;
-        let map = map(&file, &program, &meter, self.alike)?;
+        let planned = adapt(&program, &file.job).blocks;
+        let asked: Vec<&PlannedBlock> = planned.iter().filter(|block| has_map(block, &file)).collect();
+        let has_repeats = self.alike && file.plunge.is_none();
+        let count = if has_repeats { unrepeated(&planned, &asked) } else { asked.len() };
+        let meter = run(&file, &program, &setup, count)?;
+        let map = map(&program, &asked, meter.moves().get(..count).unwrap_or(meter.moves()), count, self.alike)?;
         let map = EngagementMap { descents: descents(&file, &setup, (&program, self.alike), &meter), ..map };
         let left_out = meter.left_out().iter();
         let left_out = left_out.map(|left_out| left_out_figures(left_out.reason, &left_out.first, left_out.blocks));
@@ -135,8 +141,23 @@ pub(super) fn write_map_of_equal_slots(job: &Path) -> Result<(String, usize), Fa
     Ok((report.map, report.moves.len()))
 }
 
-/// Runs the original program through the workpiece, on drives without lag: the map is that of the programmed path.
-fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<EngagementMeter, Failure> {
+/// Number of moves with a map up to the last one at the rotary axes' positions of the first cut: where all positions are alike, the
+/// others repeat them.
+fn unrepeated(planned: &[PlannedBlock], asked: &[&PlannedBlock]) -> usize {
+    let cut = planned.iter().map(|block| &block.segment).find(|segment| segment.path != Way::Rapid);
+    let is_there = |block: &&PlannedBlock| cut.is_some_and(|cut| block.segment.end.rotary == cut.end.rotary);
+    asked.iter().rposition(is_there).map_or(asked.len(), |last| last + 1)
+}
+
+/// Whether the move of a block is to have engaged arcs.
+fn has_map(block: &PlannedBlock, file: &JobFile) -> bool {
+    let rule = block.rule.and_then(|index| file.job.rules.get(index));
+    block.reason != PlanReason::Special && rule.is_some_and(CutRule::expects_engagement_per_move)
+}
+
+/// Runs the original program through the workpiece, on drives without lag, until `count` moves with a map are made: the map is that of
+/// the programmed path.
+fn run(file: &JobFile, program: &Program, setup: &Setup<'_>, count: usize) -> Result<EngagementMeter, Failure> {
     let settings = ControlSettings { drives: None, servo: None, ..control_settings(file) };
     let (layers, depth_mm) = setup.layers();
     let mut meter = EngagementMeter::new(EngagementSettings {
@@ -153,7 +174,7 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     let mut simulation = in_memory_of(settings, file, program.bytes(), ControllerFault::LawOff)?;
     run_observed(&mut simulation, Some("looking"), |simulation| {
         meter.observe(simulation);
-        Ok(())
+        Ok(if meter.moves().len() > count { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
     })?;
     meter.end();
     match simulation.control().alarm() {
@@ -162,30 +183,24 @@ fn run(file: &JobFile, program: &Program, setup: &Setup<'_>) -> Result<Engagemen
     }
 }
 
-/// Map of the result, by the moves of the program.
+/// Map of the result, by the moves of the program: `found` has the first `count` of those that are `asked` for.
 fn map(
-    file: &JobFile,
     program: &Program,
-    meter: &EngagementMeter,
+    asked: &[&PlannedBlock],
+    found: &[EngagedMove],
+    count: usize,
     positions_alike: bool,
 ) -> Result<EngagementMap, Failure> {
-    let planned = adapt(program, &file.job).blocks;
-    let asked = |block: &&PlannedBlock| {
-        let rule = block.rule.and_then(|index| file.job.rules.get(index));
-        block.reason != PlanReason::Special && rule.is_some_and(CutRule::expects_engagement_per_move)
-    };
-    let asked: Vec<&PlannedBlock> = planned.iter().filter(asked).collect();
     let same = |block: &PlannedBlock, sequence: Option<i64>| block.segment.sequence == sequence;
-    let is_whole = asked.len() == meter.moves().len()
-        && asked.iter().zip(meter.moves()).all(|(block, found)| same(block, found.block.sequence));
+    let is_whole =
+        found.len() == count && asked.iter().zip(found).all(|(block, found)| same(block, found.block.sequence));
     if !is_whole {
-        let (planned, made) = (asked.len(), meter.moves().len());
-        let program = program.path.display();
-        return Err(Failure::Machine(format!("{program}: {made} of {planned} moves with a map were made")));
+        let (made, program) = (found.len(), program.path.display());
+        return Err(Failure::Machine(format!("{program}: {made} of {count} moves with a map were made")));
     }
     let mut by_way = HashMap::new();
-    let moves = asked.iter().zip(meter.moves()).map(|(block, found)| {
-        let own = table_of(found);
+    let moves = asked.iter().enumerate().map(|(index, block)| {
+        let own = found.get(index).and_then(table_of);
         let known = by_way.entry(key_at_any_position(&block.segment)).or_insert_with(|| own.clone());
         let table = if positions_alike { own.or_else(|| known.clone()) } else { own };
         let line = program.line_in_file(block.line);

@@ -1,6 +1,7 @@
 //! Observation of a simulated run: cuts the stock along the axes' path, records override, feed and chip load, and shows
 //! the progress.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
@@ -89,7 +90,7 @@ impl RunObserver {
     /// The run does not end, the stock needs more memory than permitted, or the tables cannot be written.
     pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
-        run_observed(simulation, takes_long, |simulation| self.observe(simulation))?;
+        run_observed(simulation, takes_long, |simulation| self.observe(simulation).map(ControlFlow::Continue))?;
         if let Some(cutter) = &mut self.cutter {
             cutter.end().map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
             self.stock.iter_mut().for_each(|stock| stock.end(simulation.now(), cutter));
@@ -180,7 +181,7 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
     })
 }
 
-/// Simulates a run to its end and calls `observe` after each millisecond. `takes_long` is the name under which a run
+/// Simulates a run to its end, or until `observe` breaks it off, and calls `observe` after each millisecond. `takes_long` is the name under which a run
 /// that takes long shows its progress; `None`: no progress.
 ///
 /// # Errors
@@ -188,7 +189,7 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
 pub fn run_observed(
     simulation: &mut Simulation<InProcessController>,
     takes_long: Option<&str>,
-    mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<(), Failure>,
+    mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<ControlFlow<()>, Failure>,
 ) -> Result<(), Failure> {
     let shown = takes_long.filter(|_| console::capture().is_none());
     let line = shown.map(ProgressLine::begin);
@@ -197,7 +198,9 @@ pub fn run_observed(
             break;
         }
         simulation.step();
-        observe(simulation)?;
+        if observe(simulation)?.is_break() {
+            break;
+        }
         if simulation.now() > RUN_MAX {
             return Err(Failure::Machine("the program still runs after 24 hours of machine time".into()));
         }
