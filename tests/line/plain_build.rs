@@ -39,8 +39,12 @@ fn run(arguments: &[&str]) -> Output {
         let target = test.ancestors().nth(3).expect("tests run from target/<profile>/deps");
         let is_release = test.starts_with(target.join("release"));
         let folder = if is_release { target.join("plain") } else { target.to_owned() };
-        let built = cargo(&["build", "--locked", "--quiet", "--release", "--target-dir"]).arg(&folder).status();
-        assert!(built.expect("cargo runs").success(), "the plain arcfeed does not build");
+        let built = cargo(&["build", "--locked", "--quiet", "--release", "--target-dir"]).arg(&folder).output();
+        let built = built.expect("cargo runs");
+        let said = String::from_utf8_lossy(&built.stderr);
+        assert!(built.status.success(), "the plain arcfeed does not build: {said}");
+        // The lints of the workspace see only the build with all features.
+        assert!(!said.contains("warning"), "the plain arcfeed builds with warnings: {said}");
         folder.join(format!("release/arcfeed{}", std::env::consts::EXE_SUFFIX))
     });
     Command::new(program).args(arguments).current_dir(root()).output().expect("arcfeed runs")
