@@ -150,6 +150,9 @@ const FILES: &[(&str, &str, &[u8])] = &[
         b"ISO-10303-21;\nDATA;\n#1=A(1,\n",
     ),
     ("IGES", "iges = { file = \"f\", blades = 19 }", b""),
+    ("IGES as STEP", "step = { file = \"f.igs\", blade = [\"B\"], blades = 19, hub_radius = 3 }", b""),
+    ("IGES as STL", "stl = { blade = \"f.IGES\", blades = 19, hub_radius = 3 }", b""),
+    ("IGES as hub", "stl = { blade = \"f\", blades = 19, hub = \"f.igs\" }", b""),
 ];
 
 /// Message of a part, or of its rotor's flaws; `None` if nothing is wrong with it.

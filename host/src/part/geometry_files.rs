@@ -13,6 +13,10 @@ use super::PartError;
 use crate::file_error::FileError;
 use crate::job::at;
 
+/// Refusal of IGES, with what to export in its place.
+pub(super) const IGES: &str = "IGES is not read; export the blade and the hub from the CAD system as STEP (AP203, AP214, AP242) for `step`, or as STL \
+                               for `stl`";
+
 /// Environment of a rotor's files.
 #[derive(Clone, Copy)]
 pub(super) struct FileContext<'a> {
@@ -44,6 +48,9 @@ pub(super) fn in_file(file: &Spanned<String>, folder: &Path, error: &ReadError) 
 
 pub(super) fn bytes(file: &Spanned<String>, folder: &Path) -> Result<Vec<u8>, PartError> {
     let path = folder.join(file.as_ref());
+    if path.extension().is_some_and(|ending| ["igs", "iges"].iter().any(|iges| ending.eq_ignore_ascii_case(iges))) {
+        return Err(at(file, IGES).into());
+    }
     std::fs::read(&path).map_err(|error| at(file, &format!("{}: {error}", path.display())).into())
 }
 

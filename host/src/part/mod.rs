@@ -171,7 +171,11 @@ fn parse<T>(
     build: impl Fn(&PartTable, &Path, &Path) -> Result<T, PartError>,
 ) -> Result<T, FileError> {
     let read = || -> Result<PartTable, Complaint> {
-        toml::from_str(text).map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
+        toml::from_str(text).map_err(|error| {
+            let is_iges = error.message().starts_with("unknown field `iges`");
+            let message = if is_iges { geometry_files::IGES } else { error.message() };
+            (error.span().map_or(0, |span| span.start), message.to_owned())
+        })
     };
     let table = refuse_numbers(text).and_then(|()| read());
     let folder = path.parent().unwrap_or(Path::new(""));
