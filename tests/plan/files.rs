@@ -207,6 +207,11 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
         assert!(matches!((which, &error.fault), (CurveFile::Hub, Fault::TurnsBack { .. })), "{error}");
         assert!(error.to_string().contains("give the rotor's `axis`"));
     }
+    // Main blade and splitter in one file; the first line of the second blade's first point is named.
+    let splitter = format!("## Main Blade\n{good}## Splitter Blade 1\n{good}");
+    let (which, error) = refused(&hub, &shroud, &splitter, &Z);
+    assert!(matches!((which, &error.fault), (CurveFile::Profile, Fault::SecondBlade { section: 4, .. })), "{error}");
+    assert_eq!(error.line, good.lines().count() + 4, "{error}");
     // A hub that belongs to another rotor.
     let (which, error) = refused(&curve(700.0, [-20.0, 20.0]), &curve(990.0, [-20.0, 20.0]), &good, &Z);
     assert!(matches!((which, error.fault), (CurveFile::Profile, Fault::OffTheHub { .. })));

@@ -5,10 +5,11 @@ use std::path::Path;
 use arcfeed::job;
 use arcfeed_model::cut::{Moves, Work};
 use arcfeed_model::tool::Tool;
-use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
+use arcfeed_plan::output::job::{JobFile, Law, Machine};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc::{Feeds, Indexing, Setup, write};
 use arcfeed_plan::output::stl::to_stl;
+use arcfeed_plan::output::workpiece::{StockShape, Workpiece};
 use arcfeed_plan::vector::Point;
 use arcfeed_tests::{Scratch, run};
 use arcfeed_units::{LengthUnit, Nm};
@@ -43,7 +44,8 @@ fn the_hosts_reader_finds_what_was_written() {
     scratch.write("blank.stl", to_stl(&[[a, c, b], [a, b, d], [b, c, d], [c, a, d]]).expect("bytes"));
     for unit in [LengthUnit::Inch, LengthUnit::Mm] {
         let limits = stock_limits(&path(false), &mill(), &blank(6.0), &leaning(6.0)).expect("limits");
-        let text = text(unit, &limits, Some(Workpiece { stl: "blank.stl", target: None, step_mm: 0.5 }));
+        let text =
+            text(unit, &limits, Some(Workpiece { stock: StockShape::Mesh("blank.stl"), target: None, step_mm: 0.5 }));
         let file = job::JobFile::parse(Path::new(&scratch.path("job.toml")), &text)
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
         let Tool::CupMill(tool) = file.job.tools.first().tool else { panic!("a cup mill") };

@@ -69,6 +69,8 @@ mod threads;
 
 mod chain;
 
+mod wheel;
+
 mod plunge;
 
 mod finish;

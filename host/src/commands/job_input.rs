@@ -108,6 +108,7 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
     let JobFile { job, workpiece, cutting, .. } = file;
     let depth = cutting.as_ref().map(|cutting| (cutting.axial_depth_mm, cutting.layers));
     let body = workpiece.as_ref().map(|workpiece| (workpiece.body, workpiece.step_mm));
+    let is_indexed = workpiece.as_ref().is_some_and(|workpiece| workpiece.is_indexed);
     made_of.extend(
         format!("{:?}", (job.unit, job.tools.first().tool, job.tools.first().feed_per_tooth, body, depth)).bytes(),
     );
@@ -116,7 +117,7 @@ pub fn made_of(file: &JobFile, mut made_of: Vec<u8>) -> Result<u64, Failure> {
             Coefficients::Material { name, .. } => name.clone(),
             numbers => format!("{numbers:?}"),
         });
-        made_of.extend(format!("{:?}", (plunge.has_ramps, plunge.is_indexed, material)).bytes());
+        made_of.extend(format!("{:?}", (plunge.has_ramps, is_indexed, material)).bytes());
     }
     match workpiece.as_ref().map(|workpiece| &workpiece.blank) {
         Some(Blank::Stl(StlFile { path, unit })) => {

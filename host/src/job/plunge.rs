@@ -16,8 +16,6 @@ pub struct Plunge {
     pub feed_per_tooth_mm: f64,
     /// The law also governs moves that descend at an angle (ramps).
     pub has_ramps: bool,
-    /// The law governs moves at every position of the rotary axes; the workpiece is then the whole part.
-    pub is_indexed: bool,
 }
 
 /// Plunge law from the `[plunge]` table of a job, `None` if it has none; `[law] kind = "plunge"` requires the table.
@@ -42,10 +40,6 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
         (!is_bounded, "[plunge] needs a fastest feed: add a table [limits] with max_feed, per minute along the path"),
         (setup.axis != ToolAxis::Z, "[plunge] is for a tool along Z"),
         (
-            entry.as_ref().indexed == Some(true) && table.machine.file.is_none() && table.machine.preset.is_none(),
-            "indexed = true needs a [machine]: it turns the workpiece to the tool",
-        ),
-        (
             job.policy == FeedPolicy::OverrideOnly,
             "[plunge] sends the least feed of each move as F: write mode = \"safe-base\" or \"rewrite-only\" in [override]",
         ),
@@ -53,9 +47,8 @@ pub fn build(table: &JobTable, job: &Job, spindle: &SpindleLimits) -> Result<Opt
     if let Some((_, message)) = missing.iter().find(|(is_missing, _)| *is_missing) {
         return Err(at(entry, message));
     }
-    let PlungeTable { feed_per_tooth, ramps, indexed, .. } = entry.as_ref();
+    let PlungeTable { feed_per_tooth, ramps, .. } = entry.as_ref();
     let own = feed_per_tooth.as_ref().map(|feed| length_mm(feed, job.unit, "feed_per_tooth")).transpose()?;
     let feed_per_tooth_mm = own.unwrap_or(f64::from(setup.feed_per_tooth.0));
-    let is_indexed = indexed.unwrap_or(false);
-    Ok(Some(Plunge { feed_per_tooth_mm, has_ramps: ramps.unwrap_or(false), is_indexed }))
+    Ok(Some(Plunge { feed_per_tooth_mm, has_ramps: ramps.unwrap_or(false) }))
 }

@@ -68,8 +68,6 @@ pub struct PlungeTable {
     pub feed_per_tooth: Option<Spanned<Quantity>>,
     /// The law also governs moves that descend at an angle.
     pub ramps: Option<bool>,
-    /// The law also governs moves at other positions of the rotary axes than that of the first cut.
-    pub indexed: Option<bool>,
 }
 
 /// Values of `units`.
@@ -170,6 +168,8 @@ pub struct WorkpieceTable {
     pub step: Spanned<Quantity>,
     /// Largest memory of the stock model, MiB.
     pub memory_mib: Option<Spanned<usize>>,
+    /// The stock is that of the whole part, at all positions of the rotary axes.
+    pub indexed: Option<Spanned<bool>>,
     /// Part of the workpiece that bends under the cutting forces.
     pub flexible: Option<Spanned<FlexibleTable>>,
 }

@@ -35,6 +35,8 @@ pub struct Workpiece {
     pub step_mm: f64,
     /// Largest memory that the stock model may take, in bytes.
     pub memory_max_bytes: usize,
+    /// The stock is that of the whole part: edges and descents are evaluated at all positions of the rotary axes.
+    pub is_indexed: bool,
     /// Flexible part of the workpiece; `None` if it is rigid.
     pub flexible: Option<Flexible>,
     /// Cutting body of the tool, or of the first tool of several.
@@ -115,7 +117,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
     });
     let bodies = bodies.collect::<Result<Vec<_>, Complaint>>()?;
     let Some(entry) = &table.workpiece else { return Ok(None) };
-    let WorkpieceTable { stl_units, step, memory_mib, target, material, .. } = entry.as_ref();
+    let WorkpieceTable { stl_units, step, memory_mib, target, material, indexed, .. } = entry.as_ref();
     let body = |(tool, corner_mm, height_mm): &(&ToolTable, f64, Option<f64>)| match *height_mm {
         None if bodies.len() > 1 => {
             Err(at(&tool.kind, "a workpiece needs the height of each [[tool]]: how far up from its tip the tool cuts"))
@@ -143,6 +145,10 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
             "the estimate of the power needs the feed per tooth: write it in [law] in place of \"programmed\", or remove material",
         ));
     }
+    let has_machine = table.machine.file.is_some() || table.machine.preset.is_some();
+    if let Some(indexed) = indexed.as_ref().filter(|indexed| *indexed.as_ref() && !has_machine) {
+        return Err(at(indexed, "indexed = true needs a [machine]: it turns the workpiece to the tool"));
+    }
     let flexible = entry.as_ref().flexible.as_ref();
     if let Some(flexible) = flexible.filter(|_| table.cutting.is_none()) {
         return Err(at(flexible, "[workpiece.flexible] needs [cutting]: without edges there are no forces"));
@@ -155,6 +161,7 @@ pub fn build(table: &JobTable, job: &Job, folder: &Path) -> Result<Option<Workpi
         material: material.as_ref().map(|name| (name.as_ref().clone(), name.span().start)),
         step_mm: length_mm(step, job.unit, "step")?,
         memory_max_bytes,
+        is_indexed: indexed.as_ref().is_some_and(|indexed| *indexed.as_ref()),
         body: first,
         other_bodies: solids.collect(),
         offset: entry.span().start,

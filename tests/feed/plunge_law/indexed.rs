@@ -6,10 +6,10 @@ use serde_json::Value;
 /// A cube about the point where the rotary axes cross.
 const JOB: &str = "units = \"mm\"\nprogram = \"program.nc\"\n\
     [tool]\nkind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 30\n\
-    [workpiece]\nblock = { from = [-20, -20, -20], to = [20, 20, 20] }\nstep = 0.4\n\
+    [workpiece]\nblock = { from = [-20, -20, -20], to = [20, 20, 20] }\nstep = 0.4\nindexed = true\n\
     [cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 1\nlayers = 2\n\
     [spindle]\nrev_per_min = 800\nmax_power = \"0.5 kW\"\n[limits]\nmax_feed = 2000\n\
-    [law]\nkind = \"plunge\"\nfeed_per_tooth = 0.08\n[plunge]\nmap = \"map.toml\"\nindexed = true\n\
+    [law]\nkind = \"plunge\"\nfeed_per_tooth = 0.08\n[plunge]\nmap = \"map.toml\"\n\
     [override]\nmode = \"rewrite-only\"\n[machine]\npreset = \"mikron-ucp710\"\n";
 /// Positions of A and C that present the top and three sides.
 const FACES: [[i32; 2]; 4] = [[0, 0], [-90, 0], [-90, 90], [-90, 270]];

@@ -176,6 +176,18 @@ pub enum Fault {
         /// Height by which it lies below the section before.
         below_mm: f64,
     },
+    /// After sections up to the tip, the sections of another blade begin.
+    #[error(
+        "section {section} begins a second blade: it lies {below_mm:.3} mm lower over the hub than the one before, near section 1; a file has the \
+         sections of one blade. If all blades of the rotor are alike, keep those of the first blade only; a rotor with splitter blades, whose \
+         slots are of two kinds, is not planned"
+    )]
+    SecondBlade {
+        /// Section, counted from 1.
+        section: usize,
+        /// Height by which it lies below the section before.
+        below_mm: f64,
+    },
     /// The stated radius of a point does not agree with its coordinates.
     #[error(
         "the file says R = {stated_mm:.3} mm here, but the point is {found_mm:.3} mm from the {axis:?} axis; give the rotor's `axis`{hint}"
@@ -323,7 +335,13 @@ impl PointFileFrame {
         }
         match heights.windows(2).position(|pair| pair[1] <= pair[0]) {
             Some(at) => {
-                let fault = Fault::Order { section: at + 2, below_mm: heights[at] - heights[at + 1] };
+                let (section, below_mm) = (at + 2, heights[at] - heights[at + 1]);
+                let is_at_hub = at > 0 && heights[at + 1] - heights[0] < (heights[at] - heights[0]) / 2.0;
+                let fault = if is_at_hub {
+                    Fault::SecondBlade { section, below_mm }
+                } else {
+                    Fault::Order { section, below_mm }
+                };
                 Err(fault.at(line(at + 1), 1))
             }
             None => Ok(()),

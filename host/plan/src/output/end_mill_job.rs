@@ -5,8 +5,9 @@ use std::fmt::Write;
 
 use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
-use crate::output::job::{Machine, number, quoted};
-use crate::vector::Point;
+use crate::output::job::Machine;
+use crate::output::toml_text::{number, quoted};
+use crate::output::workpiece::{BlankRing, StockShape, Workpiece};
 
 /// Content of a job file for a planned path of an end mill.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,17 +60,6 @@ pub struct PlungeLimits {
     pub torque_n_m: Option<f64>,
 }
 
-/// Blank as a ring about an axis, dimensions in mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BlankRing {
-    /// Middles of both end faces.
-    pub ends_mm: [Point; 2],
-    /// Outer radius.
-    pub radius_mm: f64,
-    /// Radius of the ring's bore.
-    pub bore_mm: f64,
-}
-
 /// Height of the layers in which the sections of plunges are found, mm.
 const LAYER_MM: f64 = 0.5;
 
@@ -120,13 +110,17 @@ impl EndMillJob<'_> {
             let PlungeLimits { material, force_ratios: [radial, axial], .. } = law.limits;
             let _ = write!(
                 text,
-                "[plunge]\nmap = \"engaged.toml\"\nindexed = true\n\n\
+                "[plunge]\nmap = \"engaged.toml\"\n\n\
                  [cutting]\nmaterial = {}\nradial = {radial}\naxial = {axial}\naxial_depth = {}\nlayers = 2\n\n",
                 quoted(material),
                 length(2.0 * LAYER_MM),
             );
         }
-        text += &self.workpiece(length);
+        if let Some(step_mm) = self.rays_mm {
+            let stock = self.law.map_or(StockShape::Mesh("stock.stl"), |law| StockShape::Ring(law.ring));
+            text += &Workpiece { stock, target: Some("finished.stl"), step_mm }.text(length);
+            text += "\n";
+        }
         let _ = write!(
             text,
             "[control]\npreset = {}\n\n\
@@ -140,22 +134,6 @@ impl EndMillJob<'_> {
             None => {}
         }
         text
-    }
-
-    /// `[workpiece]`, if there are stock and finished part.
-    fn workpiece(&self, length: impl Fn(f64) -> String + Copy) -> String {
-        let Some(rays_mm) = self.rays_mm else { return String::new() };
-        let blank = match self.law {
-            None => "stl = \"stock.stl\"\nstl_units = \"mm\"".into(),
-            Some(PlungeLaw { ring: BlankRing { ends_mm, radius_mm, bore_mm }, .. }) => {
-                let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(length).join(", "));
-                let (radius, bore) = (length(radius_mm), length(bore_mm));
-                format!(
-                    "round = {{ from = [{from}], to = [{to}], radius = {radius}, bore = {bore} }}\nstl_units = \"mm\""
-                )
-            }
-        };
-        format!("[workpiece]\n{blank}\ntarget = \"finished.stl\"\nstep = {}\n\n", length(rays_mm))
     }
 }
 

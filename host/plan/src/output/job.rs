@@ -9,6 +9,8 @@ use arcfeed_units::{LengthUnit, MM_PER_INCH};
 
 use crate::cutter::CupMill;
 use crate::output::limits::{BlankFace, StockLimit};
+use crate::output::toml_text::{number, quoted};
+use crate::output::workpiece::Workpiece;
 
 /// Content of a job file for a planned path of a cup mill.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,17 +52,6 @@ pub enum Law<'a> {
     Circumference,
     /// Law for the whole engaged arc of both circles, by this engagement map, relative to the job file.
     EngagedArc(&'a str),
-}
-
-/// Workpiece of a job file: meshes in millimetres, by paths relative to the job file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Workpiece<'a> {
-    /// Path of the blank's mesh.
-    pub stl: &'a str,
-    /// Path of the target shape's mesh; `None` without one.
-    pub target: Option<&'a str>,
-    /// Distance of the rays of the simulation's tri-dexel model.
-    pub step_mm: f64,
 }
 
 /// Source of the machine's description in the job file.
@@ -111,7 +102,7 @@ impl JobFile<'_> {
         let _ = writeln!(text, "\n# {why}.\n[law]\nkind = \"{law}\"\nfeed_per_tooth = {feed}");
         self.cuts(&mut text);
         if let Some(workpiece) = &self.workpiece {
-            self.workpiece(&mut text, workpiece);
+            let _ = write!(text, "\n{}", workpiece.text(|length_mm| self.length(length_mm)));
         }
         let _ = writeln!(text, "\n[control]\npreset = {}", quoted(self.control));
         if let Some(settings) = self.settings {
@@ -227,49 +218,10 @@ impl JobFile<'_> {
         Some(rule)
     }
 
-    fn workpiece(&self, text: &mut String, workpiece: &Workpiece<'_>) {
-        let _ = writeln!(text, "\n[workpiece]\nstl = {}\nstl_units = \"mm\"", quoted(workpiece.stl));
-        if let Some(target) = workpiece.target {
-            let _ = writeln!(text, "target = {}", quoted(target));
-        }
-        let _ = writeln!(text, "step = {}", self.length(workpiece.step_mm));
-    }
-
     fn length(&self, length_mm: f64) -> String {
         match self.unit {
             LengthUnit::Inch => number(length_mm / MM_PER_INCH),
             LengthUnit::Mm => number(length_mm),
         }
-    }
-}
-
-/// Number to a millionth, without trailing zeros.
-pub(super) fn number(value: f64) -> String {
-    let text = format!("{value:.6}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    if short == "-0" { "0".into() } else { short.into() }
-}
-
-/// Basic string of TOML.
-pub(super) fn quoted(text: &str) -> String {
-    let mut quoted = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => quoted.extend(['\\', c]),
-            c if c.is_control() => quoted += &format!("\\u{:04X}", u32::from(c)),
-            c => quoted.push(c),
-        }
-    }
-    quoted + "\""
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_and_names_are_toml() {
-        assert_eq!([128.576_07, 90.0, -0.000_000_1, -691.5].map(number), ["128.57607", "90", "0", "-691.5"]);
-        assert_eq!(quoted("a \"b\"\\c\n"), "\"a \\\"b\\\"\\\\c\\u000A\"");
     }
 }

@@ -6,6 +6,10 @@ pub mod nc;
 
 pub mod limits;
 
+mod toml_text;
+
+pub mod workpiece;
+
 pub mod job;
 
 pub mod stl;

@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_plan::geometry::mesh::{Triangle, blank, finished};
-use arcfeed_plan::output::job::{JobFile, Law, Machine, Workpiece};
+use arcfeed_plan::output::job::{JobFile, Law, Machine};
 use arcfeed_plan::output::limits::StockLimit;
 use arcfeed_plan::output::nc::{Indexing, Setup, write as program};
 use arcfeed_plan::output::stl::to_stl;
+use arcfeed_plan::output::workpiece::{StockShape, Workpiece};
 
 use super::super::engage::write_map_of_equal_slots;
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::plan_result::{PlanResult, feeds};
-use super::slot_frame::{blades, in_slot, sector};
+use super::slot_frame::{blades, in_slot, ring, sector, sector_of_reach};
 use super::{page, viewer};
 use crate::console::note;
 use crate::part::MachineSource;
@@ -26,20 +27,25 @@ const SETTINGS: &str = "settings.toml";
 /// Control of the programs.
 pub(super) const CONTROL: &str = "fanuc-16i";
 
-/// Writes the plan's files into a folder.
+/// Writes the plan's files into a folder. The workpiece of the job is the whole wheel, or the part of it about the first slot.
 ///
 /// # Errors
 /// The program cannot be written for the control, or a file cannot be written.
-pub fn write(composed: &PlanResult, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+pub fn write(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let stem = file_stem(&composed.part.name);
     let name = format!("{stem}.nc");
     let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
-    let [stock, part] = meshes(composed).map(|triangles| to_stl(&triangles));
+    let [stock, part] = meshes(composed, is_whole).map(|triangles| to_stl(&triangles));
     let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
     let settings = control_settings(composed);
     let map = format!("{stem}.engaged.toml");
-    let job = job(composed, &name, &map, settings.as_ref().map(|_| SETTINGS))?;
+    let shape = if is_whole {
+        StockShape::Ring(ring(&composed.part.blisk, &composed.valued.plan.turn))
+    } else {
+        StockShape::Mesh("stock.stl")
+    };
+    let job = job(composed, shape, [&name, &map], settings.as_ref().map(|_| SETTINGS))?;
     let page = Page { viewer: Some(viewer::data(composed)), ..page::report(composed).page() }.to_string();
     let mut files: Vec<(&str, &[u8])> = vec![
         (&name, text.as_bytes()),
@@ -112,14 +118,24 @@ fn setup(composed: &PlanResult) -> Setup {
     }
 }
 
-/// Blank and finished part about the slot, slot frame.
-fn meshes(composed: &PlanResult) -> [Vec<Triangle>; 2] {
-    let (blisk, sector) = (&composed.part.blisk, sector(composed));
-    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades(composed), CHORD_MM)]
+/// Blank and finished part, whole or about the slot, slot frame.
+fn meshes(composed: &PlanResult, is_whole: bool) -> [Vec<Triangle>; 2] {
+    let blisk = &composed.part.blisk;
+    let (sector, blades) = if is_whole {
+        (sector_of_reach(composed, core::f64::consts::PI), [0, blisk.blades.cast_signed() - 1])
+    } else {
+        (sector(composed), blades(composed))
+    };
+    [blank(blisk, &sector, CHORD_MM), finished(blisk, &sector, blades, CHORD_MM)]
         .map(|triangles| in_slot(composed, triangles))
 }
 
-fn job(composed: &PlanResult, program: &str, map: &str, settings: Option<&str>) -> Result<String, Failure> {
+fn job(
+    composed: &PlanResult,
+    stock: StockShape<'_>,
+    [program, map]: [&str; 2],
+    settings: Option<&str>,
+) -> Result<String, Failure> {
     let part = &composed.part;
     let source = part.machine_source.as_ref();
     let file = machine_file(source);
@@ -137,7 +153,7 @@ fn job(composed: &PlanResult, program: &str, map: &str, settings: Option<&str>) 
         feed_per_tooth_mm: part.feeds.per_tooth_mm,
         limits: &composed.limits,
         law: if part.is_engaged_arc { Law::EngagedArc(map) } else { Law::Circumference },
-        workpiece: Some(Workpiece { stl: "stock.stl", target: Some("finished.stl"), step_mm: RAYS_MM }),
+        workpiece: Some(Workpiece { stock, target: Some("finished.stl"), step_mm: RAYS_MM }),
         control: CONTROL,
         settings,
         machine: machine(source, file.as_deref()),

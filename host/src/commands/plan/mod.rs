@@ -69,6 +69,9 @@ struct CupMill {
     /// Plan and prove other rings, by width and middle radius, and mark the one that removes most
     #[arg(long, conflicts_with = "output")]
     widths: bool,
+    /// Make the whole blank the job's workpiece, not the part of it about one slot: `simulate` then cuts all slots, which takes minutes
+    #[arg(long, requires = "output")]
+    wheel: bool,
     /// Print one JSON object (docs/json.md)
     #[arg(long)]
     json: bool,

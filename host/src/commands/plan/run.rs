@@ -29,6 +29,10 @@ impl CupMill {
             Failure::Input(message)
         };
         let part = PartFile::load(&self.part).map_err(|error| refused(error.to_string()))?;
+        if self.wheel && part.machine.is_none() {
+            let message = "--wheel needs a [machine] in the part file: its axes turn the wheel to the tool";
+            return Err(refused(format!("{}: {message}", self.part.display())));
+        }
         note(format_args!("comparing paths along some 200 directions of the tool, then planning and proving the best"));
         let composed = PlanResult::of(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
         if self.widths {
@@ -49,7 +53,7 @@ impl CupMill {
                 if let Some(MachineSource::File(file)) = &composed.part.machine_source {
                     inputs.push(file.clone());
                 }
-                files::write(&composed, folder, &inputs)
+                files::write(&composed, self.wheel, folder, &inputs)
             }
             None => Ok(()),
         }

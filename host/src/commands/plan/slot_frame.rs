@@ -1,8 +1,9 @@
 //! Surroundings of a place of the rotor: the sector of the part about it; those of a slot also in the slot frame.
 
-use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::geometry::blisk::{Blank, Blisk};
 use arcfeed_plan::geometry::mesh::{Sector, Triangle};
-use arcfeed_plan::vector::Point;
+use arcfeed_plan::output::workpiece::BlankRing;
+use arcfeed_plan::vector::{FrameRotation, Point};
 
 use super::plan_result::PlanResult;
 
@@ -22,14 +23,19 @@ pub(super) fn blades(composed: &PlanResult) -> [i32; 2] {
     if composed.part.blisk.facing() > 0 { [0, 1] } else { [-1, 0] }
 }
 
-/// Sector of the part about the slot.
+/// Sector of the part about the slot, as far as its neighbours.
 pub(super) fn sector(composed: &PlanResult) -> Sector {
+    sector_of_reach(composed, (0.5 + BESIDE_PITCHES) * composed.part.blisk.pitch_rad())
+}
+
+/// Sector of the part to both sides of the middle of the slot.
+pub(super) fn sector_of_reach(composed: &PlanResult, reach_rad: f64) -> Sector {
     let blisk = &composed.part.blisk;
     let at = |point: Point| libm::atan2(point.y, point.x);
     let from = at(composed.slot.pressure.point(0.5, 0.5));
     let facing = f64::from(blisk.facing());
     let middle = from + facing * blisk.pitch_rad() / 2.0;
-    sector_about(blisk, middle, (0.5 + BESIDE_PITCHES) * blisk.pitch_rad())
+    sector_about(blisk, middle, reach_rad)
 }
 
 /// Sector of the part to both sides of an angle about the rotor's axis.
@@ -41,7 +47,13 @@ pub(super) fn sector_about(blisk: &Blisk, middle_rad: f64, reach_rad: f64) -> Se
     }
 }
 
+/// The whole blank, in a frame of the tool.
+pub(super) fn ring(blisk: &Blisk, to_tool: &FrameRotation) -> BlankRing {
+    let Blank { radius_mm, faces_mm } = blisk.blank;
+    BlankRing { ends_mm: faces_mm.map(|z_mm| to_tool * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(blisk) }
+}
+
 /// Inner radius of blank and finished part.
-pub(super) fn bore_mm(blisk: &Blisk) -> f64 {
+fn bore_mm(blisk: &Blisk) -> f64 {
     blisk.hub.profile_mm.iter().map(|[_, radius_mm]| *radius_mm).fold(f64::INFINITY, f64::min) - BELOW_HUB_MM
 }

@@ -191,6 +191,7 @@ impl StockArgs {
             material: self.material.map(|name| (name.to_owned(), 0)),
             step_mm: finest_mm.max(2.0 * radius_mm / RAYS_PER_DIAMETER),
             memory_max_bytes: MEMORY_MAX_BYTES,
+            is_indexed: false,
             flexible: None,
             body: Body { corner_mm: 0.0, height_mm: z },
             other_bodies: vec![Body { corner_mm: 0.0, height_mm: z }; file.job.tools.len() - 1],

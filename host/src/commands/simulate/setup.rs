@@ -89,8 +89,9 @@ impl<'a> Setup<'a> {
                 MarkReference { blank: process.engagement().layers().clone(), turned: edges::turned(file, cutting)? };
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             let can_tilt = machine.is_some() && flexible.is_none();
-            let is_indexed = file.plunge.is_some_and(|plunge| plunge.is_indexed);
-            let about_mm = is_indexed.then(|| radius_mm(&file.job.tools.first().tool));
+            let is_indexed = workpiece.is_indexed;
+            // Thousands of plunges follow each other, each at an axis of its own.
+            let about_mm = (is_indexed && file.plunge.is_some()).then(|| radius_mm(&file.job.tools.first().tool));
             let tilted = can_tilt.then(|| {
                 let (blank, tool) = (Arc::clone(&blank), tool.clone());
                 TiltedWorkpiece { blank, tool, tolerance_mm, about_mm }
@@ -133,7 +134,7 @@ impl<'a> Setup<'a> {
     /// Workpiece in which sections of plunges can be measured at all positions of the rotary axes; `None` if the job
     /// has no such plunges.
     pub fn tilted_for_plunges(&self, file: &JobFile) -> Option<TiltedWorkpiece> {
-        let is_indexed = file.plunge.is_some_and(|plunge| plunge.is_indexed);
+        let is_indexed = file.plunge.is_some() && self.workpiece.is_indexed;
         self.loads.as_ref().filter(|_| is_indexed).and_then(|loads| loads.tilted.clone())
     }
 

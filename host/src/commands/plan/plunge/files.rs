@@ -3,16 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use arcfeed_kinematics::forward::ToolPose;
-use arcfeed_plan::geometry::blisk::Blank;
 use arcfeed_plan::geometry::mesh::{Triangle, blank, finished};
-use arcfeed_plan::output::end_mill_job::{BlankRing, EndMillJob, PlungeLaw, ToolShape};
+use arcfeed_plan::output::end_mill_job::{EndMillJob, PlungeLaw, ToolShape};
 use arcfeed_plan::output::plunge_nc::{PlungeSetup, axis_in_part, in_part, plunge_moves, write as program};
 use arcfeed_plan::output::stl::to_stl;
-use arcfeed_plan::vector::Point;
 
 use super::super::super::outcome::Failure;
 use super::super::files::{CHORD_MM, CONTROL, RAYS_MM, file_stem, machine, machine_file, write_files};
-use super::super::slot_frame::{BESIDE_PITCHES, bore_mm};
+use super::super::slot_frame::{BESIDE_PITCHES, ring};
 use super::figures::PlungeFigures;
 use super::page::page;
 use super::result::PlungeResult;
@@ -94,14 +92,6 @@ fn meshes(result: &PlungeResult) -> [Vec<Triangle>; 2] {
         .map(|triangles| triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect())
 }
 
-/// The whole blank, in the frame of the first plunge.
-fn ring(result: &PlungeResult) -> BlankRing {
-    let blisk = &result.part.blisk;
-    let Blank { radius_mm, faces_mm } = blisk.blank;
-    let turn = result.plan.plunges[0].to_tool;
-    BlankRing { ends_mm: faces_mm.map(|z_mm| turn * Point::new(0.0, 0.0, z_mm)), radius_mm, bore_mm: bore_mm(blisk) }
-}
-
 fn job(result: &PlungeResult, program: &str) -> String {
     let part = &result.part;
     let source = part.machine_source.as_ref();
@@ -123,7 +113,7 @@ fn job(result: &PlungeResult, program: &str) -> String {
             Some(_) => "`arcfeed engage` finds the sections of the plunges, `adapt` keeps chip, power and torque by them.",
             None => "Plunges keep their programmed feed: the chip of a flat end is the feed per tooth, however wide the cut.",
         },
-        law: part.law.as_ref().map(|limits| PlungeLaw { limits, ring: ring(result) }),
+        law: part.law.as_ref().map(|limits| PlungeLaw { limits, ring: ring(&part.blisk, &result.plan.plunges[0].to_tool) }),
         rays_mm: Some(RAYS_MM),
         control: CONTROL,
         machine: machine(source, file.as_deref()),

@@ -1,0 +1,95 @@
+//! All slots of a wheel in the dexels of `simulate`: their volume is that of the plan and of closed forms, their forces those of the first slot.
+
+use std::f64::consts::PI;
+
+use arcfeed_tests::{Scratch, of_full_set, root, run};
+use serde_json::Value;
+
+const SLOTS: usize = 19;
+const MM3_PER_IN3: f64 = 25.4 * 25.4 * 25.4;
+/// Volume of the example's blank, from its bore 5 mm below the hub.
+const BLANK_MM3: f64 = PI * (98.6 * 98.6 - 65.0 * 65.0) * 28.0;
+const CUTTING: &str =
+    "[cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = 0.12\nlayers = 3\n\n[workpiece]";
+
+fn object(arguments: &[&str]) -> Value {
+    let output = run(&[arguments, &["--json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {value}"))
+}
+
+/// The example's part file with ten times the spindle speed, so a tenth of the machine's time, and one tool axis to try.
+fn part() -> String {
+    let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
+    text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
+        .replace("axial_feed = 2\n", "axial_feed = 20\n")
+        .replace("[roughing]", "[roughing]\naxis = \"roomiest\"")
+}
+
+/// Sequence number with which each slot begins.
+fn first_numbers(program: &str) -> Vec<i64> {
+    let number = |slot: &str| slot.split_once("\nN")?.1.split('G').next()?.parse().ok();
+    program.split("(SLOT ").skip(1).map(|slot| number(slot).expect("an N")).collect()
+}
+
+/// Largest value or sum over the blocks of each slot.
+fn of_slots(starts: &[i64], blocks: &Value, pointer: &str, join: fn(f64, f64) -> f64) -> Vec<f64> {
+    let mut slots = vec![0.0; starts.len()];
+    for block in blocks.as_array().expect("blocks") {
+        let slot = block["n"].as_i64().map_or(0, |n| starts.partition_point(|start| *start <= n));
+        if let Some(slot) = slot.checked_sub(1) {
+            slots[slot] = join(slots[slot], number(block, pointer));
+        }
+    }
+    slots
+}
+
+#[test]
+fn a_wheel_loses_the_planned_volume_in_every_slot_and_no_force_exceeds_that_of_the_first() {
+    let scratch = Scratch::new("plan-wheel");
+    let (part, folder) = (scratch.write("PART.toml", part()), scratch.path("out"));
+    let plan = object(&["plan", "cup-mill", &part, "-o", &folder, "--wheel"]);
+    let starts = first_numbers(&std::fs::read_to_string(format!("{folder}/blisk-19.nc")).expect("the program"));
+    assert_eq!(starts.len(), SLOTS);
+    // Coarse rays are enough for volumes and forces.
+    let step = of_full_set("0.019685", "0.08");
+    let text = std::fs::read_to_string(format!("{folder}/job.toml")).expect("the job");
+    assert!(text.contains("step = 0.019685\n") && text.contains("indexed = true\n"), "{text}");
+    let text = text.replace("step = 0.019685\n", &format!("step = {step}\n")).replace("[workpiece]", CUTTING);
+    let job = scratch.write("out/forces.toml", text);
+    object(&["engage", "--alike", &job]);
+    let report = object(&["simulate", &job]);
+
+    let (material, loads) = (&report["material"], &report["loads"]);
+    let volumes_mm3: Vec<f64> = of_slots(&starts, &material["blocks"], "/removal/removed", |a, b| a + b)
+        .iter()
+        .map(|v| v * MM3_PER_IN3)
+        .collect();
+    let forces_n = of_slots(&starts, &loads["blocks"], "/load/force_max_n", f64::max);
+    let [removed_mm3, left_mm3] = ["/removal/removed", "/left"].map(|pointer| number(material, pointer) * MM3_PER_IN3);
+    let planned_mm3 = number(&plan, "/removed/total_mm3");
+    println!(
+        "{planned_mm3:.0} mm3 a slot planned, {volumes_mm3:.0?} simulated; {forces_n:.0?} N; {}",
+        loads["left_out"]
+    );
+    println!("{removed_mm3:.0} + {left_mm3:.0} mm3 of {BLANK_MM3:.0}, {} s", report["cycle_time_s"]);
+    assert!((removed_mm3 / (SLOTS as f64 * planned_mm3) - 1.0).abs() < 0.01, "{removed_mm3}");
+    assert!(((removed_mm3 + left_mm3) / BLANK_MM3 - 1.0).abs() < 2e-3, "{left_mm3}");
+    assert!(volumes_mm3.iter().all(|volume_mm3| (volume_mm3 / planned_mm3 - 1.0).abs() < 0.03), "{volumes_mm3:?}");
+    assert_eq!(number(material, "/at_rapid"), 0.0);
+}
+
+#[test]
+fn a_wheel_needs_a_machine_that_turns_it() {
+    let scratch = Scratch::new("plan-wheel-refused");
+    let part = scratch.write("PART.toml", part().replace("[machine]\npreset = \"mitsui-seiki-hu80a-5x\"\n", ""));
+    let output = run(&["plan", "cup-mill", &part, "-o", &scratch.path("out"), "--wheel"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.contains("--wheel needs a [machine]"), "{said}");
+    assert!(!std::path::Path::new(&scratch.path("out")).exists());
+}
