@@ -9,9 +9,10 @@ use crate::cup_mill::free_width::{DirectionGrid, FreeWidth, LEAN_MAX_RAD, LEAN_S
 use crate::cup_mill::plan::PreparedSlot;
 use crate::cup_mill::side::EIGHTHS;
 use crate::cutter::CupMill;
+use crate::optimisation::ValuedPlan;
 
-/// One combination of start edge, tool direction and depth that the search has tried, with the share of the slot that its plan removes.
-#[derive(Clone, Copy, Debug)]
+/// One combination of start edge, tool direction and depth that the search has tried, with its plan.
+#[derive(Clone, Debug)]
 pub struct Candidate {
     /// Index of the edges from which the path starts: 0 for the leading, 1 for the trailing edges.
     pub edge: usize,
@@ -19,16 +20,22 @@ pub struct Candidate {
     pub free_width: FreeWidth,
     /// Number of the eighths of the blades' height, from the hub up, beside which the ring does not pass; they stay uncut.
     pub uncut_eighths: usize,
-    /// Fraction of the slot's volume that the plan removes, 0 to 1.
-    pub share_ratio: f64,
+    /// Plan, with the fraction of the slot that it removes.
+    pub valued: ValuedPlan,
     /// Lean and tilt, as coordinates of the search.
     at: [f64; 2],
 }
 
+impl Candidate {
+    fn share_ratio(&self) -> f64 {
+        self.valued.share_ratio
+    }
+}
+
 /// Number of places of the grid about which the search goes on.
 const STARTS: usize = 4;
-/// Number of halvings of the grid's step.
-const HALVINGS: usize = 3;
+/// Least step about a place.
+const STEP_MIN_RAD: f64 = LEAN_STEP_RAD / 16.0;
 /// Most steps from a place of the grid.
 const ROUNDS_MAX: usize = 9;
 /// Least distance of places about which the search goes on, in steps of the grid.
@@ -45,12 +52,14 @@ pub struct AxisSearch<'s, V> {
     pub prepared: &'s [PreparedSlot; 2],
     /// Cutter.
     pub cutter: &'s CupMill,
-    /// Function that returns the removed fraction of the slot, by index of the start edges, tool direction and the uncut eighths of the
+    /// First step about the best places of the grid; it is halved while nothing better is found.
+    pub step_rad: f64,
+    /// Function that returns a plan with the fraction that it removes, by index of the start edges, tool direction and the uncut eighths of the
     /// blades' height (from the hub up); `None` if there is no plan.
     pub value: V,
 }
 
-impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
+impl<V: Fn(usize, FreeWidth, usize) -> Option<ValuedPlan> + Sync> AxisSearch<'_, V> {
     /// Best directions, at a minimum distance from each other.
     pub fn best(&self) -> Vec<Candidate> {
         // Every second place, as on a chessboard.
@@ -58,18 +67,18 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
         let places: Vec<(usize, [f64; 2])> = (0..2).flat_map(|edge| grid().map(move |at| (edge, at))).collect();
         let found: Vec<Candidate> = places.into_par_iter().filter_map(|(edge, at)| self.candidate(edge, at)).collect();
         let starts = apart(found, STARTS);
-        let refined = starts.par_iter().map(|start| self.refined(*start)).collect();
+        let refined = starts.into_par_iter().map(|start| self.refined(start)).collect();
         apart(refined, STARTS)
     }
 
     /// Directions that another search has found, by the values of this one, and first what is found about the best of them.
     pub fn near(&self, starts: &[Candidate]) -> Vec<Candidate> {
         let valued = |start: &Candidate| {
-            let share_ratio = (self.value)(start.edge, start.free_width, start.uncut_eighths)?;
-            Some(Candidate { share_ratio, ..*start })
+            let valued = (self.value)(start.edge, start.free_width, start.uncut_eighths)?;
+            Some(Candidate { valued, ..start.clone() })
         };
         let mut valued = apart(starts.par_iter().filter_map(valued).collect(), STARTS);
-        let refined = valued.first().map(|best| self.refined(*best));
+        let refined = valued.first().map(|best| self.refined(best.clone()));
         valued.splice(0..0, refined);
         valued
     }
@@ -94,16 +103,15 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
             }
         }
         let (free_width, uncut_eighths) = found?;
-        let share_ratio = (self.value)(edge, free_width, uncut_eighths)?;
-        Some(Candidate { edge, free_width, uncut_eighths, share_ratio, at })
+        let valued = (self.value)(edge, free_width, uncut_eighths)?;
+        Some(Candidate { edge, free_width, uncut_eighths, valued, at })
     }
 
     fn refined(&self, start: Candidate) -> Candidate {
-        let mut best = start;
-        let mut step = LEAN_STEP_RAD / 2.0;
-        let mut halvings = 0;
         // None of these is better than the best one.
         let mut tried = vec![start.at];
+        let mut best = start;
+        let mut step = self.step_rad;
         for _ in 0..ROUNDS_MAX {
             let places =
                 AROUND.map(|by| [0, 1].map(|k: usize| (best.at[k] + by[k] * step).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD)));
@@ -111,14 +119,11 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<f64> + Sync> AxisSearch<'_, V> {
             let places: Vec<[f64; 2]> = places.into_iter().filter(is_new).collect();
             let around: Vec<Candidate> = places.par_iter().filter_map(|at| self.candidate(best.edge, *at)).collect();
             tried.extend(places);
-            let nearest = around.into_iter().max_by(|a, b| a.share_ratio.total_cmp(&b.share_ratio));
-            match nearest.filter(|near| near.share_ratio > best.share_ratio) {
+            let nearest = around.into_iter().max_by(|a, b| a.share_ratio().total_cmp(&b.share_ratio()));
+            match nearest.filter(|near| near.share_ratio() > best.share_ratio()) {
                 Some(better) => best = better,
-                None if halvings == HALVINGS => break,
-                None => {
-                    halvings += 1;
-                    step /= 2.0;
-                }
+                None if step <= STEP_MIN_RAD => break,
+                None => step /= 2.0,
             }
         }
         best
@@ -132,7 +137,7 @@ fn distance_rad(a: &[f64; 2], b: &[f64; 2]) -> f64 {
 
 /// The `count` best candidates that are not near to better ones.
 fn apart(mut candidates: Vec<Candidate>, count: usize) -> Vec<Candidate> {
-    candidates.sort_by(|a, b| b.share_ratio.total_cmp(&a.share_ratio));
+    candidates.sort_by(|a, b| b.share_ratio().total_cmp(&a.share_ratio()));
     let mut kept: Vec<Candidate> = Vec::new();
     for one in candidates {
         let is_near = |other: &Candidate| {

@@ -4,10 +4,8 @@
 //! allowances: the volume of the columns under the ring's path. Paths with few levels are compared first, then paths with all levels about
 //! the best of them.
 
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-
-use crate::axis_search::{AxisSearch, Candidate};
-use crate::cup_mill::free_width::FreeWidth;
+use crate::axis_search::AxisSearch;
+use crate::cup_mill::free_width::{FreeWidth, LEAN_STEP_RAD};
 use crate::cup_mill::infeasibility::{Infeasible, check_levels};
 use crate::cup_mill::neighbours::NEARER_RATIO;
 use crate::cup_mill::normal_form::{GRAIN_MM, StartEdge};
@@ -180,29 +178,31 @@ impl<'p> Problem<'p> {
         cutter: &CupMill,
         admits: &(impl Fn(&SlotPlan) -> bool + Sync),
     ) -> Result<Vec<ValuedPlan>, Infeasible> {
-        let value = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
-            let roughing = Roughing { axis: AxisChoice::Found(free_width), ..*self.roughing };
-            let request =
-                Request { uncut_eighths, levels_max: Some(COARSE_LEVELS), ..Request::whole(cutter, &roughing) };
-            let valued = self.valued(edge, &request, COARSE_CELL_MM).ok()?;
-            (valued.share_ratio >= LEAST_RATIO && admits(&valued.plan)).then_some(valued.share_ratio)
+        let on_samples = |levels_max: u32, cell_mm: f64| {
+            move |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
+                let roughing = Roughing { axis: AxisChoice::Found(free_width), ..*self.roughing };
+                let levels_max = Some(levels_max);
+                let request = Request { uncut_eighths, levels_max, ..Request::whole(cutter, &roughing) };
+                let valued = self.valued(edge, &request, cell_mm).ok()?;
+                (valued.share_ratio >= LEAST_RATIO && admits(&valued.plan)).then_some(valued)
+            }
         };
-        let search = AxisSearch { prepared: &self.prepared, cutter, value };
-        let (found, roomiest) = rayon::join(|| search.best(), || self.along_with(cutter, AxisChoice::Roomiest));
         let full = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
-            self.full(cutter, edge, AxisChoice::Found(free_width), uncut_eighths)
+            let valued = self.full(cutter, edge, AxisChoice::Found(free_width), uncut_eighths).ok()?;
+            admits(&valued.plan).then_some(valued)
         };
-        let value = |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
-            let valued = full(edge, free_width, uncut_eighths).ok()?;
-            admits(&valued.plan).then_some(valued.share_ratio)
-        };
-        let search = AxisSearch { prepared: &self.prepared, cutter, value };
-        let plan = |one: &Candidate| full(one.edge, one.free_width, one.uncut_eighths);
-        let (found, blade) = rayon::join(
-            || search.near(&found).par_iter().map(plan).collect::<Vec<_>>(),
-            || self.along_with(cutter, AxisChoice::Blade),
+        let prepared = &self.prepared;
+        let step_rad = LEAN_STEP_RAD / 2.0;
+        let few = AxisSearch { prepared, cutter, step_rad, value: on_samples(COARSE_LEVELS, COARSE_CELL_MM) };
+        let all = AxisSearch { prepared, cutter, step_rad, value: on_samples(u32::MAX, CELL_MM) };
+        let exact = AxisSearch { prepared, cutter, step_rad: LEAN_STEP_RAD / 4.0, value: full };
+        let along = |axis: AxisChoice| self.along_with(cutter, axis);
+        let (found, (blade, roomiest)) = rayon::join(
+            || exact.near(&all.near(&few.best())),
+            || rayon::join(|| along(AxisChoice::Blade), || along(AxisChoice::Roomiest)),
         );
-        let all = found.into_iter().chain([blade, roomiest.clone()]).flatten();
+        let found = found.into_iter().map(|one| Ok(one.valued));
+        let all = found.chain([blade, roomiest.clone()]).flatten();
         let mut admitted: Vec<ValuedPlan> = all.filter(|valued| admits(&valued.plan)).collect();
         admitted.sort_by(|a, b| b.share_ratio.total_cmp(&a.share_ratio));
         if admitted.is_empty() { roomiest.map(|plan| vec![plan]) } else { Ok(admitted) }
