@@ -1,7 +1,8 @@
 //! The best plan whose proof holds: where a fixture stands in the way of the best one, another direction is taken.
 
+use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::cutter::{CupMill, ToolPart};
-use arcfeed_plan::optimisation::{Problem, ValuedPlan};
+use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::vector::Point;
 
 use crate::proof_cases::{poses, published_tool};

@@ -2,10 +2,11 @@
 
 use std::sync::OnceLock;
 
+use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::blisk::Blisk;
-use arcfeed_plan::optimisation::{Problem, ValuedPlan};
+use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
 use arcfeed_plan::proof::removal::RemovedVolumes;
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};

@@ -1,6 +1,7 @@
 //! The planner works on all cores; its results do not depend on how many there are.
 
-use arcfeed_plan::optimisation::{Problem, ValuedPlan};
+use arcfeed_plan::cup_mill::plan::ValuedPlan;
+use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
 
 use crate::proof_cases::published_tool;

@@ -62,6 +62,9 @@ pub enum LeftOutReason {
     Backwards,
 }
 
+/// Tip and axis of the tool on the part, by the position of the axes.
+type PoseOnPart<'p> = Box<dyn Fn(&AxisPosition) -> Pose + 'p>;
+
 /// Straight motion (chord) of the tool's tip on the workpiece, while the tool's axis keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolChord {
@@ -183,12 +186,15 @@ impl WorkpiecePlacement {
         }
     }
 
-    /// Function that returns tip and axis on the part at a point of the section.
+    /// Tip and axis on the part at the points of a section.
+    ///
+    /// # Errors
+    /// The tool's position on the workpiece is unknown.
     fn pose_on_part<'p>(
         &'p self,
         section: &'p PathSection,
         machine: Option<&'p Machine>,
-    ) -> Result<Box<dyn Fn(&AxisPosition) -> Pose + 'p>, LeftOutReason> {
+    ) -> Result<PoseOnPart<'p>, LeftOutReason> {
         if section.context.place != WorkpiecePlace::Known {
             return Err(LeftOutReason::MachinePosition);
         }

@@ -6,10 +6,9 @@
 use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::cup_mill::free_width::{DirectionGrid, FreeWidth, LEAN_MAX_RAD, LEAN_STEP_RAD, leans};
-use crate::cup_mill::plan::PreparedSlot;
+use crate::cup_mill::plan::{PreparedSlot, ValuedPlan};
 use crate::cup_mill::side::EIGHTHS;
 use crate::cutter::CupMill;
-use crate::optimisation::ValuedPlan;
 
 /// One combination of start edge, tool direction and depth that the search has tried, with its plan.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use crate::cup_mill::free_width::{FreeWidth, LEAN_STEP_RAD};
 use crate::cup_mill::infeasibility::{Infeasible, check_levels};
 use crate::cup_mill::neighbours::NEARER_RATIO;
 use crate::cup_mill::normal_form::{GRAIN_MM, StartEdge};
-use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Request, Roughing, SlotPlan};
+use crate::cup_mill::plan::{AxisChoice, BaseLimits, PreparedSlot, Request, Roughing, SlotPlan, ValuedPlan};
 use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
@@ -28,15 +28,6 @@ pub struct Problem<'p> {
     fixture: &'p [[Point; 2]],
     /// From the leading, and from the trailing edges.
     prepared: [PreparedSlot; 2],
-}
-
-/// Plan of a slot, with the fraction of the slot's volume that it removes.
-#[derive(Clone, Debug)]
-pub struct ValuedPlan {
-    /// Plan of the path through the slot.
-    pub plan: SlotPlan,
-    /// Fraction of the slot's volume that the plan removes, 0 to 1.
-    pub share_ratio: f64,
 }
 
 /// Cell size for the comparison of full plans, mm.

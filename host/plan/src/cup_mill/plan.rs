@@ -53,6 +53,15 @@ pub struct SlotPlan {
     pub path: SlotPath,
 }
 
+/// Plan of a slot, with the fraction of the slot's volume that it removes.
+#[derive(Clone, Debug)]
+pub struct ValuedPlan {
+    /// Plan of the path through the slot.
+    pub plan: SlotPlan,
+    /// Fraction of the slot's volume that the plan removes, 0 to 1.
+    pub share_ratio: f64,
+}
+
 /// Distance from the roomiest place to which the ring's axis moves at most, mm.
 const TRAVEL_MM: f64 = 40.0;
 /// Stride through the samples of surfaces for a comparison of plans.

@@ -2,9 +2,10 @@
 
 use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
+use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::geometry::blisk::Slot;
 use arcfeed_plan::geometry::flaws::flaws;
-use arcfeed_plan::optimisation::{Problem, ValuedPlan};
+use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc;
