@@ -18,24 +18,27 @@ pub struct Minimum {
     pub value: f64,
 }
 
-/// Spacing at which a search ends, relative to that of its first steps.
+/// Steps of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct Steps {
+    /// First steps in both directions.
+    pub first: [f64; 2],
+    /// Last steps, relative to the first.
+    pub finest: f64,
+}
+
+/// Last steps of a search that exhausts the accuracy of its function, relative to the first.
 pub const FINEST: f64 = 1e-6;
 /// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
 /// Local minimum of a function of two variables near `start`, within `ranges`; the first steps are `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
-    descend_to(FINEST, ranges, start, spacing, f)
+    descend_to(ranges, start, Steps { first: spacing, finest: FINEST }, f)
 }
 
-/// Local minimum by a search that ends at the spacing `finest`, relative to that of its first steps.
-pub fn descend_to(
-    finest: f64,
-    ranges: [[f64; 2]; 2],
-    start: Minimum,
-    spacing: [f64; 2],
-    f: impl Fn([f64; 2]) -> f64,
-) -> Minimum {
+/// Local minimum of a function of two variables near `start`, within `ranges`, by a search in these steps.
+pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl Fn([f64; 2]) -> f64) -> Minimum {
     let around = |best: Minimum, stencil: &mut [Minimum]| {
         for k in 0..stencil.len() {
             // At a border several neighbours coincide.
@@ -43,7 +46,7 @@ pub fn descend_to(
             stencil[k].value = known.map_or_else(|| f(stencil[k].at), |known| known.value);
         }
     };
-    descend_by(finest, ranges, start, spacing, around, &f)
+    descend_by(ranges, start, steps, around, &f)
 }
 
 /// Descent for an expensive function: a stencil's values are computed on all cores.
@@ -54,14 +57,13 @@ pub fn descend_parallel(
     f: impl Fn([f64; 2]) -> f64 + Sync,
 ) -> Minimum {
     let around = |_, stencil: &mut [Minimum]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
-    descend_by(FINEST, ranges, start, spacing, around, &f)
+    descend_by(ranges, start, Steps { first: spacing, finest: FINEST }, around, &f)
 }
 
 fn descend_by(
-    finest: f64,
     ranges: [[f64; 2]; 2],
     start: Minimum,
-    spacing: [f64; 2],
+    steps: Steps,
     evaluate: impl Fn(Minimum, &mut [Minimum]),
     f: impl Fn([f64; 2]) -> f64,
 ) -> Minimum {
@@ -69,10 +71,10 @@ fn descend_by(
     let mut best = start;
     let mut scale = 1.0;
     for _ in 0..ROUNDS_MAX {
-        if scale < finest {
+        if scale < steps.finest {
             break;
         }
-        let step = spacing.map(|width| width * scale);
+        let step = steps.first.map(|width| width * scale);
         let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
         // Along one line only the neighbours on it are used.
         let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Rotation3;
 
-use crate::search::{FINEST, Minimum, descend_to};
+use crate::search::{FINEST, Minimum, Steps, descend_to};
 use crate::vector::Point;
 
 /// Number of best samples from which a search descends.
@@ -126,7 +126,8 @@ impl Patch {
             starts.push(start);
         }
         let by_place = |[u, v]: [f64; 2]| f(&self.point(u, v));
-        let ends = starts.into_iter().map(|start| descend_to(finest, self.ranges, start, spacing, by_place));
+        let ends =
+            starts.into_iter().map(|start| descend_to(self.ranges, start, Steps { first: spacing, finest }, by_place));
         ends.min_by(|a, b| a.value.total_cmp(&b.value))
     }
 }
