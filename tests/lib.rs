@@ -6,6 +6,8 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+use serde_json::Value;
+
 pub mod python;
 
 pub mod emulation;
@@ -62,6 +64,19 @@ pub fn texts_below(folder: &str) -> Vec<(PathBuf, String)> {
 /// Runs `arcfeed` with these arguments in the root of the workspace.
 pub fn run(arguments: &[&str]) -> Output {
     Command::new(arcfeed()).args(arguments).current_dir(root()).output().expect("arcfeed runs")
+}
+
+/// The one JSON object that `arcfeed` prints with these arguments and `--json`, after it has ended well.
+pub fn object(arguments: &[&str]) -> Value {
+    let output = run(&[arguments, &["--json"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+/// A number in an object, by its JSON pointer.
+pub fn number(value: &Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {value}"))
 }
 
 /// A program written for G17, in the plane that the G word names: the axes X, Y, Z and the centre's I, J, K become

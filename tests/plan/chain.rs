@@ -1,25 +1,13 @@
 //! The whole chain on the example rotor: `plan`, `check`, `adapt`, `simulate`, `stream`. What is cut is measured in the dexels of `simulate`, which know
 //! neither the planner nor its proof.
 
-use arcfeed_tests::{Scratch, root, run};
+use arcfeed_tests::{Scratch, number, object, root, run};
 use serde_json::Value;
 
 const PART: &str = "examples/blisk-19/PART.toml";
 const MM_PER_INCH: f64 = 25.4;
 /// The rays of `simulate` on the planned stock stand this far apart, mm.
 const RAYS_MM: f64 = 0.5;
-
-/// The one object that a command prints, after it has ended well.
-fn object(arguments: &[&str]) -> Value {
-    let output = run(&[arguments, &["--json"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
-    serde_json::from_slice(&output.stdout).expect("one JSON object")
-}
-
-fn number(value: &Value, pointer: &str) -> f64 {
-    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {value}"))
-}
 
 #[test]
 fn the_example_rotor_is_planned_checked_simulated_and_streamed() {

@@ -2,24 +2,13 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_tests::{Scratch, of_full_set, root, run};
+use arcfeed_tests::{Scratch, number, object, of_full_set, root, run};
 use serde_json::Value;
 
 const SLOTS: usize = 19;
 const MM3_PER_IN3: f64 = 25.4 * 25.4 * 25.4;
 /// Volume of the example's blank, from its bore 5 mm below the hub.
 const BLANK_MM3: f64 = PI * (98.6 * 98.6 - 65.0 * 65.0) * 28.0;
-
-fn object(arguments: &[&str]) -> Value {
-    let output = run(&[arguments, &["--json"]].concat());
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {said}");
-    serde_json::from_slice(&output.stdout).expect("one JSON object")
-}
-
-fn number(value: &Value, pointer: &str) -> f64 {
-    value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {value}"))
-}
 
 /// The example's part file with ten times the spindle speed, so a tenth of the machine's time, and one tool axis to try.
 fn part() -> String {

@@ -1,8 +1,8 @@
 //! Plan of a slot that removes most from it, over the tool's axis and the edges from which it starts, with its proof.
 //!
 //! The value of a plan is the fraction of the slot that it removes, between the blades and above the hub with their
-//! allowances: the volume of the columns under the ring's path. Paths with few levels are compared first, then paths with all levels about
-//! the best of them.
+//! allowances: the volume of the columns under the ring's path. Paths with few levels on samples of the surfaces are compared
+//! first, then those with all levels on samples about the best of them, and at last exact ones.
 
 use crate::axis_search::AxisSearch;
 use crate::cup_mill::free_width::{FreeWidth, LEAN_STEP_RAD};

@@ -48,7 +48,8 @@ impl Cut<'_> {
     }
 }
 
-fn rows(map: &str) -> Vec<Vec<Row>> {
+/// The rows of each move of a map.
+pub fn rows(map: &str) -> Vec<Vec<Row>> {
     let row = |line: &str| -> Row {
         let numbers = line.trim().trim_start_matches('[').trim_end_matches("],").split(", ");
         let numbers: Vec<f64> = numbers.map(|number| number.parse().expect("a number")).collect();

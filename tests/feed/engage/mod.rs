@@ -10,6 +10,8 @@ mod feeds;
 
 mod chips;
 
+mod alike;
+
 mod planned;
 
 mod complaints;

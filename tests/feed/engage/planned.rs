@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use arcfeed_tests::{Scratch, root, run};
+use arcfeed_tests::{Scratch, object, root};
 use serde_json::Value;
 
 const PART: &str = "examples/blisk-19/PART.toml";
@@ -15,12 +15,6 @@ fn cutting(height_in: f64) -> String {
     format!(
         "\n[cutting]\nmaterial = \"Ti-6Al-4V\"\nradial = 0.4\naxial = 0.2\naxial_depth = {height_in}\nlayers = 30\n"
     )
-}
-
-fn object(arguments: &[&str]) -> Value {
-    let output = run(&[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one object")
 }
 
 /// Folder of the plan of a part.

@@ -2,17 +2,11 @@
 
 use std::process::Command;
 
-use arcfeed_tests::{Scratch, of_full_set, run, skip_loudly};
+use arcfeed_tests::{Scratch, object, of_full_set, run, skip_loudly};
 use serde_json::Value;
 
 /// Last decimal that rs274 prints, in the unit of the program and in degrees.
 const PRINTED: f64 = 1e-4;
-
-fn object(arguments: &[&str]) -> Value {
-    let output = run(&[arguments, &["--json"]].concat());
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("one object")
-}
 
 /// Program up to the end of its first passage, with its last lines.
 pub fn first_passage(program: &str) -> String {

@@ -74,7 +74,8 @@ impl Patch {
         self.is_coarse
     }
 
-    /// Largest distance between neighbouring samples, mm: every point of the surface is nearer than that to a sample.
+    /// Largest distance between neighbouring samples, mm. Points between them are nearer than that to a sample, unless the surface bulges
+    /// by as much as half of it.
     pub fn mesh_mm(&self) -> f64 {
         self.mesh_mm
     }

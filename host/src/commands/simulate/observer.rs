@@ -181,8 +181,8 @@ pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut 
     })
 }
 
-/// Simulates a run to its end, or until `observe` breaks it off, and calls `observe` after each millisecond. `takes_long` is the name under which a run
-/// that takes long shows its progress; `None`: no progress.
+/// Simulates a run to its end and calls `observe` after each millisecond, which may end the run earlier. `takes_long` is the name under
+/// which a run that takes long shows its progress; `None`: no progress.
 ///
 /// # Errors
 /// The run does not end, or `observe` fails.

@@ -90,7 +90,7 @@ impl<'a> Setup<'a> {
             let (step_max_rad, samples) = (edges::step_max_rad(file, &process), edges::samples(file));
             let can_tilt = machine.is_some() && flexible.is_none();
             let is_indexed = workpiece.is_indexed;
-            // Thousands of plunges follow each other, each at an axis of its own.
+            // Thousands of plunges turn the part one after the other: only the material about each of them is turned with it.
             let about_mm = (is_indexed && file.plunge.is_some()).then(|| radius_mm(&file.job.tools.first().tool));
             let tilted = can_tilt.then(|| {
                 let (blank, tool) = (Arc::clone(&blank), tool.clone());
