@@ -33,6 +33,8 @@ mod proof_published;
 
 mod proof_dexels;
 
+mod passes;
+
 mod parts;
 
 mod listing;

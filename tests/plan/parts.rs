@@ -8,6 +8,7 @@ use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::generator::Rotor;
 use arcfeed_plan::proof::clearance::{Obstacle, clearance};
+use arcfeed_plan::proof::earlier::Earlier;
 use arcfeed_plan::proof::floor::Floor;
 use arcfeed_plan::proof::remaining::SlotWalls;
 use arcfeed_plan::proof::removal::{Stock, removed};
@@ -98,8 +99,15 @@ fn sampled_mm(plan: &SlotPlan, tool: &CupMill, points: &[Point]) -> f64 {
 
 /// Proven clearances of the ring from the finished blades.
 pub fn proven_mm(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> [f64; 2] {
-    let case =
-        ProofCase { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    let case = ProofCase {
+        blisk,
+        tool,
+        path: &plan.path,
+        to_slot: plan.turn,
+        allowance_mm: ALLOWANCE_MM,
+        fixture: &[],
+        earlier: &[],
+    };
     let bodies = bodies(&case, CHORD_MM);
     let blades = bodies.iter().find(|body| body.obstacle == Obstacle::Blades).expect("blades");
     clearance(tool, ToolPart::Ring, &plan.path.steps(), blades, GAP_MM).bounds_mm
@@ -177,7 +185,7 @@ impl Room {
 /// Removed part of the slot, percent. Every level removes something.
 fn taken_percent(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill) -> f64 {
     let walls = SlotWalls::new(&blisk.slot(), &blisk.hub, ALLOWANCE_MM, plan.turn).expect("walls");
-    let stock = Stock { blank: &blisk.blank, to_slot: plan.turn };
+    let stock = Stock { blank: &blisk.blank, to_slot: plan.turn, earlier: Earlier::none() };
     let floor = Floor::new(tool, &plan.path.steps());
     let removed = removed(&floor, plan.path.levels.len(), &stock, &walls, 1.0);
     assert!(removed.by_level_mm3.iter().all(|volume_mm3| *volume_mm3 > 0.0), "{:?}", removed.by_level_mm3);

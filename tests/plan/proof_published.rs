@@ -36,8 +36,15 @@ pub fn ranked() -> &'static [ValuedPlan] {
 
 fn proof(blisk: &Blisk, tool: &CupMill, plan: &SlotPlan) -> Proof {
     let fixture = [[Point::new(-40.0, -40.0, -80.0), Point::new(40.0, 40.0, -15.0)]];
-    let case =
-        ProofCase { blisk, tool, path: &plan.path, to_slot: plan.turn, allowance_mm: ALLOWANCE_MM, fixture: &fixture };
+    let case = ProofCase {
+        blisk,
+        tool,
+        path: &plan.path,
+        to_slot: plan.turn,
+        allowance_mm: ALLOWANCE_MM,
+        fixture: &fixture,
+        earlier: &[],
+    };
     prove(&case, &ProofResolution::default()).expect("blades above the hub")
 }
 

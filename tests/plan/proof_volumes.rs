@@ -7,6 +7,7 @@ use arcfeed_plan::frame::slot_frame;
 use arcfeed_plan::geometry::blisk::{Blank, Revolution, Slot};
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::path::Step;
+use arcfeed_plan::proof::earlier::Earlier;
 use arcfeed_plan::proof::floor::Floor;
 use arcfeed_plan::proof::motion::Motion;
 use arcfeed_plan::proof::remaining::{Map, RemainingMaterial, Ring, SlotWalls};
@@ -147,7 +148,7 @@ fn material_left_on_plane_walls_is_the_gap_and_the_corner_below() {
 fn taken(tool: &CupMill, steps: &[Step], blank: Blank, cell_mm: f64) -> RemovedVolumes {
     let (slot, hub) = plane_slot();
     let walls = SlotWalls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
-    let stock = Stock { blank: &blank, to_slot: across_rotor() };
+    let stock = Stock { blank: &blank, to_slot: across_rotor(), earlier: Earlier::none() };
     removed(&Floor::new(tool, steps), 2, &stock, &walls, cell_mm)
 }
 

@@ -15,6 +15,8 @@ const EXPECTED: &str = "tests/plan/refusals.txt";
 /// Words in the example's part file, and their replacement.
 const PART: &[(&str, &str)] = &[
     ("units = \"inch\"", "units = \"feet\""),
+    ("[roughing]\n", "[roughing]\npasses_max = 0\n"),
+    ("[roughing]\n", "[roughing]\npasses_max = 5\n"),
     ("units = \"inch\"\n", ""),
     ("[cutter]", "[cuter]"),
     ("blades = 19", "blades = -19"),

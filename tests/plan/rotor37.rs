@@ -124,7 +124,7 @@ fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
         let problem = Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap();
         let found = problem.along(AxisChoice::Blade).unwrap();
         let (path, to_slot, allowance_mm) = (&found.plan.path, found.plan.turn, ALLOWANCE_MM);
-        let case = ProofCase { blisk: &blisk, tool: &tool, path, to_slot, allowance_mm, fixture: &[] };
+        let case = ProofCase { blisk: &blisk, tool: &tool, path, to_slot, allowance_mm, fixture: &[], earlier: &[] };
         let coarse = ProofResolution { grid: [2, 2], cell_mm: 2.0, ..ProofResolution::default() };
         let proof = prove(&case, &coarse).unwrap();
         for near in &proof.clearances {

@@ -14,7 +14,15 @@ fn plan_volumes_and_proof_are_the_same_to_the_bit_on_one_thread_five_and_those_o
     let slot = blisk.slot();
     let proven = |found: &ValuedPlan| {
         let (path, allowance_mm) = (&found.plan.path, ROUGHING.allowance_mm);
-        let case = ProofCase { blisk: &blisk, tool: &tool, path, to_slot: found.plan.turn, allowance_mm, fixture: &[] };
+        let case = ProofCase {
+            blisk: &blisk,
+            tool: &tool,
+            path,
+            to_slot: found.plan.turn,
+            allowance_mm,
+            fixture: &[],
+            earlier: &[],
+        };
         let proof = prove(&case, &ProofResolution { cell_mm: 1.0, ..ProofResolution::default() }).unwrap();
         // Printed numbers are read back to the bit.
         format!("{found:?} {proof:?}")

@@ -1,7 +1,7 @@
 //! Plan of a slot that removes most from it, over the tool's axis and the edges from which it starts, with its proof.
 //!
 //! The value of a plan is the fraction of the slot that it removes, between the blades and above the hub with their
-//! allowances: the volume of the columns under the ring's path. Paths with few levels on samples of the surfaces are compared
+//! allowances, in addition to earlier passes: the volume of the columns under the ring's path. Paths with few levels on samples of the surfaces are compared
 //! first, then those with all levels on samples about the best of them, and at last exact ones.
 
 use crate::axis_search::AxisSearch;
@@ -14,6 +14,8 @@ use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::geometry::turning_height::highest_mm;
+use crate::path::Pass;
+use crate::proof::earlier::{Earlier, EarlierFloor};
 use crate::proof::floor::Floor;
 use crate::proof::remaining::SlotWalls;
 use crate::proof::removal::{Stock, slot_share_ratio};
@@ -26,6 +28,9 @@ pub struct Problem<'p> {
     cutter: &'p CupMill,
     roughing: &'p Roughing,
     fixture: &'p [[Point; 2]],
+    /// Passes through the slot before this one, and the floors that they have left.
+    earlier: Vec<Pass>,
+    floors: Vec<EarlierFloor>,
     /// From the leading, and from the trailing edges.
     prepared: [PreparedSlot; 2],
 }
@@ -55,13 +60,26 @@ impl<'p> Problem<'p> {
         }
         let from = |start| PreparedSlot::new(blisk, slot, roughing.allowance_mm, start, Some(GRAIN_MM));
         let (leading, trailing) = rayon::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));
-        Ok(Problem { blisk, cutter, roughing, fixture: &[], prepared: [leading?, trailing?] })
+        let (earlier, floors) = (Vec::new(), Vec::new());
+        Ok(Problem { blisk, cutter, roughing, fixture: &[], earlier, floors, prepared: [leading?, trailing?] })
     }
 
     /// The same problem with fixtures: boxes that turn with the rotor, each by two opposite corners in the rotor's own frame.
     #[must_use]
     pub fn with_fixture(self, fixture: &'p [[Point; 2]]) -> Self {
         Problem { fixture, ..self }
+    }
+
+    /// Passes through the slot before the one that is planned.
+    pub fn earlier(&self) -> &[Pass] {
+        &self.earlier
+    }
+
+    /// Makes this the problem of the next pass through the slot: a plan counts by what it removes in addition to this one.
+    pub fn add_pass(&mut self, plan: &SlotPlan) {
+        let pass = plan.pass();
+        self.floors.push(EarlierFloor::new(self.cutter, &pass));
+        self.earlier.push(pass);
     }
 
     /// Plan that removes most of the slot, among those that `admits` accepts; collisions are not checked.
@@ -154,6 +172,7 @@ impl<'p> Problem<'p> {
                 to_slot: valued.plan.turn,
                 allowance_mm,
                 fixture: self.fixture,
+                earlier: &self.earlier,
             };
             let proof = prove(&case, &ProofResolution::default()).ok_or(Infeasible::NoFoot("pressure"))?;
             if self.holds(&proof) {
@@ -224,7 +243,8 @@ impl<'p> Problem<'p> {
         let blisk = &prepared.blisk;
         let Surroundings { pressure, suction, .. } = around;
         let walls = SlotWalls::between([pressure, suction], &blisk.hub, roughing.allowance_mm, plan.turn);
-        let stock = Stock { blank: &blisk.blank, to_slot: plan.turn };
+        let earlier = Earlier::new(&self.floors, prepared.to_part() * plan.turn.matrix().transpose());
+        let stock = Stock { blank: &blisk.blank, to_slot: plan.turn, earlier };
         let floor = Floor::new(cutter, &plan.path.steps());
         let share_ratio = slot_share_ratio(&floor, plan.path.levels.len(), &stock, &walls, cell_mm);
         let mut plan = prepared.restored(plan);

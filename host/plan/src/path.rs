@@ -12,6 +12,7 @@
 //! Places are those of the tool's axis in the slot frame, heights those of its bottom.
 
 use arcfeed_nc::modal::Turn;
+use nalgebra::Rotation3;
 
 use crate::vector::Flat;
 
@@ -38,6 +39,15 @@ pub struct SlotPath {
     /// Height of the tool's bottom at which the ring meets the blank on its way down at the base position, mm; the height of the first
     /// level if it meets nothing above that.
     pub contact_mm: f64,
+}
+
+/// One pass through a slot: all levels of a path, with one tool axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Path, in the slot frame.
+    pub path: SlotPath,
+    /// Rotation from the part frame to the slot frame.
+    pub to_slot: Rotation3<f64>,
 }
 
 /// One level of a slot's path.

@@ -42,6 +42,8 @@ const INTERIOR_CONTACT: f64 = 0.1;
 const CLEARANCE_MM: f64 = 5.0;
 /// Most levels over the whole radius of a blank.
 const LEVELS_MAX: f64 = 1_000.0;
+/// Most passes through a slot.
+pub const PASSES_MAX: u32 = 4;
 /// Largest radius of a blank: a larger one is in another unit than its number.
 const RADIUS_MAX_MM: f64 = 5_000.0;
 
@@ -61,6 +63,8 @@ pub struct PartFile {
     /// Direction of the tool's axis, if the file gives it; otherwise the planner chooses the one with the largest
     /// removed volume.
     pub axis: Option<AxisChoice>,
+    /// Largest number of passes through a slot, at least 1.
+    pub passes_max: usize,
     /// Spindle speed and feeds.
     pub feeds: Feeds,
     /// The job that is written uses the whole engaged arcs of both circles (law `engaged-arc`), not only the contact
@@ -207,6 +211,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
         cutter,
         roughing,
         axis: axis(table.roughing.axis),
+        passes_max: passes_max(table.roughing.passes_max.as_ref())?,
         is_engaged_arc: table.roughing.law == LawWord::EngagedArc,
         feeds,
         fixtures,
@@ -303,6 +308,15 @@ fn roughing(entry: &RoughingTable, unit: LengthUnit) -> Result<(Roughing, Feeds)
         axial_mm_per_min: feed(&entry.axial_feed, "axial_feed")?,
     };
     Ok((roughing, feeds))
+}
+
+fn passes_max(entry: Option<&Spanned<u32>>) -> Result<usize, Complaint> {
+    match entry {
+        Some(given) if !(1..=PASSES_MAX).contains(given.as_ref()) => {
+            Err(at(given, &format!("passes_max must be 1 to {PASSES_MAX}")))
+        }
+        given => Ok(given.map_or(1, |given| *given.as_ref() as usize)),
+    }
 }
 
 fn fixture(entry: &Spanned<FixtureTable>, unit: LengthUnit) -> Result<[Point; 2], Complaint> {

@@ -254,6 +254,8 @@ pub struct RoughingTable {
     /// Choice of the direction of the tool's axis.
     #[serde(default)]
     pub axis: AxisWord,
+    /// Largest number of passes through a slot.
+    pub passes_max: Option<Spanned<u32>>,
     /// Feed law of the job that is written.
     #[serde(default)]
     pub law: LawWord,

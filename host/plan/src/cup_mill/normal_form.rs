@@ -95,6 +95,11 @@ impl NormalForm {
         self.to_normal.tr_mul(normal)
     }
 
+    /// Matrix from the normal form to the part frame; it may mirror.
+    pub fn to_part(&self) -> Matrix3<f64> {
+        self.to_normal.transpose()
+    }
+
     /// Converts a tool axis from the normal form to the part frame.
     pub fn axis(&self, axis: &Axis) -> Axis {
         let point = |point: Point| Point::from(self.direction(&point.coords));

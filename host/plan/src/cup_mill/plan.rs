@@ -2,13 +2,13 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::Rotation3;
+use nalgebra::{Matrix3, Rotation3};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::geometry::turning_height::highest_mm;
-use crate::path::SlotPath;
+use crate::path::{Pass, SlotPath};
 use crate::vector::{Point, Vector};
 
 use super::axis::{Axis, axis};
@@ -58,7 +58,7 @@ pub struct SlotPlan {
 pub struct ValuedPlan {
     /// Plan of the path through the slot.
     pub plan: SlotPlan,
-    /// Fraction of the slot's volume that the plan removes, 0 to 1.
+    /// Fraction of the slot's volume that the plan removes in addition to earlier passes, 0 to 1.
     pub share_ratio: f64,
 }
 
@@ -257,6 +257,11 @@ impl PreparedSlot {
         Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.per_side_mm / 2.0)))
     }
 
+    /// Matrix from the normal form to the part frame; it may mirror.
+    pub fn to_part(&self) -> Matrix3<f64> {
+        self.form.to_part()
+    }
+
     /// Converts a plan from the normal form to the frames of the part and the slot.
     pub fn restored(&self, plan: SlotPlan) -> SlotPlan {
         let form = &self.form;
@@ -284,6 +289,11 @@ fn bearings(slot: &Slot) -> [f64; 2] {
 }
 
 impl SlotPlan {
+    /// The plan's path, as a pass through the slot.
+    pub fn pass(&self) -> Pass {
+        Pass { path: self.path.clone(), to_slot: self.turn }
+    }
+
     /// Fraction of the sides' height, from the tip down, beside which the ring passes.
     pub fn depth_ratio(&self) -> f64 {
         1.0 - self.uncut_eighths as f64 / EIGHTHS as f64

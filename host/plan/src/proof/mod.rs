@@ -24,6 +24,7 @@ pub mod clearance;
 
 pub mod remaining;
 
+pub mod earlier;
 pub mod floor;
 
 pub mod removal;

@@ -1,6 +1,6 @@
 //! Thickness of the material that the ring leaves on a surface.
 //!
-//! At a point of the surface, it is the least distance from the ring along the whole path.
+//! At a point of the surface, it is the least distance from the ring along the paths of all passes.
 
 use nalgebra::Rotation3;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -75,26 +75,33 @@ impl Map {
     }
 }
 
-impl Ring<'_> {
-    /// Material that the ring leaves on the walls of a slot, on a grid of rows and columns.
-    pub fn leaves(&self, walls: &SlotWalls<'_>, [rows, columns]: [usize; 2]) -> RemainingMaterial {
-        let over = |point: &(dyn Fn(f64, f64) -> Point + Sync)| self.map([rows, columns], point);
-        let [pressure, suction] = [0, 1].map(|side| over(&|u, v| walls.side(side, u, v)));
-        RemainingMaterial { pressure, suction, hub: over(&|u, v| walls.floor(u, v)) }
-    }
+/// Material that the ring leaves on the walls of a slot in all its passes, on a grid of rows and columns. Each pass has the rotation
+/// from the walls' slot frame to its own.
+pub fn leaves(
+    passes: &[(Ring<'_>, Rotation3<f64>)],
+    walls: &SlotWalls<'_>,
+    [rows, columns]: [usize; 2],
+) -> RemainingMaterial {
+    let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
+    let map = |point: &(dyn Fn(f64, f64) -> Point + Sync)| {
+        let at = |place| {
+            let point = point(share(place % columns, columns), share(place / columns, rows));
+            let distances_mm = passes.iter().map(|(ring, turn)| ring.nearest_mm(turn * point));
+            distances_mm.fold(f64::INFINITY, f64::min)
+        };
+        Map { columns, values_mm: (0..rows * columns).into_par_iter().map(at).collect() }
+    };
+    let [pressure, suction] = [0, 1].map(|side| map(&|u, v| walls.side(side, u, v)));
+    RemainingMaterial { pressure, suction, hub: map(&|u, v| walls.floor(u, v)) }
+}
 
+impl Ring<'_> {
     /// Smallest distance of a point from the ring along the whole path, mm.
     pub fn nearest_mm(&self, point: Point) -> f64 {
         let tree = Tree::new(vec![[point; 3]]);
         let turns = [Rotation3::identity()];
         let search = Search { sections: self.sections, motions: self.motions, tree: &tree, turns: &turns };
         search.least(self.gap_mm).bounds_mm[1]
-    }
-
-    fn map(&self, [rows, columns]: [usize; 2], point: &(dyn Fn(f64, f64) -> Point + Sync)) -> Map {
-        let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
-        let at = |place| self.nearest_mm(point(share(place % columns, columns), share(place / columns, rows)));
-        Map { columns, values_mm: (0..rows * columns).into_par_iter().map(at).collect() }
     }
 }
 

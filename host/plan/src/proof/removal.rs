@@ -6,12 +6,15 @@
 //! leading edge, from the hub's offset to the blank's outside: cells with straight edges, each removed or not by one
 //! point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring
 //! leaves layers along the walls, thinner than a cell, which points in rows would either all hit or all miss.
+//!
+//! What earlier passes have removed counts as removed by none of the levels.
 
 use nalgebra::Rotation3;
 
 use crate::geometry::blisk::Blank;
 use crate::vector::{Flat, Point, Vector};
 
+use super::earlier::Earlier;
 use super::floor::Floor;
 use super::remaining::SlotWalls;
 
@@ -37,6 +40,8 @@ pub struct Stock<'s> {
     pub blank: &'s Blank,
     /// Rotation from the part frame to the slot frame.
     pub to_slot: Rotation3<f64>,
+    /// Passes whose material is gone already.
+    pub earlier: Earlier<'s>,
 }
 
 impl RemovedVolumes {
@@ -76,7 +81,8 @@ impl RemovedVolumes {
                 let [bottom_mm, top_mm] = stock.column_mm(&point.xy());
                 if !walls.is_hub(&point) && (bottom_mm..=top_mm).contains(&point.z) {
                     self.slot_mm3 += volume_mm3;
-                    if let Some(level) = floor.first_level(&point) {
+                    let level = floor.first_level(&point);
+                    if let Some(level) = level.filter(|_| !stock.earlier.has_removed(&point)) {
                         self.slot_by_level_mm3[level] += volume_mm3;
                     }
                 }
@@ -124,6 +130,18 @@ impl Stock<'_> {
         [around[0].max(between[0].min(between[1])), around[1].min(between[0].max(between[1]))]
     }
 
+    /// Length of material between two heights over a point. Earlier passes are looked up at heights up to `step_mm` apart.
+    fn solid_mm(&self, place: &Flat, [low_mm, high_mm]: [f64; 2], step_mm: f64) -> f64 {
+        let way_mm = high_mm - low_mm;
+        if self.earlier.is_empty() || way_mm <= 0.0 {
+            return way_mm;
+        }
+        let count = libm::ceil(way_mm / step_mm);
+        let at = |k: u32| Point::new(place.x, place.y, low_mm + way_mm * (f64::from(k) + 0.5) / count);
+        let solid = (0..count as u32).filter(|k| !self.earlier.has_removed(&at(*k))).count();
+        way_mm * solid as f64 / count
+    }
+
     /// Extent of the blank along x and y: low and high.
     fn reach_mm(&self) -> [[f64; 2]; 2] {
         let axis = self.to_slot * Vector::z();
@@ -146,7 +164,7 @@ impl Stock<'_> {
             let mut top_mm = high_mm;
             for (taken, floor_mm) in taken_mm3.iter_mut().zip(floor.by_level_mm(&place, levels)) {
                 let down_mm = floor_mm.clamp(low_mm, top_mm);
-                *taken += (top_mm - down_mm) * cell_mm * cell_mm;
+                *taken += self.solid_mm(&place, [down_mm, top_mm], cell_mm) * cell_mm * cell_mm;
                 top_mm = down_mm;
             }
         }

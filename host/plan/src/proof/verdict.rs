@@ -6,14 +6,15 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::cutter::{CupMill, ToolPart};
 use crate::geometry::blisk::Blisk;
 use crate::geometry::turning_height::highest_mm;
-use crate::path::SlotPath;
+use crate::path::{Pass, SlotPath};
 use crate::vector::{Point, Vector};
 
 use super::bodies;
 use super::clearance::{Body, Clearance, Obstacle, clearance};
+use super::earlier::{Earlier, EarlierFloor};
 use super::floor::Floor;
 use super::motion::Motion;
-use super::remaining::{RemainingMaterial, Ring, SlotWalls};
+use super::remaining::{RemainingMaterial, Ring, SlotWalls, leaves};
 use super::removal::{RemovedVolumes, Stock, removed};
 use super::section::Section;
 use super::spheres::Tree;
@@ -32,6 +33,8 @@ pub struct ProofCase<'c> {
     pub allowance_mm: f64,
     /// Fixtures: boxes that turn with the rotor, each by two opposite corners in the rotor's own frame.
     pub fixture: &'c [[Point; 2]],
+    /// Passes of the same tool through the slot before this one.
+    pub earlier: &'c [Pass],
 }
 
 /// Resolution of a collision proof: a finer one takes longer.
@@ -54,9 +57,9 @@ pub struct Proof {
     pub clearances: Vec<Clearance>,
     /// Height of the lifted tool above all that turns while the part is indexed, mm; infinite if there is no path.
     pub indexing_mm: f64,
-    /// Material that the ring leaves on both sides of the slot and on the hub.
+    /// Material that the ring leaves on both sides of the slot and on the hub, after this pass and all earlier ones.
     pub left: RemainingMaterial,
-    /// Volumes that the ring removes.
+    /// Volumes that the ring removes from what earlier passes have left.
     pub removed: RemovedVolumes,
 }
 
@@ -93,9 +96,17 @@ impl Proof {
 pub fn prove(case: &ProofCase<'_>, fineness: &ProofResolution) -> Option<Proof> {
     let steps = case.path.steps();
     let motions: Vec<Motion> = steps.iter().map(Motion::new).collect();
-    let ring = Ring { sections: &Section::of(case.tool, ToolPart::Ring), motions: &motions, gap_mm: fineness.gap_mm };
+    let sections = Section::of(case.tool, ToolPart::Ring);
+    let earlier: Vec<Vec<Motion>> =
+        case.earlier.iter().map(|pass| pass.path.steps().iter().map(Motion::new).collect()).collect();
+    let ring = |motions| Ring { sections: &sections, motions, gap_mm: fineness.gap_mm };
+    let turns = case.earlier.iter().map(|pass| pass.to_slot * case.to_slot.inverse());
+    let rings = earlier.iter().map(|motions| ring(motions)).zip(turns);
+    let rings: Vec<_> = rings.chain([(ring(&motions), Rotation3::identity())]).collect();
     let walls = SlotWalls::new(&case.blisk.slot(), &case.blisk.hub, case.allowance_mm, case.to_slot)?;
-    let stock = Stock { blank: &case.blisk.blank, to_slot: case.to_slot };
+    let floors: Vec<EarlierFloor> = case.earlier.iter().map(|pass| EarlierFloor::new(case.tool, pass)).collect();
+    let earlier = Earlier::new(&floors, *case.to_slot.inverse().matrix());
+    let stock = Stock { blank: &case.blisk.blank, to_slot: case.to_slot, earlier };
     let floor = Floor::new(case.tool, &steps);
     let bodies = bodies(case, fineness.chord_mm);
     let parts = [ToolPart::Ring, ToolPart::Body, ToolPart::Holder];
@@ -107,7 +118,7 @@ pub fn prove(case: &ProofCase<'_>, fineness: &ProofResolution) -> Option<Proof> 
     let indexing_mm = case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot);
     let removed = || removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm);
     let ((clearances, left), removed) = rayon::join(
-        || rayon::join(|| pairs.into_par_iter().map(near).collect(), || ring.leaves(&walls, fineness.grid)),
+        || rayon::join(|| pairs.into_par_iter().map(near).collect(), || leaves(&rings, &walls, fineness.grid)),
         removed,
     );
     Some(Proof { clearances, indexing_mm, left, removed })

@@ -22,6 +22,8 @@ use super::refusal::wider_ring;
 pub struct Figures {
     /// Name of the part.
     pub name: String,
+    /// Number of the pass through the slots, from 1.
+    pub pass: usize,
     /// The proof shows that the tool collides with nothing.
     pub safe: bool,
     /// Direction of the tool's axis in the coordinates of the part.
@@ -95,8 +97,10 @@ pub struct RemovedFigures {
     pub total_mm3: f64,
     /// Volume of the slot that is to be removed: between the allowances, within the blank.
     pub slot_mm3: f64,
-    /// Fraction of `slot_mm3` that the path removes.
+    /// Fraction of `slot_mm3` that the path removes from what earlier passes have left.
     pub share_ratio: f64,
+    /// The same fraction for this pass and all earlier ones together.
+    pub with_earlier_ratio: f64,
     /// Thickest material that remains above the allowance: on the pressure side, the suction side and the hub.
     pub left_max_mm: [f64; 3],
     /// Smallest thickness of the remaining material above the allowance, in the same order; negative where the ring has
@@ -121,6 +125,7 @@ impl Figures {
         let near = composed.proof.clearances.iter().filter(|found| found.place.is_some());
         Figures {
             name: composed.part.name.clone(),
+            pass: composed.number(),
             safe: composed.is_safe(),
             tool_axis: plan.tool_axis().into(),
             tilt_deg: composed.placement.tilt_deg,
@@ -138,6 +143,7 @@ impl Figures {
                 total_mm3: composed.proof.removed.total_mm3(),
                 slot_mm3: composed.proof.removed.slot_mm3,
                 share_ratio: composed.proof.removed.share_ratio(),
+                with_earlier_ratio: composed.with_earlier_ratio,
                 left_max_mm: left.map(|map| map.range_mm()[1]),
                 left_min_mm: left.map(|map| map.range_mm()[0]),
             },
@@ -214,8 +220,9 @@ pub fn stop_reason(stop: &Stop) -> String {
 fn heading(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
     format!(
-        "{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side {}\n  the ring turns near the blades' {} edges\n",
+        "{}{}: {} slots, {} levels of {:.3} mm\n  tool: A {:.3} degrees, B {:.3} for the first slot; {:.3} mm of room on each side {}\n  the ring turns near the blades' {} edges\n",
         figures.name,
+        if figures.pass > 1 { format!(", pass {}", figures.pass) } else { String::new() },
         figures.slots,
         figures.levels.len(),
         plan.path.levels.first().zip(plan.path.levels.get(1)).map_or(0.0, |(a, b)| a.height_mm - b.height_mm),
@@ -251,14 +258,21 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     }
     let _ = writeln!(
         text,
-        "  taken: {:.1} % of the slot between the allowances ({:.2} of {:.2} cm3); left above them at most {pressure:.2} mm on the pressure side, \
+        "  taken: {:.1} % of the slot between the allowances ({:.2} of {:.2} cm3){}; left above them at most {pressure:.2} mm on the pressure side, \
          {suction:.2} on the suction side, {hub:.2} on the hub",
         100.0 * figures.removed.share_ratio,
         figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
         figures.removed.slot_mm3 / 1e3,
+        if figures.pass > 1 {
+            format!(", {:.1} % with the earlier passes", 100.0 * figures.removed.with_earlier_ratio)
+        } else {
+            String::new()
+        },
     );
     let cutter = &composed.part.cutter;
-    if let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm) {
+    if composed.part.passes_max == 1
+        && let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm)
+    {
         let _ = writeln!(text, "  {hint}");
     }
     let slots = f64::from(figures.slots);

@@ -12,8 +12,9 @@ use arcfeed_plan::output::workpiece::{StockShape, Workpiece};
 use super::super::engage::write_map_of_equal_slots;
 use super::super::outcome::{Failure, file_failure, refuse_inputs, write_whole};
 use super::plan_result::{PlanResult, feeds};
+use super::refusal::{pass_folder, set_aside};
 use super::slot_frame::{blades, in_slot, ring, sector, sector_of_reach};
-use super::{page, viewer};
+use super::{earlier_stock, page, viewer};
 use crate::console::note;
 use crate::part::MachineSource;
 use crate::report::page::Page;
@@ -27,17 +28,29 @@ const SETTINGS: &str = "settings.toml";
 /// Control of the programs.
 pub(super) const CONTROL: &str = "fanuc-16i";
 
-/// Writes the plan's files into a folder. The workpiece of the job is the whole wheel, or the part of it about the first slot.
+/// Writes the files of all passes, each into its own folder. The workpiece of a job is the whole wheel before the first pass, or the part
+/// of it about the first slot after the earlier passes.
 ///
 /// # Errors
-/// The program cannot be written for the control, or a file cannot be written.
-pub fn write(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+/// A program cannot be written for the control, or a file cannot be written.
+pub fn write(passes: &[PlanResult], is_whole: bool, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    set_aside(folder, passes.len() + 1);
+    passes.iter().try_for_each(|pass| write_pass(pass, is_whole, &pass_folder(folder, pass.number()), inputs))
+}
+
+fn write_pass(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Input(error.to_string());
     let stem = file_stem(&composed.part.name);
+    let number = composed.number();
+    let stem = if number > 1 { format!("{stem}-pass-{number}") } else { stem };
     let name = format!("{stem}.nc");
     let text = program(&composed.valued.plan.path, &setup(composed)).map_err(|error| failed(&error))?;
-    let [stock, part] = meshes(composed, is_whole).map(|triangles| to_stl(&triangles));
-    let (stock, part) = (stock.map_err(|error| failed(&error))?, part.map_err(|error| failed(&error))?);
+    let [blank, part] = meshes(composed, is_whole);
+    let part = to_stl(&part).map_err(|error| failed(&error))?;
+    let stock = match number {
+        2.. if !is_whole => earlier_stock::stl(composed, &blank).map_err(|why| failed(&why))?,
+        _ => to_stl(&blank).map_err(|error| failed(&error))?,
+    };
     let settings = control_settings(composed);
     let map = format!("{stem}.engaged.toml");
     let shape = if is_whole {
@@ -103,7 +116,7 @@ fn setup(composed: &PlanResult) -> Setup {
         "zero: where A and B cross, the rotor's axis along B".into(),
     ];
     Setup {
-        number: part.output.number,
+        number: part.output.number + (composed.number() as u32 - 1),
         title,
         unit: part.output.unit,
         tool: part.output.tool,

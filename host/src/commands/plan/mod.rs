@@ -23,6 +23,9 @@ mod planned_path;
 mod viewer;
 
 #[cfg(feature = "plan")]
+mod earlier_stock;
+
+#[cfg(feature = "plan")]
 mod files;
 
 #[cfg(feature = "plan")]

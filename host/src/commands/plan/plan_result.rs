@@ -1,4 +1,6 @@
-//! Cup-mill plan of a part with its proof, stock limits and times.
+//! Cup-mill plans of a part, one for each pass, with their proofs, stock limits and times.
+
+use std::sync::Arc;
 
 use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
@@ -9,20 +11,27 @@ use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
 use arcfeed_plan::output::nc;
+use arcfeed_plan::path::Pass;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::Proof;
 
+use super::figures::refusal;
 use super::refusal::{idle, with_remedy};
+use crate::console::note;
 use crate::part::PartFile;
 use crate::report::page::plan::BaselineResult;
 
 /// Inverse time of indexing, as in the published listing: 1/50 min from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
 
-/// Cup-mill plan of one part with everything derived from it.
+/// Cup-mill plan of one pass through the slots of a part, with everything derived from it.
 pub struct PlanResult {
     /// Content of the part file.
-    pub part: PartFile,
+    pub part: Arc<PartFile>,
+    /// Passes through the slot before this one.
+    pub earlier: Vec<Pass>,
+    /// Fraction of the slot that this pass and all earlier ones remove, 0 to 1.
+    pub with_earlier_ratio: f64,
     /// Geometry of the slot, in the coordinates of the part.
     pub slot: Slot,
     /// Path through the slot, with the fraction of the slot that it removes.
@@ -40,20 +49,55 @@ pub struct PlanResult {
 }
 
 impl PlanResult {
-    /// Plans the slots of the part, and evaluates the plan.
+    /// Plans the first pass through the slots of the part, and evaluates the plan.
     ///
     /// # Errors
     /// The reason why there is no plan.
     pub fn of(part: PartFile) -> Result<Self, String> {
+        PlanResult::passes(PartFile { passes_max: 1, ..part }).map(|mut passes| passes.swap_remove(0))
+    }
+
+    /// Plans the passes through the slots of the part, at least one; each removes most of what earlier ones have left. If there are
+    /// fewer than the part asks for, a note has the reason.
+    ///
+    /// # Errors
+    /// The reason why there is no plan of the first pass.
+    pub fn passes(part: PartFile) -> Result<Vec<Self>, String> {
+        let part = Arc::new(part);
         let found = flaws(&part.blisk, part.roughing.allowance_mm);
         if !found.is_empty() {
             let said: Vec<String> = found.iter().map(ToString::to_string).collect();
             return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
         }
         let slot = part.blisk.slot();
-        let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
-        let proven = problem.and_then(|problem| problem.with_fixture(&part.fixtures).proven(part.axis, presents));
+        let mut problem = problem.map_err(|why| with_remedy(&why, &part.cutter))?.with_fixture(&part.fixtures);
+        let mut passes: Vec<PlanResult> = vec![PlanResult::first(&part, &slot, &problem)?];
+        while passes.len() < part.passes_max && passes.iter().all(PlanResult::is_safe) {
+            problem.add_pass(&passes[passes.len() - 1].valued.plan);
+            let next = PlanResult::first(&part, &slot, &problem).and_then(|next| {
+                let so_far_ratio = passes[passes.len() - 1].with_earlier_ratio;
+                let with_earlier_ratio = so_far_ratio + next.with_earlier_ratio;
+                let baseline = Err("flank milling is compared with the first pass".into());
+                let next = PlanResult { earlier: problem.earlier().to_vec(), with_earlier_ratio, baseline, ..next };
+                if next.is_safe() { Ok(next) } else { Err(refusal(&next)) }
+            });
+            match next {
+                Ok(next) => passes.push(next),
+                Err(why) => {
+                    note(format_args!("no pass {}: {why}", passes.len() + 1));
+                    break;
+                }
+            }
+        }
+        Ok(passes)
+    }
+
+    /// Plan of a problem's next pass, as if it were the first.
+    fn first(part: &Arc<PartFile>, slot: &Slot, problem: &Problem<'_>) -> Result<Self, String> {
+        let part = Arc::clone(part);
+        let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
+        let proven = problem.proven(part.axis, presents);
         let (valued, proof) = proven.map_err(|why| with_remedy(&why, &part.cutter))?;
         if let Some(message) = idle(proof.removed.share_ratio()) {
             return Err(message);
@@ -70,8 +114,15 @@ impl PlanResult {
         let volume_mm3 = proof.removed.total_mm3();
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
-        let baseline = baseline(&part, &slot, volume_mm3);
-        Ok(PlanResult { slot, placement, proof, limits, time, baseline, valued, part })
+        let baseline = baseline(&part, slot, volume_mm3);
+        let (earlier, with_earlier_ratio) = (Vec::new(), proof.removed.share_ratio());
+        let slot = slot.clone();
+        Ok(PlanResult { earlier, with_earlier_ratio, slot, placement, proof, limits, time, baseline, valued, part })
+    }
+
+    /// Number of the pass, from 1.
+    pub fn number(&self) -> usize {
+        self.earlier.len() + 1
     }
 
     /// Whether the proof shows that the tool collides with nothing and keeps the allowance, except beside the edge

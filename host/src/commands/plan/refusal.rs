@@ -1,7 +1,7 @@
 //! Refusal of a plan, and advice about its ring: the remedy for each reason, as text and as JSON, and what happens to the files of an earlier
 //! plan.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use arcfeed_plan::cup_mill::infeasibility::Infeasible;
 use arcfeed_plan::cutter::CupMill;
@@ -9,10 +9,11 @@ use arcfeed_plan::output::job;
 use serde::Serialize;
 
 use crate::console::note;
+use crate::part::PASSES_MAX;
 
 /// Smallest fraction of a slot that a plan must remove to be accepted.
 pub const SHARE_MIN_RATIO: f64 = 0.01;
-/// Fraction of the ring's width: with more room the turns leave a ridge in the middle of the slot.
+/// Fraction of the ring's width: with more room one pass leaves much of the slot.
 const NARROW_RATIO: f64 = 0.25;
 
 /// Refusal of a cup-mill plan, as `arcfeed plan cup-mill --json` prints it (docs/json.md).
@@ -24,12 +25,13 @@ pub struct RefusalFigures<'r> {
     pub refused: &'r str,
 }
 
-/// Advice for a slot that is much wider than the ring: the path has one pass.
+/// Advice for a slot that is much wider than the ring, with one pass planned.
 pub fn wider_ring(width_mm: f64, room_mm: f64) -> Option<String> {
     (2.0 * room_mm > NARROW_RATIO * width_mm).then(|| {
         format!(
-            "the slot is wider than the ring, and one pass leaves a ridge: instead of {width_mm:.2} mm, a ring of this middle radius may be up to \
-             {:.2} mm wide along this axis; `--widths` plans and proves wider ones",
+            "the slot is wider than the ring, and one pass leaves much beside the blades: `passes_max` in [roughing] plans further passes; or, \
+             instead of {width_mm:.2} mm, a ring of this middle radius may be up to {:.2} mm wide along this axis, and `--widths` plans and proves \
+             wider ones",
             width_mm + 2.0 * room_mm
         )
     })
@@ -66,8 +68,18 @@ pub fn idle(share_ratio: f64) -> Option<String> {
     })
 }
 
-/// Renames the program and the job of an earlier plan in the folder of a refused one, so that neither is taken for new.
-pub fn set_aside(folder: &Path) {
+/// Folder of a pass, from 1: that of the plan, or one in it.
+pub fn pass_folder(folder: &Path, pass: usize) -> PathBuf {
+    if pass > 1 { folder.join(format!("pass-{pass}")) } else { folder.into() }
+}
+
+/// Renames the programs and the jobs of an earlier plan in the folder of a refused one, from this pass on, so that none is taken for
+/// new.
+pub fn set_aside(folder: &Path, first_pass: usize) {
+    (first_pass..=PASSES_MAX as usize).for_each(|pass| set_pass_aside(&pass_folder(folder, pass)));
+}
+
+fn set_pass_aside(folder: &Path) {
     let job = folder.join("job.toml");
     let Ok(text) = std::fs::read_to_string(&job) else { return };
     if !text.starts_with(job::FIRST_WORDS) {
@@ -94,13 +106,13 @@ mod tests {
         let write = |name: &str, text: &str| std::fs::write(at(name), text).unwrap();
         write("job.toml", "# a job of a person\nprogram = \"a.nc\"\n");
         write("a.nc", "%\n");
-        set_aside(folder.path());
+        set_aside(folder.path(), 1);
         assert!(at("job.toml").exists() && at("a.nc").exists());
         write("job.toml", &format!("{}: ...\nunits = \"mm\"\nprogram = \"a.nc\"\n", job::FIRST_WORDS));
-        set_aside(folder.path());
+        set_aside(folder.path(), 1);
         assert!(!at("job.toml").exists() && !at("a.nc").exists());
         assert!(at("job.toml.old").exists() && at("a.nc.old").exists());
-        set_aside(&at("none"));
+        set_aside(&at("none"), 1);
     }
 
     #[test]

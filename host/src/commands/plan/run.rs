@@ -15,7 +15,7 @@ impl CupMill {
     pub fn run(&self) -> Result<(), Failure> {
         let ran = self.planned();
         if let (Err(Failure::Input(_)), Some(folder)) = (&ran, &self.output) {
-            set_aside(folder);
+            set_aside(folder, 1);
         }
         ran
     }
@@ -34,28 +34,33 @@ impl CupMill {
             return Err(refused(format!("{}: {message}", self.part.display())));
         }
         note(format_args!("comparing paths along some 200 directions of the tool, then planning and proving the best"));
-        let composed = PlanResult::of(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
+        let part = if self.widths { PartFile { passes_max: 1, ..part } } else { part };
+        let passes = PlanResult::passes(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
         if self.widths {
-            return figures::widths(&composed, self.json);
+            return figures::widths(&passes[0], self.json);
         }
-        let figures = figures::Figures::of(&composed);
-        if self.json {
-            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
-        } else {
-            say(format_args!("{}", figures::text(&composed, &figures)));
-        }
-        if !composed.is_safe() {
-            return Err(Failure::Input(format!("{}: {}", self.part.display(), figures::refusal(&composed))));
+        passes.iter().for_each(|composed| self.print(composed));
+        if !passes[0].is_safe() {
+            return Err(Failure::Input(format!("{}: {}", self.part.display(), figures::refusal(&passes[0]))));
         }
         match &self.output {
             Some(folder) => {
                 let mut inputs = vec![self.part.clone()];
-                if let Some(MachineSource::File(file)) = &composed.part.machine_source {
+                if let Some(MachineSource::File(file)) = &passes[0].part.machine_source {
                     inputs.push(file.clone());
                 }
-                files::write(&composed, self.wheel, folder, &inputs)
+                files::write(&passes, self.wheel, folder, &inputs)
             }
             None => Ok(()),
+        }
+    }
+
+    fn print(&self, composed: &PlanResult) {
+        let figures = figures::Figures::of(composed);
+        if self.json {
+            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
+        } else {
+            say(format_args!("{}", figures::text(composed, &figures)));
         }
     }
 }

@@ -26,7 +26,7 @@ impl Finish {
     pub fn run(&self) -> Result<(), Failure> {
         let ran = self.planned();
         if let (Err(Failure::Input(_)), Some(folder)) = (&ran, &self.output) {
-            set_aside(folder);
+            set_aside(folder, 1);
         }
         ran
     }

@@ -1,0 +1,110 @@
+//! Several passes through a slot: what the later ones remove, by the simulator's dexels and by its run of the program before.
+
+use arcfeed_dexel::files::read_stl;
+use arcfeed_plan::cup_mill::plan::AxisChoice;
+use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
+use arcfeed_plan::vector::Vector;
+use arcfeed_tests::{Scratch, number, object, root, run};
+use nalgebra::Rotation3;
+use serde_json::Value;
+
+use crate::proof_cases::published_tool;
+use crate::proof_dexels::Dexels;
+use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
+use crate::published_rotor;
+
+/// Two tool axes of the rotor with 13 blades, of which each one leaves much that the other one takes.
+const AXES: [[f64; 3]; 2] = [[0.974, 0.226, 0.0], [0.993, 0.115, -0.021]];
+
+#[test]
+fn a_second_pass_removes_what_the_dexels_lose() {
+    let blisk = Blisk { blades: 13, ..published_rotor::blisk() };
+    let (slot, tool) = (blisk.slot(), published_tool());
+    let [first, second] = AXES.map(|axis| AxisChoice::Given(Vector::from(axis)));
+    let mut problem = Problem::new(&blisk, &slot, &tool, &ROUGHING).expect("a slot");
+    let alone = problem.along(second).expect("a plan");
+    let before = problem.along(first).expect("a plan");
+    problem.add_pass(&before.plan);
+    let after = problem.along(second).expect("a plan");
+    let again = problem.along(first).expect("a plan");
+    assert!(after.share_ratio < alone.share_ratio, "{} {}", after.share_ratio, alone.share_ratio);
+    assert!(again.share_ratio < 1e-3 || again.plan.start != before.plan.start, "{}", again.share_ratio);
+
+    let (path, to_slot) = (&after.plan.path, after.plan.turn);
+    let earlier = [before.plan.pass()];
+    let case = ProofCase {
+        blisk: &blisk,
+        tool: &tool,
+        path,
+        to_slot,
+        allowance_mm: ALLOWANCE_MM,
+        fixture: &[],
+        earlier: &earlier,
+    };
+    let proof = prove(&case, &ProofResolution::default()).expect("blades above the hub");
+    let mut dexels = Dexels::new(&blisk, &tool, &after.plan);
+    dexels.cut(&before.plan, &(to_slot * before.plan.turn.inverse()));
+    let simulated = dexels.cut(&after.plan, &Rotation3::identity());
+    let (planned_mm3, simulated_mm3) = (proof.removed.total_mm3(), simulated.mean_mm3());
+    println!("{:.4} + {:.4} of the slot, {:.4} alone", before.share_ratio, after.share_ratio, alone.share_ratio);
+    println!("columns {planned_mm3:.1} +- {:.1}, dexels {simulated_mm3:.1} mm3", proof.removed.error_mm3);
+    let spread_mm3 = proof.removed.error_mm3 + simulated.spread_mm3();
+    assert!((planned_mm3 - simulated_mm3).abs() < spread_mm3, "{planned_mm3} {simulated_mm3}");
+
+    // After both passes no place has more material than after the first one.
+    let first_case = ProofCase { path: &before.plan.path, to_slot: before.plan.turn, earlier: &[], ..case };
+    let alone = prove(&first_case, &ProofResolution::default()).expect("blades above the hub");
+    let maps = [(&proof.left.pressure, &alone.left.pressure), (&proof.left.suction, &alone.left.suction)];
+    for (both, alone) in maps {
+        let pairs = || both.values_mm.iter().zip(&alone.values_mm);
+        assert!(pairs().all(|(both_mm, alone_mm)| *both_mm < alone_mm + 0.01));
+        assert!(pairs().any(|(both_mm, alone_mm)| *both_mm < alone_mm - 1.0));
+    }
+}
+
+fn part(passes_max: u32) -> String {
+    let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
+    // Ten times the spindle speed: a tenth of the machine's time.
+    text.replace("blades = 19", "blades = 13")
+        .replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
+        .replace("axial_feed = 2\n", "axial_feed = 20\n")
+        .replace("[roughing]", &format!("[roughing]\naxis = \"roomiest\"\npasses_max = {passes_max}"))
+}
+
+fn volume_mm3(file: &str) -> f64 {
+    read_stl(std::fs::File::open(file).expect("the file")).expect("a closed surface").volume_mm3()
+}
+
+#[test]
+fn the_job_of_the_second_pass_begins_with_what_the_first_program_leaves() {
+    let scratch = Scratch::new("plan-passes");
+    let (part_file, folder) = (scratch.write("PART.toml", part(2)), scratch.path("out"));
+    let output = run(&["plan", "cup-mill", &part_file, "-o", &folder, "--json"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("text");
+    let plans: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("an object")).collect();
+    let [first, second] = plans.as_slice() else { panic!("{} plans", plans.len()) };
+    assert!(first["pass"] == 1 && second["pass"] == 2 && second["safe"] == true);
+    let ratio = |plan: &Value, name: &str| number(plan, &format!("/removed/{name}"));
+    let sum = ratio(first, "share_ratio") + ratio(second, "share_ratio");
+    assert!((ratio(second, "with_earlier_ratio") - sum).abs() < 1e-12, "{sum}");
+
+    let program = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).expect("a program");
+    assert!(program("blisk-19.nc").contains("O1546") && program("pass-2/blisk-19-pass-2.nc").contains("O1547"));
+    let left = scratch.path("left.stl");
+    object(&["simulate", &format!("{folder}/job.toml"), "--surface", &left]);
+    let [blank_mm3, left_mm3, second_mm3] =
+        [&format!("{folder}/stock.stl"), &left, &format!("{folder}/pass-2/stock.stl")].map(|file| volume_mm3(file));
+    println!("blank {blank_mm3:.0} mm3, after the first program {left_mm3:.0}, stock of the second {second_mm3:.0}");
+    let removed_mm3 = blank_mm3 - left_mm3;
+    assert!(((blank_mm3 - second_mm3) / removed_mm3 - 1.0).abs() < 0.01, "{second_mm3}");
+
+    let report = object(&["simulate", &format!("{folder}/pass-2/job.toml")]);
+    assert_eq!(number(&report["material"], "/at_rapid"), 0.0);
+    let replanned = scratch.write("PART.toml", part(1));
+    object(&["plan", "cup-mill", &replanned, "-o", &folder]);
+    let is_there = |file: &str| std::path::Path::new(&format!("{folder}/pass-2/{file}")).exists();
+    assert!(is_there("job.toml.old") && !is_there("job.toml") && !is_there("blisk-19-pass-2.nc"));
+}
