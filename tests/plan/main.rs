@@ -59,6 +59,8 @@ mod free_width;
 
 mod symmetry;
 
+mod splitters;
+
 mod widths;
 
 mod sampler;

@@ -4,7 +4,6 @@ use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::geometry::blisk::Slot;
-use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
@@ -45,18 +44,21 @@ impl PlanResult {
     /// # Errors
     /// The reason why there is no plan.
     pub fn of(part: PartFile) -> Result<Self, String> {
-        let found = flaws(&part.blisk, part.roughing.allowance_mm);
+        let found = part.flaws();
         if !found.is_empty() {
-            let said: Vec<String> = found.iter().map(ToString::to_string).collect();
-            return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
+            return Err(format!("this rotor cannot be planned: {}", found.join("; ")));
         }
         let slot = part.blisk.slot();
         let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
         let proven = problem.and_then(|problem| problem.with_fixture(&part.fixtures).proven(part.axis, presents));
-        let (valued, proof) = proven.map_err(|why| with_remedy(&why, &part.cutter))?;
+        let of_slot = |message: String| match part.slot_name() {
+            Some(slot) => format!("{slot}: {message}"),
+            None => message,
+        };
+        let (valued, proof) = proven.map_err(|why| of_slot(with_remedy(&why, &part.cutter)))?;
         if let Some(message) = idle(proof.removed.share_ratio()) {
-            return Err(message);
+            return Err(of_slot(message));
         }
         let plan = &valued.plan;
         let placement = slot_placement(&part, plan)?;
