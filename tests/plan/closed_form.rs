@@ -102,6 +102,7 @@ fn case(pressure_mm: f64, turned_rad: f64) -> ProofCase {
         blades: 19,
         pressure: slot.pressure.clone(),
         suction: slot.suction.clone(),
+        further_blades: Vec::new(),
         hub: Revolution { profile_mm: vec![[-40.0, HUB_MM], [40.0, HUB_MM]] },
         blank: Blank { radius_mm: BLANK_MM, faces_mm: [-20.0, 20.0] },
     };

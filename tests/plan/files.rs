@@ -26,14 +26,14 @@ fn refused(text: &str, drawn: &PointFileFrame) -> ReadError {
 #[test]
 fn the_table_of_sections_is_read_point_for_point() {
     let read = sections::read(TEXT, &Y, &hub()).unwrap();
-    assert_eq!(read, published());
+    assert_eq!(read, [published()]);
     let inch = PointFileFrame { unit_mm: 25.4, ..Y };
     let large = Revolution { profile_mm: hub().profile_mm.iter().map(|place| place.map(|x| x * 25.4)).collect() };
     let read = sections::read(&TEXT.replace("_mm", ""), &inch, &large).unwrap();
     assert_eq!(sections::read(&TEXT.replace("_mm", "_in"), &Y, &large).unwrap(), read);
     // A unit behind a name is the column's own.
-    assert_eq!(sections::read(TEXT, &inch, &hub()).unwrap(), published());
-    assert!((read.pressure[3][5] - published().pressure[3][5] * 25.4).norm() < 1e-9);
+    assert_eq!(sections::read(TEXT, &inch, &hub()).unwrap(), [published()]);
+    assert!((read[0].pressure[3][5] - published().pressure[3][5] * 25.4).norm() < 1e-9);
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn sections_out_of_order_are_named() {
 }
 
 /// The loops of a blade as a curve file, from a place somewhere on the suction side, in the given sense.
-fn profile(blade: &Sections, is_reversed: bool, marks: bool) -> String {
+pub fn profile(blade: &Sections, is_reversed: bool, marks: bool) -> String {
     let mut text = String::new();
     for (at, (pressure, suction)) in blade.pressure.iter().zip(&blade.suction).enumerate() {
         writeln!(text, "# Profile {} at {:.2} %", at + 1, 100.0 * at as f64 / (blade.pressure.len() - 1) as f64)
@@ -110,7 +110,7 @@ fn profile(blade: &Sections, is_reversed: bool, marks: bool) -> String {
     text
 }
 
-fn curve(radius_mm: f64, places: [f64; 2]) -> String {
+pub fn curve(radius_mm: f64, places: [f64; 2]) -> String {
     let step = |i: usize| places[0] + (places[1] - places[0]) * i as f64 / 10.0;
     (0..=10).map(|i| format!("{radius_mm:.6} 0.0 {:.6}\n", step(i))).collect()
 }
@@ -136,7 +136,8 @@ fn curve_files_of_a_rotor_give_its_sides_wherever_their_loops_begin() {
             let text = profile(&blade, is_reversed, marks);
             let read = curves::read(&Texts { hub: &hub, shroud: &shroud, profile: &text }, &Z).unwrap();
             let mut worst_mm = 0.0_f64;
-            for (ours, theirs) in [(&read.blade.pressure, &fine.pressure), (&read.blade.suction, &fine.suction)] {
+            for (ours, theirs) in [(&read.blades[0].pressure, &fine.pressure), (&read.blades[0].suction, &fine.suction)]
+            {
                 for (ours, theirs) in ours.iter().zip(theirs) {
                     assert_eq!(ours.len(), 81);
                     assert!((ours[0] - theirs[0]).norm() < 1e-6 && (ours[80] - theirs[2000]).norm() < 1e-6);
@@ -156,7 +157,7 @@ fn a_hub_that_runs_down_the_axis_turns_leading_and_trailing_edge_round() {
     let (hub, shroud) = (curve(70.0, [20.0, -20.0]), curve(99.0, [20.0, -20.0]));
     let text = profile(&blade, false, false);
     let read = curves::read(&Texts { hub: &hub, shroud: &shroud, profile: &text }, &Z).unwrap();
-    assert!(read.blade.pressure[0][0].z > 10.0 && read.blade.suction[0][80].z < -10.0);
+    assert!(read.blades[0].pressure[0][0].z > 10.0 && read.blades[0].suction[0][80].z < -10.0);
     assert!(read.hub.profile_mm[0][0] < read.hub.profile_mm[10][0]);
 }
 
@@ -167,9 +168,9 @@ fn a_mirrored_rotor_keeps_its_concave_side_as_the_pressure_side() {
     let text = profile(&left, false, false);
     let read = curves::read(&Texts { hub: &hub, shroud: &shroud, profile: &text }, &Z).unwrap();
     let ends = |blade: &Sections| vec![vec![blade.pressure[0][0], blade.pressure[2][80]]];
-    assert!(farthest_mm(&ends(&read.blade), &ends(&left)) < 1e-6);
-    assert!(read.blade.bulge_mm() > 0.0);
-    assert!(beside_mm(&read.blade.pressure[1][30..50], &left.pressure[1]) < 0.01);
+    assert!(farthest_mm(&ends(&read.blades[0]), &ends(&left)) < 1e-6);
+    assert!(read.blades[0].bulge_mm() > 0.0);
+    assert!(beside_mm(&read.blades[0].pressure[1][30..50], &left.pressure[1]) < 0.01);
 }
 
 #[test]
@@ -207,11 +208,11 @@ fn wrong_curve_files_are_refused_by_file_and_line() {
         assert!(matches!((which, &error.fault), (CurveFile::Hub, Fault::TurnsBack { .. })), "{error}");
         assert!(error.to_string().contains("give the rotor's `axis`"));
     }
-    // Main blade and splitter in one file; the first line of the second blade's first point is named.
-    let splitter = format!("## Main Blade\n{good}## Splitter Blade 1\n{good}");
-    let (which, error) = refused(&hub, &shroud, &splitter, &Z);
-    assert!(matches!((which, &error.fault), (CurveFile::Profile, Fault::SecondBlade { section: 4, .. })), "{error}");
-    assert_eq!(error.line, good.lines().count() + 4, "{error}");
+    // Three blades in one file; the line of the third one's first point is named.
+    let three = format!("## Main Blade\n{good}## Splitter Blade 1\n{good}## Splitter Blade 2\n{good}");
+    let (which, error) = refused(&hub, &shroud, &three, &Z);
+    assert!(matches!((which, &error.fault), (CurveFile::Profile, Fault::ThirdBlade { section: 7 })), "{error}");
+    assert_eq!(error.line, 2 * good.lines().count() + 5, "{error}");
     // A hub that belongs to another rotor.
     let (which, error) = refused(&curve(700.0, [-20.0, 20.0]), &curve(990.0, [-20.0, 20.0]), &good, &Z);
     assert!(matches!((which, error.fault), (CurveFile::Profile, Fault::OffTheHub { .. })));

@@ -61,6 +61,8 @@ mod free_width;
 
 mod symmetry;
 
+mod splitters;
+
 mod widths;
 
 mod sampler;

@@ -35,7 +35,7 @@ fn blisk(rotor: &Rotor) -> Blisk {
     let reach_mm = rotor.chord_mm[0].max(rotor.chord_mm[1]) / 2.0 + 2.0;
     let hub = Revolution { profile_mm: [-reach_mm - 5.0, reach_mm + 5.0].map(|z| [z, rotor.hub_radius_mm]).to_vec() };
     let blank = Blank { radius_mm: rotor.tip_radius_mm + 1.4, faces_mm: [-reach_mm, reach_mm] };
-    Blisk { blades: rotor.blades, pressure, suction, hub, blank }
+    Blisk { blades: rotor.blades, pressure, suction, further_blades: Vec::new(), hub, blank }
 }
 
 /// Names, rotors and tools.

@@ -48,7 +48,14 @@ pub fn blisk() -> Blisk {
 pub fn rotor(sections: &Sections) -> Blisk {
     let [pressure, suction] = sections.faces().unwrap();
     let hub = Revolution { profile_mm: vec![[-20.0, 70.0], [20.0, 70.0]] };
-    Blisk { blades: 19, pressure, suction, hub, blank: Blank { radius_mm: 100.0, faces_mm: [-15.0, 15.0] } }
+    Blisk {
+        blades: 19,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 100.0, faces_mm: [-15.0, 15.0] },
+    }
 }
 
 /// Greatest distance of two lists of points.

@@ -4,11 +4,17 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use arcfeed::file_error::FileError;
 use arcfeed::part::PartFile;
-use arcfeed_plan::geometry::flaws::flaws;
+use arcfeed::part::finish::FinishPart;
+use arcfeed::part::plunge::PlungePart;
+use arcfeed_plan::vector::Vector;
 use arcfeed_tests::{Scratch, root};
+use nalgebra::Rotation3;
 
-use crate::published_rotor::TEXT;
+use crate::files;
+use crate::published_rotor::{ROTOR, TEXT};
+use crate::symmetry::moved;
 
 const EXPECTED: &str = "tests/plan/refusals.txt";
 
@@ -65,6 +71,7 @@ const PART: &[(&str, &str)] = &[
     ("allowance = 0.035", "allowance = 0"),
     ("allowance = 0.035", "allowance = 0.5"),
     ("allowance = 0.035", "alowance = 0.035"),
+    ("allowance = 0.035", "allowance = 0.035\nslot = 2"),
     ("axial_depth_max = 0.1", "axial_depth_max = 0"),
     ("axial_depth_max = 0.1", "axial_depth_max = 0.0001"),
     ("rev_per_min = 100", "rev_per_min = -100"),
@@ -157,16 +164,106 @@ const FILES: &[(&str, &str, &[u8])] = &[
     ("IGES as hub", "stl = { blade = \"f\", blades = 19, hub = \"f.igs\" }", b""),
 ];
 
+/// Curve files of a rotor with splitters.
+const CURVES: &str = "curves = { hub = \"hub.curve\", shroud = \"shroud.curve\", profile = \"profile.curve\", blades = 9, units = \"mm\" }";
+
+/// Profile of main blades with copies of them as splitters, each turned by an angle.
+fn profile(turns_deg: &[f64]) -> String {
+    let main = ROTOR.sections(3, 81).expect("a blade");
+    let turned = |turn_deg: &f64| {
+        let turn = Rotation3::from_axis_angle(&Vector::z_axis(), turn_deg.to_radians());
+        files::profile(&moved(&main, |point| turn * point), false, false)
+    };
+    turns_deg.iter().map(turned).collect()
+}
+
+/// Table of the main blade, and of its copy that is turned by half a pitch as the blade `splitter`.
+fn table(splitter: &str) -> String {
+    let (sin, cos) = libm::sincos(core::f64::consts::TAU / 18.0);
+    let turned = |line: &str| {
+        let words: Vec<&str> = line.split(',').collect();
+        let [x, y, z] = [4, 5, 6].map(|at: usize| words[at].parse::<f64>().expect("a number"));
+        format!("{splitter},{},{:.6},{y:.6},{:.6}\n", words[..4].join(","), x * cos + z * sin, z * cos - x * sin)
+    };
+    let rows = || TEXT.lines().skip(1);
+    let main = rows().map(|line| format!("1,{line}\n"));
+    std::iter::once("blade,s,R_mm,side,i,x_mm,y_mm,z_mm\n".to_owned()).chain(main).chain(rows().map(turned)).collect()
+}
+
+/// Geometry tables of rotors with splitters: name, table, and its profile or points.
+fn splitters() -> Vec<(&'static str, String, String)> {
+    let curves = |name, turns_deg: &[f64]| (name, CURVES.to_owned(), profile(turns_deg));
+    let points =
+        "sections = { file = \"profile.curve\", blades = 9, axis = \"y\", units = \"mm\", hub_radius = \"70 mm\" }";
+    let exchanged = table("2").lines().fold(String::new(), |text, line| {
+        let line = match line.strip_prefix("2,") {
+            Some(_) if line.contains(",PS,") => line.replace(",PS,", ",SS,"),
+            Some(_) => line.replace(",SS,", ",PS,"),
+            None => line.to_owned(),
+        };
+        text + &line + "\n"
+    });
+    let unnamed = table("2").lines().fold(String::new(), |text, line| {
+        let (blade, line) = line.split_once(',').expect("columns");
+        text + &if blade == "2" { format!("2{line}") } else { line.to_owned() } + "\n"
+    });
+    vec![
+        curves("two splitters in a pitch", &[0.0, 13.0, 26.0]),
+        curves("a splitter that crosses the main blade", &[0.0, 1.5]),
+        curves("a splitter that crosses the next main blade", &[0.0, 38.5]),
+        curves("the main blade twice", &[0.0, 80.0]),
+        curves("a splitter near the main blade", &[0.0, 3.5]),
+        ("the number of a third blade", points.to_owned(), table("3")),
+        ("sides of the splitter exchanged", points.to_owned(), exchanged),
+        ("a second blade without `blade`", points.to_owned(), unnamed),
+        (
+            "the splitter alone",
+            points.to_owned(),
+            table("2")
+                .lines()
+                .filter(|line| !line.starts_with("1,"))
+                .fold(String::new(), |text, line| text + line + "\n"),
+        ),
+    ]
+}
+
 /// Message of a part, or of its rotor's flaws; `None` if nothing is wrong with it.
 fn message(folder: &Path, text: &str) -> Option<String> {
     let shown = |message: String| message.replace(&format!("{}/", folder.display()), "");
     match PartFile::parse(&folder.join("PART.toml"), text) {
         Err(error) => Some(shown(error.to_string())),
         Ok(part) => {
-            let found = flaws(&part.blisk, part.roughing.allowance_mm);
-            (!found.is_empty()).then(|| found.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
+            let found = part.flaws();
+            (!found.is_empty()).then(|| found.join("; "))
         }
     }
+}
+
+/// Messages for rotors with splitters.
+fn splitter_messages(scratch: &Scratch, folder: &Path, example: &str, generate: &str) -> Vec<(String, Option<String>)> {
+    scratch.write("hub.curve", files::curve(70.0, [-20.0, 20.0]));
+    scratch.write("shroud.curve", files::curve(98.6, [-20.0, 20.0]));
+    let of = |(name, geometry, text): (&str, String, String)| {
+        scratch.write("profile.curve", text);
+        (format!("splitters: {name}"), message(folder, &example.replace(generate, &geometry)))
+    };
+    let mut cases: Vec<_> = splitters().into_iter().map(of).collect();
+    scratch.write("profile.curve", profile(&[0.0, 20.0]));
+    let good = example.replace(generate, CURVES);
+    assert_eq!(message(folder, &good), None);
+    for slot in [0, 3] {
+        let part = good.replace("allowance = 0.035", &format!("allowance = 0.035\nslot = {slot}"));
+        cases.push((format!("splitters: slot = {slot}"), message(folder, &part)));
+    }
+    let shown = |error: FileError| error.to_string().replace(&format!("{}/", folder.display()), "");
+    let plunge = PlungePart::parse(&folder.join("PART.toml"), &good).err().map(shown);
+    cases.push(("splitters: plan plunge".to_owned(), plunge));
+    let finish = fs::read_to_string(root().join("examples/finish-blisk/PART.toml")).expect("the example");
+    let generate = finish.lines().find(|line| line.starts_with("generate")).expect("the rotor");
+    let finish = finish.replace(generate, CURVES);
+    let finish = FinishPart::parse(&folder.join("PART.toml"), &finish).err().map(shown);
+    cases.push(("splitters: plan finish".to_owned(), finish));
+    cases
 }
 
 #[test]
@@ -197,6 +294,7 @@ fn wrong_inputs_are_refused_with_their_place_and_a_remedy() {
         scratch.write("f", bytes);
         cases.push((format!("file: {name}"), message(&folder, &example.replace(&generate, geometry))));
     }
+    cases.extend(splitter_messages(&scratch, &folder, &example, &generate));
     let found: String = cases
         .iter()
         .map(|(name, message)| format!("{name}\n    {}\n", message.as_deref().unwrap_or("NOT REFUSED")))

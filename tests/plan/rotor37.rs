@@ -66,23 +66,37 @@ fn read(surfaces: &[Vec<Row>]) -> Curves {
 
 /// The rotor in the blank of the plunge plans.
 pub fn blisk(surfaces: &[Vec<Row>]) -> Blisk {
-    let Curves { hub, blade, .. } = read(surfaces);
-    let [pressure, suction] = blade.faces().unwrap();
-    Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } }
+    let Curves { hub, blades, .. } = read(surfaces);
+    let [pressure, suction] = blades[0].faces().unwrap();
+    Blisk {
+        blades: 36,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] },
+    }
 }
 
 #[test]
 fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
     let Some(surfaces) = surfaces() else { return };
-    let Curves { hub, blade, .. } = read(&surfaces);
+    let Curves { hub, blades, .. } = read(&surfaces);
     for (at, rows) in surfaces.iter().enumerate() {
-        let (leading, trailing) = (blade.pressure[at][0], blade.pressure[at][blade.pressure[at].len() - 1]);
+        let (leading, trailing) = (blades[0].pressure[at][0], blades[0].pressure[at][blades[0].pressure[at].len() - 1]);
         // The profile's ends may be the second-last rows: edges are round.
         let off_mm = |point: &Point, row: &Row| libm::hypot(point.z - row[0], libm::hypot(point.x, point.y) - row[1]);
         assert!(off_mm(&leading, &rows[0]) < 0.1 && off_mm(&trailing, &rows[99]) < 0.1, "surface {}", at + 1);
     }
-    let [pressure, suction] = blade.faces().unwrap();
-    let blisk = Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } };
+    let [pressure, suction] = blades[0].faces().unwrap();
+    let blisk = Blisk {
+        blades: 36,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] },
+    };
     let slot = blisk.slot();
     let (at, gap_mm) = nearest(&slot.pressure, &slot.suction);
     let table_mm = table_gap_mm(&surfaces);
@@ -91,7 +105,7 @@ fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
     // A compressor's blade moves with its leading edge and its pressure side ahead: here to falling angles.
     assert_eq!(blisk.facing(), -1);
     let stagger = |row: usize| {
-        let points = &blade.pressure[row];
+        let points = &blades[0].pressure[row];
         let (a, b) = (points[0], points[points.len() - 1]);
         let turn = libm::atan2(b.y, b.x) - libm::atan2(a.y, a.x);
         let radius_mm = (libm::hypot(a.x, a.y) + libm::hypot(b.x, b.y)) / 2.0;
@@ -107,9 +121,16 @@ fn rotor_37_is_read_with_its_edges_sides_and_gaps() {
 #[test]
 fn narrow_rings_pass_rotor_37_without_a_collision_with_any_blade() {
     let Some(surfaces) = surfaces() else { return };
-    let Curves { hub, blade, .. } = read(&surfaces);
-    let [pressure, suction] = blade.faces().unwrap();
-    let blisk = Blisk { blades: 36, pressure, suction, hub, blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] } };
+    let Curves { hub, blades, .. } = read(&surfaces);
+    let [pressure, suction] = blades[0].faces().unwrap();
+    let blisk = Blisk {
+        blades: 36,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 253.0, faces_mm: [-5.0, 50.0] },
+    };
     let slot = blisk.slot();
     let middle_mm = (published_tool().outer_radius_mm + published_tool().inner_radius_mm) / 2.0;
     for width_mm in [8.0, 12.0] {
@@ -156,8 +177,8 @@ fn table_gap_mm(surfaces: &[Vec<Row>]) -> f64 {
 #[test]
 fn the_faces_of_rotor_37_pass_through_its_table() {
     let Some(surfaces) = surfaces() else { return };
-    let Curves { blade, .. } = read(&surfaces);
-    let faces = blade.faces().unwrap();
+    let Curves { blades, .. } = read(&surfaces);
+    let faces = blades[0].faces().unwrap();
     let (mut worst_mm, mut mean_mm) = (0.0_f64, 0.0);
     let rows = [2, 6, 10].map(|at| &surfaces[at]);
     for row in rows.iter().flat_map(|rows| rows.iter().skip(3).step_by(8)) {

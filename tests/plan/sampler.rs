@@ -49,26 +49,29 @@ fn place(step: &Step, share: f64) -> [f64; 3] {
 /// Step and its share, height and place on a side.
 type Pair = [f64; 4];
 
-struct Sampler<'s> {
-    rotor: Twisted,
-    tool: &'s CupMill,
-    steps: Vec<Step>,
-    turn: Rotation3<f64>,
+/// Sampler of one plan.
+pub struct Sampler<'s> {
+    /// All blades of the rotor, each with its angle about the rotor's axis.
+    pub blades: Vec<(Twisted, f64)>,
+    pub tool: &'s CupMill,
+    pub steps: Vec<Step>,
+    pub turn: Rotation3<f64>,
 }
 
 impl Sampler<'_> {
     fn distance_mm(&self, step: usize, blade: u32, outward: f64, [_, share, height, along]: Pair) -> f64 {
-        let angle = core::f64::consts::TAU / f64::from(BLADES) * f64::from(blade);
-        let point: Point = self.turn * self.rotor.point(height, along, outward, angle);
+        let (rotor, angle) = &self.blades[blade as usize];
+        let point: Point = self.turn * rotor.point(height, along, outward, *angle);
         let [x, y, z] = place(&self.steps[step], share);
         ring_mm(self.tool, libm::hypot(point.x - x, point.y - y), point.z - z)
     }
 
-    fn least_mm(&self) -> f64 {
+    /// Least distance of a random pair of a pose and a point, from which nearer ones were sought.
+    pub fn least_mm(&self) -> f64 {
         let mut random = fastrand::Rng::with_seed(25);
         let mut nearest: Vec<(f64, usize, u32, f64, Pair)> = Vec::new();
         for _ in 0..PAIRS {
-            let (step, blade) = (random.usize(0..self.steps.len()), random.u32(0..BLADES));
+            let (step, blade) = (random.usize(0..self.steps.len()), random.u32(0..self.blades.len() as u32));
             let outward = if random.bool() { 1.0 } else { -1.0 };
             let pair = [0.0, random.f64(), random.f64(), random.f64()];
             let off_mm = self.distance_mm(step, blade, outward, pair);
@@ -104,7 +107,9 @@ fn no_pair_of_ten_million_is_nearer_than_the_proof_says() {
         let ((blisk, slot), roughing) = (rotor.slot(0.0), roughing());
         let plan = Problem::new(&blisk, &slot, &tool, &roughing).unwrap().along(AxisChoice::Blade).unwrap().plan;
         let [certified_mm, _] = proven_mm(&blisk, &plan, &tool);
-        let sampler = Sampler { rotor, tool: &tool, steps: plan.path.steps(), turn: plan.turn };
+        let pitch_rad = core::f64::consts::TAU / f64::from(BLADES);
+        let blades = (0..BLADES).map(|blade| (rotor, pitch_rad * f64::from(blade))).collect();
+        let sampler = Sampler { blades, tool: &tool, steps: plan.path.steps(), turn: plan.turn };
         let least_mm = sampler.least_mm();
         println!(
             "{} hand {}, {width_mm} mm wide: certified {certified_mm:.4}, sampled {least_mm:.4} mm",

@@ -13,10 +13,10 @@ use crate::published_rotor;
 use crate::twisted::{ROTORS, Twisted, ring, roughing};
 
 /// Largest difference of equal plans, mm.
-const SAME_MM: f64 = 1e-9;
+pub const SAME_MM: f64 = 1e-9;
 
 /// Largest differences of two plans, the second one's places as `seen`: of places and heights, mm.
-fn differences_mm(a: &SlotPlan, b: &SlotPlan, seen: impl Fn(Flat) -> Flat) -> [f64; 3] {
+pub fn differences_mm(a: &SlotPlan, b: &SlotPlan, seen: impl Fn(Flat) -> Flat) -> [f64; 3] {
     let off = |p: Flat, q: Flat| (p - seen(q)).norm();
     let base =
         [off(a.path.base, b.path.base), off(a.path.exterior, b.path.exterior), off(a.path.interior, b.path.interior)];
@@ -66,7 +66,7 @@ struct Variant {
     signs: [f64; 2],
 }
 
-fn moved(sections: &Sections, map: impl Fn(&Point) -> Point) -> Sections {
+pub fn moved(sections: &Sections, map: impl Fn(&Point) -> Point) -> Sections {
     let side = |side: &[Vec<Point>]| side.iter().map(|points| points.iter().map(&map).collect()).collect();
     Sections { pressure: side(&sections.pressure), suction: side(&sections.suction) }
 }

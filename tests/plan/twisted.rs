@@ -4,6 +4,7 @@ use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution, Slot};
 use arcfeed_plan::geometry::face::Face;
+use arcfeed_plan::geometry::slot::Blade;
 use arcfeed_plan::vector::{Point, Vector};
 use nalgebra::Rotation3;
 
@@ -29,6 +30,8 @@ pub struct Twisted {
     pub thickness_ratio: [f64; 2],
     /// 1: suction sides look to growing angles; -1: the mirror image.
     pub hand: f64,
+    /// The sections are shifted by this length along their chords.
+    pub shift_mm: f64,
 }
 
 /// By how many degrees the stagger grows from hub to tip: 14, 27, 6.
@@ -40,6 +43,7 @@ pub const ROTORS: [Twisted; 3] = [
         camber_deg: [14.0, 10.0],
         thickness_ratio: [0.1, 0.055],
         hand: 1.0,
+        shift_mm: 0.0,
     },
     Twisted {
         name: "25-52",
@@ -48,6 +52,7 @@ pub const ROTORS: [Twisted; 3] = [
         camber_deg: [14.0, 10.0],
         thickness_ratio: [0.1, 0.055],
         hand: 1.0,
+        shift_mm: 0.0,
     },
     Twisted {
         name: "34-40",
@@ -56,6 +61,7 @@ pub const ROTORS: [Twisted; 3] = [
         camber_deg: [12.0, 8.0],
         thickness_ratio: [0.08, 0.05],
         hand: 1.0,
+        shift_mm: 0.0,
     },
 ];
 
@@ -90,7 +96,7 @@ impl Twisted {
         let station = core::f64::consts::PI * place;
         let bearing = -libm::cos(station) * half_rad;
         let from_mm = camber_mm + outward * half_mm * libm::sin(station);
-        let along_mm = from_mm * libm::sin(bearing);
+        let along_mm = from_mm * libm::sin(bearing) + self.shift_mm;
         let off_mm = from_mm * libm::cos(bearing) - camber_mm * libm::cos(half_rad);
         let angle = self.hand * (along_mm * sin + off_mm * cos) / radius_mm + turn_rad;
         let (y, x) = libm::sincos(angle);
@@ -104,19 +110,27 @@ impl Twisted {
         (0..SECTIONS).map(|j| (0..POINTS).map(|i| point(j, i)).collect()).collect()
     }
 
+    /// A side, turned about the rotor's axis; `outward` 1 for the suction side.
+    fn face(&self, outward: f64, turn_rad: f64) -> Face {
+        let normal = Rotation3::from_axis_angle(&Vector::z_axis(), turn_rad) * Vector::y() * (outward * self.hand);
+        Face::through(&self.sections(outward, turn_rad), normal).unwrap()
+    }
+
+    /// A blade, turned about the rotor's axis.
+    pub fn blade(&self, turn_rad: f64) -> Blade {
+        Blade { pressure: self.face(-1.0, turn_rad), suction: self.face(1.0, turn_rad) }
+    }
+
     /// Rotor and slot, all turned about the rotor's axis.
     pub fn slot(&self, turn_rad: f64) -> (Blisk, Slot) {
         let pitch_rad = core::f64::consts::TAU / f64::from(BLADES);
-        let face = |outward: f64, turn_rad: f64| {
-            let normal = Rotation3::from_axis_angle(&Vector::z_axis(), turn_rad) * Vector::y() * (outward * self.hand);
-            Face::through(&self.sections(outward, turn_rad), normal).unwrap()
-        };
-        let pressure = face(-1.0, turn_rad);
-        let across = face(1.0, turn_rad - pitch_rad * self.hand);
+        let pressure = self.face(-1.0, turn_rad);
+        let across = self.face(1.0, turn_rad - pitch_rad * self.hand);
         let blisk = Blisk {
             blades: BLADES,
             pressure: pressure.clone(),
-            suction: face(1.0, turn_rad),
+            suction: self.face(1.0, turn_rad),
+            further_blades: Vec::new(),
             hub: Revolution { profile_mm: vec![[-40.0, HUB_MM], [40.0, HUB_MM]] },
             blank: Blank { radius_mm: BLANK_MM, faces_mm: [-16.0, 16.0] },
         };

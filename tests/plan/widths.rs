@@ -44,7 +44,7 @@ fn blisk(rotor: &Rotor) -> Blisk {
     let [pressure, suction] = rotor.sections(SECTIONS, POINTS).expect("a rotor").faces().expect("its faces");
     let hub = Revolution { profile_mm: vec![[-14.0, rotor.hub_radius_mm], [14.0, rotor.hub_radius_mm]] };
     let blank = Blank { radius_mm: 108.6, faces_mm: [-14.0, 14.0] };
-    Blisk { blades: rotor.blades, pressure, suction, hub, blank }
+    Blisk { blades: rotor.blades, pressure, suction, further_blades: Vec::new(), hub, blank }
 }
 
 fn cutter() -> CupMill {

@@ -54,9 +54,9 @@ impl<'p> Problem<'p> {
     pub fn new(blisk: &'p Blisk, slot: &Slot, cutter: &'p CupMill, roughing: &'p Roughing) -> Result<Self, Infeasible> {
         let hub_radius_mm = blisk.hub.profile_mm.iter().map(|place| place[1]).fold(f64::INFINITY, f64::min);
         check_levels(blisk.blank.radius_mm - hub_radius_mm, roughing.axial_depth_max_mm)?;
-        let half_pitch_rad = core::f64::consts::PI / f64::from(blisk.blades);
-        if blisk.blank.radius_mm * libm::cos(half_pitch_rad) < hub_radius_mm {
-            return Err(Infeasible::NoSlot { blades: blisk.blades });
+        let half_slot_rad = core::f64::consts::PI / f64::from(blisk.blades) * blisk.slot_ratio();
+        if blisk.blank.radius_mm * libm::cos(half_slot_rad) < hub_radius_mm {
+            return Err(Infeasible::NoSlot { blades: blisk.count().unsigned_abs() });
         }
         let from = |start| PreparedSlot::new(blisk, slot, roughing.allowance_mm, start, Some(GRAIN_MM));
         let (leading, trailing) = rayon::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));

@@ -118,7 +118,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<FinishPart, Pa
         machine_source: super::machine_source(&table.machine, folder),
         setup: Setup { part_zero_mm, tool_length_mm },
         output: super::output(&table.output, unit)?,
-        blisk: super::geometry::build(&table.geometry, unit, blank, folder)?,
+        blisk: super::geometry::build_alike(&table.geometry, unit, blank, folder)?,
     })
 }
 

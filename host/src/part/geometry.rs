@@ -7,6 +7,7 @@ use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
 use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
 use arcfeed_plan::geometry::point_file::PointFileFrame;
+use arcfeed_plan::geometry::slot::Blade;
 use arcfeed_plan::geometry::step_file::StepFile;
 use arcfeed_plan::geometry::{sections, solid};
 use arcfeed_units::{LengthUnit, MM_PER_M};
@@ -23,10 +24,25 @@ use crate::job::{Complaint, at};
 /// Most blades of a rotor.
 const BLADES_MAX: i64 = 1_000;
 
-/// Number of blades, hub, and the sections of one blade.
-type RotorParts = (u32, Revolution, Sections);
+/// Number of main blades, hub, and the sections of the main blade and of the splitter if there is one.
+type RotorParts = (u32, Revolution, Vec<Sections>);
 
-/// Builds the rotor in its blank.
+/// Builds a rotor in its blank, for a command that plans blades of one kind only.
+pub(super) fn build_alike(
+    entry: &Spanned<GeometryTable>,
+    unit: LengthUnit,
+    blank: Blank,
+    folder: &Path,
+) -> Result<Blisk, PartError> {
+    let blisk = build(entry, unit, blank, folder)?;
+    if blisk.further_blades.is_empty() {
+        return Ok(blisk);
+    }
+    let message = "this rotor has splitter blades, and only `plan cup-mill` plans rotors with splitters";
+    Err(at(entry, message).into())
+}
+
+/// Builds the rotor in its blank, with its main blade as the first one.
 pub(super) fn build(
     entry: &Spanned<GeometryTable>,
     unit: LengthUnit,
@@ -35,7 +51,7 @@ pub(super) fn build(
 ) -> Result<Blisk, PartError> {
     let GeometryTable { generate, curves, sections, stl, step } = entry.as_ref();
     let context = FileContext { unit, blank: &blank, folder };
-    let (blades, hub, blade) = match (generate, curves, sections, stl, step) {
+    let (blades, hub, kinds) = match (generate, curves, sections, stl, step) {
         (Some(numbers), None, None, None, None) => generated(numbers, unit, &blank)?,
         (None, Some(files), None, None, None) => from_curves(files.as_ref(), &context)?,
         (None, None, Some(file), None, None) => from_sections(file, &context)?,
@@ -46,8 +62,18 @@ pub(super) fn build(
             return Err(at(entry, message).into());
         }
     };
-    let [pressure, suction] = blade.faces().map_err(|error| at(entry, &error.to_string()))?;
-    Ok(Blisk { blades, pressure, suction, hub, blank })
+    let faces = |blade: &Sections| {
+        let [pressure, suction] = blade.faces().map_err(|error| at(entry, &error.to_string()))?;
+        Ok::<_, Complaint>(Blade { pressure, suction })
+    };
+    let Blade { pressure, suction } = faces(&kinds[0])?;
+    let blisk = Blisk { blades, pressure, suction, further_blades: Vec::new(), hub, blank };
+    match kinds.get(1) {
+        Some(splitter) => {
+            blisk.with_splitter(&faces(splitter)?).map_err(|crossing| at(entry, &crossing.to_string()).into())
+        }
+        None => Ok(blisk),
+    }
 }
 
 fn generated(entry: &Spanned<GenerateTable>, unit: LengthUnit, blank: &Blank) -> Result<RotorParts, Complaint> {
@@ -71,7 +97,7 @@ fn generated(entry: &Spanned<GenerateTable>, unit: LengthUnit, blank: &Blank) ->
         return Err(at(entry, "chord must be less than the rotor's diameter"));
     }
     let blade = rotor.sections(SECTIONS, POINTS).map_err(|error| at(entry, &error.to_string()))?;
-    Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), blade))
+    Ok((rotor.blades, cylinder(rotor.hub_radius_mm, blank), vec![blade]))
 }
 
 fn from_curves(files: &CurvesTable, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
@@ -87,7 +113,7 @@ fn from_curves(files: &CurvesTable, context: &FileContext<'_>) -> Result<RotorPa
         };
         in_file(file, context.folder, &error)
     })?;
-    Ok((blades, Revolution { profile_mm: found.hub.between(context.blank.faces_mm) }, found.blade))
+    Ok((blades, Revolution { profile_mm: found.hub.between(context.blank.faces_mm) }, found.blades))
 }
 
 fn from_sections(entry: &Spanned<SectionsTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
@@ -97,8 +123,8 @@ fn from_sections(entry: &Spanned<SectionsTable>, context: &FileContext<'_>) -> R
     let hub = GasPathEntry { names: ["hub", "hub_radius"], file: &table.hub, radius: &table.hub_radius };
     let (hub, _) = gas_path(&hub, &frame, context)?.ok_or_else(|| hub.missing(entry))?;
     let text = read(&table.file, context.folder)?;
-    let blade = sections::read(&text, &frame, &hub).map_err(|error| in_file(&table.file, context.folder, &error))?;
-    Ok((blades, hub, blade))
+    let kinds = sections::read(&text, &frame, &hub).map_err(|error| in_file(&table.file, context.folder, &error))?;
+    Ok((blades, hub, kinds))
 }
 
 fn from_stl(entry: &Spanned<StlTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
@@ -109,10 +135,14 @@ fn from_stl(entry: &Spanned<StlTable>, context: &FileContext<'_>) -> Result<Roto
     let (hub, from_low_z) = gas_path(&hub, &frame, context)?.ok_or_else(|| hub.missing(entry))?;
     let tip = GasPathEntry { names: ["shroud", "tip_radius"], file: &files.shroud, radius: &files.tip_radius };
     let tip = gas_path(&tip, &frame, context)?.map(|(tip, _)| tip);
-    let mesh = read_mesh(&files.blade, &frame, context.folder)?;
-    let blade = solid::sections(&mesh, &hub, tip.as_ref(), from_low_z)
-        .map_err(|fault| whole(&files.blade, context.folder, &fault.to_string()))?;
-    Ok((blades, hub, blade))
+    let sections = |file: &Spanned<String>| {
+        let mesh = read_mesh(file, &frame, context.folder)?;
+        solid::sections(&mesh, &hub, tip.as_ref(), from_low_z)
+            .map_err(|fault| whole(file, context.folder, &fault.to_string()))
+    };
+    let main = sections(&files.blade)?;
+    let splitter = files.splitter.as_ref().map(sections).transpose()?;
+    Ok((blades, hub, kinds(main, splitter)))
 }
 
 fn from_step(entry: &Spanned<StepTable>, context: &FileContext<'_>) -> Result<RotorParts, PartError> {
@@ -136,9 +166,19 @@ fn from_step(entry: &Spanned<StepTable>, context: &FileContext<'_>) -> Result<Ro
     };
     let tip = GasPathEntry { names: ["shroud", "tip_radius"], file: &table.shroud, radius: &table.tip_radius };
     let tip = gas_path(&tip, &frame, context)?.map(|(tip, _)| tip);
-    let mesh = file.mesh(&table.blade).map_err(|fault| wrong(fault.to_string()))?;
-    let blade = solid::sections(&mesh, &hub, tip.as_ref(), from_low_z).map_err(|fault| wrong(fault.to_string()))?;
-    Ok((blades, hub, blade))
+    let sections = |names: &Vec<String>| {
+        let mesh = file.mesh(names).map_err(|fault| wrong(fault.to_string()))?;
+        solid::sections(&mesh, &hub, tip.as_ref(), from_low_z).map_err(|fault| wrong(fault.to_string()))
+    };
+    let main = sections(&table.blade)?;
+    let splitter = table.splitter.as_ref().map(sections).transpose()?;
+    Ok((blades, hub, kinds(main, splitter)))
+}
+
+/// Main blade and splitter, whose sides surfaces do not name.
+fn kinds(main: Sections, splitter: Option<Sections>) -> Vec<Sections> {
+    let splitter = splitter.map(|blade| blade.named_as(&main));
+    std::iter::once(main).chain(splitter).collect()
 }
 
 fn blades(entry: &Spanned<i64>) -> Result<u32, Complaint> {

@@ -91,7 +91,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PlungePart, Pa
         output: super::output(&table.output, unit)?,
         baseline: table.baseline.as_ref().map(|entry| super::baseline(entry, unit)).transpose()?,
         cup_mill: table.cutter.as_ref().map(|_| cup_mill(table, path, folder)),
-        blisk: super::geometry::build(&table.geometry, unit, blank, folder)?,
+        blisk: super::geometry::build_alike(&table.geometry, unit, blank, folder)?,
     })
 }
 

@@ -96,6 +96,7 @@ pub struct SectionsTable {
 #[serde(deny_unknown_fields)]
 pub struct StlTable {
     pub blade: Spanned<String>,
+    pub splitter: Option<Spanned<String>>,
     pub blades: Spanned<i64>,
     #[serde(default)]
     pub axis: RotorWord,
@@ -113,6 +114,8 @@ pub struct StepTable {
     pub file: Spanned<String>,
     /// Names or colours of the blade's faces.
     pub blade: Vec<String>,
+    /// Names or colours of the splitter's faces.
+    pub splitter: Option<Vec<String>>,
     pub blades: Spanned<i64>,
     #[serde(default)]
     pub axis: RotorWord,
@@ -251,6 +254,8 @@ pub struct RoughingTable {
     pub interior_contact: Option<Spanned<f64>>,
     /// Height of the lifted tool above everything that turns while the part is indexed.
     pub clearance: Option<Spanned<Quantity>>,
+    /// Kind of slot that is planned, of a rotor with splitters.
+    pub slot: Option<Spanned<i64>>,
     /// Choice of the direction of the tool's axis.
     #[serde(default)]
     pub axis: AxisWord,

@@ -61,7 +61,14 @@ fn flat(bow_mm: impl Fn(f64) -> f64) -> Blisk {
         [radius, bow_mm(z) * 4.0 * height * (1.0 - height), z]
     });
     let hub = Revolution { profile_mm: vec![[-30.0, hub_mm], [30.0, hub_mm]] };
-    Blisk { blades: 13, pressure, suction, hub, blank: Blank { radius_mm: tip_mm, faces_mm: [-half_mm, half_mm] } }
+    Blisk {
+        blades: 13,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: tip_mm, faces_mm: [-half_mm, half_mm] },
+    }
 }
 
 fn passage<'p>(blisk: &'p Blisk, field: &'p Field, mill: &'p PlungeMill) -> Passage<'p> {
@@ -218,7 +225,14 @@ fn centrifugal() -> Blisk {
         [radius + up_radius * height, 0.0, z + up_z * height]
     });
     let hub = Revolution { profile_mm: (0..=400).map(|k| bowl(angle(f64::from(k) / 400.0)).0).collect() };
-    Blisk { blades: 8, pressure, suction, hub, blank: Blank { radius_mm: 70.0, faces_mm: [0.0, 40.0] } }
+    Blisk {
+        blades: 8,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 70.0, faces_mm: [0.0, 40.0] },
+    }
 }
 
 /// In a plane across the rotor's axis the hub's normal leans by the angle of the generatrix, and a boundary axis, parallel to its blade, by its

@@ -18,8 +18,15 @@ pub fn rotor_b() -> Blisk {
     let hub = Revolution { profile_mm: vec![[-25.0, 60.0], [25.0, 60.0]] };
     let frame = PointFileFrame { axis: RotorAxis::Z, unit_mm: 1.0 };
     let text = include_str!("../../../examples/impeller-13/rotor-b.csv");
-    let [pressure, suction] = sections::read(text, &frame, &hub).unwrap().faces().unwrap();
-    Blisk { blades: 13, pressure, suction, hub, blank: Blank { radius_mm: 95.0, faces_mm: [-25.0, 25.0] } }
+    let [pressure, suction] = sections::read(text, &frame, &hub).unwrap()[0].faces().unwrap();
+    Blisk {
+        blades: 13,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 95.0, faces_mm: [-25.0, 25.0] },
+    }
 }
 
 /// Field of a rotor of the data with the radii of its hub and its tip.
@@ -148,7 +155,14 @@ fn flat_blades(blades: u32, [hub_mm, tip_mm]: [f64; 2], thickness_mm: f64) -> Bl
     let pressure = Face::through(&side(thickness_mm / 2.0), Vector::y()).unwrap();
     let suction = Face::through(&side(-thickness_mm / 2.0), -Vector::y()).unwrap();
     let hub = Revolution { profile_mm: vec![[-40.0, hub_mm], [40.0, hub_mm]] };
-    Blisk { blades, pressure, suction, hub, blank: Blank { radius_mm: tip_mm, faces_mm: [-40.0, 40.0] } }
+    Blisk {
+        blades,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: tip_mm, faces_mm: [-40.0, 40.0] },
+    }
 }
 
 #[test]

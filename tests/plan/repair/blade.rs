@@ -13,7 +13,14 @@ use crate::published_rotor::ROTOR;
 pub fn blisk() -> Blisk {
     let [pressure, suction] = ROTOR.sections(9, 81).unwrap().faces().unwrap();
     let hub = Revolution { profile_mm: vec![[-14.0, 70.0], [14.0, 70.0]] };
-    Blisk { blades: 19, pressure, suction, hub, blank: Blank { radius_mm: 98.6, faces_mm: [-14.0, 14.0] } }
+    Blisk {
+        blades: 19,
+        pressure,
+        suction,
+        further_blades: Vec::new(),
+        hub,
+        blank: Blank { radius_mm: 98.6, faces_mm: [-14.0, 14.0] },
+    }
 }
 
 /// Points with noise on the given sides of the first blade, and on the hub beside it if `hub` is set.

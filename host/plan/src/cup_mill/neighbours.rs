@@ -12,6 +12,7 @@ use nalgebra::Rotation3;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::Blisk;
 use crate::geometry::flaws::BladeSide;
+use crate::geometry::slot::Blade;
 use crate::vector::{Flat, Point, Vector};
 
 use super::patch::Patch;
@@ -39,24 +40,31 @@ pub struct Neighbour {
     pub patch: Patch,
 }
 
-/// Both sides of a rotor's first blade with their round edges, with the allowance as a blade beside the slot and as another blade.
+/// All blades of a rotor, by those of one pitch.
 #[derive(Debug)]
-pub struct WholeBlade {
+pub struct WholeBlades {
+    /// Blades of one pitch, by growing angle; the first one is that of the slot's pressure side.
+    kinds: Vec<WholeBlade>,
+    /// Number of the other blade at the slot.
+    across: i32,
+    pitches: i32,
+}
+
+/// Both sides of one blade with their round edges, with the allowance as a blade beside the slot and as another blade.
+#[derive(Debug)]
+struct WholeBlade {
     /// As a blade at the slot, and as another one.
     sides: [[Patch; 2]; 2],
-    /// Other blade at the slot.
-    across: i32,
-    blades: i32,
     /// Centre of a ball about the blade, and its radius.
     ball: (Point, f64),
 }
 
 impl WholeBlade {
-    /// Blade of a rotor with its allowance; `feet` are the parameters v at which its pressure and its suction side leave the hub.
-    pub fn new(blisk: &Blisk, allowance_mm: f64, feet: [f64; 2]) -> Self {
+    /// Blade with its allowance; `feet` are the parameters v at which its pressure and its suction side leave the hub.
+    fn new(blade: &Blade, allowance_mm: f64, feet: [f64; 2]) -> Self {
         let nearer_mm = (allowance_mm * (1.0 - NEARER_RATIO) + PROOF_MM).min(allowance_mm);
         let of_blade = |allowance_mm: f64| {
-            [(&blisk.pressure, feet[0]), (&blisk.suction, feet[1])]
+            [(&blade.pressure, feet[0]), (&blade.suction, feet[1])]
                 .map(|(face, foot)| offset_patch(face.clone(), allowance_mm, [[0.0, 1.0], [foot, 1.0]], STEPS))
         };
         let sides = [nearer_mm, allowance_mm].map(of_blade);
@@ -65,24 +73,47 @@ impl WholeBlade {
         let (low, high) = points().fold((start, start), |(low, high), at| (low.inf(at), high.sup(at)));
         let centre = nalgebra::center(&low, &high);
         let radius_mm = points().map(|point| (point - centre).norm()).fold(0.0, f64::max);
-        WholeBlade { across: blisk.facing(), blades: blisk.blades.cast_signed(), ball: (centre, radius_mm), sides }
+        WholeBlade { sides, ball: (centre, radius_mm) }
     }
 
-    /// The same blade with fewer samples of its surfaces, for comparisons of plans.
-    pub fn coarse(&self, stride: usize) -> Self {
+    /// The same blade with fewer samples of its surfaces.
+    fn coarse(&self, stride: usize) -> Self {
         let sides = [0, 1].map(|kind: usize| [0, 1].map(|side: usize| self.sides[kind][side].coarse(stride)));
-        WholeBlade { sides, ..*self }
+        WholeBlade { sides, ball: self.ball }
+    }
+}
+
+impl WholeBlades {
+    /// Blades of a rotor with their allowance; `feet` are, for each blade of a pitch, the parameters v at which its pressure and its suction side
+    /// leave the hub.
+    pub fn new(blisk: &Blisk, allowance_mm: f64, feet: &[[f64; 2]]) -> Self {
+        let blade = |(index, feet): (i32, &[f64; 2])| WholeBlade::new(&blisk.blade(index), allowance_mm, *feet);
+        WholeBlades {
+            kinds: (0..).zip(feet).map(blade).collect(),
+            across: blisk.facing(),
+            pitches: blisk.blades.cast_signed(),
+        }
+    }
+
+    /// The same blades with fewer samples of their surfaces, for comparisons of plans.
+    pub fn coarse(&self, stride: usize) -> Self {
+        WholeBlades { kinds: self.kinds.iter().map(|blade| blade.coarse(stride)).collect(), ..*self }
     }
 
     /// Sides of all blades that a ring near `centre` can meet, slot frame; its centre moves by `travel_mm` at most, and
     /// its bottom stays above `bottom_mm`.
     pub fn about(&self, turn: &Rotation3<f64>, cutter: &CupMill, reach: &Reach) -> Vec<Neighbour> {
-        let pitch_rad = TAU / f64::from(self.blades);
-        let (middle, radius_mm) = self.ball;
-        let first = -(self.blades - 1) / 2;
-        let placed = (first..first + self.blades)
-            .map(|blade| (blade, turn * Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(blade) * pitch_rad)));
-        let near = placed.filter(|(_, turn)| {
+        let pitch_rad = TAU / f64::from(self.pitches);
+        let kinds = self.kinds.len() as i32;
+        let count = self.pitches * kinds;
+        let first = -(count - 1) / 2;
+        let placed = (first..first + count).map(|blade| {
+            let pitch = f64::from(blade.div_euclid(kinds));
+            let turn = turn * Rotation3::from_axis_angle(&Vector::z_axis(), pitch * pitch_rad);
+            (blade, &self.kinds[blade.rem_euclid(kinds) as usize], turn)
+        });
+        let near = placed.filter(|(_, whole, turn)| {
+            let (middle, radius_mm) = whole.ball;
             let at = turn * middle;
             let off_mm = (at.xy() - reach.centre).norm();
             let slack_mm = radius_mm + reach.travel_mm;
@@ -90,9 +121,9 @@ impl WholeBlade {
                 && off_mm < cutter.outer_radius_mm + slack_mm
                 && off_mm > cutter.inner_radius_mm - slack_mm
         });
-        let both = near.flat_map(|(blade, turn)| {
+        let both = near.flat_map(|(blade, whole, turn)| {
             let is_own = blade == 0 || blade == self.across;
-            let sides = [BladeSide::Pressure, BladeSide::Suction].into_iter().zip(&self.sides[usize::from(!is_own)]);
+            let sides = [BladeSide::Pressure, BladeSide::Suction].into_iter().zip(&whole.sides[usize::from(!is_own)]);
             sides.map(|(side, patch)| Neighbour { blade, side, is_own, patch: patch.turned(&turn) }).collect::<Vec<_>>()
         });
         both.collect()

@@ -16,6 +16,7 @@ use nalgebra::{Matrix3, Rotation3};
 
 use crate::geometry::blisk::{Blank, Blisk, Revolution, Slot};
 use crate::geometry::face::Face;
+use crate::geometry::slot::Blade;
 use crate::path::{Level, SlotPath};
 use crate::vector::{Flat, Point, Vector};
 
@@ -59,7 +60,8 @@ impl NormalForm {
         let lowering = slot.pressure.point(1.0, 0.5).z - slot.pressure.point(0.0, 0.5).z;
         let is_reversed = start == StartEdge::Trailing;
         let flip = if (lowering < 0.0) == is_reversed { 1.0 } else { -1.0 };
-        let facing = f64::from(blisk.facing());
+        let towards = blisk.facing();
+        let facing = f64::from(towards);
         let centred = Rotation3::from_axis_angle(&Vector::z_axis(), -libm::atan2(middle.y, middle.x));
         let to_normal = Matrix3::from_diagonal(&Vector::new(1.0, facing, flip)) * centred.matrix(); // (1)
         let face = |face: &Face| {
@@ -74,10 +76,14 @@ impl NormalForm {
         if flip < 0.0 {
             profile_mm.reverse();
         }
+        let further = (1..blisk.kinds()).map(|further| blisk.blade(towards * further));
         let normal = Blisk {
             blades: blisk.blades,
             pressure: face(&blisk.pressure),
             suction: face(&blisk.suction),
+            further_blades: further
+                .map(|blade| Blade { pressure: face(&blade.pressure), suction: face(&blade.suction) })
+                .collect(),
             hub: Revolution { profile_mm },
             blank: Blank { faces_mm, ..blisk.blank },
         };

@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Rotation3};
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
 use crate::geometry::blisk::{Blisk, Slot};
+use crate::geometry::face::Face;
 use crate::geometry::turning_height::highest_mm;
 use crate::path::{Pass, SlotPath};
 use crate::vector::{Point, Vector};
@@ -18,7 +19,7 @@ use super::free_width::{FreeWidth, SidePoints};
 use super::infeasibility::{Infeasible, narrow};
 use super::interior::InteriorPivot;
 use super::level::Stop;
-use super::neighbours::{Reach, WholeBlade};
+use super::neighbours::{Reach, WholeBlades};
 use super::normal_form::{NormalForm, StartEdge};
 use super::patch::Patch;
 use super::side::{EIGHTHS, FarEdge, Hub, OffsetSide, SideRange, floor, roof};
@@ -87,7 +88,7 @@ pub struct PreparedSlot {
 struct Shapes {
     /// Pressure and suction side above a number of parts of their height.
     sides: [OnceLock<[OffsetSide; 2]>; EIGHTHS],
-    blade: WholeBlade,
+    blades: WholeBlades,
     hub: Patch,
     roof: Patch,
 }
@@ -126,20 +127,20 @@ impl PreparedSlot {
             || axis(&slot.pressure, &blisk.hub, allowance_mm).ok_or(Infeasible::NoFoot("pressure")),
         );
         let (pressure, suction, blade_axis) = (sides.0?, sides.1?, blade_axis?);
-        let about = bearings(&slot);
+        let about = bearings(&slot, &blisk);
+        let ranges = [pressure, suction];
         let fine = Shapes {
             sides: Default::default(),
-            blade: WholeBlade::new(&blisk, allowance_mm, [pressure.foot(), suction.foot()]),
+            blades: WholeBlades::new(&blisk, allowance_mm, &feet(&blisk, &ranges, &above)?),
             hub: floor(&blisk, allowance_mm, about),
             roof: roof(&blisk, about),
         };
         let coarse = Shapes {
             sides: Default::default(),
-            blade: fine.blade.coarse(COARSE_STRIDE),
+            blades: fine.blades.coarse(COARSE_STRIDE),
             hub: fine.hub.coarse(COARSE_STRIDE),
             roof: fine.roof.coarse(COARSE_STRIDE),
         };
-        let ranges = [pressure, suction];
         Ok(PreparedSlot { start, form, blisk, ranges, blade_axis, walls: Default::default(), fine, coarse })
     }
 
@@ -231,7 +232,7 @@ impl PreparedSlot {
         let points = [&pressure, &suction].into_iter().flat_map(|side| side.patch.samples());
         let bottom_mm = points.map(|point| point.z).fold(f64::MAX, f64::min);
         let reach = Reach { centre: free_width.centre, travel_mm: TRAVEL_MM, bottom_mm };
-        let blades = shapes.blade.about(turn, request.cutter, &reach);
+        let blades = shapes.blades.about(turn, request.cutter, &reach);
         let around = Surroundings { pressure, suction, raised, hub: shapes.hub.turned(turn), blades };
         if free_width.per_side_mm < 0.0 {
             let [pressure, suction] = around.upper();
@@ -279,13 +280,40 @@ impl PreparedSlot {
     }
 }
 
+/// For each blade of a pitch, the parameters v at which its sides leave the hub; `ranges` are the sides of the slot.
+fn feet(blisk: &Blisk, ranges: &[SideRange; 2], above: &Hub<'_>) -> Result<Vec<[f64; 2]>, Infeasible> {
+    let across = blisk.facing().rem_euclid(blisk.kinds());
+    let [pressure, suction] = ranges;
+    let foot = |face: &Face, far: FarEdge, name| {
+        SideRange::new(face, far, above).map(|range| range.foot()).ok_or(Infeasible::NoFoot(name))
+    };
+    let of_blade = |index: i32| {
+        let blade = blisk.blade(index);
+        Ok([
+            match index {
+                0 => pressure.foot(),
+                _ => foot(&blade.pressure, FarEdge::Trailing, "next blade's pressure")?,
+            },
+            match index {
+                _ if index == across => suction.foot(),
+                _ => foot(&blade.suction, FarEdge::Leading, "first blade's suction")?,
+            },
+        ])
+    };
+    (0..blisk.kinds()).map(of_blade).collect()
+}
+
 /// Angles about the rotor's axis between which a slot and its neighbours lie.
-fn bearings(slot: &Slot) -> [f64; 2] {
+fn bearings(slot: &Slot, blisk: &Blisk) -> [f64; 2] {
     let at = |point: Point| libm::atan2(point.y, point.x);
-    let (from, to) = (at(slot.pressure.point(0.5, 0.5)), at(slot.suction.point(0.5, 0.5)));
-    let pitch = libm::remainder(to - from, core::f64::consts::TAU);
-    let middle = from + pitch / 2.0;
-    [middle - 1.5 * pitch.abs(), middle + 1.5 * pitch.abs()]
+    let ends = |slot: &Slot| [at(slot.pressure.point(0.5, 0.5)), at(slot.suction.point(0.5, 0.5))];
+    let width = |[from, to]: [f64; 2]| libm::remainder(to - from, core::f64::consts::TAU);
+    let [from, to] = ends(slot);
+    let own = width([from, to]);
+    let middle = from + own / 2.0;
+    let others = (1..blisk.kinds()).map(|index| width(ends(&blisk.from_blade(index).slot())).abs());
+    let widest = others.fold(own.abs(), f64::max);
+    [middle - 1.5 * widest, middle + 1.5 * widest]
 }
 
 impl SlotPlan {

@@ -50,7 +50,7 @@ impl FinishBody {
 
 /// All obstacles about the first blade of a rotor that are there.
 pub fn obstacles(blisk: &Blisk, fixture: &[[Point; 2]]) -> Vec<FinishBody> {
-    let own = FinishBody::fixed(FinishObstacle::Blade, bodies::blade(blisk, OWN_CHORD_MM), OWN_CHORD_MM);
+    let own = FinishBody::fixed(FinishObstacle::Blade, bodies::blades(blisk, OWN_CHORD_MM), OWN_CHORD_MM);
     around(blisk, 1, vec![own], fixture)
 }
 
@@ -59,7 +59,7 @@ pub fn around(blisk: &Blisk, number: u32, own: Vec<FinishBody>, fixture: &[[Poin
     let turn = |k: u32| Rotation3::from_axis_angle(&Vector::z_axis(), f64::from(k) * blisk.pitch_rad());
     let neighbours = FinishBody {
         obstacle: FinishObstacle::Neighbours,
-        tree: Tree::new(bodies::blade(blisk, CHORD_MM)),
+        tree: Tree::new(bodies::blades(blisk, CHORD_MM)),
         turns: (number..number + blisk.blades - 1).map(turn).collect(),
         chord_mm: CHORD_MM,
     };

@@ -65,6 +65,19 @@ impl Sections {
         Sections { pressure: self.suction, suction: self.pressure }
     }
 
+    /// Whether the pressure side lies at greater angles about the axis than the suction side.
+    pub fn is_pressure_ahead(&self) -> bool {
+        let middle = |side: &[Point]| side[side.len() / 2];
+        let pairs = self.pressure.iter().zip(&self.suction).map(|(one, other)| (middle(one), middle(other)));
+        pairs.map(|(one, other)| one.coords.cross(&(one - other)).z).sum::<f64>() > 0.0
+    }
+
+    /// The same blade with its sides named as those of the rotor's main blade: a splitter may have no camber.
+    #[must_use]
+    pub fn named_as(self, main: &Sections) -> Self {
+        if self.is_pressure_ahead() == main.is_pressure_ahead() { self } else { self.swapped() }
+    }
+
     /// Mean height of each section above the hub, mm.
     pub fn heights_mm(&self, hub: &Revolution) -> Vec<f64> {
         let sides = self.pressure.iter().zip(&self.suction);

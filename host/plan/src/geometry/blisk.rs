@@ -3,6 +3,7 @@
 use crate::vector::{Point, Vector};
 
 use super::face::Face;
+use super::slot::Blade;
 
 /// Surface of revolution about the rotor's axis, given by its generatrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,15 +21,17 @@ pub struct Blank {
     pub faces_mm: [f64; 2],
 }
 
-/// Blisk (bladed disk in one piece): one blade, the number of blades, hub and blank, in the rotor's own frame.
+/// Blisk (bladed disk in one piece): the blades of one pitch, the number of pitches, hub and blank, in the rotor's own frame.
 #[derive(Clone, Debug)]
 pub struct Blisk {
-    /// Number of blades, evenly about the axis.
+    /// Number of copies of the first blade, evenly about the axis: the number of pitches.
     pub blades: u32,
     /// Pressure side of the first blade.
     pub pressure: Face,
     /// Suction side of the first blade.
     pub suction: Face,
+    /// Blades of other kinds between the first blade and its next copy, by growing angle; empty if all blades are alike.
+    pub further_blades: Vec<Blade>,
     /// Surface between the blades, on which the gas flows.
     pub hub: Revolution,
     /// Blank from which the blisk is milled.

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! One point a line, `x y z`, parted by blanks or commas. In a profile file each line that begins with `#` opens a section, in the other two it
-//! is a remark. Hub and shroud run from inlet to outlet. A point may be marked `le` or `te`, with a number behind it or
+//! is a remark. A section that is as low as the first one, after others above it, is the first one of the splitter. Hub and shroud run from inlet to outlet. A point may be marked `le` or `te`, with a number behind it or
 //! without. Source: the layout that published writers and readers of these files share; docs/plan.md.
 
 use crate::vector::Point;
@@ -22,6 +22,9 @@ use super::resampling::resampled;
 /// Least and most points of a side; within these the number in the file is kept.
 const POINTS: [usize; 2] = [41, 161];
 
+/// Most blades of a profile file: main blade and splitter.
+const BLADES_MAX: usize = 2;
+
 /// Rotor as read from a set of curve files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
@@ -29,8 +32,8 @@ pub struct Curves {
     pub hub: Revolution,
     /// Outer wall of the gas path.
     pub shroud: Revolution,
-    /// Sections of one blade.
-    pub blade: Sections,
+    /// Sections of the main blade, and of the splitter if there is one.
+    pub blades: Vec<Sections>,
 }
 
 /// Curve file in which a fault was found.
@@ -63,8 +66,8 @@ pub fn read(texts: &Texts<'_>, frame: &PointFileFrame) -> Result<Curves, (CurveF
     let (hub, from_low_z) = revolution(texts.hub, frame).map_err(|error| (CurveFile::Hub, error))?;
     let (shroud, _) = revolution(texts.shroud, frame).map_err(|error| (CurveFile::Shroud, error))?;
     check_shroud(&hub, &shroud).map_err(|fault| (CurveFile::Shroud, fault.at(1, 1)))?;
-    let blade = profiles(texts.profile, frame, &hub, from_low_z).map_err(|error| (CurveFile::Profile, error))?;
-    Ok(Curves { hub, shroud, blade })
+    let blades = profiles(texts.profile, frame, &hub, from_low_z).map_err(|error| (CurveFile::Profile, error))?;
+    Ok(Curves { hub, shroud, blades })
 }
 
 /// Generatrix from a file such as `hub.curve`, and whether it begins at low z.
@@ -126,7 +129,12 @@ fn point(text: &str, line: usize, frame: &PointFileFrame) -> Result<Option<(Poin
     Ok(Some((frame.point(place), mark.transpose()?)))
 }
 
-fn profiles(text: &str, frame: &PointFileFrame, hub: &Revolution, from_low_z: bool) -> Result<Sections, ReadError> {
+fn profiles(
+    text: &str,
+    frame: &PointFileFrame,
+    hub: &Revolution,
+    from_low_z: bool,
+) -> Result<Vec<Sections>, ReadError> {
     let mut loops: Vec<(Loop, usize)> = Vec::new();
     let mut is_new = true;
     for (at, line) in lines(text) {
@@ -148,10 +156,41 @@ fn profiles(text: &str, frame: &PointFileFrame, hub: &Revolution, from_low_z: bo
     for (at, (around, line)) in loops.into_iter().enumerate() {
         sides.push(around.split(at + 1, from_low_z).map_err(|fault| fault.at(line, 1))?);
     }
-    let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
-    let blade = assigned_sides(sides, |side| resampled(side, most));
-    frame.check(&blade, hub, &starts)?;
-    Ok(blade)
+    let first_sections = first_sections(&sides, hub);
+    if let Some(third) = first_sections.get(BLADES_MAX) {
+        return Err(Fault::ThirdBlade { section: third + 1 }.at(starts[*third], 1));
+    }
+    let mut blades: Vec<Sections> = Vec::new();
+    for first in first_sections.into_iter().rev() {
+        let sides = sides.split_off(first);
+        if sides.len() < 2 {
+            return Err(Fault::Sections { found: sides.len() }.at(starts[first], 1));
+        }
+        let most = sides.iter().flatten().map(Vec::len).max().unwrap_or(0).clamp(POINTS[0], POINTS[1]);
+        let blade = assigned_sides(sides, |side| resampled(side, most));
+        frame.check(&blade, hub, &starts[first..])?;
+        blades.insert(0, blade);
+    }
+    let main = blades[0].clone();
+    Ok(blades.into_iter().map(|blade| blade.named_as(&main)).collect())
+}
+
+/// Indices of the first sections of all blades.
+fn first_sections(sides: &[[Vec<Point>; 2]], hub: &Revolution) -> Vec<usize> {
+    let height_mm = |sides: &[Vec<Point>; 2]| {
+        let points = || sides.iter().flatten();
+        points().map(|point| hub.height_mm(point)).sum::<f64>() / points().count() as f64
+    };
+    let heights: Vec<f64> = sides.iter().map(height_mm).collect();
+    let mut found = vec![0];
+    for at in 1..heights.len() {
+        let first = found[found.len() - 1];
+        let [before_mm, here_mm] = [at - 1, at].map(|at| heights[at] - heights[first]);
+        if before_mm > 0.0 && here_mm < before_mm / 2.0 {
+            found.push(at);
+        }
+    }
+    found
 }
 
 /// Assigns the sides: the convex one is the suction side. Every section's first side is the one at greater angles.

@@ -110,7 +110,7 @@ impl fmt::Display for BladeSide {
 }
 
 /// Place on a side, in percent.
-fn shown([u, v]: [f64; 2]) -> String {
+pub(super) fn shown([u, v]: [f64; 2]) -> String {
     format!("{:.0} % from the leading edge, {:.0} % from the hub", u * 100.0, v * 100.0)
 }
 

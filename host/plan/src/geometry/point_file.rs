@@ -104,6 +104,16 @@ pub enum Fault {
         /// Word for it in the file.
         word: &'static str,
     },
+    /// The number of the blade is neither that of the main blade nor that of the splitter.
+    #[error(
+        "`{0}` is no blade; write 1 for the main blade and 2 for the splitter, of which there is one at most between two main blades"
+    )]
+    Blade(String),
+    /// The names of the splitter's sides are exchanged.
+    #[error(
+        "the splitter's pressure side lies where the main blade has its suction side; exchange PS and SS of the splitter"
+    )]
+    SplitterSides,
     /// The word for the side is neither that of the pressure nor that of the suction side.
     #[error("`{0}` is no side; write PS (pressure, the concave one) or SS (suction, the convex one)")]
     Side(String),
@@ -176,11 +186,19 @@ pub enum Fault {
         /// Height by which it lies below the section before.
         below_mm: f64,
     },
-    /// After sections up to the tip, the sections of another blade begin.
+    /// After the sections of two blades, those of another one begin.
     #[error(
-        "section {section} begins a second blade: it lies {below_mm:.3} mm lower over the hub than the one before, near section 1; a file has the \
-         sections of one blade. If all blades of the rotor are alike, keep those of the first blade only; a rotor with splitter blades, whose \
-         slots are of two kinds, is not planned"
+        "section {section} begins a third blade; a file has the sections of the main blade and of one splitter at most. If all blades of the rotor \
+         are alike, keep those of the first one only; a rotor with two splitters between its main blades is not planned"
+    )]
+    ThirdBlade {
+        /// Section, counted from 1.
+        section: usize,
+    },
+    /// After sections up to the tip, the sections of another blade begin, in a table that does not name its blades.
+    #[error(
+        "section {section} begins a second blade: it lies {below_mm:.3} mm lower over the hub than the one before, near section 1. If all blades of \
+         the rotor are alike, keep those of the first one only; if this is a splitter, add a column `blade`: 1 for the main blade, 2 for the splitter"
     )]
     SecondBlade {
         /// Section, counted from 1.

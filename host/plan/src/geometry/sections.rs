@@ -5,7 +5,7 @@
 //! 0.0000,70.0000,PS,0,-6.095401,-11.478319,69.734110                0.0000,PS,-11.478319,70.0000,94.995
 //! ```
 //!
-//! A section has one `s`; each side goes from the leading to the trailing edge. `R_mm` (distance from the axis) and `i`
+//! A column `blade` numbers the blades of a rotor with splitters: 1 is the main blade, 2 the splitter. A section has one `s`; each side goes from the leading to the trailing edge. `R_mm` (distance from the axis) and `i`
 //! (from 0) are checked against the points. Polar columns are in the part frame: z along the rotor's axis, theta about it.
 //! Sides with fewer points than the longest one are resampled.
 
@@ -46,6 +46,7 @@ enum Coordinates {
 /// Columns of a table.
 struct Columns {
     count: usize,
+    blade: Option<usize>,
     span: usize,
     side: usize,
     coordinates: Coordinates,
@@ -55,17 +56,18 @@ struct Columns {
 
 /// Side of a section, and the lines of its points.
 struct Side {
+    is_splitter: bool,
     span: f64,
     is_pressure: bool,
     line: usize,
     points: Vec<Point>,
 }
 
-/// Reads a table of sections of a rotor with this hub.
+/// Reads a table of sections of a rotor with this hub: the main blade, and the splitter if there is one.
 ///
 /// # Errors
 /// The fault with its place.
-pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sections, ReadError> {
+pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Vec<Sections>, ReadError> {
     let mut lines = lines(text).filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
     let (first, header) = lines.next().unwrap_or((1, ""));
     let columns = Columns::of(header, first, frame)?;
@@ -73,10 +75,11 @@ pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sect
     let mut before = first;
     for (line, text) in lines {
         let row = row(text, line, &columns, frame)?;
-        let is_next = |side: &Side| side.span != row.span || side.is_pressure != row.is_pressure;
+        let is_next = |side: &Side| !row.is_of(side);
         if sides.last().is_none_or(is_next) {
             row.check_new(&sides, line)?;
-            sides.push(Side { span: row.span, is_pressure: row.is_pressure, line, points: Vec::new() });
+            let Row { is_splitter, span, is_pressure, .. } = row;
+            sides.push(Side { is_splitter, span, is_pressure, line, points: Vec::new() });
         }
         if let Some(side) = sides.last_mut() {
             row.check_index(side.points.len(), line)?;
@@ -87,13 +90,23 @@ pub fn read(text: &str, frame: &PointFileFrame, hub: &Revolution) -> Result<Sect
         }
         before = line;
     }
-    let (blade, lines) = paired(sides)?;
-    frame.check(&blade, hub, &lines)?;
-    let bulge_mm = blade.bulge_mm();
+    let (splitter, main): (Vec<Side>, Vec<Side>) = sides.into_iter().partition(|side| side.is_splitter);
+    let (main, lines) = paired(main)?;
+    frame.check(&main, hub, &lines)?;
+    let bulge_mm = main.bulge_mm();
     if bulge_mm < 0.0 {
         return Err(Fault::Swapped { shorter_mm: -bulge_mm }.at(lines[0], 1));
     }
-    Ok(blade)
+    if splitter.is_empty() {
+        return Ok(vec![main]);
+    }
+    let (splitter, lines) = paired(splitter)?;
+    frame.check(&splitter, hub, &lines)?;
+    // By the main blade: a splitter may have no camber.
+    if splitter.is_pressure_ahead() != main.is_pressure_ahead() {
+        return Err(Fault::SplitterSides.at(lines[0], 1));
+    }
+    Ok(vec![main, splitter])
 }
 
 /// Name of a column without its unit, and the unit.
@@ -143,11 +156,12 @@ impl Columns {
             }
         };
         let (span, side) = (must("s")?, must("side")?);
-        Ok(Columns { count: words.len(), span, side, coordinates, radius, index: find("i") })
+        Ok(Columns { count: words.len(), blade: find("blade"), span, side, coordinates, radius, index: find("i") })
     }
 }
 
 struct Row {
+    is_splitter: bool,
     span: f64,
     is_pressure: bool,
     point: Point,
@@ -164,9 +178,14 @@ impl Row {
         }
     }
 
+    /// Whether the row is one of a side of a section.
+    fn is_of(&self, side: &Side) -> bool {
+        side.is_splitter == self.is_splitter && side.span == self.span && side.is_pressure == self.is_pressure
+    }
+
     /// Rejects a side that is there already.
     fn check_new(&self, sides: &[Side], line: usize) -> Result<(), ReadError> {
-        match sides.iter().find(|side| side.span == self.span && side.is_pressure == self.is_pressure) {
+        match sides.iter().find(|side| self.is_of(side)) {
             Some(first) => {
                 let side = if self.is_pressure { "pressure" } else { "suction" };
                 Err(Fault::Repeated { span: self.span, side, before: first.line }.at(line, 1))
@@ -186,6 +205,11 @@ fn row(text: &str, line: usize, columns: &Columns, frame: &PointFileFrame) -> Re
     }
     let word = |at: usize| words.get(at).copied().unwrap_or((end, ""));
     let value = |column: Column| Ok::<f64, ReadError>(number(line, word(column.at))? * column.factor);
+    let is_splitter = match columns.blade.map(word) {
+        None | Some((_, "1")) => false,
+        Some((_, "2")) => true,
+        Some((column, other)) => return Err(Fault::Blade(other.to_owned()).at(line, column)),
+    };
     let (column, side) = word(columns.side);
     let is_pressure = match side.to_lowercase().as_str() {
         "ps" | "pressure" => true,
@@ -211,7 +235,7 @@ fn row(text: &str, line: usize, columns: &Columns, frame: &PointFileFrame) -> Re
         }
     };
     let index = columns.index.map(word).map(|(column, word)| (column, word.to_owned()));
-    Ok(Row { span: number(line, word(columns.span))?, is_pressure, point, index })
+    Ok(Row { is_splitter, span: number(line, word(columns.span))?, is_pressure, point, index })
 }
 
 fn check_radius(stated_mm: f64, place_mm: [f64; 3], axis: RotorAxis) -> Result<(), Fault> {

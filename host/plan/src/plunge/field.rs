@@ -88,7 +88,7 @@ struct Wall<'f> {
 impl Field {
     /// Field of a rotor's blades.
     pub fn new(blisk: &Blisk) -> Self {
-        let tree = SlabTree::new(bodies::blade(blisk, CHORD_MM));
+        let tree = SlabTree::new(bodies::blades(blisk, CHORD_MM));
         let corners = || tree.triangles().iter().flatten();
         let range = |value: fn(&Point) -> f64| {
             corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])

@@ -80,7 +80,7 @@ pub fn prove(
     let body = |obstacle, triangles, turns, chord_mm| Body { obstacle, tree: Tree::new(triangles), turns, chord_mm };
     let boxes = fixture.iter().flat_map(bodies::cuboid).collect();
     let bodies = [
-        body(Obstacle::Blades, bodies::blade(blisk, CHORD_MM), (0..blisk.blades).map(pitch).collect(), CHORD_MM),
+        body(Obstacle::Blades, bodies::blades(blisk, CHORD_MM), (0..blisk.blades).map(pitch).collect(), CHORD_MM),
         body(Obstacle::Hub, bodies::hub(blisk, CHORD_MM), here.clone(), CHORD_MM),
         body(Obstacle::Fixture, boxes, here.clone(), 0.0),
         body(Obstacle::Blank, bodies::blank(&blisk.blank, CHORD_MM), here, CHORD_MM),

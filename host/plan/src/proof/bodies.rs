@@ -6,9 +6,9 @@ use crate::geometry::blisk::{Blank, Blisk, Revolution};
 use crate::geometry::mesh::{self, Sector, Triangle};
 use crate::vector::Point;
 
-/// Triangles of the rotor's first blade as a solid whose foot is inside the hub, in the rotor's own frame.
-pub fn blade(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
-    mesh::blade(&blisk.blade(0), chord_mm, chord_mm)
+/// Triangles of the blades of a rotor's first pitch as solids whose feet are inside the hub, in the rotor's own frame.
+pub fn blades(blisk: &Blisk, chord_mm: f64) -> Vec<Triangle> {
+    (0..blisk.kinds()).flat_map(|index| mesh::blade(&blisk.blade(index), chord_mm, chord_mm)).collect()
 }
 
 /// Triangles of the solid below a surface of revolution, between two planes across its axis.

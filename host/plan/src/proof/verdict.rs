@@ -132,7 +132,7 @@ pub fn bodies(case: &ProofCase<'_>, chord_mm: f64) -> Vec<Body> {
     let body = |obstacle, triangles, turns, chord_mm| Body { obstacle, tree: Tree::new(triangles), turns, chord_mm };
     let fixture = case.fixture.iter().flat_map(bodies::cuboid).collect();
     vec![
-        body(Obstacle::Blades, bodies::blade(blisk, chord_mm), (0..blisk.blades).map(blade).collect(), chord_mm),
+        body(Obstacle::Blades, bodies::blades(blisk, chord_mm), (0..blisk.blades).map(blade).collect(), chord_mm),
         body(Obstacle::Hub, bodies::hub(blisk, chord_mm), here.clone(), chord_mm),
         body(Obstacle::Fixture, fixture, here.clone(), 0.0),
         body(Obstacle::Blank, bodies::blank(&blisk.blank, chord_mm), here, chord_mm),

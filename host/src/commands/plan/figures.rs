@@ -15,6 +15,7 @@ use serde::Serialize;
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::refusal::wider_ring;
+use crate::part::PartFile;
 
 /// Results of a cup-mill plan as `arcfeed plan cup-mill --json` prints them (docs/json.md). Lengths are in mm, angles
 /// in degrees, volumes in mm3, times in minutes; coordinates are those of the slot unless stated.
@@ -32,8 +33,12 @@ pub struct Figures {
     pub tilt_deg: f64,
     /// Position of the machine's axis B at which the first slot is machined.
     pub index_deg: f64,
-    /// Number of slots of the rotor.
+    /// Number of slots that the program cuts: those of one kind.
     pub slots: u32,
+    /// Kind of these slots: 1 at the pressure side of the main blade, 2 at that of the splitter.
+    pub slot: i32,
+    /// Number of kinds of slots, each of which needs its own plan.
+    pub slot_kinds: i32,
     /// Clearance of the ring to each of the two blades, over the part `depth_ratio` of the slot's depth.
     pub room_mm: f64,
     /// `leading` or `trailing`: the blade edges near which the ring turns about its pivots.
@@ -131,6 +136,8 @@ impl Figures {
             tilt_deg: composed.placement.tilt_deg,
             index_deg: composed.placement.index_deg,
             slots: composed.part.blisk.blades,
+            slot: composed.part.slot,
+            slot_kinds: composed.part.blisk.kinds(),
             room_mm: plan.free_width.per_side_mm,
             start_edge: edge_word(plan.start),
             depth_ratio: plan.depth_ratio(),
@@ -216,6 +223,13 @@ pub fn stop_reason(stop: &Stop) -> String {
     }
 }
 
+/// Sentence that a rotor with splitters needs the plan of its other slots, too.
+pub fn both_slots(part: &PartFile) -> Option<String> {
+    let other = part.blisk.kinds() + 1 - part.slot;
+    let slot = part.slot_name()?;
+    Some(format!("This is {slot}; the part also needs the program of `slot = {other}` in [roughing]."))
+}
+
 /// Slots, levels, and the tool's axis in words.
 fn heading(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
@@ -269,6 +283,9 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
             String::new()
         },
     );
+    if let Some(sentence) = both_slots(&composed.part) {
+        let _ = writeln!(text, "  {sentence}");
+    }
     let cutter = &composed.part.cutter;
     if composed.part.passes_max == 1
         && let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm)
@@ -276,9 +293,10 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         let _ = writeln!(text, "  {hint}");
     }
     let slots = f64::from(figures.slots);
+    let whole = if figures.slot_kinds > 1 { "these slots" } else { "the part" };
     let _ = write!(
         text,
-        "  time: {:.1} min a slot, {:.0} min the part, without indexing",
+        "  time: {:.1} min a slot, {:.0} min {whole}, without indexing",
         figures.slot_min,
         slots * figures.slot_min
     );

@@ -107,7 +107,7 @@ pub(super) fn write_files(folder: &Path, files: &[(&str, &[u8])], inputs: &[Path
 
 fn setup(composed: &PlanResult) -> Setup {
     let part = &composed.part;
-    let title = vec![
+    let mut title = vec![
         part.name.clone(),
         format!(
             "{} slots, cup mill R{:.3} r{:.3} mm",
@@ -115,6 +115,7 @@ fn setup(composed: &PlanResult) -> Setup {
         ),
         "zero: where A and B cross, the rotor's axis along B".into(),
     ];
+    title.extend(part.slot_name());
     Setup {
         number: part.output.number + (composed.number() as u32 - 1),
         title,
@@ -135,7 +136,7 @@ fn setup(composed: &PlanResult) -> Setup {
 fn meshes(composed: &PlanResult, is_whole: bool) -> [Vec<Triangle>; 2] {
     let blisk = &composed.part.blisk;
     let (sector, blades) = if is_whole {
-        (sector_of_reach(composed, core::f64::consts::PI), [0, blisk.blades.cast_signed() - 1])
+        (sector_of_reach(composed, core::f64::consts::PI), [0, blisk.count() - 1])
     } else {
         (sector(composed), blades(composed))
     };

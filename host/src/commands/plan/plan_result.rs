@@ -6,7 +6,6 @@ use arcfeed_plan::cup_mill::neighbours::NEARER_RATIO;
 use arcfeed_plan::cup_mill::plan::SlotPlan;
 use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::geometry::blisk::Slot;
-use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::output::baseline::{FlankMilling, PlannedTime, SlotSize, planned_time};
 use arcfeed_plan::output::limits::{StockLimit, stock_limits};
@@ -63,26 +62,24 @@ impl PlanResult {
     /// # Errors
     /// The reason why there is no plan of the first pass.
     pub fn passes(part: PartFile) -> Result<Vec<Self>, String> {
-        let part = Arc::new(part);
-        let found = flaws(&part.blisk, part.roughing.allowance_mm);
+        let found = part.flaws();
         if !found.is_empty() {
-            let said: Vec<String> = found.iter().map(ToString::to_string).collect();
-            return Err(format!("this rotor cannot be planned: {}", said.join("; ")));
+            return Err(format!("this rotor cannot be planned: {}", found.join("; ")));
         }
+        let part = Arc::new(part);
+        let of_slot = |message: String| match part.slot_name() {
+            Some(slot) => format!("{slot}: {message}"),
+            None => message,
+        };
         let slot = part.blisk.slot();
         let problem = Problem::new(&part.blisk, &slot, &part.cutter, &part.roughing);
-        let mut problem = problem.map_err(|why| with_remedy(&why, &part.cutter))?.with_fixture(&part.fixtures);
-        let mut passes: Vec<PlanResult> = vec![PlanResult::first(&part, &slot, &problem)?];
-        while passes.len() < part.passes_max && passes.iter().all(PlanResult::is_safe) {
-            problem.add_pass(&passes[passes.len() - 1].valued.plan);
-            let next = PlanResult::first(&part, &slot, &problem).and_then(|next| {
-                let so_far_ratio = passes[passes.len() - 1].with_earlier_ratio;
-                let with_earlier_ratio = so_far_ratio + next.with_earlier_ratio;
-                let baseline = Err("flank milling is compared with the first pass".into());
-                let next = PlanResult { earlier: problem.earlier().to_vec(), with_earlier_ratio, baseline, ..next };
-                if next.is_safe() { Ok(next) } else { Err(refusal(&next)) }
-            });
-            match next {
+        let problem = problem.map_err(|why| of_slot(with_remedy(&why, &part.cutter)))?;
+        let mut problem = problem.with_fixture(&part.fixtures);
+        let mut passes = vec![PlanResult::next(&part, &slot, &problem, 0.0).map_err(of_slot)?];
+        while let Some(last) = passes.last().filter(|last| last.is_safe() && last.number() < part.passes_max) {
+            problem.add_pass(&last.valued.plan);
+            let next = PlanResult::next(&part, &slot, &problem, last.with_earlier_ratio);
+            match next.and_then(|next| if next.is_safe() { Ok(next) } else { Err(refusal(&next)) }) {
                 Ok(next) => passes.push(next),
                 Err(why) => {
                     note(format_args!("no pass {}: {why}", passes.len() + 1));
@@ -93,8 +90,8 @@ impl PlanResult {
         Ok(passes)
     }
 
-    /// Plan of a problem's next pass, as if it were the first.
-    fn first(part: &Arc<PartFile>, slot: &Slot, problem: &Problem<'_>) -> Result<Self, String> {
+    /// Plan of the next pass, before which `removed_ratio` of the slot has been removed.
+    fn next(part: &Arc<PartFile>, slot: &Slot, problem: &Problem<'_>, removed_ratio: f64) -> Result<Self, String> {
         let part = Arc::clone(part);
         let presents = |plan: &SlotPlan| slot_placement(&part, plan).is_ok();
         let proven = problem.proven(part.axis, presents);
@@ -114,8 +111,13 @@ impl PlanResult {
         let volume_mm3 = proof.removed.total_mm3();
         let feeds = feeds(&part);
         let time = planned_time(&plan.path, |purpose| feeds.of(purpose), volume_mm3);
-        let baseline = baseline(&part, slot, volume_mm3);
-        let (earlier, with_earlier_ratio) = (Vec::new(), proof.removed.share_ratio());
+        let earlier = problem.earlier().to_vec();
+        let baseline = if earlier.is_empty() {
+            baseline(&part, slot, volume_mm3)
+        } else {
+            Err("flank milling is compared with the first pass".into())
+        };
+        let with_earlier_ratio = removed_ratio + proof.removed.share_ratio();
         let slot = slot.clone();
         Ok(PlanResult { earlier, with_earlier_ratio, slot, placement, proof, limits, time, baseline, valued, part })
     }

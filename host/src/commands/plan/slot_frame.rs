@@ -18,14 +18,18 @@ pub(super) fn in_slot(composed: &PlanResult, triangles: Vec<Triangle>) -> Vec<Tr
     triangles.into_iter().map(|corners| corners.map(|corner| turn * corner)).collect()
 }
 
-/// Both blades of the slot.
+/// First and last of the blades in the sector about the slot: both blades of the slot, and with splitters one more on each side.
 pub(super) fn blades(composed: &PlanResult) -> [i32; 2] {
-    if composed.part.blisk.facing() > 0 { [0, 1] } else { [-1, 0] }
+    let blisk = &composed.part.blisk;
+    let [first, last] = if blisk.facing() > 0 { [0, 1] } else { [-1, 0] };
+    let beside = blisk.kinds() - 1;
+    [first - beside, last + beside]
 }
 
 /// Sector of the part about the slot, as far as its neighbours.
 pub(super) fn sector(composed: &PlanResult) -> Sector {
-    sector_of_reach(composed, (0.5 + BESIDE_PITCHES) * composed.part.blisk.pitch_rad())
+    let blisk = &composed.part.blisk;
+    sector_of_reach(composed, (0.5 * blisk.slot_ratio() + BESIDE_PITCHES) * blisk.pitch_rad())
 }
 
 /// Sector of the part to both sides of the middle of the slot.
@@ -34,7 +38,7 @@ pub(super) fn sector_of_reach(composed: &PlanResult, reach_rad: f64) -> Sector {
     let at = |point: Point| libm::atan2(point.y, point.x);
     let from = at(composed.slot.pressure.point(0.5, 0.5));
     let facing = f64::from(blisk.facing());
-    let middle = from + facing * blisk.pitch_rad() / 2.0;
+    let middle = from + facing * blisk.slot_ratio() * blisk.pitch_rad() / 2.0;
     sector_about(blisk, middle, reach_rad)
 }
 

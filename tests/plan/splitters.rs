@@ -1,0 +1,139 @@
+//! Rotors with splitters: by their symmetry, and against samples of blades that are written here anew.
+
+use core::f64::consts::TAU;
+
+use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
+use arcfeed_plan::cutter::{CupMill, ToolPart};
+use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
+use arcfeed_plan::geometry::generator::{Hand, Rotor};
+use arcfeed_plan::geometry::slot::Blade;
+use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::proof::clearance::Obstacle;
+use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
+use arcfeed_plan::vector::Vector;
+use nalgebra::Rotation3;
+
+use crate::proof_cases::published_tool;
+use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
+use crate::published_rotor::ROTOR;
+use crate::sampler::Sampler;
+use crate::symmetry::{SAME_MM, differences_mm};
+use crate::twisted::{BLANK_MM, HUB_MM, ROTORS, Twisted, ring, roughing};
+
+/// Largest difference of the bounds of a distance in a fine proof, mm.
+const GAP_MM: f64 = 1e-5;
+
+fn turn(angle_rad: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector::z_axis(), angle_rad)
+}
+
+fn alike(blades: u32, hand: Hand) -> Blisk {
+    let [pressure, suction] = Rotor { blades, hand, ..ROTOR }.sections(9, 81).unwrap().faces().unwrap();
+    let hub = Revolution { profile_mm: vec![[-20.0, 70.0], [20.0, 70.0]] };
+    let blank = Blank { radius_mm: 100.0, faces_mm: [-15.0, 15.0] };
+    Blisk { blades, pressure, suction, further_blades: Vec::new(), hub, blank }
+}
+
+/// Plan along the blade's edge, from the better edges. Its numbers are rounded, so that the search does not depend on rounding errors.
+fn along_blade(blisk: &Blisk, tool: &CupMill) -> SlotPlan {
+    let slot = blisk.slot();
+    Problem::new(blisk, &slot, tool, &ROUGHING).unwrap().along(AxisChoice::Blade).unwrap().plan
+}
+
+fn proof(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill, resolution: &ProofResolution) -> Proof {
+    let (path, to_slot) = (&plan.path, plan.turn);
+    let case = ProofCase { blisk, tool, path, to_slot, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    prove(&case, resolution).unwrap()
+}
+
+#[test]
+fn splitters_like_the_main_blades_give_the_plans_of_twice_as_many_blades() {
+    let tool = published_tool();
+    let resolution = ProofResolution { chord_mm: 0.05, gap_mm: GAP_MM, grid: [3, 5], cell_mm: 2.0 };
+    for hand in [Hand::Right, Hand::Left] {
+        let (single, main) = (alike(18, hand), alike(9, hand));
+        let expected = along_blade(&single, &tool);
+        let expected_proof = proof(&single, &expected, &tool, &resolution);
+        // The splitter may be given in any pitch.
+        let given =
+            Blade { pressure: main.pressure.clone(), suction: main.suction.clone() }.turned(&turn(-3.5 * TAU / 9.0));
+        let both = main.with_splitter(&given).unwrap();
+        assert!((both.slot_ratio() - 0.5).abs() < 1e-12 && (both.kinds(), both.count()) == (2, 18));
+        for (first, angle_rad) in [(0, 0.0), (1, TAU / 18.0)] {
+            let blisk = both.from_blade(first);
+            let found = along_blade(&blisk, &tool);
+            let differences = differences_mm(&expected, &found, |place| place);
+            let aside = (turn(angle_rad) * expected.tool_axis() - found.tool_axis()).norm();
+            println!("{hand:?}, slot {}: {differences:?} mm, axis {aside:.1e}", first + 1);
+            assert!(differences.iter().all(|mm| *mm < SAME_MM) && aside < SAME_MM);
+            let proof = proof(&blisk, &found, &tool, &resolution);
+            for (found, expected) in proof.clearances.iter().zip(&expected_proof.clearances) {
+                assert_eq!((found.part, found.obstacle), (expected.part, expected.obstacle));
+                // The corners of the hub's triangles do not lie at the same angles from both slots.
+                let most_mm = if found.obstacle == Obstacle::Blades { GAP_MM } else { 2.0 * resolution.chord_mm };
+                let same = |k: usize| {
+                    let [found, expected] = [found.bounds_mm[k], expected.bounds_mm[k]];
+                    found == expected || (found - expected).abs() <= most_mm + SAME_MM
+                };
+                assert!(same(0) && same(1), "{found:?} {expected:?}");
+            }
+            let [share_ratio, expected_ratio] = [&proof, &expected_proof].map(|proof| proof.removed.share_ratio());
+            assert!((share_ratio - expected_ratio).abs() < 1e-9, "{share_ratio} {expected_ratio}");
+        }
+    }
+}
+
+const MAIN: Twisted = ROTORS[0];
+/// Two thirds as long, with the trailing edge about where the main blade has it.
+const SPLITTER: Twisted = Twisted { name: "splitter", chord_mm: 17.0, shift_mm: 4.0, ..ROTORS[0] };
+const PITCHES: u32 = 9;
+/// Place of the splitter in the pitch.
+const PLACE_RATIO: f64 = 0.51;
+
+fn with_shorter_splitters() -> Blisk {
+    let Blade { pressure, suction } = MAIN.blade(0.0);
+    let hub = Revolution { profile_mm: vec![[-40.0, HUB_MM], [40.0, HUB_MM]] };
+    let blank = Blank { radius_mm: BLANK_MM, faces_mm: [-16.0, 16.0] };
+    let main = Blisk { blades: PITCHES, pressure, suction, further_blades: Vec::new(), hub, blank };
+    main.with_splitter(&SPLITTER.blade(PLACE_RATIO * TAU / f64::from(PITCHES))).unwrap()
+}
+
+#[test]
+fn no_sample_of_main_blades_and_splitters_is_nearer_than_the_proof_says() {
+    let (both, tool, roughing) = (with_shorter_splitters(), ring(), roughing());
+    let pitch_rad = TAU / f64::from(PITCHES);
+    let angles = (0..PITCHES).map(|pitch| pitch_rad * f64::from(pitch));
+    let blades = angles.flat_map(|angle| [(MAIN, angle), (SPLITTER, angle + PLACE_RATIO * pitch_rad)]);
+    let blades: Vec<(Twisted, f64)> = blades.collect();
+    for first in [0, 1] {
+        let blisk = both.from_blade(first);
+        let problem = Problem::new(&blisk, &blisk.slot(), &tool, &roughing).unwrap();
+        let (valued, proof) = problem.proven(Some(AxisChoice::Roomiest), |_| true).unwrap();
+        assert!(proof.holds(ALLOWANCE_MM, 0.15 * ALLOWANCE_MM), "{:?}", proof.clearances);
+        let certified_mm = proof.clearance(ToolPart::Ring, Obstacle::Blades).unwrap().bounds_mm[0];
+        let (steps, turn) = (valued.plan.path.steps(), valued.plan.turn);
+        let sampler = Sampler { blades: blades.clone(), tool: &tool, steps, turn };
+        let least_mm = sampler.least_mm();
+        let share = proof.removed.share_ratio();
+        println!("slot {}: certified {certified_mm:.4}, sampled {least_mm:.4} mm, {share:.3} removed", first + 1);
+        assert!(least_mm >= certified_mm && least_mm < certified_mm + 0.1, "{least_mm} {certified_mm}");
+    }
+}
+
+#[test]
+fn a_path_through_a_splitter_is_not_proven() {
+    let (both, tool, roughing) = (with_shorter_splitters(), ring(), roughing());
+    let main = Blisk { further_blades: Vec::new(), ..both.clone() };
+    let problem = Problem::new(&both, &both.slot(), &tool, &roughing).unwrap();
+    let plan = problem.along(AxisChoice::Roomiest).unwrap().plan;
+    // The path of slot 1, turned away from the main blade into the splitter.
+    let aside = turn(f64::from(-both.facing()) * 8_f64.to_radians());
+    let plan = SlotPlan { turn: plan.turn * aside, ..plan };
+    let resolution = ProofResolution { grid: [2, 2], cell_mm: 4.0, ..ProofResolution::default() };
+    let distance_mm = |blisk: &Blisk| {
+        proof(blisk, &plan, &tool, &resolution).clearance(ToolPart::Ring, Obstacle::Blades).unwrap().bounds_mm[1]
+    };
+    let [without_mm, with_mm] = [&main, &both].map(distance_mm);
+    println!("ring from main blades {without_mm:.3}, from main blades and splitters {with_mm:.3} mm");
+    assert!(without_mm > 0.5 && with_mm < 0.0);
+}
