@@ -165,7 +165,7 @@ const FILES: &[(&str, &str, &[u8])] = &[
 ];
 
 /// Curve files of a rotor with splitters.
-const CURVES: &str = "curves = { hub = \"hub.curve\", shroud = \"shroud.curve\", profile = \"profile.curve\", blades = 9, units = \"mm\" }";
+pub const CURVES: &str = "curves = { hub = \"hub.curve\", shroud = \"shroud.curve\", profile = \"profile.curve\", blades = 9, units = \"mm\" }";
 
 /// Profile of main blades with copies of them as splitters, each turned by an angle.
 fn profile(turns_deg: &[f64]) -> String {

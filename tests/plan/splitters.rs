@@ -11,13 +11,16 @@ use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::Obstacle;
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Vector;
+use arcfeed_tests::{Scratch, number, object, root, run};
 use nalgebra::Rotation3;
 
+use crate::files;
 use crate::proof_cases::published_tool;
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor::ROTOR;
+use crate::refusals::CURVES;
 use crate::sampler::Sampler;
-use crate::symmetry::{SAME_MM, differences_mm};
+use crate::symmetry::{SAME_MM, differences_mm, moved};
 use crate::twisted::{BLANK_MM, HUB_MM, ROTORS, Twisted, ring, roughing};
 
 /// Largest difference of the bounds of a distance in a fine proof, mm.
@@ -136,4 +139,60 @@ fn a_path_through_a_splitter_is_not_proven() {
     let [without_mm, with_mm] = [&main, &both].map(distance_mm);
     println!("ring from main blades {without_mm:.3}, from main blades and splitters {with_mm:.3} mm");
     assert!(without_mm > 0.5 && with_mm < 0.0);
+}
+
+/// Part of 9 main blades with their copies, half a pitch on, as splitters.
+fn part(slot: u32) -> String {
+    let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
+    let generate = text.lines().find(|line| line.starts_with("generate")).expect("the rotor").to_owned();
+    text.replace(&generate, CURVES).replace("[roughing]", &format!("[roughing]\nslot = {slot}\naxis = \"blade\""))
+}
+
+/// Angles about the rotor's axis at which the blades' tips lie in an STL file of the slot frame, degrees.
+fn tip_angles_deg(stl: &[u8], tool_axis_z: f64) -> Vec<f64> {
+    let rotor_axis = Vector::new(0.0, libm::sqrt(1.0 - tool_axis_z * tool_axis_z), tool_axis_z);
+    let number = |bytes: &[u8]| f64::from(f32::from_le_bytes(bytes.try_into().expect("four bytes")));
+    let corners = stl[84..].chunks(50).flat_map(|facet| facet[12..48].chunks(12));
+    let corners = corners.map(|at| Vector::new(number(&at[..4]), number(&at[4..8]), number(&at[8..])));
+    let across = corners.map(|at| at - rotor_axis * at.dot(&rotor_axis)).filter(|across| across.norm() > 98.5);
+    let aside = rotor_axis.cross(&Vector::x());
+    let mut angles: Vec<f64> = across.map(|across| libm::atan2(across.x, across.dot(&aside)).to_degrees()).collect();
+    angles.sort_by(f64::total_cmp);
+    angles
+}
+
+#[test]
+fn each_slot_has_its_program_at_its_own_position_and_all_blades_in_the_finished_part() {
+    let scratch = Scratch::new("plan-splitters");
+    scratch.write("hub.curve", files::curve(70.0, [-20.0, 20.0]));
+    scratch.write("shroud.curve", files::curve(98.6, [-20.0, 20.0]));
+    let main = ROTOR.sections(9, 81).unwrap();
+    let splitter = moved(&main, |point| turn(TAU / 18.0) * point);
+    scratch.write("profile.curve", [main, splitter].map(|blade| files::profile(&blade, false, false)).concat());
+
+    let output = run(&["plan", "cup-mill", &scratch.write("first.toml", part(1))]);
+    let first = String::from_utf8_lossy(&output.stdout);
+    assert!(first.contains("This is slot 1 of 2, from the main blade's pressure side to the splitter; the part also needs the program of `slot = 2`"), "{first}");
+    let folder = scratch.path("out");
+    let second = object(&["plan", "cup-mill", &scratch.write("second.toml", part(2)), "-o", &folder]);
+    assert!(second["slot"] == 2 && second["slot_kinds"] == 2 && second["slots"] == 9, "{second}");
+    let text = std::fs::read_to_string(format!("{folder}/blisk-19.nc")).expect("the program");
+    assert!(text.to_lowercase().contains("(slot 2 of 2, from the splitter"), "{text}");
+    // Half a pitch apart, with the same tilt.
+    let of_first =
+        |word: &str| first.split_once(word).and_then(|(_, rest)| rest.split_whitespace().next()?.parse::<f64>().ok());
+    let (tilt_deg, index_deg) = (of_first("tool: A ").expect("A"), of_first(" B ").expect("B"));
+    let apart_deg = libm::remainder(number(&second, "/index_deg") - index_deg, 360.0).abs();
+    println!("B {index_deg} and {} degrees", second["index_deg"]);
+    assert!((apart_deg - 20.0).abs() < 2e-3 && (number(&second, "/tilt_deg") - tilt_deg).abs() < 2e-3);
+
+    let stl = std::fs::read(format!("{folder}/finished.stl")).expect("the finished part");
+    let angles_deg = tip_angles_deg(&stl, number(&second, "/tool_axis/2"));
+    let blades = 1 + angles_deg.windows(2).filter(|pair| pair[1] - pair[0] > 3.0).count();
+    assert_eq!(blades, 4, "{:?}", (angles_deg.first(), angles_deg.last()));
+    let report = object(&["simulate", &format!("{folder}/job.toml")]);
+    assert_eq!(report["alarms"], serde_json::Value::Array(vec![]));
+    let lowest_mm = number(&report["material"], "/deviation/min") * 25.4;
+    println!("cut at {lowest_mm:.3} mm from the finished part at the lowest");
+    assert!(lowest_mm > -0.05, "{lowest_mm}");
 }
