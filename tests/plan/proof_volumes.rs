@@ -10,7 +10,7 @@ use arcfeed_plan::path::Step;
 use arcfeed_plan::proof::earlier::Earlier;
 use arcfeed_plan::proof::floor::Floor;
 use arcfeed_plan::proof::motion::Motion;
-use arcfeed_plan::proof::remaining::{Map, RemainingMaterial, Ring, SlotWalls};
+use arcfeed_plan::proof::remaining::{Map, RemainingMaterial, Ring, SlotWalls, leaves};
 use arcfeed_plan::proof::removal::{RemovedVolumes, Stock, removed};
 use arcfeed_plan::proof::section::Section;
 use arcfeed_plan::vector::{Flat, Point, Vector};
@@ -114,7 +114,7 @@ fn left(tool: &CupMill) -> RemainingMaterial {
     let walls = SlotWalls::new(&slot, &hub, 0.5, across_rotor()).expect("walls");
     let motions = along_the_wall().map(|step| Motion::new(&step));
     let ring = Ring { sections: &Section::of(tool, ToolPart::Ring), motions: &motions, gap_mm: GAP_MM };
-    ring.leaves(&walls, [ROWS, COLUMNS])
+    leaves(&[(ring, Rotation3::identity())], &walls, [ROWS, COLUMNS])
 }
 
 /// Compares a map with what is known at each y and z (or share of the way across).
