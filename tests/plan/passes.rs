@@ -15,14 +15,14 @@ use crate::proof_dexels::Dexels;
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor;
 
-/// Two tool axes of the rotor with 13 blades, of which each one leaves much that the other one takes.
-const AXES: [[f64; 3]; 2] = [[0.974, 0.226, 0.0], [0.993, 0.115, -0.021]];
+/// Tool axis of the rotor with 13 blades with which one pass removes most; the roomiest axis takes much of what that leaves.
+const BEST_AXIS: [f64; 3] = [0.974, 0.226, 0.0];
 
 #[test]
 fn a_second_pass_removes_what_the_dexels_lose() {
     let blisk = Blisk { blades: 13, ..published_rotor::blisk() };
     let (slot, tool) = (blisk.slot(), published_tool());
-    let [first, second] = AXES.map(|axis| AxisChoice::Given(Vector::from(axis)));
+    let [first, second] = [AxisChoice::Given(Vector::from(BEST_AXIS)), AxisChoice::Roomiest];
     let mut problem = Problem::new(&blisk, &slot, &tool, &ROUGHING).expect("a slot");
     let alone = problem.along(second).expect("a plan");
     let before = problem.along(first).expect("a plan");
@@ -58,9 +58,10 @@ fn a_second_pass_removes_what_the_dexels_lose() {
     let alone = prove(&first_case, &ProofResolution::default()).expect("blades above the hub");
     let maps = [(&proof.left.pressure, &alone.left.pressure), (&proof.left.suction, &alone.left.suction)];
     for (both, alone) in maps {
-        let pairs = || both.values_mm.iter().zip(&alone.values_mm);
-        assert!(pairs().all(|(both_mm, alone_mm)| *both_mm < alone_mm + 0.01));
-        assert!(pairs().any(|(both_mm, alone_mm)| *both_mm < alone_mm - 1.0));
+        let pairs = both.values_mm.iter().zip(&alone.values_mm);
+        let less_mm: Vec<f64> = pairs.map(|(both_mm, alone_mm)| alone_mm - both_mm).collect();
+        println!("{:.2?} mm less", less_mm.iter().copied().fold(0.0, f64::max));
+        assert!(less_mm.iter().all(|less_mm| *less_mm > -0.01) && less_mm.iter().any(|less_mm| *less_mm > 0.5));
     }
 }
 
@@ -70,7 +71,7 @@ fn part(passes_max: u32) -> String {
     text.replace("blades = 19", "blades = 13")
         .replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
         .replace("axial_feed = 2\n", "axial_feed = 20\n")
-        .replace("[roughing]", &format!("[roughing]\naxis = \"roomiest\"\npasses_max = {passes_max}"))
+        .replace("[roughing]", &format!("[roughing]\naxis = \"blade\"\npasses_max = {passes_max}"))
 }
 
 fn volume_mm3(file: &str) -> f64 {

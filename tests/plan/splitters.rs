@@ -45,7 +45,7 @@ fn along_blade(blisk: &Blisk, tool: &CupMill) -> SlotPlan {
 
 fn proof(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill, resolution: &ProofResolution) -> Proof {
     let (path, to_slot) = (&plan.path, plan.turn);
-    let case = ProofCase { blisk, tool, path, to_slot, allowance_mm: ALLOWANCE_MM, fixture: &[] };
+    let case = ProofCase { blisk, tool, path, to_slot, allowance_mm: ALLOWANCE_MM, fixture: &[], earlier: &[] };
     prove(&case, resolution).unwrap()
 }
 
