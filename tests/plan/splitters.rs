@@ -4,9 +4,9 @@ use core::f64::consts::TAU;
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
 use arcfeed_plan::cutter::{CupMill, ToolPart};
+use arcfeed_plan::geometry::blisk::Blade;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::generator::{Hand, Rotor};
-use arcfeed_plan::geometry::slot::Blade;
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::Obstacle;
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};

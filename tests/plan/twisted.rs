@@ -2,9 +2,9 @@
 
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing, SlotPlan, plan};
 use arcfeed_plan::cutter::CupMill;
+use arcfeed_plan::geometry::blisk::Blade;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution, Slot};
 use arcfeed_plan::geometry::face::Face;
-use arcfeed_plan::geometry::slot::Blade;
 use arcfeed_plan::vector::{Point, Vector};
 use nalgebra::Rotation3;
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use arcfeed_plan::geometry::blade::{RotorAxis, Sections};
+use arcfeed_plan::geometry::blisk::Blade;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
 use arcfeed_plan::geometry::curves::{self, CurveFile, Texts};
 use arcfeed_plan::geometry::generator::{Hand, POINTS, Rotor, SECTIONS};
 use arcfeed_plan::geometry::point_file::PointFileFrame;
-use arcfeed_plan::geometry::slot::Blade;
 use arcfeed_plan::geometry::step_file::StepFile;
 use arcfeed_plan::geometry::{sections, solid};
 use arcfeed_units::{LengthUnit, MM_PER_M};

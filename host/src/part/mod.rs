@@ -13,6 +13,8 @@ mod geometry;
 
 mod tool;
 
+mod slot_kind;
+
 pub mod plunge;
 
 pub mod finish;
@@ -24,7 +26,6 @@ use std::path::{Path, PathBuf};
 use arcfeed_plan::cup_mill::plan::{AxisChoice, Roughing};
 use arcfeed_plan::cutter::CupMill;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk};
-use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::vector::Point;
 use arcfeed_units::LengthUnit;
 use toml::Spanned;
@@ -158,28 +159,6 @@ impl PartFile {
         PartFile::parse(path, &read(path)?)
     }
 
-    /// Flaws of the blades and slots of all kinds, in words.
-    pub fn flaws(&self) -> Vec<String> {
-        let of_blade = |index: i32| {
-            let found = flaws(&self.blisk.from_blade(index), self.roughing.allowance_mm);
-            let name = self.blade_name(index).map_or(String::new(), |name| format!("{name}: "));
-            found.into_iter().map(move |flaw| format!("{name}{flaw}"))
-        };
-        (0..self.blisk.kinds()).flat_map(of_blade).collect()
-    }
-
-    /// Name of a blade of [`blisk`](Self::blisk) by its index; `None` if all blades are alike.
-    pub fn blade_name(&self, index: i32) -> Option<&'static str> {
-        let is_main = (self.slot - 1 + index).rem_euclid(self.blisk.kinds()) == 0;
-        (self.blisk.kinds() > 1).then_some(if is_main { "main blade" } else { "splitter" })
-    }
-
-    /// Name of the planned kind of slot; `None` if all slots are alike.
-    pub fn slot_name(&self) -> Option<String> {
-        let [from, to] = [self.blade_name(0)?, self.blade_name(1)?];
-        Some(format!("slot {} of {}, from the {from}'s pressure side to the {to}", self.slot, self.blisk.kinds()))
-    }
-
     /// Checks a part given as text. `path` is used in messages and to locate the files that it names.
     ///
     /// # Errors
@@ -231,7 +210,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     }
     let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
     let blisk = geometry::build(&table.geometry, unit, blank, folder)?;
-    let slot = slot(table.roughing.slot.as_ref(), &blisk)?;
+    let slot = slot_kind::slot(table.roughing.slot.as_ref(), &blisk)?;
     Ok(PartFile {
         name: name(table, path),
         unit,
@@ -249,19 +228,6 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
         blisk: if slot == 1 { blisk } else { blisk.from_blade(slot - 1) },
         slot,
     })
-}
-
-/// Kind of slot that is planned.
-fn slot(entry: Option<&Spanned<i64>>, blisk: &Blisk) -> Result<i32, Complaint> {
-    let Some(entry) = entry else { return Ok(1) };
-    let given = i32::try_from(*entry.as_ref()).ok().filter(|slot| (1..=blisk.kinds()).contains(slot));
-    let message = match blisk.kinds() {
-        1 => "all slots of this rotor are of one kind: `slot` is 1, or is left out; 2 is for rotors with splitters",
-        _ => {
-            "`slot` is 1, from the main blade's pressure side to the splitter, or 2, from the splitter's pressure side to the main blade"
-        }
-    };
-    given.ok_or_else(|| at(entry, message))
 }
 
 /// Rejects a depth that makes more levels than a program can have.

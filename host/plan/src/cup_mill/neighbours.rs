@@ -10,9 +10,9 @@ use core::f64::consts::TAU;
 use nalgebra::Rotation3;
 
 use crate::cutter::CupMill;
+use crate::geometry::blisk::Blade;
 use crate::geometry::blisk::Blisk;
 use crate::geometry::flaws::BladeSide;
-use crate::geometry::slot::Blade;
 use crate::vector::{Flat, Point, Vector};
 
 use super::patch::Patch;

@@ -14,9 +14,9 @@
 use arcfeed_nc::modal::Turn;
 use nalgebra::{Matrix3, Rotation3};
 
+use crate::geometry::blisk::Blade;
 use crate::geometry::blisk::{Blank, Blisk, Revolution, Slot};
 use crate::geometry::face::Face;
-use crate::geometry::slot::Blade;
 use crate::path::{Level, SlotPath};
 use crate::vector::{Flat, Point, Vector};
 

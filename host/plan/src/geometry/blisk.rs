@@ -3,7 +3,6 @@
 use crate::vector::{Point, Vector};
 
 use super::face::Face;
-use super::slot::Blade;
 
 /// Surface of revolution about the rotor's axis, given by its generatrix.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +18,15 @@ pub struct Blank {
     pub radius_mm: f64,
     /// Positions of the two faces along the rotor's axis, the lower first, mm.
     pub faces_mm: [f64; 2],
+}
+
+/// Pressure and suction side of one blade of a rotor.
+#[derive(Clone, Debug)]
+pub struct Blade {
+    /// Concave side.
+    pub pressure: Face,
+    /// Convex side.
+    pub suction: Face,
 }
 
 /// Blisk (bladed disk in one piece): the blades of one pitch, the number of pitches, hub and blank, in the rotor's own frame.

@@ -11,10 +11,10 @@
 
 use crate::vector::Point;
 
+use super::blisk::Blade;
 use super::blisk::{Blisk, Revolution};
 use super::face::Face;
 use super::flaws::BladeSide;
-use super::slot::Blade;
 
 /// Three corners of a triangle, counter-clockwise as seen from outside.
 pub type Triangle = [Point; 3];

@@ -50,8 +50,8 @@ pub mod step_file;
 
 pub mod slot;
 
-pub mod splitter;
-
 pub mod flaws;
+
+pub mod splitter;
 
 pub mod mesh;

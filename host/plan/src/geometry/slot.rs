@@ -6,17 +6,7 @@ use nalgebra::Rotation3;
 
 use crate::vector::Vector;
 
-use super::blisk::{Blisk, Slot};
-use super::face::Face;
-
-/// Pressure and suction side of one blade of a rotor.
-#[derive(Clone, Debug)]
-pub struct Blade {
-    /// Concave side.
-    pub pressure: Face,
-    /// Convex side.
-    pub suction: Face,
-}
+use super::blisk::{Blade, Blisk, Slot};
 
 impl Blade {
     /// The same blade after a rotation about the origin.

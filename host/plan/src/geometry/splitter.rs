@@ -12,10 +12,10 @@ use thiserror::Error;
 use crate::search::{Minimum, descend};
 use crate::vector::{Point, Vector};
 
+use super::blisk::Blade;
 use super::blisk::Blisk;
 use super::face::Face;
 use super::flaws::{BladeSide, shown};
-use super::slot::Blade;
 
 /// Samples of the splitter's sides along u and v.
 const SAMPLES: [i32; 2] = [12, 6];

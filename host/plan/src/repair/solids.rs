@@ -5,11 +5,11 @@
 
 use super::blade::sides;
 use super::plan::RepairPlan;
+use crate::geometry::blisk::Blade;
 use crate::geometry::blisk::Blisk;
 use crate::geometry::edge_strip::{BladeEdge, EdgeStrip};
 use crate::geometry::flaws::BladeSide;
 use crate::geometry::mesh::{Triangle, displaced_blade};
-use crate::geometry::slot::Blade;
 use crate::geometry::surface::{Surface, Unfolded};
 use crate::vector::Point;
 

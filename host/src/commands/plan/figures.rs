@@ -15,7 +15,6 @@ use serde::Serialize;
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::refusal::wider_ring;
-use crate::part::PartFile;
 
 /// Results of a cup-mill plan as `arcfeed plan cup-mill --json` prints them (docs/json.md). Lengths are in mm, angles
 /// in degrees, volumes in mm3, times in minutes; coordinates are those of the slot unless stated.
@@ -223,13 +222,6 @@ pub fn stop_reason(stop: &Stop) -> String {
     }
 }
 
-/// Sentence that a rotor with splitters needs the plan of its other slots, too.
-pub fn both_slots(part: &PartFile) -> Option<String> {
-    let other = part.blisk.kinds() + 1 - part.slot;
-    let slot = part.slot_name()?;
-    Some(format!("This is {slot}; the part also needs the program of `slot = {other}` in [roughing]."))
-}
-
 /// Slots, levels, and the tool's axis in words.
 fn heading(composed: &PlanResult, figures: &Figures) -> String {
     let plan = &composed.valued.plan;
@@ -283,7 +275,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
             String::new()
         },
     );
-    if let Some(sentence) = both_slots(&composed.part) {
+    if let Some(sentence) = composed.part.both_slots() {
         let _ = writeln!(text, "  {sentence}");
     }
     let cutter = &composed.part.cutter;

@@ -4,7 +4,7 @@ use arcfeed_plan::proof::clearance::Clearance as Found;
 use arcfeed_plan::proof::remaining::Map;
 use arcfeed_plan::vector::Point;
 
-use super::figures::{both_slots, depth_phrase, edge_word, obstacle_word, part_word, refusal, stop_reason};
+use super::figures::{depth_phrase, edge_word, obstacle_word, part_word, refusal, stop_reason};
 use super::plan_result::PlanResult;
 use crate::report::page::plan::{Axis, Clearance, LeftMap, Outline, PlanReport, PlanVerdict, Removed, Stops, Times};
 
@@ -67,7 +67,7 @@ fn verdict(composed: &PlanResult) -> PlanVerdict {
             plan.free_width.per_side_mm, plan.blade_free_width.per_side_mm
         ));
     }
-    sentences.extend(both_slots(&composed.part));
+    sentences.extend(composed.part.both_slots());
     sentences.push(format!("The ring turns near the blades' {} edges.", edge_word(plan.start)));
     if plan.depth_ratio() < 1.0 {
         sentences.push(format!("The path leads {}.", depth_phrase(plan.depth_ratio())));
