@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::command::{Failure, announce, build_dir, cargo, run};
+use crate::command::{Failure, announce, cargo, run};
 use crate::firmware;
-use crate::target::TARGET;
+use crate::target::{TARGET, build_folder};
 
 const FOLDER: &str = "firmware/boards";
 /// Firmware for a board that is an example.
@@ -21,7 +21,7 @@ pub fn check() -> Result<(), Failure> {
     if boards.is_empty() {
         return Err(Failure::new(format!("no boards in {FOLDER}")));
     }
-    let target_dir = target_dir()?;
+    let target_dir = build_folder()?;
     for manifest in boards {
         let path = manifest.to_string_lossy();
         announce(&format!("format, lints and images of {path}"));
@@ -33,14 +33,6 @@ pub fn check() -> Result<(), Failure> {
         run(cargo(&["build", "--bins"]).args(for_the_chip).arg("--target-dir").arg(&target_dir))?;
     }
     Ok(())
-}
-
-/// The folder in which all of them are built, and what they share is built once.
-///
-/// # Errors
-/// As [`build_dir`].
-pub fn target_dir() -> Result<PathBuf, Failure> {
-    Ok(build_dir()?.join("boards"))
 }
 
 /// `Cargo.toml` of each board and of the example, as seen from the workspace's root.

@@ -8,9 +8,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::boards;
 use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
-use crate::target::TARGET;
+use crate::target::{TARGET, build_folder};
 
 /// Crates that may run on the chip. Before adding one, check: no heap, no panics on the tick, licence.
 const CRATES: [&str; 30] = [
@@ -95,7 +94,7 @@ fn strangers(tree: &str) -> Vec<&str> {
 
 fn check_with_core_alone() -> Result<(), Failure> {
     let mut check = cargo(&CHECK);
-    check.arg("--target-dir").arg(boards::target_dir()?).envs(PROFILE);
+    check.arg("--target-dir").arg(build_folder()?).envs(PROFILE);
     run(with_core_alone(&mut check)?).map_err(|failure| Failure {
         what: format!(
             "the firmware does not compile for the chip, or needs more than core, see the error above: {}",
