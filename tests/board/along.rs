@@ -102,7 +102,7 @@ fn govern_the_chip_as_they_do_here(example: &Example, table: &MoveTable) {
     let config = Config { supply: Supply::Link, settings: Settings::default(), identity, fault: None };
     let (host_link, task) = assemble(&mut queues, config).expect("the settings are sound");
     let (here, _) = overrides(example, table, InProcess::new(Untapped::new(host_link, None), task));
-    let (chip, simulation) = overrides(example, table, Emulator::start(IMAGE, Clock::CountedWaiting));
+    let (chip, simulation) = overrides(example, table, Emulator::start(IMAGE, Clock::CountedLockstep));
     let costs = costs(IMAGE, &simulation.source().wires().console()).expect("it logs its figures");
     let governed = here.iter().filter(|percent| **percent != 100).count();
     println!("{governed} of {PERIODS} ticks not at 100 %, {costs:?}");

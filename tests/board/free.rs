@@ -1,7 +1,7 @@
 //! A tapped board that obeys orders and runs free, seen from its machine.
 
 use arcfeed_link::plain::PlainLine;
-use arcfeed_tests::emulation::qemu::Emulator;
+use arcfeed_tests::emulation::qemu::{Clock, Emulator};
 use arcfeed_tests::emulation::served_chip::show_standing;
 
 use crate::runs::Example;
@@ -19,7 +19,10 @@ pub struct Free {
 impl Free {
     /// With the example's job in its flash; it runs free from the first sample that it is shown.
     pub fn start() -> Self {
-        Free { board: chip_with_page(OBEYING, &page_of(&Example::load())), line: PlainLine::new() }
+        Free {
+            board: chip_with_page(OBEYING, Clock::CountedWaiting, &page_of(&Example::load())),
+            line: PlainLine::new(),
+        }
     }
 
     /// Shows it a machine that stands at its zero.

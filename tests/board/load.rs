@@ -64,7 +64,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
     let host = example.host();
     let host = if load_percent > 0 { host.with_load(load_percent) } else { host };
     let mut simulation =
-        example.simulation(Emulator::start("feedboard", Clock::CountedWaiting), host, ModeCode::Lockstep);
+        example.simulation(Emulator::start("feedboard", Clock::CountedLockstep), host, ModeCode::Lockstep);
     prepare(&mut simulation);
     let before = simulation.source().attached().bytes();
     simulation.control_mut().cycle_start();

@@ -14,7 +14,7 @@ const FIGURES_EVERY: usize = 1_000;
 #[test]
 fn the_chip_decides_bit_for_bit_what_the_application_in_process_does() {
     let example = Example::load();
-    let (chip, chips_host, board) = example.by_board(Emulator::start("feedboard", Clock::CountedWaiting));
+    let (chip, chips_host, board) = example.by_board(Emulator::start("feedboard", Clock::Lockstep));
     let console = board.console();
     let (in_process, host) = example.by_application(logged(&console));
     println!(

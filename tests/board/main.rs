@@ -30,6 +30,8 @@ mod passing;
 
 mod reading;
 
+mod recorded_runs;
+
 mod restarts;
 
 mod runs;

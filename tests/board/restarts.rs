@@ -88,7 +88,7 @@ impl UnderWay {
         }
         control.hold();
         let cable = cable(&mut random, Host::begun_anew(&example.file.job, 1));
-        let board = Board::new(Emulator::start("feedboard", Clock::CountedWaiting), cable, ModeCode::Lockstep);
+        let board = Board::new(Emulator::start("feedboard", Clock::Lockstep), cable, ModeCode::Lockstep);
         let simulation = Simulation::new(control, &example.file.job, board);
         UnderWay { example, moves, random, simulation, begun, active, hosts: 1, boards: 1, is_armed: false }
     }

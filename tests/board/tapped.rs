@@ -162,12 +162,12 @@ pub fn in_process(example: &Example) -> Passage {
 
 /// The chip's board, with the example's job in its flash.
 pub fn tapped_chip(example: &Example) -> Emulator {
-    chip_with_page("feedboard-tap", &page_of(example))
+    chip_with_page("feedboard-tap", Clock::Lockstep, &page_of(example))
 }
 
 /// A tapped board's image with this page of flash.
-pub fn chip_with_page(image: &str, page: &[u8]) -> Emulator {
-    Emulator::with_flash(image, Clock::CountedWaiting, &[("parameters.flash", page)])
+pub fn chip_with_page(image: &str, clock: Clock, page: &[u8]) -> Emulator {
+    Emulator::with_flash(image, clock, &[("parameters.flash", page)])
 }
 
 /// The example's job as it lies in flash.
@@ -224,7 +224,7 @@ fn without_parameters_a_tapped_chip_adapts_nothing_and_with_broken_ones_it_is_at
     for (what, page, state, percent) in
         [("never written", &erased[..], StateCode::Armed, 100), ("a bit flipped", &page[..], StateCode::Faulted, 0)]
     {
-        let board = Board::new(chip_with_page("feedboard-tap", page), (), ModeCode::Lockstep);
+        let board = Board::new(chip_with_page("feedboard-tap", Clock::Lockstep, page), (), ModeCode::Lockstep);
         let mut simulation = Simulation::new(Control::on_line(control(&example)), &example.file.job, board);
         for period in 0..SETTLING + HELD {
             let pressed = if period < SETTLING { Signals::NONE } else { Signals::of_request(Request::Arm) };

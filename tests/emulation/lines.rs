@@ -1,18 +1,19 @@
 //! The sockets of an emulated board as the far ends of its lines.
 
-use std::io::{ErrorKind, Read, Write};
-use std::os::fd::AsRawFd;
-use std::os::unix::net::UnixStream;
+use std::os::fd::{AsRawFd, OwnedFd};
 
 use arcfeed_hil_sim::override_source::board::{BoardFailure, Wire, Wires};
 
 use nix::errno::Errno;
-use nix::sys::socket::{MsgFlags, recv};
+use nix::sys::socket::{MsgFlags, recv, send};
 
 use super::qemu::Emulator;
 
+/// Bytes sent at a time: fewer than the emulator takes of a datagram.
+const PART: usize = 1_024;
+
 impl Emulator {
-    fn line(&self, wire: Wire) -> &UnixStream {
+    fn line(&self, wire: Wire) -> &OwnedFd {
         let [link, machine, sender, control, _orders] = self.lines();
         match wire {
             Wire::Link => link,
@@ -29,14 +30,14 @@ impl Emulator {
     /// # Panics
     /// The line is closed.
     pub fn order(&self, order: u8) {
-        let [.., mut orders] = self.lines().each_ref();
-        orders.write_all(&[order]).expect("the line of orders is open");
+        let [.., orders] = self.lines();
+        send_all(orders, &[order]).expect("the line of orders is open");
     }
 }
 
 impl Wires for Emulator {
     fn put(&mut self, wire: Wire, bytes: &[u8]) -> Result<(), BoardFailure> {
-        self.line(wire).write_all(bytes).map_err(|_| BoardFailure::Closed(wire))
+        send_all(self.line(wire), bytes).map_err(|_| BoardFailure::Closed(wire))
     }
 
     fn take(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<(), BoardFailure> {
@@ -56,15 +57,24 @@ impl Wires for Emulator {
     }
 
     fn take_waiting(&mut self, wire: Wire, bytes: &mut [u8]) -> Result<usize, BoardFailure> {
-        let mut line = self.line(wire);
-        line.set_nonblocking(true).expect("a socket need not block");
-        let taken = line.read(bytes);
-        line.set_nonblocking(false).expect("a socket may block");
-        match taken {
+        match recv(self.line(wire).as_raw_fd(), bytes, MsgFlags::MSG_DONTWAIT) {
             Ok(0) if !bytes.is_empty() => Err(BoardFailure::Closed(wire)),
             Ok(length) => Ok(length),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(0),
+            Err(Errno::EAGAIN) => Ok(0),
             Err(_) => Err(BoardFailure::Closed(wire)),
         }
     }
+}
+
+/// Sends all bytes on a line, as soon as it takes them. A closed line is an error, no signal.
+fn send_all(line: &OwnedFd, bytes: &[u8]) -> Result<(), Errno> {
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        match send(line.as_raw_fd(), &rest[..rest.len().min(PART)], MsgFlags::MSG_NOSIGNAL) {
+            Ok(sent) => rest = &rest[sent..],
+            Err(Errno::EINTR) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }

@@ -1,12 +1,15 @@
 //! QEMU, with bounded time and nothing left behind.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::ErrorKind;
+use std::net::{Ipv4Addr, UdpSocket};
+use std::os::fd::OwnedFd;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use super::images::image;
@@ -20,8 +23,8 @@ const OPENING: Duration = Duration::from_secs(30);
 const SILENCE: Duration = Duration::from_secs(60);
 /// Lines that [`Emulator::start`] opens.
 pub const LINES: usize = 5;
-/// QEMU's console multiplexer takes 32 bytes off a socket at a time rather than one, at a third of the cost. Its escape
-/// character is put where no byte is.
+/// QEMU's console multiplexer holds up to 32 bytes for the receiver, which then need no turn of the emulator's main loop each: a third
+/// of the cost. Its escape character is put where no byte is.
 const NO_ESCAPE: [&str; 2] = ["-echr", "256"];
 
 /// Clock of the board.
@@ -30,14 +33,21 @@ pub enum Clock {
     /// By instructions, 2^7 ns each (`clock.rs` of the board); waiting takes no time. Every run is the same, as long as nothing
     /// comes in from outside.
     Counted,
-    /// The same, but waiting takes as long as it does: for boards in lockstep, whose own clock is their machine's.
+    /// The same, but waiting takes as long as it does.
     CountedWaiting,
+    /// As that of the wall, for a board that is in lockstep from its first sample on: its own clock is its machine's, and no timer counts
+    /// for its answers. Its lines, but the last one, carry datagrams: QEMU reads a stream byte by byte, with a turn of its main loop for
+    /// each, and a datagram at once. Datagrams do not hold a sender back, but in lockstep either side waits for the other, and a lost
+    /// byte is a board that does not answer.
+    Lockstep,
+    /// The same by instructions, for a board that counts them: half as much again of the emulator's time.
+    CountedLockstep,
     /// As that of the wall.
     Wall,
 }
 
 /// Outputs of a run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Run {
     /// Output of the image on the emulator's console.
     pub console: Vec<u8>,
@@ -59,15 +69,23 @@ pub struct Emulator {
     place: Place,
     child: Child,
     /// UART 0 to 4.
-    lines: [UnixStream; LINES],
+    lines: [OwnedFd; LINES],
 }
 
 impl Clock {
     fn arguments(self) -> &'static [&'static str] {
         match self {
             Clock::Counted => &["-icount", "shift=7,sleep=off"],
-            Clock::CountedWaiting => &["-icount", "shift=7,sleep=on"],
-            Clock::Wall => &[],
+            Clock::CountedWaiting | Clock::CountedLockstep => &["-icount", "shift=7,sleep=on"],
+            Clock::Lockstep | Clock::Wall => &[],
+        }
+    }
+
+    /// Number of lines that carry datagrams.
+    fn datagram_lines(self) -> usize {
+        match self {
+            Clock::Lockstep | Clock::CountedLockstep => LINES - 1,
+            Clock::Counted | Clock::CountedWaiting | Clock::Wall => 0,
         }
     }
 }
@@ -79,12 +97,14 @@ impl Run {
     }
 }
 
-/// Runs an image of the emulated board to its end, which must be a good one.
+/// Runs an image of the emulated board to its end, which must be a good one: once for all tests, as every run is the same.
 ///
 /// # Panics
 /// It ends badly, or not at all.
-pub fn run(name: &str) -> Run {
-    run_image(name, &image(name))
+pub fn run(name: &'static str) -> Run {
+    static RUNS: Mutex<BTreeMap<&str, Arc<OnceLock<Run>>>> = Mutex::new(BTreeMap::new());
+    let run = Arc::clone(RUNS.lock().expect("no thread panicked").entry(name).or_default());
+    run.get_or_init(|| run_image(name, &image(name))).clone()
 }
 
 /// Runs an image to its end, which must be a good one.
@@ -145,7 +165,7 @@ impl Emulator {
     }
 
     /// The sockets of UART 0 to 4.
-    pub fn lines(&self) -> &[UnixStream; LINES] {
+    pub fn lines(&self) -> &[OwnedFd; LINES] {
         &self.lines
     }
 
@@ -175,18 +195,31 @@ impl Place {
         let Place { name, clock, scratch } = self;
         let mut qemu = command(&image(name), scratch, *clock);
         qemu.args(NO_ESCAPE);
-        let paths: [String; LINES] = std::array::from_fn(|uart| scratch.path(&format!("uart{uart}")));
-        // The test listens and QEMU calls: neither has to guess when the other is ready.
-        let listeners = paths.each_ref().map(|path| {
-            let _of_the_start_before = fs::remove_file(path);
-            UnixListener::bind(path).expect("a socket in a folder of its own")
-        });
-        for (uart, path) in paths.iter().enumerate() {
+        let datagrams = clock.datagram_lines();
+        let address = address_of_its_own();
+        let sockets: Vec<UdpSocket> = (0..datagrams).map(|_| datagram_socket(address)).collect();
+        for (uart, socket) in sockets.iter().enumerate() {
+            let here = socket.local_addr().expect("the socket has an address").port();
+            let there = datagram_port(uart);
+            let ends = format!("host={address},port={here},localaddr={address},localport={there}");
+            qemu.args(["-chardev", &format!("udp,id=uart{uart},{ends},mux=on")]);
+        }
+        let paths: Vec<String> = (datagrams..LINES).map(|uart| scratch.path(&format!("uart{uart}"))).collect();
+        // The test listens and QEMU calls: neither has to guess when the other is ready. QEMU opens the lines in their order.
+        let listeners: Vec<UnixListener> = paths.iter().map(|path| listen(path)).collect();
+        for (uart, path) in (datagrams..).zip(&paths) {
             qemu.args(["-chardev", &format!("socket,id=uart{uart},path={path},mux=on")]);
+        }
+        for uart in 0..LINES {
             qemu.args(["-serial", &format!("chardev:uart{uart}")]);
         }
         let mut child = spawn(&mut qemu);
-        let lines = listeners.map(|listener| accept(&listener, &mut child));
+        let streams: Vec<OwnedFd> = listeners.iter().map(|listener| accept(listener, &mut child).into()).collect();
+        for (uart, socket) in sockets.iter().enumerate() {
+            socket.connect((address, datagram_port(uart))).expect("an address of this machine");
+        }
+        let lines: Vec<OwnedFd> = sockets.into_iter().map(OwnedFd::from).chain(streams).collect();
+        let lines = lines.try_into().expect("as many lines as UARTs");
         Emulator { place: self.clone(), child, lines }
     }
 }
@@ -263,6 +296,30 @@ fn wait(name: &str, child: &mut Child) -> ExitStatus {
         }
         std::thread::sleep(Duration::from_millis(20));
     }
+}
+
+fn listen(path: &str) -> UnixListener {
+    let _of_the_start_before = fs::remove_file(path);
+    UnixListener::bind(path).expect("a socket in a folder of its own")
+}
+
+/// A loopback address that no other emulator on this machine has: the ports there are free.
+fn address_of_its_own() -> Ipv4Addr {
+    static STARTS: AtomicU32 = AtomicU32::new(0);
+    let start = STARTS.fetch_add(1, Ordering::Relaxed);
+    let [_, process_high, process_low, _] = (std::process::id() << 8).to_be_bytes();
+    Ipv4Addr::new(127, process_high | 0x80, process_low, start as u8)
+}
+
+/// The emulator's port for a UART.
+fn datagram_port(uart: usize) -> u16 {
+    20_000 + uart as u16
+}
+
+fn datagram_socket(address: Ipv4Addr) -> UdpSocket {
+    let socket = UdpSocket::bind((address, 0)).expect("a free port");
+    socket.set_read_timeout(Some(SILENCE)).expect("a socket can be given a time-out");
+    socket
 }
 
 /// A folder for this run alone.

@@ -1,28 +1,16 @@
-//! Generates the linker scripts and the example jobs of the images.
-//!
-//! The jobs run on the simulated machine here, at build time, so that the images always measure the current examples.
-
-#[path = "build/example.rs"]
-mod example;
+//! Puts the linker's scripts where it finds them.
 
 use std::env;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// All sources of the image's generated parts.
-const SOURCES: [&str; 5] = [EXAMPLES, "memory.x", "device.x", "recorded.x", "build"];
-const EXAMPLES: &str = "../../../examples";
-/// Names of the examples in the images, and their jobs.
-const JOBS: [(&str, &str); 3] = [
-    ("ibr_slot", "ibr-slot/job.toml"),
-    ("pocket_contour", "pocket/job-contour.toml"),
-    ("pocket_engagement", "pocket/job-engagement.toml"),
-];
+const SCRIPTS: [&str; 3] = ["memory.x", "device.x", "recorded.x"];
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo names the folder"));
-    for script in ["memory.x", "device.x", "recorded.x"] {
+    for script in SCRIPTS {
         fs::copy(script, out.join(script)).expect("the linker's scripts lie beside this file");
+        println!("cargo:rerun-if-changed={script}");
     }
     println!("cargo:rustc-link-search={}", out.display());
     for argument in ["-Tlink.x", "-Tdefmt.x", "-Trecorded.x", "--nmagic"] {
@@ -30,9 +18,4 @@ fn main() {
     }
     // Read when the log's macros expand; errors only, if unset.
     println!("cargo:rustc-env=DEFMT_LOG=info");
-    for source in SOURCES {
-        println!("cargo:rerun-if-changed={source}");
-    }
-    let modules = JOBS.map(|(name, job)| example::module(name, &Path::new(EXAMPLES).join(job), &out));
-    fs::write(out.join("examples.rs"), modules.concat()).expect("the examples are written");
 }

@@ -4,14 +4,15 @@
 use std::fs;
 use std::path::PathBuf;
 
-use crate::command::{Failure, announce, build_dir, cargo, run};
-use crate::target::TARGET;
+use crate::command::{Failure, announce, cargo, run};
+use crate::firmware;
+use crate::target::{TARGET, build_folder};
 
 const FOLDER: &str = "firmware/boards";
 /// Firmware for a board that is an example.
 const EXAMPLE: &str = "examples/embassy";
 
-/// Formatting, lints and images of each board.
+/// Formatting, lints and images of each board. The lints see `core` alone, neither std nor alloc.
 ///
 /// # Errors
 /// The first board that fails, or no board at all.
@@ -20,7 +21,7 @@ pub fn check() -> Result<(), Failure> {
     if boards.is_empty() {
         return Err(Failure::new(format!("no boards in {FOLDER}")));
     }
-    let target_dir = build_dir()?.join("boards");
+    let target_dir = build_folder()?;
     for manifest in boards {
         let path = manifest.to_string_lossy();
         announce(&format!("format, lints and images of {path}"));
@@ -28,7 +29,7 @@ pub fn check() -> Result<(), Failure> {
         let for_the_chip = ["--locked", "--quiet", "--release", "--target", TARGET, "--manifest-path", &path];
         let mut clippy = cargo(&["clippy"]);
         clippy.args(for_the_chip).arg("--target-dir").arg(&target_dir);
-        run(clippy.args(["--", "-D", "warnings"]))?;
+        run(firmware::with_core_alone(clippy.args(["--", "-D", "warnings"]))?)?;
         run(cargo(&["build", "--bins"]).args(for_the_chip).arg("--target-dir").arg(&target_dir))?;
     }
     Ok(())

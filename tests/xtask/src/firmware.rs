@@ -1,14 +1,15 @@
-//! The firmware for the chip: it builds, from the crates it may have, and needs nothing but `core`.
+//! The firmware for the chip: it compiles, from the crates it may have, and needs nothing but `core`.
 //!
-//! It is built against a copy of the target's library folder with only `core` and `compiler_builtins`, which proves that
+//! It is checked against a copy of the target's library folder with only `core` and `compiler_builtins`, which proves that
 //! nothing uses `std` or `alloc`: an `extern crate alloc` anywhere in the tree, in our crates or in theirs, cannot
-//! be resolved there, and the compiler names the line.
+//! be resolved there, and the compiler names the line. Machine code of it is in the images of the boards.
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
-use crate::target::TARGET;
+use crate::target::{TARGET, build_folder};
 
 /// Crates that may run on the chip. Before adding one, check: no heap, no panics on the tick, licence.
 const CRATES: [&str; 30] = [
@@ -48,10 +49,18 @@ const CRATES: [&str; 30] = [
 const CORE_ONLY: [&str; 2] = ["libcompiler_builtins-", "libcore-"];
 
 /// With all features: what is optional must run on the chip too.
-const BUILD: [&str; 9] =
-    ["build", "--package", CRATES[0], "--package", CRATES[1], "--target", TARGET, "--release", "--all-features"];
+const CHECK: [&str; 9] =
+    ["check", "--package", CRATES[0], "--package", CRATES[1], "--target", TARGET, "--release", "--all-features"];
+/// The boards' profile: crates that their lints have checked are not checked again.
+const PROFILE: [(&str, &str); 5] = [
+    ("CARGO_PROFILE_RELEASE_OPT_LEVEL", "3"),
+    ("CARGO_PROFILE_RELEASE_LTO", "fat"),
+    ("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1"),
+    ("CARGO_PROFILE_RELEASE_DEBUG", "line-tables-only"),
+    ("CARGO_PROFILE_RELEASE_INCREMENTAL", "false"),
+];
 
-/// Builds the firmware and checks what it is made of.
+/// Checks what the firmware is made of, and that it compiles.
 ///
 /// # Errors
 /// The first of these that does not hold.
@@ -59,7 +68,7 @@ pub fn check() -> Result<(), Failure> {
     announce("crates of the firmware");
     check_crates()?;
     announce("firmware for the chip with core alone, neither std nor alloc");
-    build_with_core_alone()
+    check_with_core_alone()
 }
 
 fn check_crates() -> Result<(), Failure> {
@@ -83,22 +92,27 @@ fn strangers(tree: &str) -> Vec<&str> {
     names.into_iter().filter(|name| !CRATES.contains(name)).collect()
 }
 
-fn build_with_core_alone() -> Result<(), Failure> {
-    let place = build_dir()?.join("core-alone");
-    let sysroot = place.join("sysroot");
-    copy_core(&sysroot)?;
-    let mut build = cargo(&BUILD);
-    // A build directory of its own, or each build would undo the other's.
-    build.arg("--target-dir").arg(&place);
-    // Encoded: the path may hold blanks.
-    build.env("CARGO_ENCODED_RUSTFLAGS", format!("--sysroot\u{1f}{}", sysroot.display()));
-    run(&mut build).map_err(|failure| Failure {
+fn check_with_core_alone() -> Result<(), Failure> {
+    let mut check = cargo(&CHECK);
+    check.arg("--target-dir").arg(build_folder()?).envs(PROFILE);
+    run(with_core_alone(&mut check)?).map_err(|failure| Failure {
         what: format!(
-            "the firmware does not build for the chip, or needs more than core, see the error above: {}",
+            "the firmware does not compile for the chip, or needs more than core, see the error above: {}",
             failure.what
         ),
         ..failure
     })
+}
+
+/// A cargo for the chip that knows nothing but `core`.
+///
+/// # Errors
+/// The target's libraries are not there.
+pub fn with_core_alone(cargo: &mut Command) -> Result<&mut Command, Failure> {
+    let sysroot = build_dir()?.join("core-alone");
+    copy_core(&sysroot)?;
+    // Encoded: the path may hold blanks.
+    Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", format!("--sysroot\u{1f}{}", sysroot.display())))
 }
 
 /// A sysroot with the libraries of [`CORE_ONLY`], anew each time: a new toolchain brings new files.

@@ -1,6 +1,8 @@
 //! Rust targets: present, or installed for the pinned toolchain.
 
-use crate::command::{Failure, announce, output, program, run};
+use std::path::PathBuf;
+
+use crate::command::{Failure, announce, build_dir, output, program, run};
 
 /// Cortex-M4F and M7F, hard float.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
@@ -15,6 +17,14 @@ pub const PAGE: &str = "wasm32-unknown-unknown";
 pub fn install() -> Result<(), Failure> {
     announce("target of the chip");
     add(TARGET).map_err(explain)
+}
+
+/// The folder of all builds for the chip: what they share is built once.
+///
+/// # Errors
+/// As [`build_dir`].
+pub fn build_folder() -> Result<PathBuf, Failure> {
+    Ok(build_dir()?.join("boards"))
 }
 
 /// Installs a target where it is missing.

@@ -33,7 +33,7 @@ pub struct Example {
     pub ticks: &'static [u8],
 }
 
-include!(concat!(env!("OUT_DIR"), "/example.rs"));
+include!("../../recorded-runs/ibr_slot.rs");
 
 /// The moves of the compiled-in program.
 pub const BLOCKS: &[Block] = ibr_slot::EXAMPLE.blocks;

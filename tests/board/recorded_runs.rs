@@ -1,11 +1,11 @@
-//! Export of a job, its blocks and the positions of its run as Rust source and as a binary table for the images.
+//! Example jobs, their blocks and the positions of their runs for the boards' images, which are built without the host program: the
+//! files of [`FOLDER`] are what the simulated machine does now. `UPDATE_GOLDEN=1` writes them.
 //!
-//! Each job becomes a module with `job()` and `EXAMPLE`. `NAME.bin` has the position feedback of every tick as the
-//! difference from the previous tick, three little-endian i16 in micrometres; the run starts at the origin.
+//! Each job becomes a module `NAME.rs` with `job()` and `EXAMPLE`, and its program as sent, `NAME.nc`. `NAME.bin` has the position
+//! feedback of every tick as the difference from the previous tick, three little-endian i16 in micrometres; the run starts at the origin.
 
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 
 use arcfeed::adapt::adapt;
 use arcfeed::commands::simulate::control::control_settings;
@@ -20,7 +20,17 @@ use arcfeed_model::knots::Knots;
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::Segment;
+use arcfeed_tests::root;
 use arcfeed_units::Nm;
+
+/// The files that the boards include.
+const FOLDER: &str = "firmware/boards/recorded-runs";
+/// Names of the examples in the images, and their jobs.
+const JOBS: [(&str, &str); 3] = [
+    ("ibr_slot", "ibr-slot/job.toml"),
+    ("pocket_contour", "pocket/job-contour.toml"),
+    ("pocket_engagement", "pocket/job-engagement.toml"),
+];
 
 /// Position feedback is in whole micrometres.
 const NM_PER_UM: i64 = 1_000;
@@ -31,23 +41,21 @@ struct Block {
     segment: Option<Segment>,
 }
 
-/// Runs a job in simulation, writes the table of its ticks, and returns a Rust module that includes the table.
-pub fn module(name: &str, job: &Path, out: &Path) -> String {
-    let file = JobFile::load(job).expect("the example's job is sound");
+/// Runs a job in simulation. Its files: name and content.
+fn files(name: &str, job: &str) -> [(String, Vec<u8>); 3] {
+    let file = JobFile::load(&root().join("examples").join(job)).expect("the example's job is sound");
     let program = Program::load(&file.program, file.job.unit, Reading::Lenient).expect("the example has a program");
-    let mut text = adapt(&program, &file.job).text;
-    text.push(b'\n');
-    let as_sent = out.join(format!("{name}.nc"));
-    fs::write(&as_sent, &text).expect("the program is written");
-    let simulation = Simulation::from_memory(control_settings(&file), &text, &file.job, ControllerFault::None);
+    let mut as_sent = adapt(&program, &file.job).text;
+    as_sent.push(b'\n');
+    let simulation = Simulation::from_memory(control_settings(&file), &as_sent, &file.job, ControllerFault::None);
     let (blocks, ticks) = record(simulation.expect("the limits of the override make sense"));
-    let table = out.join(format!("{name}.bin"));
-    fs::write(&table, &ticks).expect("the table is written");
     let mut text = format!("/// `{name}`.\npub mod {name} {{\n    use super::*;\n");
-    text += &program_source(&as_sent);
+    text += &program_source(name);
     text += &job_source(&file.job);
-    text += &run_source(&file.job, &blocks, &table, ticks.len());
-    text + "}\n"
+    text += &run_source(name, &file.job, &blocks, ticks.len());
+    text += "}\n";
+    [("rs", text.into_bytes()), ("nc", as_sent), ("bin", ticks)]
+        .map(|(extension, content)| (format!("{name}.{extension}"), content))
 }
 
 /// Runs the machine to the end of the program.
@@ -76,10 +84,10 @@ fn record(mut simulation: Simulation) -> (Vec<Block>, Vec<u8>) {
 }
 
 /// The sent program, for images that receive it over the line.
-fn program_source(file: &Path) -> String {
+fn program_source(name: &str) -> String {
     let section = "#[unsafe(link_section = \".recorded_run\")]";
     format!(
-        "    {section}\n    static TEXT: [u8; include_bytes!({file:?}).len()] = *include_bytes!({file:?});\n    \
+        "    {section}\n    static TEXT: [u8; include_bytes!(\"{name}.nc\").len()] = *include_bytes!(\"{name}.nc\");\n    \
          /// Adapted program of the run.\n    pub const PROGRAM: &[u8] = &TEXT;\n"
     )
 }
@@ -109,7 +117,7 @@ fn job_source(job: &Job) -> String {
 
 /// The blocks and the table of ticks as Rust source. Both are in a section of their own: they replace the program and
 /// the encoders and are not part of the controller's memory.
-fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String {
+fn run_source(name: &str, job: &Job, blocks: &[Block], bytes: usize) -> String {
     let mut text = String::new();
     let mut line = |line: String| writeln!(text, "    {line}").expect("strings take every line");
     let section = "#[unsafe(link_section = \".recorded_run\")]";
@@ -119,7 +127,7 @@ fn run_source(job: &Job, blocks: &[Block], table: &Path, bytes: usize) -> String
         let rule = found.map(|(index, _)| index);
         line(format!("    Block {{ first_tick: {first_tick}, rule: {rule:?}, segment: {segment:?} }},"));
     }
-    line(format!("];\n    {section}\n    static TICKS: [u8; {bytes}] = *include_bytes!({table:?});"));
+    line(format!("];\n    {section}\n    static TICKS: [u8; {bytes}] = *include_bytes!(\"{name}.bin\");"));
     line("/// Its run.\n    pub const EXAMPLE: Example = Example { blocks: &BLOCKS, ticks: &TICKS };".into());
     text
 }
@@ -137,4 +145,23 @@ fn rule_source(rule: &CutRule) -> String {
         "        let _room = job.rules.push(CutRule {{ tool: {tool}, moves: Moves::{moves:?}, work: Work::{work}, \
          feed_per_tooth: {feed_per_tooth:?}, table: {table:?}, sequence: {sequence:?}, level: {level:?} }});\n"
     )
+}
+
+#[test]
+fn the_recorded_runs_of_the_images_are_those_of_the_examples() {
+    let folder = root().join(FOLDER);
+    let files = JOBS.map(|(name, job)| files(name, job));
+    for (name, content) in files.iter().flatten() {
+        let path = folder.join(name);
+        if std::env::var_os("UPDATE_GOLDEN").is_some() {
+            fs::write(&path, content).expect("the file is written");
+        }
+        let written = fs::read(&path).unwrap_or_default();
+        assert!(
+            written == *content,
+            "{FOLDER}/{name} is older than the example or the simulation: UPDATE_GOLDEN=1 rewrites it"
+        );
+    }
+    let count = fs::read_dir(folder).expect("the folder is there").count();
+    assert_eq!(count, files.as_flattened().len(), "files of {FOLDER} that nothing writes");
 }
