@@ -73,17 +73,15 @@ fn executed(file: &JobFile, text: &[u8], planned: Option<&(Program, Adapted)>) -
     if let Some((program, adapted)) = planned {
         simulation.set_planned_conditions(foreseen(program, adapted, file));
     }
-    let (mut moves, mut last, mut seen) = (Vec::new(), None, 0);
+    let (mut moves, mut begun, mut seen) = (Vec::new(), 0, 0);
     while !simulation.is_done() {
         simulation.step();
-        let now = simulation.control().active().map(|(count, segment)| (count, *segment));
-        seen += u64::from(now != last && now.is_some());
-        if now != last
-            && let Some((_, segment)) = now.filter(|(_, segment)| segment.path != Path::Rapid)
-        {
-            moves.push(segment);
+        let control = simulation.control();
+        if let Some((_, segment)) = control.active().filter(|_| control.moves_begun() != begun) {
+            seen += 1;
+            moves.extend((segment.path != Path::Rapid).then_some(*segment));
         }
-        last = now;
+        begun = control.moves_begun();
     }
     if planned.is_none() && seen != simulation.control().moves_begun() {
         return None;
@@ -283,9 +281,9 @@ fn no_move_beside_a_corner_is_faster_than_the_same_move_written_by_hand() {
     assert!(figures.most_of_target <= 1.005 && figures.end_max_nm <= END_MAX_NM, "{figures:?}");
 }
 
-/// The path as a contour that a tool of D1 follows on its left side. No law governs the way there: it is slow.
+/// The path as a contour that a tool of D1 follows on its left side. No law governs the way there: it is slow, so a start near by.
 fn contour_of(text: &str) -> String {
-    let text = text.replacen("G0X0Y0Z0\n", "G0X-20.Y-20.Z0\nG90G41D1G1X0Y0F100.\n", 1);
+    let text = text.replacen("G0X0Y0Z0\n", "G0X-3.Y-3.Z0\nG90G41D1G1X0Y0F100.\n", 1);
     text.replacen("G90\nM30", "G90\nG40G0X900.Y900.\nM30", 1)
 }
 

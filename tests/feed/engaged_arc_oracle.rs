@@ -18,7 +18,7 @@
 //! chip. Both rates are measured, not derived ([`Truth::condition`]).
 
 use crate::geometry::{
-    Frame, Motion, Point, RingScene, chip, dot, engaged_deg, engaged_table, sample_table, sign, unit,
+    Frame, Motion, Point, RingScene, chip, chip_at_most, dot, engaged_deg, engaged_table, sample_table, sign, unit,
 };
 use arcfeed_law::circumference::Circumference;
 use arcfeed_law::engaged_arc::{EdgePolicy, EngagedArc, Ring};
@@ -95,10 +95,19 @@ fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
 
 /// The shortest path after which the thickest chip over `directions` is `wanted`; none where it never is.
 fn shortest_path(motion: &Motion, (k, r0): (f64, f64), directions: &[Point], wanted: f64) -> Option<f64> {
-    let thickest = |path: f64| {
+    // The direction of the thickest chip so far is looked at first; few others may then have a thicker one.
+    let mut best = *directions.first()?;
+    let mut thickest = |path: f64| {
         let way = motion.way(path);
         // Below nothing at all it does not matter by how much.
-        directions.iter().map(|u| chip(k, r0, *u, way)).fold(-wanted, f64::max)
+        let mut most = chip(k, r0, best, way).max(-wanted);
+        for u in directions {
+            if chip_at_most(k, r0, *u, way) > most {
+                let found = chip(k, r0, *u, way);
+                (most, best) = if found > most { (found, *u) } else { (most, best) };
+            }
+        }
+        most
     };
     // No chip is thicker than the chord; and a circle that has left its old centre takes no chip in the sense of the law.
     let mut low = path_of_chord(motion, wanted);

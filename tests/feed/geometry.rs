@@ -52,18 +52,17 @@ fn depth_mm(stock: &Stock, point: Point) -> f64 {
 /// From and to of a circle's engaged arc after this path, degrees, as [`EngagedTable`] documents them: linear between
 /// knots, level beyond.
 pub fn engaged_deg(table: &EngagedTable, edge: Edge, travelled: f64) -> [f64; 2] {
-    let ends = |knot: &EngagedKnot| {
-        let interval = if edge == Edge::Outer { knot.outer } else { knot.inner };
-        (f64::from(knot.travelled.0), interval.degrees())
-    };
-    let knots: Vec<(f64, Point)> = table.knots().iter().map(ends).collect();
+    let path = |knot: &EngagedKnot| f64::from(knot.travelled.0);
+    let ends = |knot: &EngagedKnot| (if edge == Edge::Outer { knot.outer } else { knot.inner }).degrees();
+    let knots = table.knots();
     let last = knots.len() - 1;
-    if travelled <= knots[0].0 || last == 0 {
-        return knots[0].1;
+    if travelled <= path(&knots[0]) || last == 0 {
+        return ends(&knots[0]);
     }
-    let pair = knots.windows(2).find(|pair| travelled < pair[1].0);
-    let Some([(at, low), (to, high)]) = pair else { return knots[last].1 };
-    let ratio = (travelled - at) / (to - at);
+    let pair = knots.windows(2).find(|pair| travelled < path(&pair[1]));
+    let Some([before, behind]) = pair else { return ends(&knots[last]) };
+    let ratio = (travelled - path(before)) / (path(behind) - path(before));
+    let (low, high) = (ends(before), ends(behind));
     [0, 1].map(|i| low[i] + (high[i] - low[i]) * ratio)
 }
 
@@ -104,6 +103,13 @@ pub fn chip(k: f64, r0: f64, u: Point, way: Point) -> f64 {
         return f64::NEG_INFINITY;
     }
     k * dot(u, way) - k * across * across / (r0 + libm::sqrt(square))
+}
+
+/// Quick upper bound of [`chip`], with room for rounding.
+pub fn chip_at_most(k: f64, r0: f64, u: Point, way: Point) -> f64 {
+    let (along, across) = (k * dot(u, way), u[0] * way[1] - u[1] * way[0]);
+    let beside = if k > 0.0 { 0.0 } else { across * across / r0 };
+    along + beside + 1e-12 * r0
 }
 
 /// A ring at a stock, in the program's coordinates, mm.
