@@ -10,7 +10,7 @@
 
 use std::ops::Range;
 
-use arcfeed_kinematics::vector::{Vector, dot, length, scaled, sum};
+use arcfeed_kinematics::vector::{Vector, difference, dot, length, scaled, sum};
 
 use super::dexel::{Dexel, Interval, NOWHERE};
 use super::flat::{Row, SlabSweep};
@@ -52,8 +52,11 @@ struct SlabShape {
     /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
     line_mm: [[f64; 2]; 2],
     near_mm: f64,
+    /// Distance from the axis within which the hole spares everything; 0 without a hole.
+    hole_mm: f64,
     flat: Option<SlabSweep>,
     axis: Vector,
+    motion_mm: Vector,
     /// The tip halfway.
     halfway_mm: Vector,
     /// The slab's planes, wider by half of the way along the axis.
@@ -172,6 +175,20 @@ pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass
     passes
 }
 
+/// Whether a tool on a sweep can meet a box, given by its lowest and highest corner.
+pub fn can_meet(tool: &Tool, sweep: &Sweep, corners_mm: &[Vector; 2]) -> bool {
+    let slabs = tool.slabs();
+    let radius_mm = slabs.iter().flat_map(|slab| slab.outer_mm).fold(0.0, f64::max);
+    let low_mm = slabs.iter().map(|slab| slab.heights_mm[0]).fold(f64::INFINITY, f64::min);
+    let high_mm = slabs.iter().map(|slab| slab.heights_mm[1]).fold(f64::NEG_INFINITY, f64::max);
+    let [lowest_mm, highest_mm] = [-1.0, 1.0].map(|side| corner_mm(sweep, [low_mm, high_mm], radius_mm, side));
+    let motion_mm = sweep.motion_mm();
+    (0..3).all(|axis| {
+        lowest_mm[axis] + motion_mm[axis].min(0.0) <= corners_mm[1][axis]
+            && highest_mm[axis] + motion_mm[axis].max(0.0) >= corners_mm[0][axis]
+    })
+}
+
 /// The lowest or the highest corner of the box around a part of a tool at the start of its way.
 fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> Vector {
     [0, 1, 2].map(|axis| {
@@ -186,14 +203,6 @@ impl Pass<'_> {
     /// Lowest and highest corner of the box around this part of the tool where the sweep begins, mm; the motion of the sweep is not in it.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
-    }
-
-    /// Whether the pass can meet a box, given by its lowest and highest corner.
-    pub fn meets(&self, corners_mm: &[Vector; 2]) -> bool {
-        (0..3).all(|axis| {
-            let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
-            from_mm <= corners_mm[1][axis] && to_mm >= corners_mm[0][axis]
-        })
     }
 
     /// Indices of the rows of the lattice that the pass can meet.
@@ -296,8 +305,12 @@ impl Pass<'_> {
         let mut removed_mm = 0.0;
         // Ends of spans may be off the ends of what is reached by rounding.
         let along = Interval::new(reach.along.from_mm - MARGIN_MM, reach.along.to_mm + MARGIN_MM);
-        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along).filter(|stretch| dexel.meets(stretch));
-        if let Some(stretch) = stretch {
+        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along);
+        let may_lose = |stretch: &Interval| {
+            dexel.meets(stretch)
+                && dexel.extent().is_some_and(|all| !shape.spares(ray_point_mm, self.ray_axis, &stretch.common(&all)))
+        };
+        if let Some(stretch) = stretch.filter(may_lose) {
             shape.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
         }
         removed_mm
@@ -337,8 +350,10 @@ impl SlabShape {
             section: Section::new(slab, sweep, ray_axis),
             line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
             near_mm: radius_mm + half_way_mm + MARGIN_MM,
+            hole_mm: slab.inner_mm.map_or(0.0, |inner| (inner[0].min(inner[1]) - MARGIN_MM).max(0.0)),
             flat: SlabSweep::new(slab, sweep, MARGIN_MM),
             axis: sweep.axis,
+            motion_mm,
             halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
             heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
         }
@@ -353,6 +368,20 @@ impl SlabShape {
         let part = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
         let off = [arm[0] - part * line[0], arm[1] - part * line[1]];
         off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
+    }
+
+    /// Whether a piece of a ray stays in the slab's hole over the whole way. The distance of a point from the axis is a convex function
+    /// of the place on the ray and on the way, so it is largest at the ends of both.
+    fn spares(&self, mut ray_point_mm: Vector, ray_axis: usize, piece: &Interval) -> bool {
+        let half = scaled(self.motion_mm, 0.5);
+        [piece.from_mm, piece.to_mm].iter().all(|at_mm| {
+            ray_point_mm[ray_axis] = *at_mm;
+            let arm = difference(ray_point_mm, self.halfway_mm);
+            [difference(arm, half), sum(arm, half)].iter().all(|arm| {
+                let height_mm = dot(*arm, self.axis);
+                dot(*arm, *arm) - height_mm * height_mm < self.hole_mm * self.hole_mm
+            })
+        })
     }
 
     /// Part of `along` in which a ray may meet the slab, which does not reach beyond `along`.

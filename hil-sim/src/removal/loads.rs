@@ -7,6 +7,7 @@
 
 use std::f64::consts::TAU;
 
+use arcfeed_dexel::lattice::LatticeError;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::Vector;
 use arcfeed_model::tool::Edge;
@@ -229,7 +230,18 @@ impl LoadMeter {
             self.settings.process.engagement_mut().replace_layers(layers);
             self.leave_workpiece();
         }
-        Ok(self.tilted.as_mut().map(|tilted| tilted.ends_mm(chord)))
+        let ends = self.tilted.as_mut().map_or(chord.ends_mm, |tilted| tilted.ends_mm(chord));
+        if ends.iter().any(|tip_mm| self.is_near(tip_mm)) {
+            self.fill_layers(&ends).map_err(|_| LeftOutReason::Tilted)?;
+        }
+        Ok(Some(ends))
+    }
+
+    /// Gives the layers that the tool may meet on a chord their material.
+    fn fill_layers(&mut self, ends: &[Vector; 2]) -> Result<(), LatticeError> {
+        let engagement = self.settings.process.engagement_mut();
+        let heights_mm = engagement.heights_mm(ends.iter().map(|tip_mm| tip_mm[2]));
+        self.tilted.as_mut().map_or(Ok(()), |tilted| tilted.fill(engagement.layers_mut(), heights_mm))
     }
 
     fn process_chord(&mut self, section: &PathSection, ends: [Vector; 2], rev_per_min: f64) {

@@ -181,6 +181,20 @@ impl EdgeEngagement {
         &self.layers
     }
 
+    /// Remaining workpiece, to be filled.
+    pub fn layers_mut(&mut self) -> &mut Layers {
+        &mut self.layers
+    }
+
+    /// Heights between which the cutter meets layers on its way to a tip position.
+    pub fn heights_mm(&self, tips_mm: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+        let rise_mm = self.layers.rise_mm();
+        [
+            tips_mm.clone().fold(f64::INFINITY, f64::min) - rise_mm,
+            tips_mm.fold(f64::NEG_INFINITY, f64::max) + (self.slices.len() + 1) as f64 * rise_mm,
+        ]
+    }
+
     /// Number of edges: the pieces of the cutter, one after the other, then those on its end.
     pub fn edges(&self) -> usize {
         self.histories.len() + self.ends.len()
