@@ -7,7 +7,6 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_dexel::lattice::LatticeError;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::Vector;
 use arcfeed_model::tool::Edge;
@@ -227,21 +226,15 @@ impl LoadMeter {
                 return Ok(None);
             }
             let layers = tilted.turn_to(chord).map_err(|_| LeftOutReason::Tilted)?;
-            self.settings.process.engagement_mut().replace_layers(layers);
+            *self.settings.process.engagement_mut().layers_mut() = layers;
             self.leave_workpiece();
         }
         let ends = self.tilted.as_mut().map_or(chord.ends_mm, |tilted| tilted.ends_mm(chord));
-        if ends.iter().any(|tip_mm| self.is_near(tip_mm)) {
-            self.fill_layers(&ends).map_err(|_| LeftOutReason::Tilted)?;
+        if let (true, Some(tilted)) = (ends.iter().any(|tip_mm| self.is_near(tip_mm)), &mut self.tilted) {
+            let filled = tilted.fill_for(self.settings.process.engagement_mut(), &ends);
+            filled.map_err(|_| LeftOutReason::Tilted)?;
         }
         Ok(Some(ends))
-    }
-
-    /// Gives the layers that the tool may meet on a chord their material.
-    fn fill_layers(&mut self, ends: &[Vector; 2]) -> Result<(), LatticeError> {
-        let engagement = self.settings.process.engagement_mut();
-        let heights_mm = engagement.heights_mm(ends.iter().map(|tip_mm| tip_mm[2]));
-        self.tilted.as_mut().map_or(Ok(()), |tilted| tilted.fill(engagement.layers_mut(), heights_mm))
     }
 
     fn process_chord(&mut self, section: &PathSection, ends: [Vector; 2], rev_per_min: f64) {

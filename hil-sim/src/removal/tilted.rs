@@ -36,6 +36,7 @@ use arcfeed_dexel::sweep::can_meet;
 use arcfeed_dexel::tool::Tool;
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::{Vector, cross, difference, dot, length, scaled, sum, unit};
+use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_milling::cutting::layers::Layers;
 
 use super::placement::{ToolChord, WorkpiecePlacement};
@@ -187,6 +188,15 @@ impl TiltedLayers {
         Ok(layers)
     }
 
+    /// Gives the layers that a tool can touch on a chord, with ends in the frame of the layers, their material.
+    ///
+    /// # Errors
+    /// As [`TiltedLayers::fill`].
+    pub fn fill_for(&mut self, engagement: &mut EdgeEngagement, ends_mm: &[Vector; 2]) -> Result<(), LatticeError> {
+        let [from, to] = ends_mm.map(|tip_mm| engagement.heights_mm(tip_mm[2]));
+        self.fill(engagement.layers_mut(), [from[0].min(to[0]), from[1].max(to[1])])
+    }
+
     /// Gives the layers in force between two heights the material that remained when the tool's axis turned, where they do not have it yet.
     ///
     /// # Errors
@@ -195,12 +205,12 @@ impl TiltedLayers {
         let Some(source) = &mut self.source else { return Ok(()) };
         let [first, last] = heights_mm.map(|height_mm| layers.nth(height_mm));
         let nths = first.max(0)..=last.min(source.is_filled.len() as i64 - 1);
-        let due: Vec<usize> = nths.filter_map(|nth| layers.place(nth)).filter(|index| !source.is_filled[*index]).collect();
+        let due: Vec<usize> =
+            nths.filter_map(|nth| layers.place(nth)).filter(|index| !source.is_filled[*index]).collect();
         let [Some(&lowest), Some(&highest)] = [due.first(), due.last()] else { return Ok(()) };
         let step_mm = self.sizes_mm[1];
         // The outermost rays stand up to a step beyond the corners.
-        let mut around_mm =
-            [0, 1].map(|side: usize| source.corners_mm[side].map(|at| at + [-step_mm, step_mm][side]));
+        let mut around_mm = [0, 1].map(|side: usize| source.corners_mm[side].map(|at| at + [-step_mm, step_mm][side]));
         (around_mm[0][2], around_mm[1][2]) = (layers.middle_mm(lowest) - step_mm, layers.middle_mm(highest) + step_mm);
         let tool = &self.workpiece.tool;
         let sweeps = self.sweeps[..source.sweeps].iter().map(|sweep| sweep.in_frame(&self.frame));
@@ -298,4 +308,71 @@ fn covers(last: &Sweep, next: &Sweep) -> bool {
             && length(cross(way, whole)) / whole_mm <= STRAIGHT_MM
     };
     last.axis == next.axis && is_within(next.from_mm) && is_within(next.to_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use arcfeed_control::action::MoveContext;
+    use arcfeed_dexel::motion::Pose;
+    use arcfeed_dexel::solid::Revolved;
+    use arcfeed_units::Micros;
+
+    use super::*;
+    use crate::removal::trail::BlockRef;
+
+    /// Sweeps of an upright tool through places, a period each.
+    fn sweeps(places_mm: &[[f64; 2]]) -> Vec<Sweep> {
+        let tool = Tool::cylinder(1.0, 1.0).unwrap();
+        let blank = Revolved::new(tool.clone(), &Pose { tip_mm: [0.0; 3], axis: [0.0, 0.0, 1.0] }).unwrap();
+        let workpiece = TiltedWorkpiece { blank: Arc::new(blank), tool, tolerance_mm: 0.01, about_mm: None };
+        let mut layers = TiltedLayers::new(workpiece, [1.0; 2]);
+        let mut placement = WorkpiecePlacement::new(true);
+        for pair in places_mm.windows(2) {
+            let section = PathSection {
+                block: BlockRef { count: 1, sequence: None, rule: None, is_rapid: false },
+                context: MoveContext::default(),
+                from: Micros(0),
+                to: Micros(0),
+                positions: [0, 1].map(|end: usize| [pair[end][0], pair[end][1], 0.0, 0.0, 0.0, 0.0]).to_vec(),
+            };
+            placement.locate(&section);
+            layers.add(&section, &placement, None);
+        }
+        layers.sweeps
+    }
+
+    /// In whole nanometres.
+    fn rounded(mm: f64) -> f64 {
+        libm::round(mm * 1e6) / 1e6
+    }
+
+    #[test]
+    fn chords_of_an_arc_are_within_the_tolerance_however_slow_it_is() {
+        let (radius_mm, way_mm) = (100.0, 4.0);
+        for step_mm in [0.02, 0.0004] {
+            let count = libm::round(way_mm / step_mm) as u32;
+            let place = |step: u32| {
+                let (sin, cos) = libm::sincos(f64::from(step) * step_mm / radius_mm);
+                [rounded(radius_mm * cos), rounded(radius_mm * sin)]
+            };
+            let found = sweeps(&(0..=count).map(place).collect::<Vec<_>>());
+            // A chord of length c is c^2 / 8 R from its arc.
+            let least = libm::ceil(way_mm / libm::sqrt(8.0 * radius_mm * CHORD_MM)) as usize;
+            assert!((least..=least + 1).contains(&found.len()), "{step_mm}: {} chords, {least} at least", found.len());
+            for sweep in &found {
+                let middle = scaled(sum(sweep.from_mm, sweep.to_mm), 0.5);
+                assert!(radius_mm - libm::hypot(middle[0], middle[1]) <= 1.01 * CHORD_MM, "{step_mm}: {sweep:?}");
+            }
+            assert!(found.windows(2).all(|pair| pair[0].to_mm == pair[1].from_mm));
+        }
+    }
+
+    #[test]
+    fn a_straight_path_is_one_sweep_and_back_over_it_is_none() {
+        let there = (0..=20_000).map(|step| [0.3, 0.4].map(|part| rounded(part * 0.01 * f64::from(step))));
+        let there: Vec<[f64; 2]> = there.collect();
+        let found = sweeps(&there.iter().chain(there.iter().rev()).copied().collect::<Vec<_>>());
+        assert_eq!(found.len(), 1);
+        assert_eq!((found[0].from_mm, found[0].to_mm), ([0.0; 3], [60.0, 80.0, 0.0]));
+    }
 }
