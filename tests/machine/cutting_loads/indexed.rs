@@ -42,8 +42,8 @@ fn program() -> String {
         let n = 10 * (cut + 1);
         let _ = write!(
             text,
-            "G0B{b_deg}\nG0X0.Y-{end}\nG0Z{upper}\nN{n}G3X0.Y{end}I-{beside:.6}J{end}F1200.\n\
-             G0Z{lower}\nN{}G2X0.Y-{end}I-{beside:.6}J-{end}\nG0Z60.\n",
+            "G0B{b_deg:.3}\nG0X0.Y-{end}\nG0Z{upper:.3}\nN{n}G3X0.Y{end}I-{beside:.6}J{end}F1200.\n\
+             G0Z{lower:.3}\nN{}G2X0.Y-{end}I-{beside:.6}J-{end}\nG0Z60.\n",
             n + 1
         );
     }
