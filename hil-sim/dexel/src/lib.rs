@@ -29,6 +29,8 @@ pub mod flat;
 
 pub mod level;
 
+mod slab_shape;
+
 pub mod sweep;
 
 pub mod grid;

@@ -4,26 +4,22 @@
 //! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
 //! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line; where
 //! the axis is one of the lattice's, [`flat`](super::flat) says it exactly. What is left then is the
-//! stretch of the ray between the slab's two planes and within that cylinder.
+//! stretch of the ray between the slab's two planes and within that cylinder, if its material is not all in the hole
+//! (`slab_shape`).
 //!
 //! If the motion is perpendicular to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
 
 use std::ops::Range;
 
-use arcfeed_kinematics::vector::{Vector, dot, length, scaled, sum};
+use arcfeed_kinematics::vector::Vector;
 
 use super::dexel::{Dexel, Interval, NOWHERE};
-use super::flat::{Row, SlabSweep};
+use super::flat::Row;
 use super::lattice::Lattice;
 use super::level::{AxialRow, LayerRow, Level, Losses, UprightRow};
-use super::section::{Section, Sweep};
+use super::section::Sweep;
+use super::slab_shape::{MARGIN_MM, SlabShape};
 use super::tool::{Slab, Tool};
-
-/// By how much boxes are wider than what they hold, for rounding.
-const MARGIN_MM: f64 = 1e-7;
-
-/// Below this a ray counts as lying in a plane, or along an axis.
-const STEEP_RATIO: f64 = 1e-3;
 
 /// Part of a tool on one straight sweep, with its bounding box, prepared for rays of one direction.
 #[derive(Clone, Copy, Debug)]
@@ -43,21 +39,6 @@ enum Shape<'a> {
     Level(Level<'a>),
     /// One slab, on any way.
     Slab(SlabShape),
-}
-
-/// One slab, and which rays it may cut.
-#[derive(Clone, Copy, Debug)]
-struct SlabShape {
-    section: Section,
-    /// The line that is the axis as seen along the rays, halfway: its lower end, to its upper end, and how near it is near.
-    line_mm: [[f64; 2]; 2],
-    near_mm: f64,
-    flat: Option<SlabSweep>,
-    axis: Vector,
-    /// The tip halfway.
-    halfway_mm: Vector,
-    /// The slab's planes, wider by half of the way along the axis.
-    heights_mm: [f64; 2],
 }
 
 /// Material that the rays of one row lose in a pass, in the form that suits the direction of the rays and of the row.
@@ -172,6 +153,20 @@ pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass
     passes
 }
 
+/// Whether a tool on a sweep can meet a box, given by its lowest and highest corner.
+pub fn can_meet(tool: &Tool, sweep: &Sweep, corners_mm: &[Vector; 2]) -> bool {
+    let slabs = tool.slabs();
+    let radius_mm = slabs.iter().flat_map(|slab| slab.outer_mm).fold(0.0, f64::max);
+    let low_mm = slabs.iter().map(|slab| slab.heights_mm[0]).fold(f64::INFINITY, f64::min);
+    let high_mm = slabs.iter().map(|slab| slab.heights_mm[1]).fold(f64::NEG_INFINITY, f64::max);
+    let [lowest_mm, highest_mm] = [-1.0, 1.0].map(|side| corner_mm(sweep, [low_mm, high_mm], radius_mm, side));
+    let motion_mm = sweep.motion_mm();
+    (0..3).all(|axis| {
+        lowest_mm[axis] + motion_mm[axis].min(0.0) <= corners_mm[1][axis]
+            && highest_mm[axis] + motion_mm[axis].max(0.0) >= corners_mm[0][axis]
+    })
+}
+
 /// The lowest or the highest corner of the box around a part of a tool at the start of its way.
 fn corner_mm(sweep: &Sweep, heights_mm: [f64; 2], radius_mm: f64, side: f64) -> Vector {
     [0, 1, 2].map(|axis| {
@@ -186,14 +181,6 @@ impl Pass<'_> {
     /// Lowest and highest corner of the box around this part of the tool where the sweep begins, mm; the motion of the sweep is not in it.
     pub fn box_mm(&self) -> [Vector; 2] {
         self.corners_mm
-    }
-
-    /// Whether the pass can meet a box, given by its lowest and highest corner.
-    pub fn meets(&self, corners_mm: &[Vector; 2]) -> bool {
-        (0..3).all(|axis| {
-            let Interval { from_mm, to_mm } = self.extent(axis, [0.0, 1.0]);
-            from_mm <= corners_mm[1][axis] && to_mm >= corners_mm[0][axis]
-        })
     }
 
     /// Indices of the rows of the lattice that the pass can meet.
@@ -296,8 +283,12 @@ impl Pass<'_> {
         let mut removed_mm = 0.0;
         // Ends of spans may be off the ends of what is reached by rounding.
         let along = Interval::new(reach.along.from_mm - MARGIN_MM, reach.along.to_mm + MARGIN_MM);
-        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along).filter(|stretch| dexel.meets(stretch));
-        if let Some(stretch) = stretch {
+        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along);
+        let may_lose = |stretch: &Interval| {
+            dexel.meets(stretch)
+                && dexel.extent().is_some_and(|all| !shape.spares(ray_point_mm, self.ray_axis, &stretch.common(&all)))
+        };
+        if let Some(stretch) = stretch.filter(may_lose) {
             shape.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
         }
         removed_mm
@@ -324,60 +315,43 @@ impl Pass<'_> {
     }
 }
 
-impl SlabShape {
-    fn new(slab: &Slab, sweep: &Sweep, ray_axis: usize) -> Self {
-        let radius_mm = slab.outer_mm[0].max(slab.outer_mm[1]);
-        let motion_mm = sweep.motion_mm();
-        let across = Lattice::across(ray_axis);
-        let [low_mm, high_mm] = slab.heights_mm;
-        let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
-        let half_way_mm = length(motion_mm) / 2.0;
-        let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
-        SlabShape {
-            section: Section::new(slab, sweep, ray_axis),
-            line_mm: [low, across.map(|axis| (high_mm - low_mm) * sweep.axis[axis])],
-            near_mm: radius_mm + half_way_mm + MARGIN_MM,
-            flat: SlabSweep::new(slab, sweep, MARGIN_MM),
-            axis: sweep.axis,
-            halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
-            heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcfeed_kinematics::vector::{sum, unit};
+
+    /// Numbers from -1 to 1.
+    fn random(seed: &mut u32) -> f64 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*seed >> 8) / f64::from(1 << 23) - 1.0
     }
 
-    fn is_near(&self, ray_axis: usize, ray_point_mm: &Vector) -> bool {
-        let across = Lattice::across(ray_axis);
-        let [low, line] = self.line_mm;
-        let arm = [ray_point_mm[across[0]] - low[0], ray_point_mm[across[1]] - low[1]];
-        let square = line[0] * line[0] + line[1] * line[1];
-        let along = arm[0] * line[0] + arm[1] * line[1];
-        let part = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
-        let off = [arm[0] - part * line[0], arm[1] - part * line[1]];
-        off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
-    }
-
-    /// Part of `along` in which a ray may meet the slab, which does not reach beyond `along`.
-    fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
-        let [low_mm, high_mm] = self.heights_mm;
-        let along_u = self.axis[ray_axis];
-        // From the tip, halfway, to the ray's point at 0.
-        let mut w = [0, 1, 2].map(|axis| ray_point_mm[axis] - self.halfway_mm[axis]);
-        w[ray_axis] = -self.halfway_mm[ray_axis];
-        let height_mm = dot(w, self.axis);
-        let mut stretch = *along;
-        if along_u.abs() > STEEP_RATIO {
-            let ends = [(low_mm - height_mm) / along_u, (high_mm - height_mm) / along_u];
-            stretch = stretch.common(&Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
-        }
-        let square = 1.0 - along_u * along_u;
-        if square > STEEP_RATIO {
-            let half = w[ray_axis] - height_mm * along_u;
-            let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
-            let root = libm::sqrt(half * half - square * rest);
-            if root.is_nan() {
-                return None;
+    #[test]
+    fn rays_lose_to_a_tilted_ring_what_it_sweeps_and_nothing_in_its_hole() {
+        let tool = Tool::ring([12.0, 9.0], 1.0, 8.0, 0.02).unwrap();
+        let mut seed = 7;
+        let (mut spared, mut cut) = (0, 0);
+        for _ in 0..2000 {
+            let mut vector = |scale: f64| [0; 3].map(|_: i32| scale * random(&mut seed));
+            let (from_mm, motion_mm, axis) = (vector(8.0), vector(1.5), unit(vector(1.0)).unwrap());
+            let sweep = Sweep { from_mm, to_mm: sum(from_mm, motion_mm), axis };
+            let point_mm = vector(12.0);
+            for pass in passes(&tool, &[sweep], 2) {
+                let Some(reach) = pass.boxed(point_mm[1]) else { continue };
+                let reach = Reach { columns: [0..0, 0..0], along: reach.along };
+                let mut dexel = Dexel::One(Interval::new(-6.0, 6.0));
+                let mut expected = dexel.clone();
+                pass.cut(point_mm, &reach, &mut dexel);
+                let spans = pass.spans(point_mm);
+                spans.iter().for_each(|span| {
+                    expected.subtract(*span);
+                });
+                let Shape::Slab(shape) = &pass.shape else { panic!("a tilted sweep") };
+                spared += usize::from(shape.spares(point_mm, 2, &Interval::new(-6.0, 6.0)));
+                cut += usize::from(dexel.length_mm() < 12.0);
+                assert!((dexel.length_mm() - expected.length_mm()).abs() < 1e-6, "{sweep:?} {point_mm:?}");
             }
-            stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
         }
-        (stretch.length_mm() > 0.0).then_some(stretch)
+        assert!(spared > 100 && cut > 100, "{spared} {cut}");
     }
 }

@@ -226,7 +226,10 @@ impl EngagementMeter {
         };
         if tilted.layers.is_none() || !tilted.state.are_in_frame_of(chord) {
             // Without layers the move has no sections, and keeps its feed.
-            tilted.layers = tilted.state.turn_to(chord).ok();
+            tilted.layers = tilted.state.turn_to(chord).ok().and_then(|mut layers| {
+                let is_filled = tilted.state.fill(&mut layers, [f64::NEG_INFINITY, f64::INFINITY]).is_ok();
+                is_filled.then_some(layers)
+            });
         }
         let ends = tilted.state.ends_mm(chord);
         if tilted.layers.is_none() {

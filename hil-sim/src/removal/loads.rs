@@ -226,10 +226,15 @@ impl LoadMeter {
                 return Ok(None);
             }
             let layers = tilted.turn_to(chord).map_err(|_| LeftOutReason::Tilted)?;
-            self.settings.process.engagement_mut().replace_layers(layers);
+            *self.settings.process.engagement_mut().layers_mut() = layers;
             self.leave_workpiece();
         }
-        Ok(self.tilted.as_mut().map(|tilted| tilted.ends_mm(chord)))
+        let ends = self.tilted.as_mut().map_or(chord.ends_mm, |tilted| tilted.ends_mm(chord));
+        if let (true, Some(tilted)) = (ends.iter().any(|tip_mm| self.is_near(tip_mm)), &mut self.tilted) {
+            let filled = tilted.fill_for(self.settings.process.engagement_mut(), &ends);
+            filled.map_err(|_| LeftOutReason::Tilted)?;
+        }
+        Ok(Some(ends))
     }
 
     fn process_chord(&mut self, section: &PathSection, ends: [Vector; 2], rev_per_min: f64) {

@@ -10,6 +10,8 @@ mod ends;
 
 mod tilted;
 
+mod indexed;
+
 mod arcs;
 
 mod complaints;

@@ -165,12 +165,6 @@ impl EdgeEngagement {
         EdgeEngagement { reach_mm, ..self }
     }
 
-    /// Replaces the workpiece by another one with layers of the same height, and takes the tool out of the cut.
-    pub fn replace_layers(&mut self, layers: Layers) {
-        self.lift();
-        self.layers = layers;
-    }
-
     /// Cutter with its edge pieces.
     pub fn cutter(&self) -> &Cutter {
         &self.cutter
@@ -179,6 +173,18 @@ impl EdgeEngagement {
     /// Remaining workpiece.
     pub fn layers(&self) -> &Layers {
         &self.layers
+    }
+
+    /// Remaining workpiece, for giving its layers other material. The tool must be out of the cut ([`EdgeEngagement::lift`]) where it
+    /// stands.
+    pub fn layers_mut(&mut self) -> &mut Layers {
+        &mut self.layers
+    }
+
+    /// Heights between which the cutter can touch layers with its tip at `tip_mm`.
+    pub fn heights_mm(&self, tip_mm: f64) -> [f64; 2] {
+        let rise_mm = self.layers.rise_mm();
+        [tip_mm - rise_mm, tip_mm + (self.slices.len() + 1) as f64 * rise_mm]
     }
 
     /// Number of edges: the pieces of the cutter, one after the other, then those on its end.

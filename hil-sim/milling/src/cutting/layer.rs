@@ -94,13 +94,19 @@ impl Layer {
     /// # Errors
     /// The section has no extent or `step_mm` is not positive, or there would be more than 65 536 cells along an axis.
     pub fn at(solid: &dyn Solid, axis: usize, height_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
-        let [mut lowest_mm, mut highest_mm] = solid.bounds_mm();
-        // One cell along the axis, so that a grid across it has one line of rays.
-        (lowest_mm[axis], highest_mm[axis]) = (height_mm - step_mm / 2.0, height_mm + step_mm / 2.0);
-        let lattice = Lattice::new(lowest_mm, highest_mm, step_mm)?;
-        let across = Lattice::across(axis);
-        let rays = across.map(|axis| solid.grid(&lattice, axis).dexels().to_vec());
-        Ok(Layer::new(across.map(|axis| lowest_mm[axis]), step_mm, rays))
+        let lattice = lattice_at(solid.bounds_mm(), axis, height_mm, step_mm)?;
+        let rays = Lattice::across(axis).map(|axis| solid.grid(&lattice, axis).dexels().to_vec());
+        Ok(Layer::new(Lattice::across(axis).map(|axis| lattice.lowest_mm()[axis]), step_mm, rays))
+    }
+
+    /// Layer without material, with the rays of the section of a solid that has these bounds.
+    ///
+    /// # Errors
+    /// As [`Layer::at`].
+    pub fn empty_at(bounds_mm: [[f64; 3]; 2], axis: usize, height_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
+        let lattice = lattice_at(bounds_mm, axis, height_mm, step_mm)?;
+        let rays = Lattice::across(axis).map(|axis| vec![Dexel::Empty; lattice.size(axis).iter().product()]);
+        Ok(Layer::new(Lattice::across(axis).map(|axis| lattice.lowest_mm()[axis]), step_mm, rays))
     }
 
     /// Lowest and highest corner of the layer's cells, in its plane.
@@ -284,6 +290,18 @@ impl Layer {
 pub(super) fn is_beside(corners_mm: &[Vector2<f64>; 4], [lowest_mm, highest_mm]: &[[f64; 2]; 2]) -> bool {
     let ([low_mm, high_mm], margin_mm) = (bounds(corners_mm), bulge_max_mm(corners_mm));
     (0..2).any(|axis| high_mm[axis] + margin_mm < lowest_mm[axis] || low_mm[axis] - margin_mm > highest_mm[axis])
+}
+
+/// Lattice of the section of a solid with these bounds at a height along `axis`.
+fn lattice_at(
+    [mut lowest_mm, mut highest_mm]: [[f64; 3]; 2],
+    axis: usize,
+    height_mm: f64,
+    step_mm: f64,
+) -> Result<Lattice, LatticeError> {
+    // One cell along the axis, so that a grid across it has one line of rays.
+    (lowest_mm[axis], highest_mm[axis]) = (height_mm - step_mm / 2.0, height_mm + step_mm / 2.0);
+    Lattice::new(lowest_mm, highest_mm, step_mm)
 }
 
 /// Largest distance of an arc shorter than half a circle from the second side: half of its chord.

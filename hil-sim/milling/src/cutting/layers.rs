@@ -67,16 +67,37 @@ impl Layers {
     /// # Errors
     /// The solid has no extent, a step is not positive, or there would be too many layers or rays.
     pub fn of_solid(solid: &dyn Solid, axis: usize, rise_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
-        let [lowest_mm, highest_mm] = solid.bounds_mm();
+        let mut layers = Layers::empty(solid.bounds_mm(), axis, rise_mm, step_mm)?;
+        (0..layers.layers.len()).try_for_each(|layer| layers.fill(layer, solid, axis))?;
+        Ok(layers)
+    }
+
+    /// Layers of a solid with these bounds, as [`Layers::of_solid`] divides it, still without material.
+    ///
+    /// # Errors
+    /// As [`Layers::of_solid`].
+    pub fn empty(bounds_mm: [[f64; 3]; 2], axis: usize, rise_mm: f64, step_mm: f64) -> Result<Self, LatticeError> {
+        let [lowest_mm, highest_mm] = bounds_mm;
         let length_mm = highest_mm[axis] - lowest_mm[axis];
         let count = libm::ceil(length_mm / rise_mm - WHOLE_RATIO);
         if !(1.0..=LAYERS_MAX).contains(&count) {
             return Err(LatticeError::Box { axis, length_mm });
         }
         let lowest_mm = highest_mm[axis] - count * rise_mm;
-        let layer = |n: usize| Layer::at(solid, axis, lowest_mm + (n as f64 + 0.5) * rise_mm, step_mm);
+        let layer = |n: usize| Layer::empty_at(bounds_mm, axis, lowest_mm + (n as f64 + 0.5) * rise_mm, step_mm);
         let layers: Result<Vec<Layer>, LatticeError> = (0..count as usize).map(layer).collect();
         Ok(Layers::new(lowest_mm, rise_mm, layers?))
+    }
+
+    /// Replaces the layer with this index by the section of a solid along `axis`.
+    ///
+    /// # Errors
+    /// There would be too many rays.
+    pub fn fill(&mut self, layer: usize, solid: &dyn Solid, axis: usize) -> Result<(), LatticeError> {
+        let middle_mm = self.middle_mm(layer);
+        let step_mm = self.layers[layer].step_mm();
+        self.layers[layer] = Layer::at(solid, axis, middle_mm, step_mm)?;
+        Ok(())
     }
 
     /// Lowest and highest corner, in the plane of the layers, of a rectangle around all of them; `None` without layers.
