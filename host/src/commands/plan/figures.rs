@@ -240,9 +240,26 @@ fn heading(composed: &PlanResult, figures: &Figures) -> String {
     )
 }
 
+/// Removed part of the slot and what remains, in words.
+fn taken(figures: &Figures) -> String {
+    let removed = &figures.removed;
+    let [pressure, suction, hub] = removed.left_max_mm;
+    let with_earlier = if figures.pass > 1 {
+        format!(", {:.1} % with the earlier passes", 100.0 * removed.with_earlier_ratio)
+    } else {
+        String::new()
+    };
+    format!(
+        "  taken: {:.1} % of the slot between the allowances ({:.2} of {:.2} cm3){with_earlier}; left above them at most {pressure:.2} mm on the \
+         pressure side, {suction:.2} on the suction side, {hub:.2} on the hub",
+        100.0 * removed.share_ratio,
+        removed.share_ratio * removed.slot_mm3 / 1e3,
+        removed.slot_mm3 / 1e3,
+    )
+}
+
 /// Text of the plan for people.
 pub fn text(composed: &PlanResult, figures: &Figures) -> String {
-    let [pressure, suction, hub] = figures.removed.left_max_mm;
     let mut text = heading(composed, figures);
     let _ =
         writeln!(text, "  level  height, mm   D, degrees about A, ended by            E, degrees about B1, ended by");
@@ -262,19 +279,7 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
     for found in &figures.clearances {
         let _ = writeln!(text, "    {:<6} from {:<8} {:>9.3}", found.part, found.obstacle, found.certified_mm);
     }
-    let _ = writeln!(
-        text,
-        "  taken: {:.1} % of the slot between the allowances ({:.2} of {:.2} cm3){}; left above them at most {pressure:.2} mm on the pressure side, \
-         {suction:.2} on the suction side, {hub:.2} on the hub",
-        100.0 * figures.removed.share_ratio,
-        figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
-        figures.removed.slot_mm3 / 1e3,
-        if figures.pass > 1 {
-            format!(", {:.1} % with the earlier passes", 100.0 * figures.removed.with_earlier_ratio)
-        } else {
-            String::new()
-        },
-    );
+    let _ = writeln!(text, "{}", taken(figures));
     if let Some(sentence) = composed.part.both_slots() {
         let _ = writeln!(text, "  {sentence}");
     }
