@@ -2,7 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
+use arcfeed_plan::cup_mill::neighbours::Neighbour;
+use arcfeed_plan::cup_mill::normal_form::{GRAIN_MM, StartEdge};
+use arcfeed_plan::cup_mill::plan::{AxisChoice, PreparedSlot, Request, SlotPlan};
 use arcfeed_plan::cutter::{CupMill, ToolPart};
 use arcfeed_plan::geometry::blisk::Blade;
 use arcfeed_plan::geometry::blisk::{Blank, Blisk, Revolution};
@@ -43,6 +45,25 @@ fn along_blade(blisk: &Blisk, tool: &CupMill) -> SlotPlan {
     Problem::new(blisk, &slot, tool, &ROUGHING).unwrap().along(AxisChoice::Blade).unwrap().plan
 }
 
+/// Blades about the slot that the ring could touch.
+fn neighbours(blisk: &Blisk, tool: &CupMill) -> Vec<Neighbour> {
+    let slot = blisk.slot();
+    let prepared = PreparedSlot::new(blisk, &slot, ALLOWANCE_MM, StartEdge::Leading, Some(GRAIN_MM)).unwrap();
+    prepared.plan(&Request::whole(tool, &ROUGHING)).unwrap().1.blades
+}
+
+/// Checks that blades are in the same places. Their points are rounded in different places, by half of the grain each: where they lie 0.01 mm
+/// apart, at the round edges, the normals turn by 6e-6, which moves the surfaces with the allowance by 5e-6 mm.
+fn check_neighbours(found: &[Neighbour], expected: &[Neighbour]) {
+    assert_eq!(found.len(), expected.len());
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!((found.blade, found.side, found.is_own), (expected.blade, expected.side, expected.is_own));
+        let pairs = found.patch.samples().zip(expected.patch.samples());
+        let farthest_mm = pairs.map(|(found, expected)| (found - expected).norm()).fold(0.0, f64::max);
+        assert!(farthest_mm < 1e-5, "{} {:?}: {farthest_mm}", found.blade, found.side);
+    }
+}
+
 fn proof(blisk: &Blisk, plan: &SlotPlan, tool: &CupMill, resolution: &ProofResolution) -> Proof {
     let (path, to_slot) = (&plan.path, plan.turn);
     let case = ProofCase { blisk, tool, path, to_slot, allowance_mm: ALLOWANCE_MM, fixture: &[], earlier: &[] };
@@ -57,6 +78,8 @@ fn splitters_like_the_main_blades_give_the_plans_of_twice_as_many_blades() {
         let (single, main) = (alike(18, hand), alike(9, hand));
         let expected = along_blade(&single, &tool);
         let expected_proof = proof(&single, &expected, &tool, &resolution);
+        let around = neighbours(&single, &tool);
+        assert!(around.iter().any(|near| !near.is_own && near.blade.rem_euclid(2) == 1));
         // The splitter may be given in any pitch.
         let given =
             Blade { pressure: main.pressure.clone(), suction: main.suction.clone() }.turned(&turn(-3.5 * TAU / 9.0));
@@ -69,6 +92,7 @@ fn splitters_like_the_main_blades_give_the_plans_of_twice_as_many_blades() {
             let aside = (turn(angle_rad) * expected.tool_axis() - found.tool_axis()).norm();
             println!("{hand:?}, slot {}: {differences:?} mm, axis {aside:.1e}", first + 1);
             assert!(differences.iter().all(|mm| *mm < SAME_MM) && aside < SAME_MM);
+            check_neighbours(&neighbours(&blisk, &tool), &around);
             let proof = proof(&blisk, &found, &tool, &resolution);
             for (found, expected) in proof.clearances.iter().zip(&expected_proof.clearances) {
                 assert_eq!((found.part, found.obstacle), (expected.part, expected.obstacle));
