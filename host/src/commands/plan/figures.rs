@@ -263,20 +263,17 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         figures.removed.share_ratio * figures.removed.slot_mm3 / 1e3,
         figures.removed.slot_mm3 / 1e3,
     );
-    if let Some(sentence) = composed.part.both_slots() {
-        let _ = writeln!(text, "  {sentence}");
-    }
+    text.extend(composed.part.both_slots().map(|sentence| format!("  {sentence}\n")));
     let cutter = &composed.part.cutter;
     if let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm) {
         let _ = writeln!(text, "  {hint}");
     }
-    let slots = f64::from(figures.slots);
     let whole = if figures.slot_kinds > 1 { "these slots" } else { "the part" };
     let _ = write!(
         text,
         "  time: {:.1} min a slot, {:.0} min {whole}, without indexing",
         figures.slot_min,
-        slots * figures.slot_min
+        f64::from(figures.slots) * figures.slot_min
     );
     match &composed.baseline {
         Ok(baseline) => {
