@@ -29,13 +29,14 @@ const ALONE: [(&str, &[&str]); 8] = [
 const MEASURING: [&str; 3] = ["arcfeed-dexel", "arcfeed-modal", "arcfeed-milling"];
 
 /// Files or folders in which the host composes the simulator for `sim:`.
-const COMPOSITION_ROOT: [&str; 6] = [
+const COMPOSITION_ROOT: [&str; 7] = [
     "host/src/commands/stream",
     "host/src/commands/simulate",
     "host/src/commands/engage",
     "host/src/commands/serve",
     "host/src/commands/measure",
     "host/src/commands/lobes",
+    "host/src/commands/plan/earlier_stock",
 ];
 
 /// Lints against panics.

@@ -175,7 +175,7 @@ impl EdgeEngagement {
         &self.layers
     }
 
-    /// Remaining workpiece, for giving its layers other material. The tool must be out of the cut ([`EdgeEngagement::lift`]) where it
+    /// Remaining workpiece, whose layers may get other material. The tool must be out of the cut ([`EdgeEngagement::lift`]) where it
     /// stands.
     pub fn layers_mut(&mut self) -> &mut Layers {
         &mut self.layers

@@ -24,8 +24,9 @@ pub mod clearance;
 
 pub mod remaining;
 
-pub mod earlier;
 pub mod floor;
+
+pub mod earlier;
 
 pub mod removal;
 

@@ -7,7 +7,7 @@
 //! point of it. The points are shifted from one bar of cells across the slot to the next by the golden ratio: the ring
 //! leaves layers along the walls, thinner than a cell, which points in rows would either all hit or all miss.
 //!
-//! What earlier passes have removed counts as removed by none of the levels.
+//! Material that earlier passes have removed counts for none of the levels.
 
 use nalgebra::Rotation3;
 

@@ -1,4 +1,4 @@
-//! What earlier passes have left of the blank about the first slot, in dexels: the stock of a later pass.
+//! Stock of a later pass: what earlier ones have left of the blank about the first slot, in dexels.
 
 use std::fmt::Display;
 use std::io::Cursor;
@@ -15,7 +15,6 @@ use arcfeed_plan::geometry::mesh::Triangle;
 use arcfeed_plan::path::{Pass, Step};
 use arcfeed_plan::vector::{FrameRotation, Vector};
 
-use super::files::RAYS_MM;
 use super::plan_result::PlanResult;
 
 /// Largest distance of sweeps from arcs and from the inserts' corners.
@@ -24,16 +23,16 @@ const TOLERANCE_MM: f64 = 0.01;
 const MEMORY_MAX_BYTES: usize = 1 << 30;
 
 /// Content of a binary STL file with what the earlier passes have left of the `blank` in all slots; blank and result are in the slot frame of
-/// this pass.
+/// this pass. Rays of the dexels are `step_mm` apart.
 ///
 /// # Errors
 /// The dexels need too much memory, or nothing is left.
-pub fn stl(composed: &PlanResult, blank: &[Triangle]) -> Result<Vec<u8>, String> {
+pub fn stl(composed: &PlanResult, blank: &[Triangle], step_mm: f64) -> Result<Vec<u8>, String> {
     let mill = &composed.part.cutter;
     let radii_mm = [mill.outer_radius_mm, mill.inner_radius_mm];
     let ring = Tool::ring(radii_mm, mill.insert_radius_mm, mill.height_mm, TOLERANCE_MM).map_err(text)?;
     let blank = Mesh::from_corners(blank.iter().map(|corners| corners.map(|corner| corner.coords.into())));
-    let mut stock = Stock::new(&blank.map_err(text)?, RAYS_MM, MEMORY_MAX_BYTES).map_err(text)?;
+    let mut stock = Stock::new(&blank.map_err(text)?, step_mm, MEMORY_MAX_BYTES).map_err(text)?;
     let blisk = &composed.part.blisk;
     for pass in &composed.earlier {
         for slot in 0..blisk.blades {

@@ -1,18 +1,13 @@
-//! Output of a cup-mill plan: text, JSON, and a comparison with other widths of the ring.
+//! Output of a cup-mill plan: text and JSON.
 
-use crate::console::note;
 use std::fmt::Write as _;
 
 use arcfeed_plan::cup_mill::level::{Stop, StopSurface};
 use arcfeed_plan::cup_mill::normal_form::StartEdge;
-use arcfeed_plan::cup_mill::plan::SlotPlan;
-use arcfeed_plan::cutter::{CupMill, ToolPart};
-use arcfeed_plan::optimisation::Problem;
+use arcfeed_plan::cutter::ToolPart;
 use arcfeed_plan::proof::clearance::{Clearance, Obstacle};
-use arcfeed_plan::rings::{Trial, trials};
 use serde::Serialize;
 
-use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::refusal::wider_ring;
 
@@ -280,22 +275,19 @@ pub fn text(composed: &PlanResult, figures: &Figures) -> String {
         let _ = writeln!(text, "    {:<6} from {:<8} {:>9.3}", found.part, found.obstacle, found.certified_mm);
     }
     let _ = writeln!(text, "{}", taken(figures));
-    if let Some(sentence) = composed.part.both_slots() {
-        let _ = writeln!(text, "  {sentence}");
-    }
+    text.extend(composed.part.both_slots().map(|sentence| format!("  {sentence}\n")));
     let cutter = &composed.part.cutter;
     if composed.part.passes_max == 1
         && let Some(hint) = wider_ring(cutter.outer_radius_mm - cutter.inner_radius_mm, figures.room_mm)
     {
         let _ = writeln!(text, "  {hint}");
     }
-    let slots = f64::from(figures.slots);
     let whole = if figures.slot_kinds > 1 { "these slots" } else { "the part" };
     let _ = write!(
         text,
         "  time: {:.1} min a slot, {:.0} min {whole}, without indexing",
         figures.slot_min,
-        slots * figures.slot_min
+        f64::from(figures.slots) * figures.slot_min
     );
     match &composed.baseline {
         Ok(baseline) => {
@@ -332,67 +324,4 @@ pub fn refusal(composed: &PlanResult) -> String {
     format!(
         "the ring comes as near as {nearest:.3} mm to a finished blade, of {allowance_mm:.3} mm that are to be left; nothing is written"
     )
-}
-
-/// Figures of one ring.
-#[derive(Debug, Serialize)]
-struct WidthFigures {
-    width_mm: f64,
-    outer_radius_mm: f64,
-    share_ratio: Option<f64>,
-    refused: Option<String>,
-}
-
-/// Prints the results for rings of other widths; each is planned and proven as the part's own ring is.
-///
-/// # Errors
-/// No ring fits between the blades.
-pub fn widths(composed: &PlanResult, json: bool) -> Result<(), Failure> {
-    let part = &composed.part;
-    let problem = Problem::new(&part.blisk, &composed.slot, &part.cutter, &part.roughing);
-    let problem = problem.map_err(|why| Failure::Input(why.to_string()))?.with_fixture(&part.fixtures);
-    note(format_args!("planning and proving some twenty other rings"));
-    let presents = |plan: &SlotPlan| composed.presents(plan);
-    let share = |cutter: &CupMill| {
-        let share = problem.share_ratio(cutter, part.axis, &presents);
-        let width_mm = cutter.outer_radius_mm - cutter.inner_radius_mm;
-        let result = share.as_ref().map_or_else(ToString::to_string, |share| format!("{:.2} %", 100.0 * share));
-        note(format_args!("ring of {:.3} mm, {width_mm:.3} mm wide: {result}", cutter.outer_radius_mm));
-        share
-    };
-    let [by_width, by_middle] = trials(&part.cutter, share);
-    let worths = by_width.iter().chain(&by_middle).map(Trial::worth);
-    let most = worths.fold(f64::NEG_INFINITY, f64::max);
-    if most < 0.0 {
-        return Err(Failure::Input("no ring of any width passes".into()));
-    }
-    if !json {
-        say(format_args!("  ring's width, mm   outer radius, mm   taken of the slot, %"));
-    }
-    let own_mm = part.cutter.outer_radius_mm - part.cutter.inner_radius_mm;
-    for (trial, is_own) in by_width
-        .iter()
-        .map(|trial| (trial, trial.width_mm == own_mm))
-        .chain(by_middle.iter().map(|trial| (trial, false)))
-    {
-        let outer_radius_mm = trial.middle_mm + trial.width_mm / 2.0;
-        let (share_ratio, refused) = match &trial.share_ratio {
-            Ok(share) => (Some(*share), None),
-            Err(why) => (None, Some(why.to_string())),
-        };
-        if json {
-            let figures = WidthFigures { width_mm: trial.width_mm, outer_radius_mm, share_ratio, refused };
-            say(format_args!("{}", serde_json::to_string(&figures).unwrap_or_default()));
-        } else {
-            let mark = match (trial.worth() >= most, is_own) {
-                (true, true) => "  most, this cutter",
-                (true, false) => "  most",
-                (false, true) => "  this cutter",
-                (false, false) => "",
-            };
-            let taken = share_ratio.map(|share| format!("{:.2}", 100.0 * share)).or(refused).unwrap_or_default();
-            say(format_args!("  {:>16.3}   {outer_radius_mm:>16.3}   {taken}{mark}", trial.width_mm));
-        }
-    }
-    Ok(())
 }

@@ -48,7 +48,7 @@ fn write_pass(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[Pa
     let [blank, part] = meshes(composed, is_whole);
     let part = to_stl(&part).map_err(|error| failed(&error))?;
     let stock = match number {
-        2.. if !is_whole => earlier_stock::stl(composed, &blank).map_err(|why| failed(&why))?,
+        2.. if !is_whole => earlier_stock::stl(composed, &blank, RAYS_MM).map_err(|why| failed(&why))?,
         _ => to_stl(&blank).map_err(|error| failed(&error))?,
     };
     let settings = control_settings(composed);

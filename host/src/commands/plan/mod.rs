@@ -14,6 +14,9 @@ mod slot_frame;
 mod figures;
 
 #[cfg(feature = "plan")]
+mod widths;
+
+#[cfg(feature = "plan")]
 mod page;
 
 #[cfg(feature = "plan")]

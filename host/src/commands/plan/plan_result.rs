@@ -14,7 +14,6 @@ use arcfeed_plan::path::Pass;
 use arcfeed_plan::placement::{Placement, any_table, check_travel, placement};
 use arcfeed_plan::proof::verdict::Proof;
 
-use super::figures::refusal;
 use super::refusal::{idle, with_remedy};
 use crate::console::note;
 use crate::part::PartFile;
@@ -22,6 +21,9 @@ use crate::report::page::plan::BaselineResult;
 
 /// Inverse time of indexing, as in the published listing: 1/50 min from slot to slot.
 const INDEXING_PER_MIN: f64 = 50.0;
+
+/// Reason why there is no further pass.
+const UNPROVEN: &str = "none of the best paths for it is proven free of collisions";
 
 /// Cup-mill plan of one pass through the slots of a part, with everything derived from it.
 pub struct PlanResult {
@@ -79,7 +81,7 @@ impl PlanResult {
         while let Some(last) = passes.last().filter(|last| last.is_safe() && last.number() < part.passes_max) {
             problem.add_pass(&last.valued.plan);
             let next = PlanResult::next(&part, &slot, &problem, last.with_earlier_ratio);
-            match next.and_then(|next| if next.is_safe() { Ok(next) } else { Err(refusal(&next)) }) {
+            match next.and_then(|next| if next.is_safe() { Ok(next) } else { Err(UNPROVEN.into()) }) {
                 Ok(next) => passes.push(next),
                 Err(why) => {
                     note(format_args!("no pass {}: {why}", passes.len() + 1));

@@ -3,7 +3,7 @@
 use super::super::outcome::{Failure, say};
 use super::plan_result::PlanResult;
 use super::refusal::{RefusalFigures, set_aside};
-use super::{CupMill, figures, files};
+use super::{CupMill, figures, files, widths};
 use crate::console::note;
 use crate::part::{MachineSource, PartFile};
 
@@ -37,7 +37,7 @@ impl CupMill {
         let part = if self.widths { PartFile { passes_max: 1, ..part } } else { part };
         let passes = PlanResult::passes(part).map_err(|why| refused(format!("{}: {why}", self.part.display())))?;
         if self.widths {
-            return figures::widths(&passes[0], self.json);
+            return widths::widths(&passes[0], self.json);
         }
         passes.iter().for_each(|composed| self.print(composed));
         if !passes[0].is_safe() {
