@@ -23,14 +23,11 @@ use super::cutter::LeftOut;
 use super::flexible_workpiece::FlexibleWorkpiece;
 use super::load_statistics::{CHIP_MIN_MM, LoadSample, LoadStatistics, LoadWindow, TurnStatistics};
 use super::periods::{Period, Periods};
-use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
+use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between, is_near};
 use super::tilted::{TiltedLayers, TiltedWorkpiece};
 use super::tip_path::TipPath;
 use super::tooth_passes::{PassStep, ToothPass, ToothPasses};
 use super::trail::{BlockRef, PathSection};
-
-/// Distance from the workpiece within which the edges are evaluated.
-const NEAR_MM: f64 = 1.0;
 
 /// Steps in a millisecond above which the spindle speed is taken for a mistake and nothing is evaluated.
 const STEPS_MAX: f64 = 1e4;
@@ -230,7 +227,7 @@ impl LoadMeter {
             self.leave_workpiece();
         }
         let ends = self.tilted.as_mut().map_or(chord.ends_mm, |tilted| tilted.ends_mm(chord));
-        if let (true, Some(tilted)) = (ends.iter().any(|tip_mm| self.is_near(tip_mm)), &mut self.tilted) {
+        if let (true, Some(tilted)) = (is_near(self.settings.process.engagement(), &ends), &mut self.tilted) {
             let filled = tilted.fill_for(self.settings.process.engagement_mut(), &ends);
             filled.map_err(|_| LeftOutReason::Tilted)?;
         }
@@ -239,7 +236,7 @@ impl LoadMeter {
 
     fn process_chord(&mut self, section: &PathSection, ends: [Vector; 2], rev_per_min: f64) {
         let turned = rev_per_min / S_PER_MIN * STEP.to_s() * self.steps_a_turn as f64;
-        let is_near = ends.iter().any(|tip_mm| self.is_near(tip_mm));
+        let is_near = is_near(self.settings.process.engagement(), &ends);
         let cuts = !section.block.is_rapid && section.positions[0] != section.positions[1];
         if is_near && cuts && turned < 0.0 {
             LeftOut::count(&mut self.left_out, section.block, LeftOutReason::Backwards);
@@ -375,15 +372,5 @@ impl LoadMeter {
         let turned = self.steps % self.steps_a_turn as u64;
         let turned_rad = TAU * turned as f64 / self.steps_a_turn as f64;
         ToolPose { axis_mm: Vector2::new(tip_mm[0], tip_mm[1]), tip_mm: tip_mm[2], turned_rad }
-    }
-
-    /// Whether an edge may touch the workpiece.
-    fn is_near(&self, tip_mm: &Vector) -> bool {
-        let engagement = self.settings.process.engagement();
-        let reach_mm = engagement.cutter().reach_mm() + NEAR_MM;
-        let is_beside = |[lowest_mm, highest_mm]: [[f64; 2]; 2]| {
-            (0..2).all(|axis| (lowest_mm[axis] - reach_mm..=highest_mm[axis] + reach_mm).contains(&tip_mm[axis]))
-        };
-        engagement.layers().extent_mm().is_some_and(is_beside) && engagement.is_in(tip_mm[2], NEAR_MM)
     }
 }

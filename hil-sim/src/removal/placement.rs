@@ -26,6 +26,7 @@ use arcfeed_dexel::frame::Frame;
 use arcfeed_dexel::motion::{Move, MoveError, Pose};
 use arcfeed_dexel::section::Sweep;
 use arcfeed_dexel::tool::Tool;
+use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
 
 use super::trail::{AxisPosition, PathSection};
 
@@ -34,6 +35,9 @@ const SAME_DEG: f64 = 1e-4;
 
 /// Tilt of the tool axis, rad, that counts as upright.
 const UPRIGHT_RAD: f64 = 1e-6;
+
+/// Distance from the workpiece within which the edges are evaluated.
+const NEAR_MM: f64 = 1.0;
 
 /// Tool axis without rotary axes, or for the part in its first position.
 const UP: Vector = [0.0, 0.0, 1.0];
@@ -252,6 +256,18 @@ impl WorkpiecePlacement {
 /// Point at a fraction of a chord.
 pub(super) fn between(ends_mm: &[Vector; 2], part: f64) -> Vector {
     [0, 1, 2].map(|axis: usize| ends_mm[0][axis] + (ends_mm[1][axis] - ends_mm[0][axis]) * part)
+}
+
+/// Whether an edge may touch the workpiece with the tip at one of these places, in the frame of the layers.
+pub(super) fn is_near(engagement: &EdgeEngagement, tips_mm: &[Vector]) -> bool {
+    let reach_mm = engagement.cutter().reach_mm() + NEAR_MM;
+    let is_beside = |tip_mm: &Vector, [lowest_mm, highest_mm]: [[f64; 2]; 2]| {
+        (0..2).all(|axis| (lowest_mm[axis] - reach_mm..=highest_mm[axis] + reach_mm).contains(&tip_mm[axis]))
+    };
+    let extent_mm = engagement.layers().extent_mm();
+    tips_mm.iter().any(|tip_mm| {
+        extent_mm.is_some_and(|extent_mm| is_beside(tip_mm, extent_mm)) && engagement.is_in(tip_mm[2], NEAR_MM)
+    })
 }
 
 /// Whether a tool axis is tilted.
