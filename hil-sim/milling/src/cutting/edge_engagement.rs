@@ -175,8 +175,7 @@ impl EdgeEngagement {
         &self.layers
     }
 
-    /// Remaining workpiece, for giving its layers other material. The tool must be out of the cut ([`EdgeEngagement::lift`]) where it
-    /// stands.
+    /// Remaining workpiece, to replace its layers; the tool must be out of the cut there ([`EdgeEngagement::lift`]).
     pub fn layers_mut(&mut self) -> &mut Layers {
         &mut self.layers
     }
