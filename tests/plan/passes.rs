@@ -71,7 +71,7 @@ fn part(passes_max: u32) -> String {
     text.replace("blades = 19", "blades = 13")
         .replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
         .replace("axial_feed = 2\n", "axial_feed = 20\n")
-        .replace("[roughing]", &format!("[roughing]\naxis = \"blade\"\npasses_max = {passes_max}"))
+        .replace("[roughing]", &format!("[roughing]\npasses_max = {passes_max}"))
 }
 
 fn volume_mm3(file: &str) -> f64 {
