@@ -13,7 +13,7 @@
 //! angle <= asin(t / r_k)        (1)
 //! ```
 //!
-//! The cone in [`Onward`] lies within these cones, so no place is farther from its chord than t, however many periods there are.
+//! The cone in `Onward` lies within these cones, so no place is farther from its chord than t, however many periods there are.
 //!
 //! For plunges a workpiece in which thousands of them follow each other is made about the tool's axis only, as far as the tool
 //! reaches; where the tool goes farther away, it is made anew.
