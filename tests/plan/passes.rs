@@ -94,6 +94,8 @@ fn the_job_of_the_second_pass_begins_with_what_the_first_program_leaves() {
 
     let program = |file: &str| std::fs::read_to_string(format!("{folder}/{file}")).expect("a program");
     assert!(program("blisk-19.nc").contains("O1546") && program("pass-2/blisk-19-pass-2.nc").contains("O1547"));
+    let words = "(PASS 2: ONLY AFTER PASS 1 IN ALL SLOTS)";
+    assert!(program("pass-2/blisk-19-pass-2.nc").contains(words) && !program("blisk-19.nc").contains("(PASS"));
     let left = scratch.path("left.stl");
     object(&["simulate", &format!("{folder}/job.toml"), "--surface", &left]);
     let [blank_mm3, left_mm3, second_mm3] =

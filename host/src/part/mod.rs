@@ -44,6 +44,8 @@ const INTERIOR_CONTACT: f64 = 0.1;
 const CLEARANCE_MM: f64 = 5.0;
 /// Most levels over the whole radius of a blank.
 const LEVELS_MAX: f64 = 1_000.0;
+/// Largest O number.
+const NUMBER_MAX: u32 = 9_999;
 /// Most passes through a slot.
 pub const PASSES_MAX: u32 = 4;
 /// Largest radius of a blank: a larger one is in another unit than its number.
@@ -211,13 +213,15 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     let fixtures = table.fixture.iter().map(|entry| fixture(entry, unit)).collect::<Result<_, _>>()?;
     let blisk = geometry::build(&table.geometry, unit, blank, folder)?;
     let slot = slot_kind::slot(table.roughing.slot.as_ref(), &blisk)?;
+    let passes_max = passes_max(table.roughing.passes_max.as_ref())?;
+    check_numbers(&table.output, passes_max)?;
     Ok(PartFile {
         name: name(table, path),
         unit,
         cutter,
         roughing,
         axis: axis(table.roughing.axis),
-        passes_max: passes_max(table.roughing.passes_max.as_ref())?,
+        passes_max,
         is_engaged_arc: table.roughing.law == LawWord::EngagedArc,
         feeds,
         fixtures,
@@ -241,6 +245,17 @@ fn check_levels(entry: &Spanned<Quantity>, depth_mm: f64, blank: &Blank) -> Resu
         blank.radius_mm
     );
     Err(at(entry, &message))
+}
+
+/// Rejects an O number after which there is none for the last pass.
+fn check_numbers(entry: &OutputTable, passes_max: usize) -> Result<(), Complaint> {
+    match &entry.number {
+        Some(number) if *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
+            number,
+            &format!("each pass has an O number, from this one on: {passes_max} go beyond {NUMBER_MAX}"),
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Rejects a speed that the machine's spindle does not have.
@@ -346,7 +361,7 @@ fn output(entry: &OutputTable, unit: LengthUnit) -> Result<Output, Complaint> {
     };
     Ok(Output {
         unit: entry.units.map_or(unit, Into::into),
-        number: within(&entry.number, "number", 9999, 1)?,
+        number: within(&entry.number, "number", NUMBER_MAX, 1)?,
         tool: within(&entry.tool, "tool", 9999, 1)?,
         coolant: entry.coolant.unwrap_or(true),
         dprnt: entry.dprnt.unwrap_or(false),

@@ -116,8 +116,12 @@ fn setup(composed: &PlanResult) -> Setup {
         "zero: where A and B cross, the rotor's axis along B".into(),
     ];
     title.extend(part.slot_name());
+    if composed.number() > 1 {
+        // Its feeds are those of the material that the pass before leaves.
+        title.push(format!("pass {}: only after pass {} in all slots", composed.number(), composed.number() - 1));
+    }
     Setup {
-        number: part.output.number + (composed.number() as u32 - 1),
+        number: part.output.number + composed.earlier.len() as u32,
         title,
         unit: part.output.unit,
         tool: part.output.tool,
