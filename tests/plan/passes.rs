@@ -28,9 +28,7 @@ fn a_second_pass_removes_what_the_dexels_lose() {
     let before = problem.along(first).expect("a plan");
     problem.add_pass(&before.plan);
     let after = problem.along(second).expect("a plan");
-    let again = problem.along(first).expect("a plan");
     assert!(after.share_ratio < alone.share_ratio, "{} {}", after.share_ratio, alone.share_ratio);
-    assert!(again.share_ratio < 1e-3 || again.plan.start != before.plan.start, "{}", again.share_ratio);
 
     let (path, to_slot) = (&after.plan.path, after.plan.turn);
     let earlier = [before.plan.pass()];
@@ -53,13 +51,18 @@ fn a_second_pass_removes_what_the_dexels_lose() {
     let spread_mm3 = proof.removed.error_mm3 + simulated.spread_mm3();
     assert!((planned_mm3 - simulated_mm3).abs() < spread_mm3, "{planned_mm3} {simulated_mm3}");
 
-    // After both passes no place has more material than after the first one.
+    // The first path once more finds nothing.
     let first_case = ProofCase { path: &before.plan.path, to_slot: before.plan.turn, earlier: &[], ..case };
-    let alone = prove(&first_case, &ProofResolution::default()).expect("blades above the hub");
-    let maps = [(&proof.left.pressure, &alone.left.pressure), (&proof.left.suction, &alone.left.suction)];
-    for (both, alone) in maps {
-        let pairs = both.values_mm.iter().zip(&alone.values_mm);
-        let less_mm: Vec<f64> = pairs.map(|(both_mm, alone_mm)| alone_mm - both_mm).collect();
+    let proven = |case: &ProofCase<'_>| prove(case, &ProofResolution::default()).expect("blades above the hub");
+    let first_proof = proven(&first_case);
+    let repeated_mm3 = proven(&ProofCase { earlier: &earlier, ..first_case }).removed.total_mm3();
+    assert!(repeated_mm3 < 1.0 && first_proof.removed.total_mm3() > 20_000.0, "{repeated_mm3}");
+
+    // After both passes no place has more material than after the first one.
+    let (both, one) = (&proof.left, &first_proof.left);
+    for (both, one) in [(&both.pressure, &one.pressure), (&both.suction, &one.suction)] {
+        let pairs = both.values_mm.iter().zip(&one.values_mm);
+        let less_mm: Vec<f64> = pairs.map(|(both_mm, one_mm)| one_mm - both_mm).collect();
         println!("{:.2?} mm less", less_mm.iter().copied().fold(0.0, f64::max));
         assert!(less_mm.iter().all(|less_mm| *less_mm > -0.01) && less_mm.iter().any(|less_mm| *less_mm > 0.5));
     }
@@ -67,10 +70,11 @@ fn a_second_pass_removes_what_the_dexels_lose() {
 
 fn part(passes_max: u32) -> String {
     let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
-    // Ten times the spindle speed: a tenth of the machine's time.
+    // Ten times the spindle speed: a tenth of the machine's time. Levels of twice the depth: half of the work.
     text.replace("blades = 19", "blades = 13")
         .replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
         .replace("axial_feed = 2\n", "axial_feed = 20\n")
+        .replace("axial_depth_max = 0.1\n", "axial_depth_max = 0.2\n")
         .replace("[roughing]", &format!("[roughing]\npasses_max = {passes_max}"))
 }
 
