@@ -252,7 +252,9 @@ fn check_numbers(entry: &OutputTable, passes_max: usize) -> Result<(), Complaint
     match &entry.number {
         Some(number) if *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
             number,
-            &format!("each pass has an O number, from this one on: {passes_max} go beyond {NUMBER_MAX}"),
+            &format!(
+                "{passes_max} passes need {passes_max} O numbers, this one and those after it, up to {NUMBER_MAX}"
+            ),
         )),
         _ => Ok(()),
     }
