@@ -247,10 +247,10 @@ fn check_levels(entry: &Spanned<Quantity>, depth_mm: f64, blank: &Blank) -> Resu
     Err(at(entry, &message))
 }
 
-/// Rejects an O number after which there is none for the last pass.
+/// Rejects an O number from which on there are not enough for all passes.
 fn check_numbers(entry: &OutputTable, passes_max: usize) -> Result<(), Complaint> {
     match &entry.number {
-        Some(number) if *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
+        Some(number) if passes_max > 1 && *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
             number,
             &format!(
                 "{passes_max} passes need {passes_max} O numbers, this one and those after it, up to {NUMBER_MAX}"
