@@ -26,7 +26,7 @@ use arcfeed_milling::cutting::engaged_arcs::EdgeCircle;
 use arcfeed_milling::cutting::layers::{LEVEL_RATIO, Layers, Slice};
 
 use super::cutter::LeftOut;
-use super::heading::{AHEAD_DEG, Heading, hull};
+use super::heading::{AHEAD_DEG, Heading};
 use super::periods::{Period, Periods};
 use super::placement::{LeftOutReason, ToolChord, WorkpiecePlacement, between};
 use super::sections::{JOINED_MM, SectionMeter, SectionSettings, SectionedMove, ToolAt, travelled_mm};
@@ -34,8 +34,8 @@ use super::tilted::{TiltedLayers, TiltedSide, TiltedWorkpiece};
 use super::trail::BlockRef;
 
 /// Distance between two positions at which the material is cleared, as a fraction of the rays' distance. Between two positions a circle
-/// leaves a cusp of an eighth of their squared distance over its radius: 0.002 mm at 5 mm with rays 0.5 mm apart.
-const CLEAR_RATIO: f64 = 0.5;
+/// leaves a cusp of an eighth of their squared distance over its radius: 0.006 mm at 5 mm with rays 0.5 mm apart.
+const CLEAR_RATIO: f64 = 1.0;
 /// Distance, as a fraction of the sample distance, within which the end of a move gets no sample of its own.
 const END_RATIO: f64 = 0.01;
 
@@ -324,21 +324,25 @@ impl EngagementMeter {
 
     fn engaged_deg(&self, side: Edge, tip_mm: &Vector, heading: &Heading) -> Option<[f64; 2]> {
         let (layers, center_mm) = (&self.settings.layers, Vector2::new(tip_mm[0], tip_mm[1]));
+        let radius_mm = |slice: &Slice| if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
+        let least_mm = self.slices.iter().map(radius_mm).filter(|radius_mm| *radius_mm > 0.0).reduce(f64::min)?;
+        // Exact to half the rays' distance; widened to the safe side.
+        let spare_rad = self.step_mm() / 2.0 / least_mm;
+        let widened = |[from_rad, to_rad]: [f64; 2]| [from_rad - spare_rad, to_rad + spare_rad];
+        let within_rad = widened(heading.front_rad(side));
         // Every layer that the tool reaches into; the last slice is used for the highest.
         let lowest = self.lowest(tip_mm);
         let highest = layers.nth(tip_mm[2] + self.settings.depth_mm - LEVEL_RATIO * layers.rise_mm());
-        let slice_of = |nth: i64| self.slices.get((nth - lowest) as usize).or(self.slices.last());
-        let of_layer = |nth: i64| {
-            let (slice, layer) = (slice_of(nth)?, layers.layers().get(layers.place(nth)?)?);
-            let radius_mm = if side == Edge::Outer { slice.outer_mm } else { slice.inner_mm };
-            let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side })?;
+        let in_layer = |known_rad: Option<[f64; 2]>, nth: i64| {
+            let slice = self.slices.get((nth - lowest) as usize).or(self.slices.last())?;
+            let (radius_mm, layer) = (radius_mm(slice), layers.layers().get(layers.place(nth)?)?);
+            let ahead_mm = self.settings.ahead_mm;
+            let circle = (radius_mm > 0.0).then_some(EdgeCircle { center_mm, radius_mm, side, ahead_mm })?;
             let floor_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0) + LEVEL_RATIO;
-            // Exact to half the rays' distance; widened to the safe side.
-            let spare_rad = layer.step_mm() / 2.0 / radius_mm;
-            let arcs = circle.engaged_rad(layer, self.settings.ahead_mm, floor_ratio);
-            arcs.iter().filter_map(|[a, b]| heading.in_front_deg(side, &[a - spare_rad, b + spare_rad])).reduce(hull)
+            circle.engaged_rad(layer, floor_ratio, within_rad, known_rad)
         };
-        (lowest..=highest).filter_map(of_layer).reduce(hull)
+        let engaged_rad = (lowest..=highest).fold(None, |known_rad, nth| in_layer(known_rad, nth).or(known_rad));
+        heading.in_front_deg(side, &widened(engaged_rad?))
     }
 }
 

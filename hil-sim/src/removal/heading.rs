@@ -1,6 +1,6 @@
 //! Direction of a tool on its move, and the angles of the laws counted from it.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use arcfeed_control::drives::limits::AXES;
 use arcfeed_kinematics::vector::{difference, length};
@@ -12,7 +12,6 @@ use nalgebra::Vector2;
 
 /// Angles in front of the circle, from one side to the other.
 pub(super) const AHEAD_DEG: [f64; 2] = [0.0, 180.0];
-const TURN_DEG: f64 = 360.0;
 
 /// Direction of a tool on its move.
 pub(super) struct Heading {
@@ -22,11 +21,6 @@ pub(super) struct Heading {
     pub towards: Vector2<f64>,
     /// Unit vector of the motion.
     pub motion: Vector2<f64>,
-}
-
-/// Interval from the lower beginning to the higher end.
-pub(super) fn hull([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
-    [a.min(c), b.max(d)]
 }
 
 impl Heading {
@@ -57,19 +51,27 @@ impl Heading {
         })
     }
 
-    /// Part of an arc (counter-clockwise, radians) in front of a circle, in the angles of the laws.
-    pub fn in_front_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
-        let advance = self.motion * f64::from(side.advance());
+    /// Directions in front of a circle: half a turn, counter-clockwise, radians.
+    pub fn front_rad(&self, side: Edge) -> [f64; 2] {
         let base_rad = libm::atan2(self.towards.y, self.towards.x);
-        let [from_deg, to_deg] = arc_rad.map(|end_rad| (end_rad - base_rad).to_degrees());
-        let [from_deg, to_deg] =
-            if self.towards.perp(&advance) > 0.0 { [from_deg, to_deg] } else { [-to_deg, -from_deg] };
-        let part = |turns: i8| {
-            let [from_deg, to_deg] = [from_deg, to_deg].map(|deg| deg + TURN_DEG * f64::from(turns));
-            let part = [from_deg.max(AHEAD_DEG[0]), to_deg.min(AHEAD_DEG[1])];
-            (part[0] < part[1]).then_some(part)
+        if self.is_left_in_front(side) { [base_rad, base_rad + PI] } else { [base_rad - PI, base_rad] }
+    }
+
+    /// Part of an arc in front of a circle, in the angles of the laws. The arc is counted as [`Heading::front_rad`] is, and may reach
+    /// beyond it.
+    pub fn in_front_deg(&self, side: Edge, arc_rad: &[f64; 2]) -> Option<[f64; 2]> {
+        let [front_from, front_to] = self.front_rad(side);
+        let [from_deg, to_deg] = match self.is_left_in_front(side) {
+            true => arc_rad.map(|end_rad| (end_rad - front_from).to_degrees()),
+            false => [arc_rad[1], arc_rad[0]].map(|end_rad| (front_to - end_rad).to_degrees()),
         };
-        (-2..=2).filter_map(part).reduce(hull)
+        let part = [from_deg.max(AHEAD_DEG[0]), to_deg.min(AHEAD_DEG[1])];
+        (part[0] < part[1]).then_some(part)
+    }
+
+    /// Whether the edges of a circle advance where directions are to the left of `towards`.
+    fn is_left_in_front(&self, side: Edge) -> bool {
+        self.towards.perp(&(self.motion * f64::from(side.advance()))) > 0.0
     }
 }
 
@@ -86,24 +88,28 @@ mod tests {
     #[test]
     fn angles_are_counted_from_the_centre_to_where_the_edges_advance() {
         let arc = |from: f64, to: f64| [from.to_radians(), to.to_radians()];
+        let near = |found: [f64; 2], expected: [f64; 2]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);
         // Counter-clockwise about a centre to the left of the motion: straight ahead is clockwise of it.
         let ccw = heading(120.0, 1.0);
         for (side, [from, to], expected) in [
             (Edge::Outer, [80.0, 100.0], Some([20.0, 40.0])),
             (Edge::Inner, [140.0, 160.0], Some([20.0, 40.0])),
             (Edge::Outer, [130.0, 290.0], None),
-            (Edge::Outer, [100.0, 460.0], Some([0.0, 180.0])),
+            (Edge::Outer, [-100.0, 260.0], Some([0.0, 180.0])),
             (Edge::Outer, [110.0, 130.0], Some([0.0, 10.0])),
-            (Edge::Outer, [290.0, 320.0], Some([160.0, 180.0])),
+            (Edge::Outer, [-70.0, -40.0], Some([160.0, 180.0])),
         ] {
             let found = ccw.in_front_deg(side, &arc(from, to));
             let is_it = match (found, expected) {
-                (Some(found), Some(expected)) => found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
+                (Some(found), Some(expected)) => near(found, expected),
                 (None, None) => true,
                 _ => false,
             };
             assert!(is_it, "{side:?} {from} {to}: {found:?}");
         }
+        assert!(
+            near(ccw.front_rad(Edge::Outer), arc(-60.0, 120.0)) && near(ccw.front_rad(Edge::Inner), arc(120.0, 300.0))
+        );
         let mirrored = heading(120.0, -1.0).in_front_deg(Edge::Outer, &arc(140.0, 160.0)).expect("in front");
         assert!((mirrored[0] - 20.0).abs() < 1e-9 && (mirrored[1] - 40.0).abs() < 1e-9, "{mirrored:?}");
     }

@@ -20,7 +20,7 @@
 //!
 //! Source: geometry; the moments are those of [`arcfeed_milling::cutting::engaged_section`].
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use arcfeed_kinematics::vector::Vector;
 use arcfeed_milling::cutting::engaged_arcs::EdgeCircle;
@@ -244,34 +244,21 @@ impl SectionSettings {
     ) -> f64 {
         let ToolAt { layers, ahead_mm, tip_mm, .. } = tool;
         let Some(layer) = layers.place(nth).and_then(|index| layers.layers().get(index)) else { return 0.0 };
-        let circle = EdgeCircle { center_mm: Vector2::new(tip_mm[0], tip_mm[1]), radius_mm, side };
+        let circle = EdgeCircle { center_mm: Vector2::new(tip_mm[0], tip_mm[1]), radius_mm, side, ahead_mm: *ahead_mm };
         let floor_ratio = layers.part_ratio(nth, tip_mm[2]).max(0.0) + LEVEL_RATIO;
         let spare_rad = layer.step_mm() / 2.0 / radius_mm;
-        let engaged_rad = circle.engaged_rad(layer, *ahead_mm, floor_ratio);
         let in_front = |motion_rad: &f64| {
-            let advance_rad = if side == Edge::Outer { *motion_rad } else { motion_rad + TAU / 2.0 };
-            in_front_rad(&engaged_rad, spare_rad, advance_rad).map(|front_rad| front_rad.map(|end| end + advance_rad))
+            let advance_rad = if side == Edge::Outer { *motion_rad } else { motion_rad + PI };
+            let front_rad = [advance_rad - FRAC_PI_2, advance_rad + FRAC_PI_2];
+            let within_rad = [front_rad[0] - spare_rad, front_rad[1] + spare_rad];
+            let [from_rad, to_rad] = circle.engaged_rad(layer, floor_ratio, within_rad, None)?;
+            Some([(from_rad - spare_rad).max(front_rad[0]), (to_rad + spare_rad).min(front_rad[1])])
         };
         // Both fronts count as one, which no edge passes twice in a turn.
         let fronts_rad: Vec<[f64; 2]> = motions_rad.iter().filter_map(in_front).collect();
         let Some(width_rad) = hull_width_rad(&fronts_rad) else { return 0.0 };
         (libm::floor(width_rad / (TAU / self.edges.side as f64)) + 1.0).min(self.edges.side as f64)
     }
-}
-
-/// Part of engaged arcs in front of a direction, from the first to the last place, as angles from that direction.
-fn in_front_rad(engaged_rad: &[[f64; 2]], spare_rad: f64, advance_rad: f64) -> Option<[f64; 2]> {
-    let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-    for [begin, end] in engaged_rad {
-        for turns in [-1.0, 0.0, 1.0, 2.0] {
-            let off = |end: f64| end - advance_rad + (turns - libm::floor((begin - advance_rad) / TAU)) * TAU - TAU;
-            let (low, high) = ((off(*begin) - spare_rad).max(-FRAC_PI_2), (off(*end) + spare_rad).min(FRAC_PI_2));
-            if low < high {
-                (from, to) = (from.min(low), to.max(high));
-            }
-        }
-    }
-    (from < to).then_some([from, to])
 }
 
 /// Least width of an arc that has all these arcs in it, each at most half a turn wide; `None` without arcs.

@@ -1,7 +1,5 @@
 //! Engaged arcs of a cutting circle (intervals of directions with material), measured in the stock for laws that use them.
 
-use std::f64::consts::TAU;
-
 use arcfeed_model::tool::Edge;
 use nalgebra::Vector2;
 
@@ -19,41 +17,49 @@ pub struct EdgeCircle {
     pub radius_mm: f64,
     /// Whether the edges are on the outer or on the inner cutting circle.
     pub side: Edge,
+    /// Distance in front of the edges within which material counts.
+    pub ahead_mm: f64,
 }
 
 impl EdgeCircle {
-    /// Engaged arcs: intervals of directions, rad, in which there is material of the layer `ahead_mm` in front of the edges, higher than
-    /// `above_ratio` of the layer's height. They are exact to a quarter of the rays' distance. Angles are counter-clockwise
-    /// from the layer's first axis; each arc begins below a full turn and appears once.
-    pub fn engaged_rad(&self, layer: &Layer, ahead_mm: f64, above_ratio: f64) -> Vec<[f64; 2]> {
-        let directions = (TAU * self.radius_mm / layer.step_mm() * DIRECTIONS_PER_STEP).ceil() as usize;
-        let apart_rad = TAU / directions as f64;
-        let reach_mm = self.radius_mm + f64::from(self.side.advance()) * ahead_mm;
-        let mut is_in = vec![false; directions];
-        let mut direction = 0;
-        while direction < directions {
-            let (sin, cos) = libm::sincos((direction as f64 + 0.5) * apart_rad);
+    /// Widens the engaged arc `known_rad` to all directions in `within_rad` in which there is material of the layer in front of the
+    /// edges, higher than `above_ratio` of the layer's height. The arc goes from the first to the last such direction, and is exact to
+    /// a quarter of the rays' distance; `None` without material. Angles are counter-clockwise from the layer's first axis.
+    pub fn engaged_rad(
+        &self,
+        layer: &Layer,
+        above_ratio: f64,
+        [from_rad, to_rad]: [f64; 2],
+        known_rad: Option<[f64; 2]>,
+    ) -> Option<[f64; 2]> {
+        let known = |end: usize| known_rad.map(|ends| ends[end]);
+        let first = self.first_rad(layer, above_ratio, [from_rad, known(0).unwrap_or(to_rad)]).or(known(0))?;
+        let last = self.first_rad(layer, above_ratio, [to_rad, known(1).unwrap_or(first)]).or(known(1));
+        Some([first, last.unwrap_or(first)])
+    }
+
+    /// First direction with material on the way from one direction to another, in either sense.
+    fn first_rad(&self, layer: &Layer, above_ratio: f64, [from_rad, to_rad]: [f64; 2]) -> Option<f64> {
+        let apart_rad = layer.step_mm() / DIRECTIONS_PER_STEP / self.radius_mm;
+        let reach_mm = self.radius_mm + f64::from(self.side.advance()) * self.ahead_mm;
+        let (way_rad, extent_mm) = (to_rad - from_rad, layer.extent_mm());
+        let mut passed_rad = 0.0;
+        while passed_rad < libm::fabs(way_rad) {
+            let (sin, cos) = libm::sincos(from_rad + libm::copysign(passed_rad + apart_rad / 2.0, way_rad));
             let point_mm = self.center_mm + Vector2::new(cos, sin) * reach_mm;
             // No point on the circle is farther from this one than the arc between them is long.
-            let beside_mm = distance_mm(&layer.extent_mm(), &point_mm) - layer.step_mm();
+            let beside_mm = distance_mm(&extent_mm, &point_mm) - layer.step_mm();
             if beside_mm > 0.0 {
-                direction += ((beside_mm / (reach_mm * apart_rad)) as usize).max(1);
+                passed_rad += (beside_mm / reach_mm).max(apart_rad);
                 continue;
             }
             let axis = usize::from(sin * sin > cos * cos);
-            is_in[direction] = layer.top_ratio(point_mm, axis).is_some_and(|top_ratio| top_ratio > above_ratio);
-            direction += 1;
+            if layer.top_ratio(point_mm, axis).is_some_and(|top_ratio| top_ratio > above_ratio) {
+                return Some(from_rad + libm::copysign(passed_rad, way_rad));
+            }
+            passed_rad += apart_rad;
         }
-        let is_in = |direction: usize| is_in[direction % directions];
-        let begins = (0..directions).filter(|direction| is_in(*direction) && !is_in(direction + directions - 1));
-        let arcs: Vec<[f64; 2]> = begins
-            .map(|begin| {
-                let end =
-                    (begin..begin + directions).find(|direction| !is_in(*direction)).unwrap_or(begin + directions);
-                [begin as f64 * apart_rad, end as f64 * apart_rad]
-            })
-            .collect();
-        if arcs.is_empty() && is_in(0) { vec![[0.0, TAU]] } else { arcs }
+        None
     }
 }
 
@@ -65,32 +71,54 @@ fn distance_mm([low_mm, high_mm]: &[[f64; 2]; 2], point_mm: &Vector2<f64>) -> f6
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
+
+    const ROUND: [f64; 2] = [-PI, PI];
+
+    fn circle(side: Edge, ahead_mm: f64) -> EdgeCircle {
+        EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side, ahead_mm }
+    }
+
+    #[track_caller]
+    fn assert_near(found: Option<[f64; 2]>, should: [f64; 2]) {
+        let found = found.expect("material");
+        assert!(found.iter().zip(should).all(|(a, b)| (a - b).abs() < 0.1 / 5.0), "{found:?} {should:?}");
+    }
 
     #[test]
     fn an_arc_ends_where_the_material_does() {
         // Material from x = 3 on.
         let layer = Layer::rectangle([3.0, -20.0], [20.0, 40.0], 0.1);
-        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Outer };
-        let arcs = circle.engaged_rad(&layer, 0.0, 0.0);
-        let end = libm::acos(0.6);
-        assert_eq!(arcs.len(), 1);
-        for (found, should) in arcs[0].into_iter().zip([TAU - end, TAU + end]) {
-            assert!((found - should).abs() < 0.1 / 5.0, "{arcs:?}");
-        }
+        let (circle, end) = (circle(Edge::Outer, 0.0), libm::acos(0.6));
+        assert_near(circle.engaged_rad(&layer, 0.0, ROUND, None), [-end, end]);
+        assert_near(circle.engaged_rad(&layer, 0.0, [0.0, PI], None), [0.0, end]);
+        assert_near(circle.engaged_rad(&layer, 0.0, [2.0 * PI, 3.0 * PI], None), [2.0 * PI, 2.0 * PI + end]);
+        assert_eq!(circle.engaged_rad(&layer, 0.0, [1.0, PI], None), None);
+    }
+
+    #[test]
+    fn a_known_arc_is_widened_but_not_narrowed() {
+        let layer = Layer::rectangle([3.0, -20.0], [20.0, 40.0], 0.1);
+        let (circle, end) = (circle(Edge::Outer, 0.0), libm::acos(0.6));
+        assert_near(circle.engaged_rad(&layer, 0.0, ROUND, Some([-0.2, 0.1])), [-end, end]);
+        assert_eq!(circle.engaged_rad(&layer, 0.0, ROUND, Some([-2.0, 1.0])), Some([-2.0, 1.0]));
+        assert_near(circle.engaged_rad(&layer, 0.0, ROUND, Some([-2.0, -1.5])), [-2.0, end]);
+        assert_eq!(circle.engaged_rad(&layer, 0.0, [1.0, PI], Some([2.0, 2.5])), Some([2.0, 2.5]));
     }
 
     #[test]
     fn all_round_and_not_at_all() {
         let layer = Layer::rectangle([-20.0; 2], [40.0; 2], 0.5);
-        let circle = EdgeCircle { center_mm: Vector2::zeros(), radius_mm: 5.0, side: Edge::Inner };
-        assert_eq!(circle.engaged_rad(&layer, 0.1, 0.0), [[0.0, TAU]]);
+        let circle = circle(Edge::Inner, 0.1);
+        assert_eq!(circle.engaged_rad(&layer, 0.0, ROUND, None), Some(ROUND));
         let mut low = layer.clone();
         low.lower_ring(Vector2::zeros(), [0.0, 6.0], 0.4);
-        assert_eq!(circle.engaged_rad(&low, 0.1, 0.3), [[0.0, TAU]]);
-        assert!(circle.engaged_rad(&low, 0.1, 0.4).is_empty());
+        assert_eq!(circle.engaged_rad(&low, 0.3, ROUND, None), Some(ROUND));
+        assert_eq!(circle.engaged_rad(&low, 0.4, ROUND, None), None);
         let mut gone = layer;
         gone.clear_ring(Vector2::zeros(), 0.0, 6.0);
-        assert!(circle.engaged_rad(&gone, 0.1, 0.0).is_empty());
+        assert_eq!(circle.engaged_rad(&gone, 0.0, ROUND, None), None);
     }
 }

@@ -176,9 +176,9 @@ impl Layer {
 
     /// Height of the material at a point, as a fraction of the layer's height, on the nearest ray along `axis`; `None` without material.
     pub fn top_ratio(&self, point_mm: Vector2<f64>, axis: usize) -> Option<f64> {
-        let ray = libm::round(self.index(axis, point_mm[1 - axis]));
-        let is_there = (0.0..self.rays[axis].len() as f64).contains(&ray);
-        let ray = is_there.then_some(ray as usize)?;
+        let place = self.index(axis, point_mm[1 - axis]) + 0.5;
+        let is_there = (0.0..self.rays[axis].len() as f64).contains(&place);
+        let ray = is_there.then_some(place as usize)?;
         self.heights[axis][ray].top_ratio(&self.rays[axis][ray], point_mm[axis])
     }
 

@@ -6,6 +6,8 @@
 //! a line between levels the height is taken where the flat part enters and leaves the place and at both ends; in
 //! between, the result may be too high by a corner's height, but never too low.
 
+use core::f64::consts::{PI, TAU};
+
 use crate::cutter::CupMill;
 use crate::path::Step;
 use crate::vector::{Flat, Point};
@@ -17,18 +19,30 @@ pub struct Floor {
     /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],
     rounding_mm: f64,
+    levels: Vec<Level>,
+}
+
+/// Steps of the path that follow each other on one level.
+struct Level {
+    level: usize,
+    around: Around,
+    low_mm: f64,
     passes: Vec<Pass>,
 }
 
 /// Step of the path.
 struct Pass {
-    level: usize,
     motion: Motion,
-    /// Place of its axis half way, and its largest distance from there.
+    around: Around,
+    /// Height at which it begins.
+    from_mm: f64,
+    ends: [Flat; 2],
+}
+
+/// Circle about all places of the axis.
+struct Around {
     middle: Flat,
     reach_mm: f64,
-    low_mm: f64,
-    ends: [Flat; 2],
 }
 
 /// Tolerance within which passes are kept in spite of rounding, mm.
@@ -37,13 +51,27 @@ const SLACK_MM: f64 = 1e-6;
 impl Pass {
     fn new(step: &Step) -> Self {
         let motion = Motion::new(step);
+        let middle = motion.at(motion.length_mm / 2.0).place.xy();
         Pass {
-            level: step.level,
-            middle: motion.at(motion.length_mm / 2.0).place.xy(),
-            reach_mm: motion.length_mm / 2.0 + SLACK_MM,
-            low_mm: step.from[2].min(step.to[2]) - SLACK_MM,
+            around: Around { middle, reach_mm: motion.length_mm / 2.0 + SLACK_MM },
+            from_mm: step.from[2],
             ends: motion.arc().map_or([Flat::origin(); 2], Arc::ends),
             motion,
+        }
+    }
+}
+
+impl Level {
+    fn new(steps: &[Step]) -> Self {
+        let passes: Vec<Pass> = steps.iter().map(Pass::new).collect();
+        let sum: nalgebra::Vector2<f64> = passes.iter().map(|pass| pass.around.middle.coords).sum();
+        let middle = Flat::from(sum / passes.len() as f64);
+        let reaches_mm = passes.iter().map(|pass| (pass.around.middle - middle).norm() + pass.around.reach_mm);
+        Level {
+            level: steps[0].level,
+            around: Around { middle, reach_mm: reaches_mm.fold(0.0, f64::max) + SLACK_MM },
+            low_mm: steps.iter().map(|step| step.from[2].min(step.to[2])).fold(f64::INFINITY, f64::min) - SLACK_MM,
+            passes,
         }
     }
 }
@@ -55,21 +83,21 @@ impl Floor {
         Floor {
             flat_mm: [tool.inner_radius_mm + rounding_mm, tool.outer_radius_mm - rounding_mm],
             rounding_mm,
-            passes: steps.iter().map(Pass::new).collect(),
+            levels: steps.chunk_by(|one, next| one.level == next.level).map(Level::new).collect(),
         }
     }
 
     /// Lowest height of the ring over a point, mm, in the slot frame; infinite if the ring never comes there.
     pub fn at_mm(&self, place: &Flat) -> f64 {
-        self.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
+        self.levels.iter().map(|level| self.level_mm(level, place)).fold(f64::INFINITY, f64::min)
     }
 
     /// Lowest height of the ring over a place after each level, mm; the height decreases from one to the next.
     pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
         let mut floors_mm = vec![f64::INFINITY; levels];
-        for pass in &self.passes {
-            if let Some(floor_mm) = floors_mm.get_mut(pass.level) {
-                *floor_mm = floor_mm.min(self.pass_mm(pass, place));
+        for level in &self.levels {
+            if let Some(floor_mm) = floors_mm.get_mut(level.level) {
+                *floor_mm = floor_mm.min(self.level_mm(level, place));
             }
         }
         for level in 1..levels {
@@ -80,17 +108,29 @@ impl Floor {
 
     /// First level of the path at which the ring removes a point; `None` if it never does.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
-        let takes = |pass: &&Pass| pass.low_mm <= point.z && self.pass_mm(pass, &point.xy()) <= point.z;
-        self.passes.iter().find(takes).map(|pass| pass.level)
+        let takes = |level: &&Level| level.low_mm <= point.z && self.level_mm(level, &point.xy()) <= point.z;
+        self.levels.iter().find(takes).map(|level| level.level)
+    }
+
+    fn level_mm(&self, level: &Level, place: &Flat) -> f64 {
+        if !self.comes_to(&level.around, place) {
+            return f64::INFINITY;
+        }
+        level.passes.iter().map(|pass| self.pass_mm(pass, place)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the ring may pass over a place, with its axis somewhere in a circle.
+    fn comes_to(&self, Around { middle, reach_mm }: &Around, place: &Flat) -> bool {
+        let off_mm = (place - middle).norm();
+        self.lip_mm([off_mm - reach_mm, off_mm + reach_mm]).is_finite()
     }
 
     fn pass_mm(&self, pass: &Pass, place: &Flat) -> f64 {
-        let off_mm = (place - pass.middle).norm();
-        if self.lip_mm([off_mm - pass.reach_mm, off_mm + pass.reach_mm]).is_infinite() {
+        if !self.comes_to(&pass.around, place) {
             return f64::INFINITY;
         }
         match pass.motion.arc() {
-            Some(arc) => pass.motion.at(0.0).place.z + self.lip_mm(range_mm(arc, &pass.ends, place)),
+            Some(arc) => pass.from_mm + self.lip_mm(range_mm(arc, &pass.ends, place)),
             None => self.line_mm(&pass.motion, place),
         }
     }
@@ -126,15 +166,23 @@ impl Floor {
 fn range_mm(arc: &Arc, ends: &[Flat; 2], place: &Flat) -> [f64; 2] {
     let off = place - arc.centre;
     let far_mm = off.norm();
-    let toward_rad = libm::atan2(off.y, off.x);
-    let holds = |angle_rad: f64| {
-        let turn_rad = (angle_rad - arc.start_rad) * arc.sweep_rad.signum();
-        turn_rad.rem_euclid(core::f64::consts::TAU) <= arc.sweep_rad.abs()
+    let [start, end] = ends.map(|end| end.coords * arc.sweep_rad.signum());
+    let (past_start, before_end) = (start.perp(&off), off.perp(&end));
+    // Beyond half a turn the arc is all that is not between its end and its start.
+    let holds = |past_start: f64, before_end: f64| match arc.sweep_rad.abs() {
+        sweep_rad if sweep_rad >= TAU => true,
+        sweep_rad if sweep_rad > PI => past_start >= 0.0 || before_end >= 0.0,
+        _ => past_start >= 0.0 && before_end >= 0.0,
     };
-    let ends_mm = ends.map(|end| libm::hypot(off.x - end.x, off.y - end.y));
-    let least_mm = if holds(toward_rad) { (far_mm - arc.radius_mm).abs() } else { ends_mm[0].min(ends_mm[1]) };
-    let away_rad = toward_rad + core::f64::consts::PI;
-    let greatest_mm = if holds(away_rad) { far_mm + arc.radius_mm } else { ends_mm[0].max(ends_mm[1]) };
+    let ends_mm = ends.map(|end| (off - end.coords).norm());
+    let least_mm = match holds(past_start, before_end) {
+        true => (far_mm - arc.radius_mm).abs(),
+        false => ends_mm[0].min(ends_mm[1]),
+    };
+    let greatest_mm = match holds(-past_start, -before_end) {
+        true => far_mm + arc.radius_mm,
+        false => ends_mm[0].max(ends_mm[1]),
+    };
     [least_mm, greatest_mm]
 }
 

@@ -21,6 +21,9 @@ use super::remaining::SlotWalls;
 /// Golden ratio; its multiples fill the unit interval evenly.
 const GOLDEN_RATIO: f64 = 1.618_033_988_749_895;
 
+/// Volume of a slot up to which the cells of a comparison have the size asked for.
+const COMPARED_MM3: f64 = 100_000.0;
+
 /// Volumes that a path of a cup mill removes, level by level, mm3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemovedVolumes {
@@ -63,10 +66,8 @@ impl RemovedVolumes {
     /// Adds the volume between the offset surfaces, and the removed part of it.
     fn add_slot(&mut self, floor: &Floor, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) {
         let feet = |u: f64, v: f64| [0, 1].map(|side| walls.side(side, u, v));
-        let pieces = |[from, to]: [Point; 2]| (libm::ceil((to - from).norm() / cell_mm) as usize).max(1);
-        let [columns, rows] =
-            [[feet(0.0, 0.5)[0], feet(1.0, 0.5)[0]], [feet(0.5, 0.0)[0], feet(0.5, 1.0)[0]]].map(pieces);
-        let layers = pieces(feet(0.5, 0.5));
+        let [columns, rows, layers] =
+            extents_mm(walls).map(|extent_mm| (libm::ceil(extent_mm / cell_mm) as usize).max(1));
         let share = |k: usize, count: usize| k as f64 / count as f64;
         let row = |row: usize| (0..=columns).map(|column| feet(share(column, columns), share(row, rows))).collect();
         let lattice: Vec<Vec<[Point; 2]>> = (0..=rows).map(row).collect();
@@ -101,12 +102,22 @@ pub fn removed(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWall
     removed
 }
 
-/// Only the fraction of the slot's volume that the path removes, 0 to 1, as in [`removed`].
+/// Only the fraction of the slot's volume that the path removes, 0 to 1, as in [`removed`]. A slot of more than 100 cm3 has larger cells,
+/// as many as one of 100 cm3.
 pub fn slot_share_ratio(floor: &Floor, levels: usize, stock: &Stock<'_>, walls: &SlotWalls<'_>, cell_mm: f64) -> f64 {
     let (by_level_mm3, slot_by_level_mm3) = (Vec::new(), vec![0.0; levels]);
     let mut removed = RemovedVolumes { by_level_mm3, error_mm3: 0.0, slot_mm3: 0.0, slot_by_level_mm3 };
-    removed.add_slot(floor, stock, walls, cell_mm);
+    let size_mm3: f64 = extents_mm(walls).iter().product();
+    removed.add_slot(floor, stock, walls, cell_mm * libm::cbrt(size_mm3 / COMPARED_MM3).max(1.0));
     removed.share_ratio()
+}
+
+/// Lengths of the slot between its walls, half way along the other two: along a wall, up a wall, and from wall to wall.
+fn extents_mm(walls: &SlotWalls<'_>) -> [f64; 3] {
+    let at = |side: usize, u: f64, v: f64| walls.side(side, u, v);
+    let ends =
+        [[at(0, 0.0, 0.5), at(0, 1.0, 0.5)], [at(0, 0.5, 0.0), at(0, 0.5, 1.0)], [at(0, 0.5, 0.5), at(1, 0.5, 0.5)]];
+    ends.map(|[from, to]| (to - from).norm())
 }
 
 impl Stock<'_> {
