@@ -6,11 +6,12 @@ use std::sync::OnceLock;
 
 use arcfeed::part::PartFile;
 use arcfeed_plan::cup_mill::plan::{AxisChoice, SlotPlan};
-use arcfeed_plan::geometry::blisk::Blisk;
+use arcfeed_plan::geometry::blisk::{Blade, Blisk};
 use arcfeed_plan::geometry::flaws::flaws;
 use arcfeed_plan::optimisation::Problem;
-use arcfeed_plan::vector::{Flat, Point};
+use arcfeed_plan::vector::{Flat, Point, Vector};
 use arcfeed_tests::{Scratch, root, skip_loudly};
+use nalgebra::Rotation3;
 
 /// Largest difference of two plans, and of two surfaces, mm.
 const PLAN_MM: f64 = 0.01;
@@ -124,7 +125,6 @@ fn the_same_rotor_in_every_format_gives_the_same_plan() {
             "step = { file = \"rotor.step\", blade = [\"red\"], hub_faces = [\"HUB\"], tip_radius = 98.6, blades = 19 }",
         ),
     ];
-    std::fs::copy(root().join("tests/plan/formats/rotor.step"), folder.join("rotor.step")).expect("the file of STEP");
     let parts = formats.map(|(name, geometry)| (name, rotor(&folder, geometry)));
     let truth = plan(&parts[0].1);
     for (name, part) in &parts {
@@ -139,6 +139,28 @@ fn the_same_rotor_in_every_format_gives_the_same_plan() {
             planned.path.levels.len()
         );
         assert!(off_mm < PLAN_MM && surface_mm < PLAN_MM, "{name}");
+    }
+}
+
+#[test]
+fn splitters_of_stl_and_step_are_the_turned_copies_that_the_files_have() {
+    let Some(folder) = folder() else { return };
+    for (name, geometry) in [
+        ("STL", "stl = { blade = \"blade.stl\", splitter = \"splitter.stl\", hub = \"hub.stl\", blades = 9 }"),
+        (
+            "STEP",
+            "step = { file = \"with-splitter.step\", blade = [\"red\"], splitter = [\"green\"], hub_faces = [\"HUB\"], \
+             tip_radius = 98.6, blades = 9 }",
+        ),
+    ] {
+        let part = rotor(&folder, geometry);
+        let [splitter] = part.blisk.further_blades.as_slice() else { panic!("{name}: no splitter") };
+        let back = Rotation3::from_axis_angle(&Vector::z_axis(), -core::f64::consts::PI / 9.0);
+        let Blade { pressure, suction } = splitter.turned(&back);
+        let turned = Blisk { pressure, suction, ..part.blisk.clone() };
+        let surface_mm = apart_mm(&turned, &part.blisk).max(apart_mm(&part.blisk, &turned));
+        println!("{name}: splitter {surface_mm:.6} mm from the main blade's copy at most");
+        assert!(surface_mm < PLAN_MM, "{name}");
     }
 }
 

@@ -8,6 +8,7 @@ use arcfeed::file_error::FileError;
 use arcfeed::part::PartFile;
 use arcfeed::part::finish::FinishPart;
 use arcfeed::part::plunge::PlungePart;
+use arcfeed::part::repair::RepairFile;
 use arcfeed_plan::vector::Vector;
 use arcfeed_tests::{Scratch, root};
 use nalgebra::Rotation3;
@@ -261,8 +262,13 @@ fn splitter_messages(scratch: &Scratch, folder: &Path, example: &str, generate: 
     let finish = fs::read_to_string(root().join("examples/finish-blisk/PART.toml")).expect("the example");
     let generate = finish.lines().find(|line| line.starts_with("generate")).expect("the rotor");
     let finish = finish.replace(generate, CURVES);
-    let finish = FinishPart::parse(&folder.join("PART.toml"), &finish).err().map(shown);
+    let path = scratch.write("PART.toml", &finish);
+    let finish = FinishPart::parse(Path::new(&path), &finish).err().map(shown);
     cases.push(("splitters: plan finish".to_owned(), finish));
+    let repair = fs::read_to_string(root().join("examples/repaired-blade/REPAIR.toml")).expect("the example");
+    let repair = repair.replace("../finish-blisk/PART.toml", "PART.toml");
+    let repair = RepairFile::parse(&folder.join("REPAIR.toml"), &repair).err().map(shown);
+    cases.push(("splitters: plan repair".to_owned(), repair));
     cases
 }
 

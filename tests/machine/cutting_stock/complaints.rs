@@ -14,6 +14,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         ("to = [50, 10, 0]", "to = [50, 10, -12]", ":14:9: `from` must be below `to`"),
         ("step = 0.25\n", "step = -1\n", ":15:8: step must be a positive length"),
         ("step = 0.25\n", "step = 0.25\nmemory_mib = 0\n", ":16:14: memory_mib must be 1 or more"),
+        ("step = 0.25\n", "step = 0.25\nindexed = true\n", ":16:11: indexed = true needs a [machine]"),
         ("step = 0.25\n", "step = 0.1\nmemory_mib = 1\n", ":13:1: the stock takes"),
         ("step = 0.25\n", "step = 0.25\nstl = \"no.stl\"\n", ":13:1: give the workpiece as one of block"),
         ("step = 0.25\n", "step = 0.25\ntarget = \"no.stl\"\n", ":16:10: "),

@@ -2,6 +2,7 @@
 """Writes the rotor of `rotor.py` in the formats that need no CAD system: `rotor_formats.py FOLDER`."""
 
 import random
+import re
 import struct
 import sys
 from math import cos, degrees, pi, sin
@@ -112,6 +113,32 @@ def ascii_text(triangles):
     return "\n".join(lines + ["endsolid blade"]) + "\n"
 
 
+def aside(point):
+    """A point of the blade's copy that is turned by 20 degrees: a splitter half way between nine blades."""
+    x, y, z = point
+    return x * cos(pi / 9) - y * sin(pi / 9), x * sin(pi / 9) + y * cos(pi / 9), z
+
+
+def with_splitter(step):
+    """The STEP file with a copy of its red blade, turned and green."""
+    is_of_blade = lambda number: 16 <= number < 3532 or 3629 <= number <= 3636
+    renumbered = lambda found: f"#{int(found[1]) + (10000 if is_of_blade(int(found[1])) else 0)}"
+
+    def turned(found):
+        place = aside([float(number) for number in found[2].split(",")])
+        return found[1] + ",".join(f"{number:.12f}" for number in place) + "))"
+
+    copies = []
+    for statement in step.split(";\n"):
+        statement = re.sub(r"\s+", "", statement)
+        number = re.match(r"#(\d+)=", statement)
+        if number and is_of_blade(int(number[1])):
+            copy = re.sub(r"#(\d+)", renumbered, statement).replace("'red'", "'green'")
+            copies.append(re.sub(r"((?:CARTESIAN_POINT|DIRECTION)\('',\()([^,()]+,[^,()]+,[^,()]+)\)\)", turned, copy))
+    data, rest = step.rsplit("ENDSEC;", 1)
+    return data + "".join(copy + ";\n" for copy in copies) + "ENDSEC;" + rest
+
+
 def main(folder):
     def write(name, content):
         content = content if isinstance(content, bytes) else content.encode()
@@ -123,7 +150,11 @@ def main(folder):
     write("hub.curve", generatrix(hub_mm))
     write("shroud.curve", generatrix(tip_mm))
     write("profile.curve", profile())
-    write("blade.stl", binary(blade(-0.08, 800, 96)))
+    main_blade = blade(-0.08, 800, 96)
+    write("blade.stl", binary(main_blade))
+    write("splitter.stl", binary([[aside(corner) for corner in triangle] for triangle in main_blade]))
+    write("rotor.step", step := (Path(__file__).parent / "rotor.step").read_text())
+    write("with-splitter.step", with_splitter(step))
     write("blade-ascii.stl", ascii_text(blade(0.0, 480, 72)))
     write("hub.stl", binary(hub()))
     # With a fillet of 2 mm at the root; truth between the sections from its own points.
