@@ -69,19 +69,33 @@ impl Line<'_> {
     fn worst(&self, walls: &[&Patch]) -> (f64, f64) {
         let mut worst = (PLACES[0], f64::NEG_INFINITY);
         for wall in walls {
+            // A wall none of whose samples is nearer is nowhere touched; no sample is farther from one of these than the mesh.
+            let near_mm = CLEAR_MM + wall.mesh_mm();
+            let may_be_near = |point: &&Point| self.least_gap_mm(point) <= near_mm + wall.mesh_mm();
+            let points: Vec<&Point> = wall.thinned(STRIDE).filter(may_be_near).collect();
+            if points.is_empty() {
+                continue;
+            }
             let roughly = PLACES.map(|share| {
-                let gaps = wall.thinned(STRIDE).map(|point| self.gap_mm(share, point));
+                let gaps = points.iter().map(|point| self.gap_mm(share, point));
                 (share, gaps.fold(f64::INFINITY, f64::min))
             });
             let (share, _) = roughly.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((PLACES[0], 0.0));
-            // A wall none of whose samples is nearer is nowhere touched.
-            let near_mm = CLEAR_MM + wall.mesh_mm();
             let least = wall.least_to(FINEST, near_mm, |point| self.gap_mm(share, point));
             if let Some(least) = least.filter(|least| -least.value > worst.1) {
                 worst = (share, -least.value);
             }
         }
         worst
+    }
+
+    /// Lower limit of the ring's distance from a point, on the whole line: from the ring's straight walls, or its bottom.
+    fn least_gap_mm(&self, point: &Point) -> f64 {
+        let cutter = self.turning.cutter;
+        let half = (self.below.centre - self.from) / 2.0;
+        let (off_mm, reach_mm) = ((point.xy() - (self.from + half)).norm(), half.norm());
+        let aside_mm = (off_mm - cutter.outer_radius_mm).max(cutter.inner_radius_mm - off_mm) - reach_mm;
+        aside_mm.max(self.below.bottom_mm.min(self.turning.bottom_mm) - point.z)
     }
 
     fn gap_mm(&self, share: f64, point: &Point) -> f64 {
