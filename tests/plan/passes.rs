@@ -110,7 +110,7 @@ fn the_job_of_the_second_pass_begins_with_what_the_first_program_leaves() {
 
     let report = object(&["simulate", &format!("{folder}/pass-2/job.toml")]);
     assert_eq!(number(&report["material"], "/at_rapid"), 0.0);
-    let replanned = scratch.write("PART.toml", part(1).replace("[roughing]", "[roughing]\naxis = \"blade\""));
+    let replanned = scratch.write("PART.toml", part(1));
     object(&["plan", "cup-mill", &replanned, "-o", &folder]);
     let is_there = |file: &str| std::path::Path::new(&format!("{folder}/pass-2/{file}")).exists();
     assert!(is_there("job.toml.old") && !is_there("job.toml") && !is_there("blisk-19-pass-2.nc"));
