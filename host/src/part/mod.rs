@@ -214,6 +214,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
     let blisk = geometry::build(&table.geometry, unit, blank, folder)?;
     let slot = slot_kind::slot(table.roughing.slot.as_ref(), &blisk)?;
     let passes_max = passes_max(table.roughing.passes_max.as_ref())?;
+    let output = output(&table.output, unit)?;
     check_numbers(&table.output, passes_max)?;
     Ok(PartFile {
         name: name(table, path),
@@ -227,7 +228,7 @@ fn build(table: &PartTable, path: &Path, folder: &Path) -> Result<PartFile, Part
         fixtures,
         machine,
         machine_source: machine_source(&table.machine, folder),
-        output: output(&table.output, unit)?,
+        output,
         baseline: table.baseline.as_ref().map(|entry| baseline(entry, unit)).transpose()?,
         blisk: if slot == 1 { blisk } else { blisk.from_blade(slot - 1) },
         slot,
@@ -250,7 +251,7 @@ fn check_levels(entry: &Spanned<Quantity>, depth_mm: f64, blank: &Blank) -> Resu
 /// Rejects an O number from which on there are not enough for all passes.
 fn check_numbers(entry: &OutputTable, passes_max: usize) -> Result<(), Complaint> {
     match &entry.number {
-        Some(number) if passes_max > 1 && *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
+        Some(number) if *number.as_ref() as usize + passes_max > NUMBER_MAX as usize + 1 => Err(at(
             number,
             &format!(
                 "{passes_max} passes need {passes_max} O numbers, this one and those after it, up to {NUMBER_MAX}"

@@ -121,6 +121,7 @@ def aside(point):
 
 def with_splitter(step):
     """The STEP file with a copy of its red blade, turned and green."""
+    # Entities of the blade's shell and of its colour, by their numbers in the file beside this script.
     is_of_blade = lambda number: 16 <= number < 3532 or 3629 <= number <= 3636
     renumbered = lambda found: f"#{int(found[1]) + (10000 if is_of_blade(int(found[1])) else 0)}"
 

@@ -22,16 +22,18 @@ pub struct EdgeCircle {
 }
 
 impl EdgeCircle {
-    /// Widens the engaged arc `known_rad` to all directions in `within_rad` in which there is material of the layer in front of the
-    /// edges, higher than `above_ratio` of the layer's height. The arc goes from the first to the last such direction, and is exact to
-    /// a quarter of the rays' distance; `None` without material. Angles are counter-clockwise from the layer's first axis.
+    /// Engaged arc: from the first to the last direction in `within_rad` in which there is material of the layer in front of the edges,
+    /// higher than `above_ratio` of the layer's height; exact to a quarter of the rays' distance. The arc includes `known_rad`, that of
+    /// other layers, inside of which nothing is looked up. `None` without material and without a known arc. Angles are
+    /// counter-clockwise from the layer's first axis.
     pub fn engaged_rad(
         &self,
         layer: &Layer,
         above_ratio: f64,
-        [from_rad, to_rad]: [f64; 2],
+        within_rad: [f64; 2],
         known_rad: Option<[f64; 2]>,
     ) -> Option<[f64; 2]> {
+        let [from_rad, to_rad] = within_rad;
         let known = |end: usize| known_rad.map(|ends| ends[end]);
         let first = self.first_rad(layer, above_ratio, [from_rad, known(0).unwrap_or(to_rad)]).or(known(0))?;
         let last = self.first_rad(layer, above_ratio, [to_rad, known(1).unwrap_or(first)]).or(known(1));

@@ -24,8 +24,9 @@ pub struct Floor {
 
 /// Steps of the path that follow each other on one level.
 struct Level {
-    level: usize,
+    index: usize,
     around: Around,
+    /// Lowest height of the ring.
     low_mm: f64,
     passes: Vec<Pass>,
 }
@@ -68,7 +69,7 @@ impl Level {
         let middle = Flat::from(sum / passes.len() as f64);
         let reaches_mm = passes.iter().map(|pass| (pass.around.middle - middle).norm() + pass.around.reach_mm);
         Level {
-            level: steps[0].level,
+            index: steps[0].level,
             around: Around { middle, reach_mm: reaches_mm.fold(0.0, f64::max) + SLACK_MM },
             low_mm: steps.iter().map(|step| step.from[2].min(step.to[2])).fold(f64::INFINITY, f64::min) - SLACK_MM,
             passes,
@@ -96,7 +97,7 @@ impl Floor {
     pub fn by_level_mm(&self, place: &Flat, levels: usize) -> Vec<f64> {
         let mut floors_mm = vec![f64::INFINITY; levels];
         for level in &self.levels {
-            if let Some(floor_mm) = floors_mm.get_mut(level.level) {
+            if let Some(floor_mm) = floors_mm.get_mut(level.index) {
                 *floor_mm = floor_mm.min(self.level_mm(level, place));
             }
         }
@@ -109,7 +110,7 @@ impl Floor {
     /// First level of the path at which the ring removes a point; `None` if it never does.
     pub fn first_level(&self, point: &Point) -> Option<usize> {
         let takes = |level: &&Level| level.low_mm <= point.z && self.level_mm(level, &point.xy()) <= point.z;
-        self.levels.iter().find(takes).map(|level| level.level)
+        self.levels.iter().find(takes).map(|level| level.index)
     }
 
     fn level_mm(&self, level: &Level, place: &Flat) -> f64 {
