@@ -49,6 +49,15 @@ struct Tile {
     is_stale: bool,
 }
 
+impl Tile {
+    /// Finds the extent of its rays again, if they have been cut.
+    fn refresh(&mut self, dexels: &[Dexel]) {
+        if self.is_stale {
+            *self = Tile { extent: extent_of(dexels), is_stale: false };
+        }
+    }
+}
+
 impl Grid {
     /// Builds the grid by calling `on_ray` once for every ray: it gets a point of the ray, whose coordinate along the ray is 0,
     /// and returns the material of the ray.
@@ -125,15 +134,22 @@ impl Grid {
                         let reach = rays.lose_alike(&reach, alike(row.alike()));
                         rays.lose(&reach, |column| row.losses(column_mm(column)));
                     }
-                    RowCut::Rays(pass) => rays.cut(&reach, |column, dexel| {
-                        let point_mm = point_mm(&lattice, axis, [column, row]);
-                        if !pass.may_cut(&point_mm, dexel) {
-                            return Taken::default();
-                        }
-                        let before = dexel.heap_bytes() as isize;
-                        let length_mm = pass.cut(point_mm, &reach, dexel);
-                        Taken { length_mm, heap_bytes: dexel.heap_bytes() as isize - before }
-                    }),
+                    RowCut::Rays(pass) => {
+                        let point_mm = |column: usize| point_mm(&lattice, axis, [column, row]);
+                        let cut = |column: usize, dexel: &mut Dexel| {
+                            let point_mm = point_mm(column);
+                            if !pass.may_cut(&point_mm, dexel) {
+                                return Taken::default();
+                            }
+                            let before = dexel.heap_bytes() as isize;
+                            let length_mm = pass.cut(point_mm, &reach, dexel);
+                            Taken { length_mm, heap_bytes: dexel.heap_bytes() as isize - before }
+                        };
+                        let may_cut = |columns: Range<usize>, extent: &Interval| {
+                            pass.may_cut_between([point_mm(columns.start), point_mm(columns.end - 1)], extent)
+                        };
+                        rays.cut_tiles(&reach, pass.is_tilted().then_some(&may_cut), cut);
+                    }
                 }
             }
             rays.taken
@@ -221,23 +237,39 @@ impl<'a> RowRays<'a> {
 
     /// Cuts the rays that have material in reach; `cut` returns what it takes from a ray.
     #[inline]
-    fn cut(&mut self, reach: &Reach, mut cut: impl FnMut(usize, &mut Dexel) -> Taken) {
+    fn cut(&mut self, reach: &Reach, cut: impl FnMut(usize, &mut Dexel) -> Taken) {
+        self.cut_tiles::<fn(Range<usize>, &Interval) -> bool>(reach, None, cut);
+    }
+
+    /// The same; `may_cut` says of some columns whether their rays may lose material in an interval, in which all of it lies. It is worth
+    /// looking for this interval where `cut` takes long.
+    #[inline]
+    fn cut_tiles<M: Fn(Range<usize>, &Interval) -> bool>(
+        &mut self,
+        reach: &Reach,
+        may_cut: Option<&M>,
+        mut cut: impl FnMut(usize, &mut Dexel) -> Taken,
+    ) {
         for columns in reach.parts() {
             let mut start = columns.start;
             while start < columns.end {
                 let tile = start / TILE;
                 let end = columns.end.min((tile + 1) * TILE);
+                let all = tile * TILE..self.dexels.len().min((tile + 1) * TILE);
                 let known = tile.checked_sub(self.first_tile).and_then(|tile| self.tiles.get_mut(tile));
-                if known.as_ref().is_none_or(|tile| tile.extent.meets(&reach.along)) {
+                let mut unknown = Tile { extent: EVERYWHERE, is_stale: may_cut.is_some() };
+                let tile = known.unwrap_or(&mut unknown);
+                if may_cut.is_some() {
+                    tile.refresh(&self.dexels[all.clone()]);
+                }
+                let extent = tile.extent.common(&reach.along);
+                if extent.from_mm < extent.to_mm && may_cut.is_none_or(|may_cut| may_cut(start..end, &extent)) {
                     let has_cut = cut_all(start, &mut self.dexels[start..end], &reach.along, &mut self.taken, &mut cut);
-                    if let Some(known) = known {
-                        // Looked at again where that was in vain.
-                        if !has_cut && known.is_stale {
-                            let all = tile * TILE..self.dexels.len().min((tile + 1) * TILE);
-                            known.extent = extent_of(&self.dexels[all]);
-                        }
-                        known.is_stale = has_cut;
+                    // Looked at again where that was in vain.
+                    if !has_cut {
+                        tile.refresh(&self.dexels[all]);
                     }
+                    tile.is_stale = has_cut;
                 }
                 start = end;
             }
@@ -285,6 +317,8 @@ fn point_mm(lattice: &Lattice, axis: usize, at: [usize; 2]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use arcfeed_kinematics::vector::unit;
+
     use crate::section::Sweep;
     use crate::solid::Block;
     use crate::sweep::passes;
@@ -355,6 +389,46 @@ mod tests {
                     }
                 }
                 assert_eq!(ray_by_ray.dexels(), one_by_one.dexels(), "{axis}");
+            }
+        }
+    }
+    #[test]
+    fn tilted_sweeps_leave_what_each_ray_loses_by_itself() {
+        let block = Block { lowest_mm: [0.0; 3], highest_mm: [20.0, 9.0, 6.0] };
+        let ring = Tool::ring([14.0, 11.5], 0.5, 20.0, 0.01).unwrap();
+        for axis_mm in [[0.3, 0.2, 0.93], [0.0, 0.3, 0.95], [-0.8, 0.1, 0.6]] {
+            let axis = unit(axis_mm).unwrap();
+            // The wall passes through the block, whose middle is first outside of it and then in the hole, on two levels.
+            let at =
+                |part: f64, deep: f64| [0, 1, 2].map(|k| [27.0 - 22.0 * part, 4.5, 3.0][k] + (2.0 - deep) * axis[k]);
+            let sweeps: Vec<Sweep> = (0..40)
+                .map(|k| {
+                    let (part, deep) = (f64::from(k % 20) / 20.0, f64::from(k / 20 * 3));
+                    Sweep { from_mm: at(part, deep), to_mm: at(part + 0.05, deep), axis }
+                })
+                .collect();
+            for ray_axis in 0..3 {
+                let whole = Stock::new(&block, 0.25, 1 << 26).unwrap().grids()[ray_axis].clone();
+                let [width, height] = whole.lattice.size(ray_axis);
+                let mut expected = whole.clone();
+                for pass in passes(&ring, &sweeps, ray_axis) {
+                    for (column, row) in (0..height).flat_map(|row| (0..width).map(move |column| (column, row))) {
+                        for span in pass.spans(point_mm(&whole.lattice, ray_axis, [column, row])) {
+                            expected.dexels[row * width + column].subtract(span);
+                        }
+                    }
+                }
+                assert!(expected.volume_mm3() < 0.8 * whole.volume_mm3(), "{}", expected.volume_mm3());
+                for size in [1, 40] {
+                    let mut together = whole.clone();
+                    for some in sweeps.chunks(size) {
+                        together.cut(&passes(&ring, some, ray_axis));
+                    }
+                    let pairs = together.dexels().iter().zip(expected.dexels());
+                    let most_mm =
+                        pairs.map(|(one, other)| (one.length_mm() - other.length_mm()).abs()).fold(0.0, f64::max);
+                    assert!(most_mm < 1e-6, "{axis:?} {ray_axis} {size}: {most_mm}");
+                }
             }
         }
     }

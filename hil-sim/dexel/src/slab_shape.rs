@@ -5,7 +5,7 @@
 
 use arcfeed_kinematics::vector::{Vector, difference, dot, length, scaled, sum};
 
-use super::dexel::Interval;
+use super::dexel::{Dexel, Interval};
 use super::flat::SlabSweep;
 use super::lattice::Lattice;
 use super::section::{Section, Sweep};
@@ -27,10 +27,11 @@ pub(super) struct SlabShape {
     /// Distance from the axis within which the hole spares everything; 0 without a hole.
     hole_mm: f64,
     pub flat: Option<SlabSweep>,
+    outer_mm: f64,
     axis: Vector,
-    motion_mm: Vector,
-    /// The tip halfway.
+    /// The tip halfway, and half of the way across the axis.
     halfway_mm: Vector,
+    half_across_mm: Vector,
     /// The slab's planes, wider by half of the way along the axis.
     heights_mm: [f64; 2],
 }
@@ -42,8 +43,10 @@ impl SlabShape {
         let motion_mm = sweep.motion_mm();
         let across = Lattice::across(ray_axis);
         let [low_mm, high_mm] = slab.heights_mm;
-        let half_rise_mm = dot(motion_mm, sweep.axis).abs() / 2.0;
-        let half_way_mm = length(motion_mm) / 2.0;
+        let half_mm = scaled(motion_mm, 0.5);
+        let half_across_mm = across_axis(half_mm, sweep.axis);
+        let half_rise_mm = dot(half_mm, sweep.axis).abs();
+        let half_way_mm = length(half_mm);
         let low = across.map(|axis| sweep.from_mm[axis] + motion_mm[axis] / 2.0 + low_mm * sweep.axis[axis]);
         SlabShape {
             section: Section::new(slab, sweep, ray_axis),
@@ -51,9 +54,10 @@ impl SlabShape {
             near_mm: radius_mm + half_way_mm + MARGIN_MM,
             hole_mm: slab.inner_mm.map_or(0.0, |inner| (inner[0].min(inner[1]) - MARGIN_MM).max(0.0)),
             flat: SlabSweep::new(slab, sweep, MARGIN_MM),
+            outer_mm: radius_mm + MARGIN_MM,
             axis: sweep.axis,
-            motion_mm,
-            halfway_mm: sum(sweep.from_mm, scaled(motion_mm, 0.5)),
+            halfway_mm: sum(sweep.from_mm, half_mm),
+            half_across_mm,
             heights_mm: [low_mm - half_rise_mm - MARGIN_MM, high_mm + half_rise_mm + MARGIN_MM],
         }
     }
@@ -70,43 +74,90 @@ impl SlabShape {
         off[0] * off[0] + off[1] * off[1] <= self.near_mm * self.near_mm
     }
 
-    /// Whether a piece of a ray stays in the slab's hole over the whole way. The distance of a point from the axis is a convex function
-    /// of the place on the ray and on the way, so it is largest at the ends of both.
-    pub fn spares(&self, mut ray_point_mm: Vector, ray_axis: usize, piece: &Interval) -> bool {
-        let half = scaled(self.motion_mm, 0.5);
-        [piece.from_mm, piece.to_mm].iter().all(|at_mm| {
-            ray_point_mm[ray_axis] = *at_mm;
-            let arm = difference(ray_point_mm, self.halfway_mm);
-            [difference(arm, half), sum(arm, half)].iter().all(|arm| {
-                let height_mm = dot(*arm, self.axis);
-                dot(*arm, *arm) - height_mm * height_mm < self.hole_mm * self.hole_mm
-            })
+    /// Whether a piece of a ray may lose material to the slab, wherever it lies between the slab's planes.
+    pub fn may_cut_piece(&self, ray_axis: usize, ray_point_mm: Vector, piece: &Interval) -> bool {
+        let [first, last] = self.ends_across(ray_axis, ray_point_mm, piece);
+        let line = difference(last, first);
+        let part = -dot(first, line) / dot(line, line);
+        let nearest = sum(first, scaled(line, if part > 0.0 { part.min(1.0) } else { 0.0 }));
+        !self.misses(&[first, last], nearest)
+    }
+
+    /// Whether a rectangle may lose material to the slab: the piece `extent` of all rays of a row between two of them,
+    /// which go through these points.
+    pub fn may_cut_rectangle(&self, ray_axis: usize, ray_points_mm: [Vector; 2], extent: &Interval) -> bool {
+        let heights_mm = ray_points_mm.map(|mut point_mm| {
+            point_mm[ray_axis] = 0.0;
+            dot(difference(point_mm, self.halfway_mm), self.axis)
+        });
+        let heights_mm = [heights_mm[0].min(heights_mm[1]), heights_mm[0].max(heights_mm[1])];
+        let piece = self.between_planes(heights_mm, self.axis[ray_axis], extent);
+        if piece.from_mm >= piece.to_mm {
+            return false;
+        }
+        let [[a, b], [c, d]] = ray_points_mm.map(|point_mm| self.ends_across(ray_axis, point_mm, &piece));
+        !self.misses(&[a, b, c, d], sum(sum(a, b), sum(c, d)))
+    }
+
+    /// From the slab's axis halfway to both ends of a piece of a ray, across the axis.
+    fn ends_across(&self, ray_axis: usize, mut ray_point_mm: Vector, piece: &Interval) -> [Vector; 2] {
+        [piece.from_mm, piece.to_mm].map(|at_mm| {
+            ray_point_mm[ray_axis] = at_mm;
+            across_axis(difference(ray_point_mm, self.halfway_mm), self.axis)
         })
     }
 
-    /// Part of `along` in which a ray may meet the slab, which does not reach beyond `along`.
-    pub fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval) -> Option<Interval> {
-        let [low_mm, high_mm] = self.heights_mm;
+    /// Whether all points between `corners`, which are given from the axis halfway and across it, stay in the slab's hole over the whole
+    /// way, or outside of the slab. The distance of a point from the axis is a convex function of the point and of the place on the
+    /// way, so it is largest at corners and ends. Outside are points that are all farther in one direction than the slab ever comes:
+    /// any direction `toward` will do.
+    fn misses(&self, corners: &[Vector], toward: Vector) -> bool {
+        let half = self.half_across_mm;
+        let is_in_hole = |corner: &Vector| {
+            let [one, other] = [difference(*corner, half), sum(*corner, half)];
+            dot(one, one).max(dot(other, other)) < self.hole_mm * self.hole_mm
+        };
+        let farthest = self.outer_mm * length(toward) + dot(half, toward).abs();
+        corners.iter().all(is_in_hole) || corners.iter().all(|corner| dot(*corner, toward) > farthest)
+    }
+
+    /// Part of `along` in which a ray with this material may meet the slab; it does not reach beyond `along`.
+    pub fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval, dexel: &Dexel) -> Option<Interval> {
         let along_u = self.axis[ray_axis];
         // From the tip, halfway, to the ray's point at 0.
-        let mut w = [0, 1, 2].map(|axis| ray_point_mm[axis] - self.halfway_mm[axis]);
+        let mut w = difference(*ray_point_mm, self.halfway_mm);
         w[ray_axis] = -self.halfway_mm[ray_axis];
         let height_mm = dot(w, self.axis);
-        let mut stretch = *along;
-        if along_u.abs() > STEEP_RATIO {
-            let ends = [(low_mm - height_mm) / along_u, (high_mm - height_mm) / along_u];
-            stretch = stretch.common(&Interval::new(ends[0].min(ends[1]), ends[0].max(ends[1])));
+        let stretch = self.between_planes([height_mm, height_mm], along_u, along);
+        if !dexel.meets(&stretch) {
+            return None;
         }
         let square = 1.0 - along_u * along_u;
-        if square > STEEP_RATIO {
-            let half = w[ray_axis] - height_mm * along_u;
-            let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
-            let root = libm::sqrt(half * half - square * rest);
-            if root.is_nan() {
-                return None;
-            }
-            stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
+        if square <= STEEP_RATIO {
+            return Some(stretch);
         }
+        let half = w[ray_axis] - height_mm * along_u;
+        let rest = dot(w, w) - height_mm * height_mm - self.near_mm * self.near_mm;
+        let root = libm::sqrt(half * half - square * rest);
+        if root.is_nan() {
+            return None;
+        }
+        let stretch = stretch.common(&Interval::new((-half - root) / square, (-half + root) / square));
         (stretch.length_mm() > 0.0).then_some(stretch)
     }
+
+    /// Part of `along` that is between the slab's planes on rays that have at 0 the lowest, the highest, or a height between.
+    fn between_planes(&self, [lowest_mm, highest_mm]: [f64; 2], along_u: f64, along: &Interval) -> Interval {
+        if along_u.abs() <= STEEP_RATIO {
+            return *along;
+        }
+        let [low_mm, high_mm] = self.heights_mm;
+        let per_height = 1.0 / along_u;
+        along.common(&Interval::between((low_mm - highest_mm) * per_height, (high_mm - lowest_mm) * per_height))
+    }
+}
+
+/// Part of a vector across an axis of length 1.
+fn across_axis(vector: Vector, axis: Vector) -> Vector {
+    difference(vector, scaled(axis, dot(vector, axis)))
 }

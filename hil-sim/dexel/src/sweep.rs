@@ -4,8 +4,8 @@
 //! row; they bound the columns and the stretch of the rays. Of these rays only those are asked that come as close to the
 //! slab's axis, halfway along its way, as its radius and half of its way: seen along the rays, the axis is a line; where
 //! the axis is one of the lattice's, [`flat`](super::flat) says it exactly. What is left then is the
-//! stretch of the ray between the slab's two planes and within that cylinder, if its material is not all in the hole
-//! (`slab_shape`).
+//! stretch of the ray between the slab's two planes and within that cylinder, if its material is not all in the hole, or outside
+//! (`slab_shape`). The same is asked of the rectangle about the material of neighbouring rays before it is of each of them.
 //!
 //! If the motion is perpendicular to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
 
@@ -275,6 +275,20 @@ impl Pass<'_> {
         }
     }
 
+    /// Whether the pass moves a slab whose axis is not one of the lattice's.
+    pub fn is_tilted(&self) -> bool {
+        matches!(&self.shape, Shape::Slab(shape) if shape.flat.is_none())
+    }
+
+    /// Whether any ray of a row, from the one through the first of two points to the one through the second, may lose
+    /// material, all of which lies in the interval `extent`.
+    pub fn may_cut_between(&self, ray_points_mm: [Vector; 2], extent: &Interval) -> bool {
+        match &self.shape {
+            Shape::Slab(shape) => shape.may_cut_rectangle(self.ray_axis, ray_points_mm, extent),
+            Shape::Level(_) => true,
+        }
+    }
+
     /// Removes the swept material from one ray of a row that has this reach; returns the removed length, mm.
     pub fn cut(&self, ray_point_mm: Vector, reach: &Reach, dexel: &mut Dexel) -> f64 {
         let Shape::Slab(shape) = &self.shape else {
@@ -283,10 +297,10 @@ impl Pass<'_> {
         let mut removed_mm = 0.0;
         // Ends of spans may be off the ends of what is reached by rounding.
         let along = Interval::new(reach.along.from_mm - MARGIN_MM, reach.along.to_mm + MARGIN_MM);
-        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along);
+        let stretch = shape.stretch(self.ray_axis, &ray_point_mm, &along, dexel);
         let may_lose = |stretch: &Interval| {
-            dexel.meets(stretch)
-                && dexel.extent().is_some_and(|all| !shape.spares(ray_point_mm, self.ray_axis, &stretch.common(&all)))
+            let mut pieces = dexel.met(stretch);
+            pieces.any(|piece| shape.may_cut_piece(self.ray_axis, ray_point_mm, &stretch.common(piece)))
         };
         if let Some(stretch) = stretch.filter(may_lose) {
             shape.section.for_each_span(ray_point_mm, &stretch, |span| removed_mm += dexel.subtract(span));
@@ -342,12 +356,14 @@ mod tests {
                 let mut dexel = Dexel::One(Interval::new(-6.0, 6.0));
                 let mut expected = dexel.clone();
                 pass.cut(point_mm, &reach, &mut dexel);
+                let may_cut = pass.may_cut_between([point_mm; 2], &Interval::new(-6.0, 6.0));
+                assert!(may_cut || dexel.length_mm() == 12.0, "{sweep:?} {point_mm:?}");
                 let spans = pass.spans(point_mm);
                 spans.iter().for_each(|span| {
                     expected.subtract(*span);
                 });
                 let Shape::Slab(shape) = &pass.shape else { panic!("a tilted sweep") };
-                spared += usize::from(shape.spares(point_mm, 2, &Interval::new(-6.0, 6.0)));
+                spared += usize::from(!shape.may_cut_piece(2, point_mm, &Interval::new(-6.0, 6.0)));
                 cut += usize::from(dexel.length_mm() < 12.0);
                 assert!((dexel.length_mm() - expected.length_mm()).abs() < 1e-6, "{sweep:?} {point_mm:?}");
             }
