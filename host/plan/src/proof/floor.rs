@@ -19,6 +19,7 @@ pub struct Floor {
     /// Inner and outer end of its flat part, from the axis, mm.
     flat_mm: [f64; 2],
     rounding_mm: f64,
+    around: Around,
     levels: Vec<Level>,
 }
 
@@ -46,6 +47,16 @@ struct Around {
     reach_mm: f64,
 }
 
+impl Around {
+    /// Circle about some circles.
+    fn all<'c>(circles: impl ExactSizeIterator<Item = &'c Around> + Clone) -> Self {
+        let sum: nalgebra::Vector2<f64> = circles.clone().map(|circle| circle.middle.coords).sum();
+        let middle = Flat::from(sum / circles.len().max(1) as f64);
+        let reaches_mm = circles.map(|circle| (circle.middle - middle).norm() + circle.reach_mm);
+        Around { middle, reach_mm: reaches_mm.fold(0.0, f64::max) + SLACK_MM }
+    }
+}
+
 /// Tolerance within which passes are kept in spite of rounding, mm.
 const SLACK_MM: f64 = 1e-6;
 
@@ -65,12 +76,9 @@ impl Pass {
 impl Level {
     fn new(steps: &[Step]) -> Self {
         let passes: Vec<Pass> = steps.iter().map(Pass::new).collect();
-        let sum: nalgebra::Vector2<f64> = passes.iter().map(|pass| pass.around.middle.coords).sum();
-        let middle = Flat::from(sum / passes.len() as f64);
-        let reaches_mm = passes.iter().map(|pass| (pass.around.middle - middle).norm() + pass.around.reach_mm);
         Level {
             index: steps[0].level,
-            around: Around { middle, reach_mm: reaches_mm.fold(0.0, f64::max) + SLACK_MM },
+            around: Around::all(passes.iter().map(|pass| &pass.around)),
             low_mm: steps.iter().map(|step| step.from[2].min(step.to[2])).fold(f64::INFINITY, f64::min) - SLACK_MM,
             passes,
         }
@@ -81,11 +89,18 @@ impl Floor {
     /// Floor that a ring leaves on this path.
     pub fn new(tool: &CupMill, steps: &[Step]) -> Self {
         let rounding_mm = tool.insert_radius_mm;
+        let levels: Vec<Level> = steps.chunk_by(|one, next| one.level == next.level).map(Level::new).collect();
         Floor {
             flat_mm: [tool.inner_radius_mm + rounding_mm, tool.outer_radius_mm - rounding_mm],
             rounding_mm,
-            levels: steps.chunk_by(|one, next| one.level == next.level).map(Level::new).collect(),
+            around: Around::all(levels.iter().map(|level| &level.around)),
+            levels,
         }
+    }
+
+    /// Whether the ring may come to a point; `false` only if it never does.
+    pub fn may_reach(&self, place: &Flat) -> bool {
+        self.comes_to(&self.around, place)
     }
 
     /// Lowest height of the ring over a point, mm, in the slot frame; infinite if the ring never comes there.

@@ -169,7 +169,7 @@ impl Stock<'_> {
         let mut taken_mm3 = vec![0.0; levels];
         for place in ys.iter().flat_map(|y| xs.iter().map(|x| Flat::new(*x, *y))) {
             let [low_mm, high_mm] = self.column_mm(&place);
-            if low_mm >= high_mm {
+            if low_mm >= high_mm || !floor.may_reach(&place) {
                 continue;
             }
             let mut top_mm = high_mm;
