@@ -78,6 +78,14 @@ fn part(passes_max: u32) -> String {
         .replace("[roughing]", &format!("[roughing]\npasses_max = {passes_max}"))
 }
 
+/// The objects that `plan` prints with these arguments and `--json`, one for each pass.
+fn plans(arguments: &[&str]) -> Vec<Value> {
+    let output = run(&[&["plan", "cup-mill", "--json"], arguments].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("text");
+    text.lines().map(|line| serde_json::from_str(line).expect("an object")).collect()
+}
+
 fn volume_mm3(file: &str) -> f64 {
     read_stl(std::fs::File::open(file).expect("the file")).expect("a closed surface").volume_mm3()
 }
@@ -86,10 +94,7 @@ fn volume_mm3(file: &str) -> f64 {
 fn the_job_of_the_second_pass_begins_with_what_the_first_program_leaves() {
     let scratch = Scratch::new("plan-passes");
     let (part_file, folder) = (scratch.write("PART.toml", part(2)), scratch.path("out"));
-    let output = run(&["plan", "cup-mill", &part_file, "-o", &folder, "--json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).expect("text");
-    let plans: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).expect("an object")).collect();
+    let plans = plans(&[&part_file, "-o", &folder]);
     let [first, second] = plans.as_slice() else { panic!("{} plans", plans.len()) };
     assert!(first["pass"] == 1 && second["pass"] == 2 && second["safe"] == true);
     let ratio = |plan: &Value, name: &str| number(plan, &format!("/removed/{name}"));
@@ -114,4 +119,29 @@ fn the_job_of_the_second_pass_begins_with_what_the_first_program_leaves() {
     object(&["plan", "cup-mill", &replanned, "-o", &folder]);
     let is_there = |file: &str| std::path::Path::new(&format!("{folder}/pass-2/{file}")).exists();
     assert!(is_there("job.toml.old") && !is_there("job.toml") && !is_there("blisk-19-pass-2.nc"));
+}
+
+#[test]
+fn a_wheel_has_lost_the_first_pass_in_all_slots_before_the_second() {
+    let scratch = Scratch::new("plan-passes-wheel");
+    let folder = scratch.path("out");
+    let plans = plans(&[&scratch.write("PART.toml", part(2)), "-o", &folder, "--wheel"]);
+    let planned_mm3 = |plan: &Value| number(plan, "/slots") * number(plan, "/removed/total_mm3");
+    let [blank_mm3, second_mm3] = ["stock.stl", "pass-2/stock.stl"].map(|file| volume_mm3(&format!("{folder}/{file}")));
+    println!(
+        "blank {blank_mm3:.0} mm3, stock of the second pass {second_mm3:.0}, planned {:.0}",
+        planned_mm3(&plans[0])
+    );
+    assert!(((blank_mm3 - second_mm3) / planned_mm3(&plans[0]) - 1.0).abs() < 0.01, "{second_mm3}");
+
+    let job = std::fs::read_to_string(format!("{folder}/pass-2/job.toml")).expect("the job");
+    assert!(job.contains("stl = \"stock.stl\"\nindexed = true\n"), "{job}");
+    // Coarse rays are enough for volumes.
+    let coarse = scratch.write("out/pass-2/coarse.toml", job.replace("step = 0.019685\n", "step = 0.08\n"));
+    object(&["engage", "--alike", &coarse]);
+    let report = object(&["simulate", &coarse]);
+    let removed_mm3 = number(&report["material"], "/removal/removed") * 25.4 * 25.4 * 25.4;
+    println!("{removed_mm3:.0} mm3 simulated, {:.0} planned", planned_mm3(&plans[1]));
+    assert!((removed_mm3 / planned_mm3(&plans[1]) - 1.0).abs() < 0.03, "{removed_mm3}");
+    assert_eq!(number(&report["material"], "/at_rapid"), 0.0);
 }

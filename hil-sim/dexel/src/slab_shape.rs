@@ -26,8 +26,9 @@ pub(super) struct SlabShape {
     near_mm: f64,
     /// Distance from the axis within which the hole spares everything; 0 without a hole.
     hole_mm: f64,
-    pub flat: Option<SlabSweep>,
+    /// Distance from the axis from which on nothing is cut.
     outer_mm: f64,
+    pub flat: Option<SlabSweep>,
     axis: Vector,
     /// The tip halfway, and half of the way across the axis.
     halfway_mm: Vector,

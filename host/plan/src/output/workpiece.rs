@@ -19,6 +19,8 @@ pub struct Workpiece<'a> {
 pub enum StockShape<'a> {
     /// Mesh of the blank about one slot or passage, by its path.
     Mesh(&'a str),
+    /// Mesh of the whole part, by its path; it is cut at all positions of the rotary axes.
+    WholeMesh(&'a str),
     /// Whole blank, which is cut at all positions of the rotary axes.
     Ring(BlankRing),
 }
@@ -39,6 +41,7 @@ impl Workpiece<'_> {
     pub(super) fn text(&self, length: impl Fn(f64) -> String) -> String {
         let stock = match self.stock {
             StockShape::Mesh(path) => format!("stl = {}", quoted(path)),
+            StockShape::WholeMesh(path) => format!("stl = {}\nindexed = true", quoted(path)),
             StockShape::Ring(BlankRing { ends_mm, radius_mm, bore_mm }) => {
                 let [from, to] = ends_mm.map(|end| [end.x, end.y, end.z].map(&length).join(", "));
                 let (radius, bore) = (length(radius_mm), length(bore_mm));

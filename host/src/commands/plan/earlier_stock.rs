@@ -1,4 +1,4 @@
-//! Stock of a later pass: what earlier ones have left of the blank about the first slot, in dexels.
+//! Stock of a later pass: what earlier ones have left of the blank, or of its part about the first slot, in dexels.
 
 use std::fmt::Display;
 use std::io::Cursor;

@@ -28,8 +28,8 @@ const SETTINGS: &str = "settings.toml";
 /// Control of the programs.
 pub(super) const CONTROL: &str = "fanuc-16i";
 
-/// Writes the files of all passes, each into its own folder. The workpiece of a job is the whole wheel before the first pass, or the part
-/// of it about the first slot after the earlier passes.
+/// Writes the files of all passes, each into its own folder. The workpiece of a job is the whole wheel, or the part of it about the first
+/// slot, as the earlier passes leave it.
 ///
 /// # Errors
 /// A program cannot be written for the control, or a file cannot be written.
@@ -48,15 +48,15 @@ fn write_pass(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[Pa
     let [blank, part] = meshes(composed, is_whole);
     let part = to_stl(&part).map_err(|error| failed(&error))?;
     let stock = match number {
-        2.. if !is_whole => earlier_stock::stl(composed, &blank, RAYS_MM).map_err(|why| failed(&why))?,
+        2.. => earlier_stock::stl(composed, &blank, RAYS_MM).map_err(|why| failed(&why))?,
         _ => to_stl(&blank).map_err(|error| failed(&error))?,
     };
     let settings = control_settings(composed);
     let map = format!("{stem}.engaged.toml");
-    let shape = if is_whole {
-        StockShape::Ring(ring(&composed.part.blisk, &composed.valued.plan.turn))
-    } else {
-        StockShape::Mesh("stock.stl")
+    let shape = match number {
+        _ if !is_whole => StockShape::Mesh("stock.stl"),
+        2.. => StockShape::WholeMesh("stock.stl"),
+        _ => StockShape::Ring(ring(&composed.part.blisk, &composed.valued.plan.turn)),
     };
     let job = job(composed, shape, [&name, &map], settings.as_ref().map(|_| SETTINGS))?;
     let page = Page { viewer: Some(viewer::data(composed)), ..page::report(composed).page() }.to_string();
