@@ -14,6 +14,7 @@ use crate::proof_cases::published_tool;
 use crate::proof_dexels::Dexels;
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor;
+use crate::wheel::MM3_PER_IN3;
 
 /// Tool axis of the rotor with 13 blades with which one pass removes most; the roomiest axis takes much of what that leaves.
 const BEST_AXIS: [f64; 3] = [0.974, 0.226, 0.0];
@@ -140,7 +141,7 @@ fn a_wheel_has_lost_the_first_pass_in_all_slots_before_the_second() {
     let coarse = scratch.write("out/pass-2/coarse.toml", job.replace("step = 0.019685\n", "step = 0.08\n"));
     object(&["engage", "--alike", &coarse]);
     let report = object(&["simulate", &coarse]);
-    let removed_mm3 = number(&report["material"], "/removal/removed") * 25.4 * 25.4 * 25.4;
+    let removed_mm3 = number(&report["material"], "/removal/removed") * MM3_PER_IN3;
     println!("{removed_mm3:.0} mm3 simulated, {:.0} planned", planned_mm3(&plans[1]));
     assert!((removed_mm3 / planned_mm3(&plans[1]) - 1.0).abs() < 0.03, "{removed_mm3}");
     assert_eq!(number(&report["material"], "/at_rapid"), 0.0);

@@ -6,7 +6,7 @@ use arcfeed_tests::{Scratch, number, object, of_full_set, root, run};
 use serde_json::Value;
 
 const SLOTS: usize = 19;
-const MM3_PER_IN3: f64 = 25.4 * 25.4 * 25.4;
+pub const MM3_PER_IN3: f64 = 25.4 * 25.4 * 25.4;
 /// Volume of the example's blank, from its bore 5 mm below the hub.
 const BLANK_MM3: f64 = PI * (98.6 * 98.6 - 65.0 * 65.0) * 28.0;
 

@@ -30,6 +30,9 @@ const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::
 /// Rays of a row that are left out together where none of them has material for a pass.
 const TILE: usize = 16;
 
+/// Whether the rays of some columns may lose material, all of which lies in an interval.
+type MayCut<'m> = dyn Fn(Range<usize>, &Interval) -> bool + 'm;
+
 /// The rays of one row while passes cut it, some columns of it in tiles.
 struct RowRays<'a> {
     dexels: &'a mut [Dexel],
@@ -145,10 +148,10 @@ impl Grid {
                             let length_mm = pass.cut(point_mm, &reach, dexel);
                             Taken { length_mm, heap_bytes: dexel.heap_bytes() as isize - before }
                         };
-                        let may_cut = |columns: Range<usize>, extent: &Interval| {
+                        let may_cut: &MayCut<'_> = &|columns, extent| {
                             pass.may_cut_between([point_mm(columns.start), point_mm(columns.end - 1)], extent)
                         };
-                        rays.cut_tiles(&reach, pass.is_tilted().then_some(&may_cut), cut);
+                        rays.cut_tiles(&reach, pass.is_tilted().then_some(may_cut), cut);
                     }
                 }
             }
@@ -238,16 +241,15 @@ impl<'a> RowRays<'a> {
     /// Cuts the rays that have material in reach; `cut` returns what it takes from a ray.
     #[inline]
     fn cut(&mut self, reach: &Reach, cut: impl FnMut(usize, &mut Dexel) -> Taken) {
-        self.cut_tiles::<fn(Range<usize>, &Interval) -> bool>(reach, None, cut);
+        self.cut_tiles(reach, None, cut);
     }
 
-    /// The same; `may_cut` says of some columns whether their rays may lose material in an interval, in which all of it lies. It is worth
-    /// looking for this interval where `cut` takes long.
+    /// The same. Where `cut` takes long, `may_cut` is asked first, for each tile.
     #[inline]
-    fn cut_tiles<M: Fn(Range<usize>, &Interval) -> bool>(
+    fn cut_tiles(
         &mut self,
         reach: &Reach,
-        may_cut: Option<&M>,
+        may_cut: Option<&MayCut<'_>>,
         mut cut: impl FnMut(usize, &mut Dexel) -> Taken,
     ) {
         for columns in reach.parts() {
@@ -392,6 +394,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn tilted_sweeps_leave_what_each_ray_loses_by_itself() {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [20.0, 9.0, 6.0] };

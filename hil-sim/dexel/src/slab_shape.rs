@@ -79,6 +79,7 @@ impl SlabShape {
     pub fn may_cut_piece(&self, ray_axis: usize, ray_point_mm: Vector, piece: &Interval) -> bool {
         let [first, last] = self.ends_across(ray_axis, ray_point_mm, piece);
         let line = difference(last, first);
+        // No number where the ray is parallel to the axis.
         let part = -dot(first, line) / dot(line, line);
         let nearest = sum(first, scaled(line, if part > 0.0 { part.min(1.0) } else { 0.0 }));
         !self.misses(&[first, last], nearest)
@@ -87,10 +88,7 @@ impl SlabShape {
     /// Whether a rectangle may lose material to the slab: the piece `extent` of all rays of a row between two of them,
     /// which go through these points.
     pub fn may_cut_rectangle(&self, ray_axis: usize, ray_points_mm: [Vector; 2], extent: &Interval) -> bool {
-        let heights_mm = ray_points_mm.map(|mut point_mm| {
-            point_mm[ray_axis] = 0.0;
-            dot(difference(point_mm, self.halfway_mm), self.axis)
-        });
+        let heights_mm = ray_points_mm.map(|point_mm| dot(self.arm_mm(ray_axis, point_mm, 0.0), self.axis));
         let heights_mm = [heights_mm[0].min(heights_mm[1]), heights_mm[0].max(heights_mm[1])];
         let piece = self.between_planes(heights_mm, self.axis[ray_axis], extent);
         if piece.from_mm >= piece.to_mm {
@@ -101,17 +99,19 @@ impl SlabShape {
     }
 
     /// From the slab's axis halfway to both ends of a piece of a ray, across the axis.
-    fn ends_across(&self, ray_axis: usize, mut ray_point_mm: Vector, piece: &Interval) -> [Vector; 2] {
-        [piece.from_mm, piece.to_mm].map(|at_mm| {
-            ray_point_mm[ray_axis] = at_mm;
-            across_axis(difference(ray_point_mm, self.halfway_mm), self.axis)
-        })
+    fn ends_across(&self, ray_axis: usize, ray_point_mm: Vector, piece: &Interval) -> [Vector; 2] {
+        [piece.from_mm, piece.to_mm].map(|at_mm| across_axis(self.arm_mm(ray_axis, ray_point_mm, at_mm), self.axis))
     }
 
-    /// Whether all points between `corners`, which are given from the axis halfway and across it, stay in the slab's hole over the whole
-    /// way, or outside of the slab. The distance of a point from the axis is a convex function of the point and of the place on the
-    /// way, so it is largest at corners and ends. Outside are points that are all farther in one direction than the slab ever comes:
-    /// any direction `toward` will do.
+    /// From the tip halfway to the place of a ray at this coordinate along it.
+    fn arm_mm(&self, ray_axis: usize, mut ray_point_mm: Vector, at_mm: f64) -> Vector {
+        ray_point_mm[ray_axis] = at_mm;
+        difference(ray_point_mm, self.halfway_mm)
+    }
+
+    /// Whether all points between `corners` (from the axis halfway, across it) stay in the slab's hole over the whole way, or outside of the
+    /// slab. The distance of a point from the axis is a convex function of the point and of the place on the way, so it is largest at
+    /// corners and ends. Points that are all farther in one direction than the slab ever comes are outside: any direction `toward` will do.
     fn misses(&self, corners: &[Vector], toward: Vector) -> bool {
         let half = self.half_across_mm;
         let is_in_hole = |corner: &Vector| {
@@ -125,9 +125,7 @@ impl SlabShape {
     /// Part of `along` in which a ray with this material may meet the slab; it does not reach beyond `along`.
     pub fn stretch(&self, ray_axis: usize, ray_point_mm: &Vector, along: &Interval, dexel: &Dexel) -> Option<Interval> {
         let along_u = self.axis[ray_axis];
-        // From the tip, halfway, to the ray's point at 0.
-        let mut w = difference(*ray_point_mm, self.halfway_mm);
-        w[ray_axis] = -self.halfway_mm[ray_axis];
+        let w = self.arm_mm(ray_axis, *ray_point_mm, 0.0);
         let height_mm = dot(w, self.axis);
         let stretch = self.between_planes([height_mm, height_mm], along_u, along);
         if !dexel.meets(&stretch) {

@@ -17,8 +17,8 @@ const act = async (selector) => {
     await page.locator(selector).click();
     await ready();
 };
-/** Runs the job with a click, and waits for the report that the page then loads: the next run or program takes it away. */
-const report = async (selector) => {
+/** Runs the job with a click, and waits until the page has loaded its report: the next run or program takes it away. */
+const actAndLoad = async (selector) => {
     const loaded = page.waitForResponse((response) => response.url().startsWith(`${url}report?`));
     await act(selector);
     await loaded;
@@ -107,12 +107,12 @@ async function keeps() {
     await page.locator('#conflict [value=""]').click();
     assert.equal(await job.inputValue(), own);
     await page.locator('#run').click();
-    await report('#conflict [value=text]');
+    await actAndLoad('#conflict [value=text]');
     assert.equal(await job.inputValue(), own);
     assert.ok(await page.locator('#report-part').isVisible() && await page.locator('#stale').isHidden());
     await page.locator('#values [name=teeth]').fill('6');
     await page.locator('#run').click();
-    await report('#conflict [value=form]');
+    await actAndLoad('#conflict [value=form]');
     assert.match(await job.inputValue(), /^teeth = 6$/m);
 }
 

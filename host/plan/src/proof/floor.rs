@@ -48,7 +48,7 @@ struct Around {
 }
 
 impl Around {
-    /// Circle about some circles.
+    /// Circle about some circles; about the origin without any.
     fn all<'c>(circles: impl ExactSizeIterator<Item = &'c Around> + Clone) -> Self {
         let sum: nalgebra::Vector2<f64> = circles.clone().map(|circle| circle.middle.coords).sum();
         let middle = Flat::from(sum / circles.len().max(1) as f64);

@@ -53,10 +53,10 @@ fn write_pass(composed: &PlanResult, is_whole: bool, folder: &Path, inputs: &[Pa
     };
     let settings = control_settings(composed);
     let map = format!("{stem}.engaged.toml");
-    let shape = match number {
-        _ if !is_whole => StockShape::Mesh("stock.stl"),
-        2.. => StockShape::WholeMesh("stock.stl"),
-        _ => StockShape::Ring(ring(&composed.part.blisk, &composed.valued.plan.turn)),
+    let shape = match (is_whole, number) {
+        (false, _) => StockShape::Mesh("stock.stl"),
+        (true, 2..) => StockShape::WholeMesh("stock.stl"),
+        (true, _) => StockShape::Ring(ring(&composed.part.blisk, &composed.valued.plan.turn)),
     };
     let job = job(composed, shape, [&name, &map], settings.as_ref().map(|_| SETTINGS))?;
     let page = Page { viewer: Some(viewer::data(composed)), ..page::report(composed).page() }.to_string();
