@@ -3,7 +3,7 @@
 //! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. Each ring is planned and
 //! proven as the part's own one is.
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 
 use crate::cup_mill::infeasibility::Infeasible;
 use crate::cutter::CupMill;
@@ -43,6 +43,16 @@ pub fn resized(cutter: &CupMill, middle_mm: f64, width_mm: f64) -> CupMill {
     CupMill { outer_radius_mm, inner_radius_mm, ..cutter.clone() }
 }
 
+/// Whether two widths are the same but for rounding.
+fn is_same(a_mm: f64, b_mm: f64) -> bool {
+    (a_mm - b_mm).abs() < 1e-9
+}
+
+/// The trial of a width, if there has been one: each takes seconds.
+fn tried(trials: &[Trial], width_mm: f64) -> Option<&Trial> {
+    trials.iter().find(|trial| is_same(trial.width_mm, width_mm))
+}
+
 /// Results of rings about the cutter's middle radius, by width, and then of other middle radii with the best of these widths.
 /// `share_ratio` is the removed fraction of a cutter.
 pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, Infeasible> + Sync) -> [Vec<Trial>; 2] {
@@ -56,8 +66,8 @@ pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, In
     // No insert is wider than half of its ring.
     let least_mm = (low * own_mm).max(2.0 * cutter.insert_radius_mm);
     let step_mm = (high * own_mm - least_mm) / f64::from(LOOKS);
-    let mut widths_mm: Vec<f64> = (0..=LOOKS).map(|k| least_mm + step_mm * f64::from(k)).collect();
-    widths_mm.push(own_mm);
+    let grid = (0..=LOOKS).map(|k| least_mm + step_mm * f64::from(k)).filter(|width_mm| !is_same(*width_mm, own_mm));
+    let widths_mm: Vec<f64> = grid.chain([own_mm]).collect();
     let mut by_width: Vec<Trial> = widths_mm.into_par_iter().map(|width_mm| trial(own_middle_mm, width_mm)).collect();
     let most =
         |trials: &[Trial]| trials.iter().max_by(|a, b| a.worth().total_cmp(&b.worth())).map_or(own_mm, |t| t.width_mm);
@@ -65,12 +75,48 @@ pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, In
     let mut ends = [(best_mm - step_mm).max(least_mm), best_mm + step_mm];
     for _ in 0..SECTIONS {
         let inner = [GOLDEN, 1.0 - GOLDEN].map(|share| ends[0] * share + ends[1] * (1.0 - share));
-        let (low, high) = rayon::join(|| trial(own_middle_mm, inner[0]), || trial(own_middle_mm, inner[1]));
-        ends = if low.worth() > high.worth() { [ends[0], inner[1]] } else { [inner[0], ends[1]] };
-        by_width.extend([low, high]);
+        let new: Vec<f64> = inner.into_iter().filter(|width_mm| tried(&by_width, *width_mm).is_none()).collect();
+        by_width.par_extend(new.into_par_iter().map(|width_mm| trial(own_middle_mm, width_mm)));
+        let [low, high] = inner.map(|width_mm| tried(&by_width, width_mm).map_or(-1.0, Trial::worth));
+        ends = if low > high { [ends[0], inner[1]] } else { [inner[0], ends[1]] };
     }
     by_width.sort_by(|a, b| a.width_mm.total_cmp(&b.width_mm));
     let best_mm = most(&by_width);
     let by_middle = MIDDLES.into_par_iter().map(|ratio| trial(ratio * own_middle_mm, best_mm)).collect();
     [by_width, by_middle]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+
+    /// Most at 15.2 mm; the part's own width lies on the grid.
+    #[test]
+    fn each_ring_is_planned_once_and_the_best_one_is_found() {
+        let cutter = CupMill {
+            outer_radius_mm: 128.0,
+            inner_radius_mm: 112.0,
+            insert_radius_mm: 0.8,
+            cavity_depth_mm: 60.0,
+            height_mm: 90.0,
+            holder_mm: vec![],
+            active_teeth: 10,
+        };
+        let planned = Mutex::new(Vec::new());
+        let [by_width, by_middle] = trials(&cutter, |ring| {
+            planned.lock().expect("a list").push([ring.outer_radius_mm, ring.inner_radius_mm]);
+            Ok(1.0 - (ring.outer_radius_mm - ring.inner_radius_mm - 15.2).abs() / 100.0)
+        });
+        let planned = planned.into_inner().expect("a list");
+        let apart = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+        for (at, ring) in planned.iter().enumerate() {
+            assert!(planned[..at].iter().all(|earlier| apart(earlier, ring) > 1e-6), "{ring:?} twice in {planned:?}");
+        }
+        assert_eq!(planned.len(), by_width.len() + by_middle.len());
+        assert!(by_width.iter().any(|trial| trial.width_mm == 16.0));
+        // The grid's step of 1.33 mm, after three sections: 0.2.
+        assert!(by_middle.iter().all(|trial| (trial.width_mm - 15.2).abs() < 0.4), "{by_middle:?}");
+    }
 }
