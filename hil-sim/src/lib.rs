@@ -4,8 +4,8 @@
 //!
 //! One simulated time base, in steps of one millisecond; no wall clock, no randomness. The control and its axes are in
 //! `arcfeed-control`, the stock in `arcfeed-dexel`, modes in `arcfeed-modal`, chips and forces in `arcfeed-milling`. Here [`faults`] corrupt the
-//! controller on purpose, an [`override_source`] sets the override, [`move_override`] records it, the [`simulation`] combines them all, and [`removal`] cuts a stock
-//! with its run.
+//! controller on purpose, an [`override_source`] sets the override, [`move_override`] records it, the [`simulation`] combines them all, [`removal`] cuts a stock
+//! with its run, and a [`path_trace`] has the tool's path.
 
 pub mod faults;
 
@@ -16,3 +16,5 @@ pub mod override_source;
 pub mod simulation;
 
 pub mod removal;
+
+pub mod path_trace;

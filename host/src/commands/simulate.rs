@@ -23,8 +23,6 @@ pub(super) mod setup;
 
 pub(super) mod move_log;
 
-pub(super) mod path_trace;
-
 mod block_pairs;
 
 pub(super) mod material_figures;

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
+use arcfeed_hil_sim::path_trace::PathTrace;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulation::Simulation;
@@ -14,7 +15,6 @@ use arcfeed_units::Micros;
 use super::super::outcome::{Failure, on_interrupt};
 use super::block_lines::BlockLocator;
 use super::move_log::MoveLog;
-use super::path_trace::PathTrace;
 use super::progress_line::ProgressLine;
 use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;

@@ -2,6 +2,7 @@
 //! NC text.
 
 use arcfeed_dexel::tool::Tool;
+use arcfeed_hil_sim::path_trace::{TracePoint, UP};
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::rate::windows;
 use arcfeed_milling::cutting::meter::MoveChips;
@@ -12,7 +13,6 @@ use arcfeed_units::{LengthUnit, Micros, Nm};
 use super::chip_quantity::ChipQuantity;
 use super::listing::ProgramListing;
 use super::observer::RunObserver;
-use super::path_trace::{TracePoint, UP};
 use super::run_findings::findings;
 use super::stock_frames::StockFrames;
 use crate::report::figures::RunReport;

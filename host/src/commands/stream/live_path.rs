@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 
 use arcfeed_control::action::{MoveContext, ProgrammedPath};
+use arcfeed_hil_sim::path_trace::{TracePoint, UP};
 use arcfeed_hil_sim::removal::placement::WorkpiecePlacement;
 use arcfeed_hil_sim::removal::trail::AxisPosition;
 use arcfeed_nc::machining::ToolInSpindle;
@@ -10,7 +11,6 @@ use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{MicroDeg, Micros, S_PER_MIN, US_PER_S};
 
 use super::super::outcome::Failure;
-use super::super::simulate::path_trace::{TracePoint, UP};
 use super::super::simulate::viewer::{outlines, path_columns};
 use super::preparation::{LineMove, PreparedProgram};
 use crate::console::note;

@@ -12,7 +12,7 @@ use super::super::outcome::Failure;
 use super::super::simulate::control::control_settings;
 use super::super::simulate::observer::RunObserver;
 use crate::job::JobFile;
-use crate::port::{Machine, Port, PortError};
+use crate::port::{Machine, Port, PortError, ToolOnPart};
 use crate::report::figures::{AlarmFigures, LinkFigures};
 
 /// Longest time until the axes rest after feed hold.
@@ -169,13 +169,15 @@ impl<D: OverrideSource> Port for SimPort<D> {
         let control = self.simulation.control();
         let origin = self.simulation.context().origin.linear.map(Nm::to_mm);
         let [x, y, z, ..] = control.actual_axes();
+        let last = self.observer.as_ref().and_then(|observer| observer.trace.on_part());
+        let on_part = last.map(|last| ToolOnPart { tip_mm: last.position_mm, axis: last.axis });
         let alarm = control.alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
         Machine {
             override_percent: Some(control.override_percent()),
             chip_ratio: self.simulation.meter().last_ratio(),
             alarm: alarm.map(|alarm| alarm.to_string()),
             position_mm: Some([x - origin[0], y - origin[1], z - origin[2]]),
-            on_part: self.observer.as_ref().and_then(|observer| observer.trace.on_part()),
+            on_part,
             feed_mm_per_min: Some(control.speed_mm_per_s() * S_PER_MIN),
         }
     }

@@ -5,16 +5,15 @@
 //! soon are merged into the next, and the largest chip load and feed stay.
 
 use arcfeed_control::action::MoveContext;
-use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::removal::placement::WorkpiecePlacement;
-use arcfeed_hil_sim::removal::trail::AxisPosition;
-use arcfeed_hil_sim::simulation::{STEP, Simulation};
 use arcfeed_kinematics::machine::Machine;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
-use crate::port::ToolOnPart;
+use crate::override_source::OverrideSource;
+use crate::removal::placement::WorkpiecePlacement;
+use crate::removal::trail::AxisPosition;
+use crate::simulation::{STEP, Simulation};
 
 /// Most points of a run.
 const POINTS_MAX: usize = 1 << 18;
@@ -60,7 +59,7 @@ pub struct TracePoint {
     pub percent: u8,
 }
 
-/// Tool path of a run, for the viewer.
+/// Tool path of a run, to be shown.
 #[derive(Debug)]
 pub struct PathTrace {
     points: Vec<TracePoint>,
@@ -156,10 +155,9 @@ impl PathTrace {
         self.close();
     }
 
-    /// Tip and axis of the tool on the part in the last millisecond observed; `None` before the first move, and without a machine.
-    pub fn on_part(&self) -> Option<ToolOnPart> {
-        let TracePoint { position_mm: tip_mm, axis, .. } = self.machine.and(self.open)?;
-        Some(ToolOnPart { tip_mm, axis })
+    /// Last millisecond observed, on the part; `None` before the first move, and without a machine.
+    pub fn on_part(&self) -> Option<&TracePoint> {
+        self.open.as_ref().filter(|_| self.machine.is_some())
     }
 
     /// Points in the order of time; complete after [`PathTrace::end`].
